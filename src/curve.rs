@@ -1,0 +1,627 @@
+//! Stress–strain curves `Ef`: nominal stress \[kPa\] as a function of engineering strain \[-\].
+//!
+//! The paper (Nikolaev 2013, "Nonlinearity modeling") builds `Ef` from marked points joined by
+//! segments or splines; pieces may be polynomial, trigonometric or exponential. [`CurveSpec`] is
+//! that description as it stands in a scene file, [`Curve`] is the checked, callable curve.
+//!
+//! Uses nothing of this crate. Used by `springs`, `scene`, `experiment` and the views.
+//!
+//! Three assumptions that the paper does not state:
+//! * compression is the odd extension, `Ef(−ε) = −Ef(ε)`;
+//! * beyond the last point the curve goes on as a line with its end slope, and
+//!   [`Curve::is_beyond_data`] tells so;
+//! * `Ef` is strictly increasing, so that its energy is convex.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
+
+/// The strain up to which the analytic presets are meant to be read \[-\] (the paper: 0 to 1).
+pub const FULL_STRAIN: f64 = 1.0;
+
+/// The most marked points or sections that a curve may have.
+pub const MAX_POINTS: usize = 100_000;
+
+/// A stress–strain curve as written in a scene file. Stresses in kPa, strains without unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum CurveSpec {
+    /// Skin preset: slope 100 kPa up to 0.4, cubic to (0.7; 205 kPa), slope 1000 kPa beyond.
+    Skin {},
+    /// Adipose preset: 0.4 kPa · atan(7.5 ε), initial modulus 3 kPa.
+    Adipose {},
+    /// `modulus_kpa · ε`.
+    Linear {
+        /// Young's modulus \[kPa\], > 0.
+        modulus_kpa: f64,
+    },
+    /// `scale_kpa · atan(rate · ε)`.
+    Arctangent {
+        /// Stress scale \[kPa\], > 0; the stress tends to π/2 of it.
+        scale_kpa: f64,
+        /// Rate \[-\], > 0; the initial modulus is `scale_kpa · rate`.
+        rate: f64,
+    },
+    /// Fung's exponential, `scale_kpa · (exp(rate · ε) − 1)`.
+    Exponential {
+        /// Stress scale \[kPa\], > 0.
+        scale_kpa: f64,
+        /// Rate \[-\], > 0 and at most 100.
+        rate: f64,
+    },
+    /// Marked points, the first of them (0, 0), joined as `interpolation` says.
+    Points {
+        /// `[strain, stress_kpa]` pairs, both strictly increasing.
+        points: Vec<[f64; 2]>,
+        /// Straight lines or a monotone cubic spline.
+        #[serde(default)]
+        interpolation: Interpolation,
+    },
+    /// Sections one after the other from strain 0, each starting at the stress the one before ended with.
+    Sections {
+        /// The sections, the first `from` 0, each `from` the `to` of the one before.
+        sections: Vec<Section>,
+    },
+}
+
+/// How marked points are joined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// Straight lines between the points.
+    #[default]
+    Line,
+    /// Monotone piecewise cubic (C¹, no overshoot).
+    Spline,
+}
+
+/// One section of a curve; `x = ε − from` is the strain counted from its start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Section {
+    /// Adds `modulus_kpa · x`.
+    Linear {
+        /// Start strain \[-\].
+        from: f64,
+        /// End strain \[-\].
+        to: f64,
+        /// Slope \[kPa\], > 0.
+        modulus_kpa: f64,
+    },
+    /// Cubic Hermite piece from the stress and slope the section before ended with.
+    Cubic {
+        /// Start strain \[-\].
+        from: f64,
+        /// End strain \[-\].
+        to: f64,
+        /// Stress at `to` \[kPa\].
+        end_stress_kpa: f64,
+        /// Slope at `to` \[kPa\].
+        end_slope_kpa: f64,
+    },
+    /// Adds `Σ coefficients_kpa[k] · x^(k+1)`.
+    Polynomial {
+        /// Start strain \[-\].
+        from: f64,
+        /// End strain \[-\].
+        to: f64,
+        /// Coefficients of x, x², … \[kPa\], 1 to 8 of them.
+        coefficients_kpa: Vec<f64>,
+    },
+    /// Adds `scale_kpa · atan(rate · x)`.
+    Arctangent {
+        /// Start strain \[-\].
+        from: f64,
+        /// End strain \[-\].
+        to: f64,
+        /// Stress scale \[kPa\], > 0.
+        scale_kpa: f64,
+        /// Rate \[-\], > 0.
+        rate: f64,
+    },
+    /// Adds `scale_kpa · sin(rate · x)`, increasing while `rate · x < π/2`.
+    Sine {
+        /// Start strain \[-\].
+        from: f64,
+        /// End strain \[-\].
+        to: f64,
+        /// Stress scale \[kPa\], > 0.
+        scale_kpa: f64,
+        /// Rate \[-\], > 0.
+        rate: f64,
+    },
+    /// Adds `scale_kpa · (exp(rate · x) − 1)`.
+    Exponential {
+        /// Start strain \[-\].
+        from: f64,
+        /// End strain \[-\].
+        to: f64,
+        /// Stress scale \[kPa\], > 0.
+        scale_kpa: f64,
+        /// Rate \[-\], > 0.
+        rate: f64,
+    },
+}
+
+/// Why a curve is refused. The message names the point or field and what is allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CurveError {
+    /// A parameter is not a number in its range.
+    #[error("{field} is {value}; allowed: {allowed}")]
+    Parameter {
+        /// The field's name inside the curve.
+        field: String,
+        /// What was given.
+        value: f64,
+        /// The allowed range, in words.
+        allowed: &'static str,
+    },
+    /// Fewer than two points, no section, or too many.
+    #[error("{field} has {count} entries; allowed: {allowed}")]
+    Count {
+        /// `points` or `sections`.
+        field: &'static str,
+        /// How many were given.
+        count: usize,
+        /// The allowed range, in words.
+        allowed: &'static str,
+    },
+    /// A marked point or section breaks the rules.
+    #[error("{field}[{index}] {problem}")]
+    Entry {
+        /// `points` or `sections`.
+        field: &'static str,
+        /// Its place in the list, from 0.
+        index: usize,
+        /// What is wrong and what is allowed.
+        problem: String,
+    },
+}
+
+/// A checked stress–strain curve: continuous, zero at zero, strictly increasing, odd.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Pieces in order of strain, at least one; the last one is followed by a line.
+    pieces: Vec<Piece>,
+    /// Strain where the data ends \[-\].
+    data_end: f64,
+    /// Stress and slope at `data_end` \[kPa\].
+    end: (f64, f64),
+    /// Strain energy density at `data_end` \[kPa\].
+    end_energy: f64,
+}
+
+/// `stress = base + shape(ε − from)` on one interval.
+#[derive(Clone, Debug, PartialEq)]
+struct Piece {
+    from: f64,
+    base: f64,
+    /// Energy density \[kPa\] gathered up to `from`.
+    energy: f64,
+    shape: Shape,
+}
+
+/// An increment of stress over `x ≥ 0`, zero at zero.
+#[derive(Clone, Debug, PartialEq)]
+enum Shape {
+    /// Σ c[k] x^(k+1).
+    Polynomial(Vec<f64>),
+    Arctangent {
+        scale: f64,
+        rate: f64,
+    },
+    Sine {
+        scale: f64,
+        rate: f64,
+    },
+    Exponential {
+        scale: f64,
+        rate: f64,
+    },
+}
+
+impl Shape {
+    fn stress(&self, x: f64) -> f64 {
+        match self {
+            Self::Polynomial(c) => c.iter().rev().fold(0.0, |sum, c| (sum + c) * x),
+            Self::Arctangent { scale, rate } => scale * (rate * x).atan(),
+            Self::Sine { scale, rate } => scale * (rate * x).sin(),
+            Self::Exponential { scale, rate } => scale * (rate * x).exp_m1(),
+        }
+    }
+
+    fn slope(&self, x: f64) -> f64 {
+        match self {
+            Self::Polynomial(c) => {
+                c.iter().enumerate().rev().fold(0.0, |sum, (k, c)| sum * x + (k + 1) as f64 * c)
+            }
+            Self::Arctangent { scale, rate } => scale * rate / (1.0 + (rate * x).powi(2)),
+            Self::Sine { scale, rate } => scale * rate * (rate * x).cos(),
+            Self::Exponential { scale, rate } => scale * rate * (rate * x).exp(),
+        }
+    }
+
+    /// ∫₀ˣ stress.
+    fn energy(&self, x: f64) -> f64 {
+        match self {
+            Self::Polynomial(c) => {
+                c.iter().enumerate().rev().fold(0.0, |sum, (k, c)| (sum + c / (k + 2) as f64) * x)
+                    * x
+            }
+            Self::Arctangent { scale, rate } => {
+                let y = rate * x;
+                scale * (x * y.atan() - 0.5 * (y * y).ln_1p() / rate)
+            }
+            Self::Sine { scale, rate } => {
+                let half = (0.5 * rate * x).sin();
+                2.0 * scale * half * half / rate
+            }
+            Self::Exponential { scale, rate } => scale * ((rate * x).exp_m1() / rate - x),
+        }
+    }
+
+    /// Is the slope positive on the whole of [0, length] (the end points may be flat)?
+    fn increases_over(&self, length: f64) -> bool {
+        match self {
+            Self::Polynomial(c) if c.len() <= 3 => {
+                // The slope is a quadratic: its least value is at an end or at its vertex.
+                let [b, d] = [1, 2].map(|k| c.get(k).copied().unwrap_or(0.0));
+                let vertex = if d > 0.0 { -b / (3.0 * d) } else { 0.0 };
+                let tiny = -1e-12 * c.iter().map(|c| c.abs()).sum::<f64>();
+                [0.0, length, vertex.clamp(0.0, length)].iter().all(|&x| self.slope(x) >= tiny)
+            }
+            Self::Polynomial(_) => {
+                (0..=1000).all(|k| self.slope(length * f64::from(k) / 1000.0) >= 0.0)
+            }
+            Self::Sine { rate, .. } => rate * length <= FRAC_PI_2,
+            Self::Arctangent { .. } | Self::Exponential { .. } => true,
+        }
+    }
+}
+
+impl Curve {
+    /// Checks a description and makes it callable.
+    ///
+    /// # Errors
+    /// [`CurveError`] names the parameter, point or section that is wrong and what is allowed.
+    pub fn new(spec: &CurveSpec) -> Result<Self, CurveError> {
+        match spec {
+            CurveSpec::Skin {} => Self::from_sections(&skin_sections()),
+            CurveSpec::Adipose {} => {
+                Self::from_shape(Shape::Arctangent { scale: 0.4, rate: 7.5 }, FULL_STRAIN)
+            }
+            CurveSpec::Linear { modulus_kpa } => {
+                let modulus = checked("modulus_kpa", *modulus_kpa, STRESS_SCALE)?;
+                Self::from_shape(Shape::Polynomial(vec![modulus]), FULL_STRAIN)
+            }
+            CurveSpec::Arctangent { scale_kpa, rate } => {
+                let scale = checked("scale_kpa", *scale_kpa, STRESS_SCALE)?;
+                let rate = checked("rate", *rate, RATE)?;
+                Self::from_shape(Shape::Arctangent { scale, rate }, FULL_STRAIN)
+            }
+            CurveSpec::Exponential { scale_kpa, rate } => {
+                let scale = checked("scale_kpa", *scale_kpa, STRESS_SCALE)?;
+                let rate = checked("rate", *rate, RATE)?;
+                Self::from_shape(Shape::Exponential { scale, rate }, FULL_STRAIN)
+            }
+            CurveSpec::Points { points, interpolation } => {
+                Self::from_points(points, *interpolation)
+            }
+            CurveSpec::Sections { sections } => Self::from_sections(sections),
+        }
+    }
+
+    fn from_shape(shape: Shape, data_end: f64) -> Result<Self, CurveError> {
+        Self::from_pieces(vec![Piece { from: 0.0, base: 0.0, energy: 0.0, shape }], data_end)
+    }
+
+    /// The one place where a curve is made: ends and energies follow from the pieces.
+    fn from_pieces(mut pieces: Vec<Piece>, data_end: f64) -> Result<Self, CurveError> {
+        for k in 1..pieces.len() {
+            let before = &pieces[k - 1];
+            let x = pieces[k].from - before.from;
+            pieces[k].energy = before.energy + before.base * x + before.shape.energy(x);
+        }
+        let last = &pieces[pieces.len() - 1];
+        let x = data_end - last.from;
+        let end = (last.base + last.shape.stress(x), last.shape.slope(x));
+        if !(end.0.is_finite() && end.1.is_finite() && end.0 <= STRESS_SCALE.1) {
+            return Err(CurveError::Parameter {
+                field: "stress at the end of the curve (kPa)".to_owned(),
+                value: end.0,
+                allowed: STRESS_SCALE.2,
+            });
+        }
+        let end_energy = last.energy + last.base * x + last.shape.energy(x);
+        // A flat end would make the line beyond it flat: the curve must go on rising.
+        let end = (end.0, end.1.max(1e-6 * end.0 / data_end));
+        Ok(Self { pieces, data_end, end, end_energy })
+    }
+
+    fn from_points(points: &[[f64; 2]], how: Interpolation) -> Result<Self, CurveError> {
+        check_points(points)?;
+        let slopes = match how {
+            Interpolation::Line => Vec::new(),
+            Interpolation::Spline => monotone_slopes(points),
+        };
+        let pieces = points
+            .windows(2)
+            .enumerate()
+            .map(|(k, pair)| {
+                let [[from, base], [to, end]] = [pair[0], pair[1]];
+                let shape = match how {
+                    Interpolation::Line => Shape::Polynomial(vec![(end - base) / (to - from)]),
+                    Interpolation::Spline => {
+                        hermite(to - from, end - base, slopes[k], slopes[k + 1])
+                    }
+                };
+                Piece { from, base, energy: 0.0, shape }
+            })
+            .collect();
+        Self::from_pieces(pieces, points[points.len() - 1][0])
+    }
+
+    fn from_sections(sections: &[Section]) -> Result<Self, CurveError> {
+        if sections.is_empty() || sections.len() > MAX_POINTS {
+            return Err(CurveError::Count {
+                field: "sections",
+                count: sections.len(),
+                allowed: "1 to 100000",
+            });
+        }
+        let mut pieces = Vec::with_capacity(sections.len());
+        let (mut end, mut base, mut slope) = (0.0, 0.0, 0.0);
+        for (index, section) in sections.iter().enumerate() {
+            let refuse = |problem: String| CurveError::Entry { field: "sections", index, problem };
+            let (from, to) = section.interval();
+            if !(from.is_finite() && to.is_finite() && to > from && to <= MAX_STRAIN) {
+                return Err(refuse(format!(
+                    "goes from {from} to {to}; allowed: finite, to > from, at most {MAX_STRAIN}"
+                )));
+            }
+            if (from - end).abs() > 1e-9 {
+                return Err(refuse(format!("starts at strain {from}; it must start at {end}")));
+            }
+            let length = to - from;
+            let shape = section
+                .shape(length, base, slope)
+                .map_err(|problem| refuse(problem.to_string()))?;
+            if !shape.increases_over(length) {
+                return Err(refuse(
+                    "does not increase; Ef must rise over every section".to_owned(),
+                ));
+            }
+            let rise = shape.stress(length);
+            if !(rise.is_finite() && rise > 0.0) {
+                return Err(refuse(
+                    "does not increase; Ef must rise over every section".to_owned(),
+                ));
+            }
+            slope = shape.slope(length);
+            pieces.push(Piece { from: end, base, energy: 0.0, shape });
+            (end, base) = (to, base + rise);
+        }
+        Self::from_pieces(pieces, end)
+    }
+
+    /// Nominal stress \[kPa\] at an engineering strain. Finite for every finite strain.
+    #[must_use]
+    pub fn stress(&self, strain: f64) -> f64 {
+        let x = strain.abs();
+        let stress = if x > self.data_end {
+            self.end.0 + self.end.1 * (x - self.data_end)
+        } else {
+            let piece = self.piece(x);
+            piece.base + piece.shape.stress(x - piece.from)
+        };
+        stress.copysign(strain)
+    }
+
+    /// Slope dEf/dε \[kPa\]; at a kink the slope of the piece above it.
+    #[must_use]
+    pub fn slope(&self, strain: f64) -> f64 {
+        let x = strain.abs();
+        if x >= self.data_end {
+            return self.end.1;
+        }
+        let piece = self.piece(x);
+        piece.shape.slope(x - piece.from)
+    }
+
+    /// Strain energy density Ψ(ε) = ∫₀^ε Ef \[kPa\] (even in ε).
+    #[must_use]
+    pub fn energy(&self, strain: f64) -> f64 {
+        let x = strain.abs();
+        if x > self.data_end {
+            let over = x - self.data_end;
+            return self.end_energy + over * (self.end.0 + 0.5 * self.end.1 * over);
+        }
+        let piece = self.piece(x);
+        let over = x - piece.from;
+        piece.energy + piece.base * over + piece.shape.energy(over)
+    }
+
+    /// Secant modulus Ef(ε)/ε \[kPa\]; at zero the initial slope.
+    #[must_use]
+    pub fn secant(&self, strain: f64) -> f64 {
+        if strain.abs() < 1e-9 { self.slope(0.0) } else { self.stress(strain) / strain }
+    }
+
+    /// The strain where the data ends \[-\]; beyond it the curve is a line with the end slope.
+    #[must_use]
+    pub fn data_end(&self) -> f64 {
+        self.data_end
+    }
+
+    /// Does reading this strain (of either sign) use the line beyond the data?
+    #[must_use]
+    pub fn is_beyond_data(&self, strain: f64) -> bool {
+        strain.abs() > self.data_end * (1.0 + 1e-9)
+    }
+
+    /// The strains where pieces meet, the end of the data last \[-\]: there the slope may jump.
+    pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pieces.iter().skip(1).map(|p| p.from).chain([self.data_end])
+    }
+
+    fn piece(&self, x: f64) -> &Piece {
+        let k = self.pieces.partition_point(|p| p.from <= x);
+        &self.pieces[k.saturating_sub(1)]
+    }
+}
+
+impl Section {
+    fn interval(&self) -> (f64, f64) {
+        match *self {
+            Self::Linear { from, to, .. }
+            | Self::Cubic { from, to, .. }
+            | Self::Polynomial { from, to, .. }
+            | Self::Arctangent { from, to, .. }
+            | Self::Sine { from, to, .. }
+            | Self::Exponential { from, to, .. } => (from, to),
+        }
+    }
+
+    /// The stress increment of this section, given the stress and slope it starts with.
+    fn shape(&self, length: f64, start: f64, start_slope: f64) -> Result<Shape, CurveError> {
+        Ok(match self {
+            Self::Linear { modulus_kpa, .. } => {
+                Shape::Polynomial(vec![checked("modulus_kpa", *modulus_kpa, STRESS_SCALE)?])
+            }
+            Self::Cubic { end_stress_kpa, end_slope_kpa, .. } => {
+                let end = checked("end_stress_kpa", *end_stress_kpa, STRESS_SCALE)?;
+                let slope = checked("end_slope_kpa", *end_slope_kpa, SLOPE)?;
+                hermite(length, end - start, start_slope, slope)
+            }
+            Self::Polynomial { coefficients_kpa, .. } => {
+                if !(1..=8).contains(&coefficients_kpa.len()) {
+                    return Err(CurveError::Count {
+                        field: "coefficients_kpa",
+                        count: coefficients_kpa.len(),
+                        allowed: "1 to 8",
+                    });
+                }
+                for &c in coefficients_kpa {
+                    checked("coefficients_kpa", c, COEFFICIENT)?;
+                }
+                Shape::Polynomial(coefficients_kpa.clone())
+            }
+            Self::Arctangent { scale_kpa, rate, .. } => Shape::Arctangent {
+                scale: checked("scale_kpa", *scale_kpa, STRESS_SCALE)?,
+                rate: checked("rate", *rate, RATE)?,
+            },
+            Self::Sine { scale_kpa, rate, .. } => Shape::Sine {
+                scale: checked("scale_kpa", *scale_kpa, STRESS_SCALE)?,
+                rate: checked("rate", *rate, RATE)?,
+            },
+            Self::Exponential { scale_kpa, rate, .. } => Shape::Exponential {
+                scale: checked("scale_kpa", *scale_kpa, STRESS_SCALE)?,
+                rate: checked("rate", *rate, RATE)?,
+            },
+        })
+    }
+}
+
+type Range = (f64, f64, &'static str);
+const STRESS_SCALE: Range = (1e-6, 1e7, "1e-6 to 1e7 kPa");
+const SLOPE: Range = (0.0, 1e9, "0 to 1e9 kPa");
+const COEFFICIENT: Range = (-1e9, 1e9, "-1e9 to 1e9 kPa");
+const RATE: Range = (1e-3, 100.0, "0.001 to 100");
+const MAX_STRAIN: f64 = 10.0;
+
+fn checked(field: &str, value: f64, (least, most, allowed): Range) -> Result<f64, CurveError> {
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(CurveError::Parameter { field: field.to_owned(), value, allowed })
+    }
+}
+
+fn check_points(points: &[[f64; 2]]) -> Result<(), CurveError> {
+    if !(2..=MAX_POINTS).contains(&points.len()) {
+        return Err(CurveError::Count {
+            field: "points",
+            count: points.len(),
+            allowed: "2 to 100000",
+        });
+    }
+    let refuse =
+        |index: usize, problem: String| Err(CurveError::Entry { field: "points", index, problem });
+    for (index, &[strain, stress]) in points.iter().enumerate() {
+        let given = format!("is [{strain}, {stress}]");
+        if !(strain.is_finite() && stress.is_finite()) {
+            return refuse(index, format!("{given}; allowed: finite numbers"));
+        }
+        if index == 0 {
+            if strain != 0.0 || stress != 0.0 {
+                return refuse(index, format!("{given}; the first point must be [0, 0]"));
+            }
+            continue;
+        }
+        let [before, stress_before] = points[index - 1];
+        if strain <= before || stress <= stress_before {
+            return refuse(
+                index,
+                format!(
+                    "{given} after [{before}, {stress_before}]; strain and stress must both increase"
+                ),
+            );
+        }
+        if strain > MAX_STRAIN || stress > STRESS_SCALE.1 {
+            return refuse(
+                index,
+                format!("{given}; allowed: strain to {MAX_STRAIN}, stress to 1e7 kPa"),
+            );
+        }
+        let slope = (stress - stress_before) / (strain - before);
+        if slope > SLOPE.1 {
+            return refuse(index, format!("{given}: slope {slope:e}; allowed: to 1e9 kPa"));
+        }
+    }
+    Ok(())
+}
+
+/// The cubic with the given rise over `length` and the given end slopes, in powers of x.
+fn hermite(length: f64, rise: f64, start_slope: f64, end_slope: f64) -> Shape {
+    let secant = rise / length;
+    Shape::Polynomial(vec![
+        start_slope,
+        (3.0 * secant - 2.0 * start_slope - end_slope) / length,
+        (start_slope + end_slope - 2.0 * secant) / (length * length),
+    ])
+}
+
+/// Slopes of the monotone piecewise cubic through increasing data
+/// (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984: weighted harmonic means).
+fn monotone_slopes(points: &[[f64; 2]]) -> Vec<f64> {
+    let n = points.len();
+    let width: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
+    let secant: Vec<f64> =
+        points.windows(2).zip(&width).map(|(p, w)| (p[1][1] - p[0][1]) / w).collect();
+    if n == 2 {
+        return vec![secant[0]; 2];
+    }
+    let mut slopes = vec![0.0; n];
+    for k in 1..n - 1 {
+        let (w0, w1) = (width[k - 1], width[k]);
+        let weights = (2.0 * w1 + w0, w1 + 2.0 * w0);
+        slopes[k] = (weights.0 + weights.1) / (weights.0 / secant[k - 1] + weights.1 / secant[k]);
+    }
+    // Three-point end formula, kept between (nearly) zero and three secants: no end overshoots,
+    // and a sheet at rest keeps some stiffness.
+    let end = |w: [f64; 2], s: [f64; 2]| {
+        (((2.0 * w[0] + w[1]) * s[0] - w[0] * s[1]) / (w[0] + w[1])).clamp(1e-3 * s[0], 3.0 * s[0])
+    };
+    slopes[0] = end([width[0], width[1]], [secant[0], secant[1]]);
+    slopes[n - 1] = end([width[n - 2], width[n - 3]], [secant[n - 2], secant[n - 3]]);
+    slopes
+}
+
+/// The skin preset in three sections (0.4 and 0.7 as in the paper, after Hendriks).
+fn skin_sections() -> [Section; 3] {
+    [
+        Section::Linear { from: 0.0, to: 0.4, modulus_kpa: 100.0 },
+        Section::Cubic { from: 0.4, to: 0.7, end_stress_kpa: 205.0, end_slope_kpa: 1000.0 },
+        Section::Linear { from: 0.7, to: FULL_STRAIN, modulus_kpa: 1000.0 },
+    ]
+}

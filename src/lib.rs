@@ -1,0 +1,13 @@
+//! Preview how skin and adipose stretch over an implant or a tissue expander.
+//!
+//! The core: stress–strain curves, spring laws, the sheet, the dome, the equilibrium, and what a
+//! surgeon reads off it. One way through the house, each module using only those before it:
+//!
+//! `curve` → `springs` → `sheet` → `implant` → `solve` → `measure` → `scene` →
+//! `experiment` | `session` → `view` → `app` → `platform`
+//!
+//! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
+
+pub mod curve;
+pub mod measure;
+pub mod scene;

@@ -1,0 +1,136 @@
+//! What a surgeon reads off: the result of a solved scene.
+//!
+//! Uses `curve`, `springs`, `sheet`, `implant`, `solve`. Used by `scene` and all to its right.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The schema of [`Outcome`].
+pub const RESULT_SCHEMA: &str = "implant-preview/result/1";
+
+/// 1 kPa in mmHg (conventional millimetres of mercury, 133.322 Pa).
+pub const MMHG_PER_KPA: f64 = 7.500_62;
+
+/// Points of a profile: material radius 0 … pocket radius in equal steps.
+pub const PROFILE_POINTS: usize = 41;
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// The estimated position error is within the tolerance.
+    Converged,
+    /// It is not: the figures are the best so far.
+    NotConverged,
+    /// The springs have no stable shape here (the paper's springs only); no shape is shown.
+    Unstable,
+}
+
+/// The result of a scene. Fields that do not apply are `None`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Outcome {
+    /// Always [`RESULT_SCHEMA`].
+    pub schema: String,
+    /// How the solve ended.
+    pub status: Status,
+    /// Stretch of the sheet at the dome's apex \[-\] (off centre: √(area stretch) at the highest point).
+    pub apex_stretch: Option<f64>,
+    /// Polar angle from the apex at which contact ends \[degrees\]; centred hemisphere only.
+    pub contact_angle_deg: Option<f64>,
+    /// Material radius at which contact ends \[mm\]; centred dome only.
+    pub contact_material_radius_mm: Option<f64>,
+    /// Vertical force between dome and sheet \[N\].
+    pub contact_force_n: Option<f64>,
+    /// Contact pressure \[kPa\].
+    pub contact_pressure_kpa: Option<Pressure>,
+    /// Contact pressure \[mmHg\].
+    pub contact_pressure_mmhg: Option<Pressure>,
+    /// Height of the sheet's highest point above the wall \[mm\].
+    pub projection_mm: Option<f64>,
+    /// Height of the outer skin surface's highest point above the wall \[mm\].
+    pub skin_projection_mm: Option<f64>,
+    /// Volume of the whole implant, ⅔πR²p \[ml\].
+    pub implant_volume_ml: f64,
+    /// Area of the pocket πa² \[cm²\].
+    pub area_before_cm2: f64,
+    /// Area of the deformed sheet \[cm²\].
+    pub area_after_cm2: Option<f64>,
+    /// After / before \[-\].
+    pub area_ratio: Option<f64>,
+    /// After − before \[cm²\].
+    pub area_gain_cm2: Option<f64>,
+    /// Strains of the sheet.
+    pub strain: Option<Strains>,
+    /// One entry a layer, from the skin inwards.
+    pub layers: Vec<LayerOutcome>,
+    /// 41 points along +x from the pocket's centre, material radius 0 … pocket radius.
+    pub profile: Vec<ProfilePoint>,
+    /// What the solver did.
+    pub solver: SolverOutcome,
+    /// Plain sentences that a reader must know of.
+    pub warnings: Vec<String>,
+}
+
+/// Mean and greatest contact pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Pressure {
+    /// Normal force / contact area.
+    pub mean: f64,
+    /// The greatest over the nodes well inside the contact.
+    pub max: f64,
+}
+
+/// Strains of the sheet \[-\].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Strains {
+    /// Greatest principal engineering strain, λ₁ − 1.
+    pub max_principal: f64,
+    /// Mean area strain, area ratio − 1.
+    pub mean_area: f64,
+    /// Share of the sheet (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
+    pub fraction_above: BTreeMap<String, f64>,
+}
+
+/// One layer's share of the result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LayerOutcome {
+    /// As in the scene.
+    pub tissue: String,
+    /// Greatest principal nominal (Biot) stress \[kPa\].
+    pub max_stress_kpa: Option<f64>,
+    /// Did any strain use the line beyond the curve's data?
+    pub beyond_curve_data: bool,
+}
+
+/// A point of the profile.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ProfilePoint {
+    /// Material radius \[mm\].
+    pub s_mm: f64,
+    /// Deformed distance from the pocket's axis \[mm\].
+    pub r_mm: f64,
+    /// Deformed height \[mm\].
+    pub z_mm: f64,
+    /// Stretch along the profile \[-\].
+    pub stretch_meridional: f64,
+    /// Stretch across the profile \[-\].
+    pub stretch_hoop: f64,
+}
+
+/// What the solver did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SolverOutcome {
+    /// Nodes per side after rounding.
+    pub nodes_per_side: usize,
+    /// Free nodes of the finest level.
+    pub nodes_solved: usize,
+    /// One unit = one evaluation of all nodal forces on the finest grid.
+    pub work_units: f64,
+    /// Wall-clock time \[ms\], where a clock was at hand.
+    pub time_ms: Option<f64>,
+    /// Norm of the residual force / norm of the spring forces it is the sum of \[-\].
+    pub relative_residual: f64,
+    /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium.
+    pub estimated_position_error: f64,
+}

@@ -1,0 +1,379 @@
+//! What is asked: the scene, as versioned JSON, checked before anything is computed.
+//!
+//! [`Scene`] is the contract with files, the command line, the JS API and the app. Lengths in mm,
+//! stresses in kPa. Everything but `implant.base_radius_mm` has a default, an unknown or
+//! out-of-range field gives one line that names it.
+//!
+//! Uses `curve`, `springs`, `sheet`, `implant`, `solve`, `measure`. Used by `experiment`,
+//! `session` and the platforms.
+
+use crate::curve::{Curve, CurveError, CurveSpec};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The schema that this version reads and writes.
+pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
+
+/// The most bytes that a scene file may have.
+pub const MAX_SCENE_BYTES: usize = 10_000_000;
+
+/// Allowed ranges, as inclusive bounds \[mm, unless said otherwise\].
+pub mod limits {
+    /// Implant base radius \[mm\]; round implants are 78–180 mm across.
+    pub const BASE_RADIUS_MM: (f64, f64) = (10.0, 120.0);
+    /// Implant projection \[mm\].
+    pub const PROJECTION_MM: (f64, f64) = (2.0, 120.0);
+    /// Greatest pocket radius \[mm\]; the least is base radius + distance of the centre.
+    pub const POCKET_RADIUS_MAX_MM: f64 = 200.0;
+    /// Layer thickness \[mm\].
+    pub const THICKNESS_MM: (f64, f64) = (0.2, 60.0);
+    /// Poisson ratio \[-\].
+    pub const POISSON_RATIO: (f64, f64) = (0.0, 0.5);
+    /// Sheet nodes per side.
+    pub const NODES_PER_SIDE: (usize, usize) = (17, 1025);
+    /// Layers in a scene.
+    pub const LAYERS: (usize, usize) = (1, 8);
+    /// Position tolerance \[fraction of the base radius\].
+    pub const TOLERANCE: (f64, f64) = (1e-7, 1e-2);
+}
+
+/// A scene: one implant in one pocket under a stack of tissue layers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "SceneFile")]
+#[schemars(with = "SceneFile")]
+pub struct Scene {
+    /// Always [`SCENE_SCHEMA`].
+    pub schema: String,
+    /// The dome.
+    pub implant: Implant,
+    /// Radius a of the surgeon's pocket \[mm\]: the sheet is clamped on this circle.
+    pub pocket_radius_mm: f64,
+    /// Insertion t \[-\], 0 (flat) to 1 (full height).
+    pub insertion: f64,
+    /// Layers from the skin inwards, 1 to 8.
+    pub layers: Vec<Layer>,
+    /// The spring law.
+    pub springs: Springs,
+    /// How finely and how exactly to solve.
+    pub solver: SolverSettings,
+}
+
+/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Implant {
+    /// Base radius R \[mm\], 10 to 120.
+    pub base_radius_mm: f64,
+    /// Projection p (height) \[mm\], 2 to 120.
+    pub projection_mm: f64,
+    /// Centre of the base in the pocket \[mm\]; (0, 0) is the pocket's centre.
+    pub center_mm: [f64; 2],
+}
+
+/// One tissue layer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Layer {
+    /// Free text; `skin` and `adipose` get their colours.
+    #[serde(default = "default_tissue")]
+    pub tissue: String,
+    /// Thickness at rest \[mm\], 0.2 to 60.
+    #[serde(default = "default_thickness_mm")]
+    pub thickness_mm: f64,
+    /// Poisson ratio ν \[-\], 0 to 0.5.
+    #[serde(default = "default_poisson_ratio")]
+    pub poisson_ratio: f64,
+    /// Stress–strain curve.
+    #[serde(default = "default_curve")]
+    pub curve: CurveSpec,
+}
+
+/// Which spring law carries the sheet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Springs {
+    /// Springs of a triangle coupled through its metric: exact, isotropic, stable in tension.
+    #[default]
+    Coupled,
+    /// The paper's equations (3) and (6) as published.
+    Nikolaev,
+}
+
+/// How finely and how exactly to solve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverSettings {
+    /// Nodes per side of the square grid, 17 to 1025; rounded to m·2ᵏ+1 with 8 ≤ m ≤ 15.
+    pub nodes_per_side: usize,
+    /// Greatest node position error allowed, relative to the dome's base radius, 1e-7 to 1e-2.
+    pub tolerance: f64,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self { nodes_per_side: 129, tolerance: 1e-4 }
+    }
+}
+
+/// A scene as it stands in a file: what may be left out is optional.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Scene")]
+struct SceneFile {
+    #[serde(default = "scene_schema")]
+    schema: String,
+    implant: ImplantFile,
+    /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
+    pocket_radius_mm: Option<f64>,
+    #[serde(default = "full_insertion")]
+    insertion: f64,
+    #[serde(default = "default_layers")]
+    layers: Vec<Layer>,
+    #[serde(default)]
+    springs: Springs,
+    #[serde(default)]
+    solver: SolverSettings,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Implant")]
+struct ImplantFile {
+    base_radius_mm: f64,
+    /// Default: the base radius (a hemisphere).
+    projection_mm: Option<f64>,
+    #[serde(default)]
+    center_mm: [f64; 2],
+}
+
+fn scene_schema() -> String {
+    SCENE_SCHEMA.to_owned()
+}
+fn full_insertion() -> f64 {
+    1.0
+}
+fn default_tissue() -> String {
+    "skin".to_owned()
+}
+fn default_thickness_mm() -> f64 {
+    1.5
+}
+fn default_poisson_ratio() -> f64 {
+    0.45
+}
+fn default_curve() -> CurveSpec {
+    CurveSpec::Skin {}
+}
+fn default_layers() -> Vec<Layer> {
+    vec![Layer::skin(), Layer::adipose()]
+}
+
+impl Layer {
+    /// Skin, 1.5 mm, ν = 0.45.
+    #[must_use]
+    pub fn skin() -> Self {
+        Self {
+            tissue: default_tissue(),
+            thickness_mm: default_thickness_mm(),
+            poisson_ratio: default_poisson_ratio(),
+            curve: CurveSpec::Skin {},
+        }
+    }
+
+    /// Adipose, 10 mm, ν = 0.45.
+    #[must_use]
+    pub fn adipose() -> Self {
+        Self {
+            tissue: "adipose".to_owned(),
+            thickness_mm: 10.0,
+            poisson_ratio: default_poisson_ratio(),
+            curve: CurveSpec::Adipose {},
+        }
+    }
+}
+
+/// Why a scene is refused, in one line: what, where, what is allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// Not JSON, or a field is unknown, missing or of the wrong type.
+    #[error("{path}: {problem}")]
+    Json {
+        /// The field's path, or `scene`.
+        path: String,
+        /// What is wrong, with line and column.
+        problem: String,
+    },
+    /// A value is out of range.
+    #[error("{field} is {value}; allowed: {allowed}")]
+    OutOfRange {
+        /// The field's path.
+        field: String,
+        /// What was given.
+        value: String,
+        /// What is allowed, with its unit.
+        allowed: String,
+    },
+    /// A layer's curve is refused.
+    #[error("layers[{layer}].curve: {source}")]
+    Curve {
+        /// The layer, counted from the skin, from 0.
+        layer: usize,
+        /// What is wrong with the curve.
+        source: CurveError,
+    },
+}
+
+impl TryFrom<SceneFile> for Scene {
+    type Error = SceneError;
+
+    fn try_from(file: SceneFile) -> Result<Self, SceneError> {
+        let radius = file.implant.base_radius_mm;
+        let [x, y] = file.implant.center_mm;
+        let scene = Self {
+            schema: file.schema,
+            implant: Implant {
+                base_radius_mm: radius,
+                projection_mm: file.implant.projection_mm.unwrap_or(radius),
+                center_mm: file.implant.center_mm,
+            },
+            pocket_radius_mm: file
+                .pocket_radius_mm
+                .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM)),
+            insertion: file.insertion,
+            layers: file.layers,
+            springs: file.springs,
+            solver: file.solver,
+        };
+        scene.validate()?;
+        Ok(scene)
+    }
+}
+
+impl Default for Scene {
+    /// The scene that the app opens on: a 55 mm hemisphere fully under skin and adipose.
+    fn default() -> Self {
+        Self {
+            schema: scene_schema(),
+            implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0, 0.0] },
+            pocket_radius_mm: 70.0,
+            insertion: full_insertion(),
+            layers: default_layers(),
+            springs: Springs::default(),
+            solver: SolverSettings::default(),
+        }
+    }
+}
+
+impl Scene {
+    /// Reads a scene from JSON and checks it.
+    ///
+    /// # Errors
+    /// One line that names the field, what is wrong and what is allowed.
+    pub fn from_json(json: &str) -> Result<Self, SceneError> {
+        if json.len() > MAX_SCENE_BYTES {
+            return Err(out_of_range("scene", format!("{} bytes long", json.len()), "to 10 MB"));
+        }
+        let mut reader = serde_json::Deserializer::from_str(json);
+        let file: SceneFile = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+            let path = match error.path().to_string() {
+                path if path == "." => "scene".to_owned(),
+                path => path,
+            };
+            SceneError::Json { path, problem: one_line(&error.into_inner().to_string()) }
+        })?;
+        reader.end().map_err(|error| SceneError::Json {
+            path: "scene".to_owned(),
+            problem: one_line(&error.to_string()),
+        })?;
+        file.try_into()
+    }
+
+    /// The scene as JSON text, indented, with every field.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// The first field that is out of range.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        if self.schema != SCENE_SCHEMA {
+            return Err(out_of_range("schema", format!("{:?}", self.schema), SCENE_SCHEMA));
+        }
+        let implant = &self.implant;
+        within("implant.base_radius_mm", implant.base_radius_mm, limits::BASE_RADIUS_MM, " mm")?;
+        within("implant.projection_mm", implant.projection_mm, limits::PROJECTION_MM, " mm")?;
+        let most = limits::POCKET_RADIUS_MAX_MM;
+        for (k, c) in implant.center_mm.into_iter().enumerate() {
+            within(&format!("implant.center_mm[{k}]"), c, (-most, most), " mm")?;
+        }
+        let least = implant.base_radius_mm + implant.center_mm[0].hypot(implant.center_mm[1]);
+        if !(self.pocket_radius_mm >= least * (1.0 - 1e-9) && self.pocket_radius_mm <= most) {
+            return Err(out_of_range(
+                "pocket_radius_mm",
+                self.pocket_radius_mm.to_string(),
+                &format!("{least} (base radius + distance of the implant's centre) to {most} mm"),
+            ));
+        }
+        within("insertion", self.insertion, (0.0, 1.0), "")?;
+        let (least, most) = limits::LAYERS;
+        if !(least..=most).contains(&self.layers.len()) {
+            return Err(out_of_range(
+                "layers",
+                format!("{} layers", self.layers.len()),
+                &format!("{least} to {most}"),
+            ));
+        }
+        for (k, layer) in self.layers.iter().enumerate() {
+            let field = |name: &str| format!("layers[{k}].{name}");
+            within(&field("thickness_mm"), layer.thickness_mm, limits::THICKNESS_MM, " mm")?;
+            within(&field("poisson_ratio"), layer.poisson_ratio, limits::POISSON_RATIO, "")?;
+            if layer.tissue.len() > 100 {
+                return Err(out_of_range(
+                    &field("tissue"),
+                    format!("{} bytes long", layer.tissue.len()),
+                    "to 100 bytes",
+                ));
+            }
+            Curve::new(&layer.curve).map_err(|source| SceneError::Curve { layer: k, source })?;
+        }
+        let (least, most) = limits::NODES_PER_SIDE;
+        if !(least..=most).contains(&self.solver.nodes_per_side) {
+            return Err(out_of_range(
+                "solver.nodes_per_side",
+                self.solver.nodes_per_side.to_string(),
+                &format!("{least} to {most}"),
+            ));
+        }
+        within("solver.tolerance", self.solver.tolerance, limits::TOLERANCE, "")
+    }
+}
+
+/// The JSON Schema (draft 2020-12) of the scene, made from the types.
+#[must_use]
+pub fn schema() -> String {
+    let schema = schemars::schema_for!(Scene);
+    serde_json::to_string_pretty(&schema).unwrap_or_default()
+}
+
+fn within(
+    field: &str,
+    value: f64,
+    (least, most): (f64, f64),
+    unit: &str,
+) -> Result<(), SceneError> {
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(out_of_range(field, value.to_string(), &format!("{least} to {most}{unit}")))
+    }
+}
+
+fn out_of_range(field: &str, value: String, allowed: &str) -> SceneError {
+    SceneError::OutOfRange { field: field.to_owned(), value, allowed: allowed.to_owned() }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
