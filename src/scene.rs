@@ -8,6 +8,11 @@
 //! `session` and the platforms.
 
 use crate::curve::{Curve, CurveError, CurveSpec};
+use crate::implant::Dome;
+use crate::measure::{self, Outcome};
+use crate::sheet::{Sheet, rounded_nodes_per_side};
+use crate::solve::{Material, Problem, Progress, Solver};
+use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -348,6 +353,59 @@ impl Scene {
         }
         within("solver.tolerance", self.solver.tolerance, limits::TOLERANCE, "")
     }
+}
+
+impl Scene {
+    /// The scene as the solver takes it.
+    ///
+    /// # Errors
+    /// If the scene is out of its limits.
+    pub fn problem(&self) -> Result<Problem, SceneError> {
+        self.validate()?;
+        let materials = self.layers.iter().enumerate().map(|(k, layer)| {
+            let curve = Curve::new(&layer.curve)
+                .map_err(|source| SceneError::Curve { layer: k, source })?;
+            Ok(Material {
+                curve,
+                poisson_ratio: layer.poisson_ratio,
+                thickness_mm: layer.thickness_mm,
+            })
+        });
+        Ok(Problem {
+            sheet: Sheet::new(
+                rounded_nodes_per_side(self.solver.nodes_per_side),
+                self.pocket_radius_mm,
+            ),
+            dome: Dome::new(
+                DVec2::from(self.implant.center_mm),
+                self.implant.base_radius_mm,
+                self.implant.projection_mm,
+                self.insertion,
+            ),
+            materials: materials.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Do two scenes ask for the same equilibrium? (They may differ in the tissues' names.)
+    #[must_use]
+    pub fn same_physics(&self, other: &Self) -> bool {
+        let unnamed = |scene: &Self| {
+            let mut scene = scene.clone();
+            scene.layers.iter_mut().for_each(|layer| layer.tissue.clear());
+            scene
+        };
+        unnamed(self) == unnamed(other)
+    }
+}
+
+/// Solves a scene from scratch and measures it.
+///
+/// # Errors
+/// If the scene is out of its limits.
+pub fn simulate(scene: &Scene) -> Result<Outcome, SceneError> {
+    let mut solver = Solver::new(scene.problem()?);
+    while solver.advance(&mut || false) == Progress::Working {}
+    Ok(measure::measure(scene, &solver))
 }
 
 /// The JSON Schema (draft 2020-12) of the scene, made from the types.

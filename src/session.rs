@@ -1,0 +1,241 @@
+//! One user's work: the scene on the table, its undo history, and the shape being solved for it.
+//!
+//! The app and the page send [`Command`]s; one place ([`Session::apply`]) carries them out, and a
+//! refused one changes nothing. [`Session::advance`] does a slice of solving.
+//!
+//! Uses everything to its left. Used by `view`, `app` and `platform`.
+
+use crate::measure::{self, Fields, Outcome};
+use crate::scene::{Scene, SceneError};
+use crate::solve::{Progress, Solver};
+use glam::DVec3;
+
+/// Undo steps kept.
+const HISTORY: usize = 100;
+
+/// What a user may ask for.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Put a scene on the table. Edits of one gesture (a slider being dragged) are one undo step.
+    Edit {
+        /// The whole new scene.
+        scene: Box<Scene>,
+        /// Edits with the same gesture number, one after the other, are merged in the history.
+        gesture: u64,
+    },
+    /// Open a scene file's text.
+    Open(String),
+    /// Take the last step back.
+    Undo,
+    /// Do it again.
+    Redo,
+}
+
+/// Work done so far: what was skipped is not counted. For `stats()` and tests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counters {
+    /// Solves started.
+    pub solves: u64,
+    /// Calls of [`Session::advance`] that did solver work.
+    pub slices: u64,
+    /// Force evaluations, in work units of the finest grid.
+    pub work_units: f64,
+    /// Times the results were measured.
+    pub measurements: u64,
+}
+
+/// The scene, its history and its shape.
+pub struct Session {
+    scene: Scene,
+    undo: Vec<Scene>,
+    redo: Vec<Scene>,
+    last_gesture: Option<u64>,
+    solver: Solver,
+    working: bool,
+    shape: Vec<DVec3>,
+    revision: u64,
+    outcome: Option<Outcome>,
+    counters: Counters,
+}
+
+impl Session {
+    /// A session on a valid scene; nothing is solved yet.
+    ///
+    /// # Errors
+    /// If the scene is out of its limits.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        let solver = Solver::new(scene.problem()?);
+        let shape = solver.positions().to_vec();
+        Ok(Self {
+            scene,
+            undo: Vec::new(),
+            redo: Vec::new(),
+            last_gesture: None,
+            solver,
+            working: true,
+            shape,
+            revision: 1,
+            outcome: None,
+            counters: Counters { solves: 1, ..Counters::default() },
+        })
+    }
+
+    /// The scene on the table.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Carries out a command.
+    ///
+    /// # Errors
+    /// One line that names the field; nothing has changed then.
+    pub fn apply(&mut self, command: Command) -> Result<(), SceneError> {
+        match command {
+            Command::Edit { scene, gesture } => {
+                let merge = self.last_gesture == Some(gesture);
+                self.replace(*scene, merge)?;
+                self.last_gesture = Some(gesture);
+            }
+            Command::Open(json) => {
+                self.replace(Scene::from_json(&json)?, false)?;
+                self.last_gesture = None;
+            }
+            Command::Undo => {
+                if let Some(scene) = self.undo.pop() {
+                    let before = self.scene.clone();
+                    self.show(scene)?;
+                    self.redo.push(before);
+                    self.last_gesture = None;
+                }
+            }
+            Command::Redo => {
+                if let Some(scene) = self.redo.pop() {
+                    let before = self.scene.clone();
+                    self.show(scene)?;
+                    self.undo.push(before);
+                    self.last_gesture = None;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Can [`Command::Undo`] do something?
+    #[must_use]
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// Can [`Command::Redo`] do something?
+    #[must_use]
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
+    }
+
+    fn replace(&mut self, scene: Scene, merge: bool) -> Result<(), SceneError> {
+        if scene == self.scene {
+            return Ok(());
+        }
+        let before = self.scene.clone();
+        self.show(scene)?;
+        if !merge {
+            if self.undo.len() == HISTORY {
+                self.undo.remove(0);
+            }
+            self.undo.push(before);
+        }
+        self.redo.clear();
+        Ok(())
+    }
+
+    /// Puts a scene on the table; solves anew only when the physics changed.
+    fn show(&mut self, scene: Scene) -> Result<(), SceneError> {
+        scene.validate()?;
+        if scene.same_physics(&self.scene) {
+            self.scene = scene;
+            if let Some(outcome) = &mut self.outcome {
+                for (outcome, layer) in outcome.layers.iter_mut().zip(&self.scene.layers) {
+                    outcome.tissue.clone_from(&layer.tissue);
+                }
+            }
+            return Ok(());
+        }
+        let problem = scene.problem()?;
+        self.solver.restart(problem);
+        self.take_shape();
+        self.scene = scene;
+        self.working = true;
+        self.counters.solves += 1;
+        Ok(())
+    }
+
+    /// Does a slice of solving, until `pause` says so or the solve ends; asks `pause` between
+    /// steps of at most a few milliseconds. Returns whether there is more to do.
+    pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
+        if !self.working {
+            return Progress::Done;
+        }
+        self.counters.slices += 1;
+        let before = self.solver.work_units();
+        let progress = self.solver.advance(pause);
+        self.counters.work_units += self.solver.work_units() - before;
+        self.take_shape();
+        if progress == Progress::Done {
+            self.working = false;
+            self.outcome = Some(measure::measure(&self.scene, &self.solver));
+            self.counters.measurements += 1;
+        }
+        progress
+    }
+
+    fn take_shape(&mut self) {
+        self.shape.clear();
+        self.shape.extend_from_slice(self.solver.positions());
+        self.revision += 1;
+    }
+
+    /// Is there solving left to do?
+    #[must_use]
+    pub fn is_working(&self) -> bool {
+        self.working
+    }
+
+    /// The solver, for its sheet, dome and law.
+    #[must_use]
+    pub fn solver(&self) -> &Solver {
+        &self.solver
+    }
+
+    /// Node positions of the shape to show \[mm\], shape (nodes_per_side², ); nodes outside the
+    /// pocket lie on the wall.
+    #[must_use]
+    pub fn shape(&self) -> &[DVec3] {
+        &self.shape
+    }
+
+    /// Changes whenever [`Self::shape`] does.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// What is drawn in colour on the present shape.
+    #[must_use]
+    pub fn fields(&self) -> Fields {
+        measure::fields(self.solver.problem(), &self.shape)
+    }
+
+    /// The result of the last finished solve; `None` before the first. While
+    /// [`Self::is_working`], it belongs to the scene before.
+    #[must_use]
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.outcome.as_ref()
+    }
+
+    /// Work done so far.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+}
