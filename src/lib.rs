@@ -15,3 +15,4 @@ pub mod scene;
 pub mod session;
 pub mod sheet;
 pub mod solve;
+pub mod springs;
