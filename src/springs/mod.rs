@@ -3,4 +3,6 @@
 //! Pure functions, each beside the equation it comes from. Uses `curve`; used by `sheet`, `solve`
 //! and `experiment`.
 
+pub mod coupled;
 pub mod paper;
+pub mod table;
