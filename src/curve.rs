@@ -8,8 +8,8 @@
 //!
 //! Three assumptions that the paper does not state:
 //! * compression is the odd extension, `Ef(−ε) = −Ef(ε)`;
-//! * beyond the last point the curve goes on as a line with its end slope, and
-//!   [`Curve::is_beyond_data`] tells so;
+//! * beyond the last point the curve goes on as a line with its end slope (an arctangent goes on as
+//!   it is), and [`Curve::is_beyond_data`] tells so;
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
 use schemars::JsonSchema;
@@ -185,9 +185,12 @@ pub struct Curve {
     pieces: Vec<Piece>,
     /// Strain where the data ends \[-\].
     data_end: f64,
-    /// Stress and slope at `data_end` \[kPa\].
+    /// Strain from which the curve is a line \[-\]: the end of the data, but farther out where a
+    /// formula goes on gently.
+    line_start: f64,
+    /// Stress and slope at `line_start` \[kPa\].
     end: (f64, f64),
-    /// Strain energy density at `data_end` \[kPa\].
+    /// Strain energy density at `line_start` \[kPa\].
     end_energy: f64,
 }
 
@@ -288,7 +291,7 @@ impl Curve {
         match spec {
             CurveSpec::Skin {} => Self::from_sections(&skin_sections()),
             CurveSpec::Adipose {} => {
-                Self::from_shape(Shape::Arctangent { scale: 0.4, rate: 7.5 }, FULL_STRAIN)
+                Self::from_shape(Shape::Arctangent { scale: 0.4, rate: 7.5 }, MAX_STRAIN)
             }
             CurveSpec::Linear { modulus_kpa } => {
                 let modulus = checked("modulus_kpa", *modulus_kpa, STRESS_SCALE)?;
@@ -297,7 +300,7 @@ impl Curve {
             CurveSpec::Arctangent { scale_kpa, rate } => {
                 let scale = checked("scale_kpa", *scale_kpa, STRESS_SCALE)?;
                 let rate = checked("rate", *rate, RATE)?;
-                Self::from_shape(Shape::Arctangent { scale, rate }, FULL_STRAIN)
+                Self::from_shape(Shape::Arctangent { scale, rate }, MAX_STRAIN)
             }
             CurveSpec::Exponential { scale_kpa, rate } => {
                 let scale = checked("scale_kpa", *scale_kpa, STRESS_SCALE)?;
@@ -311,19 +314,25 @@ impl Curve {
         }
     }
 
-    fn from_shape(shape: Shape, data_end: f64) -> Result<Self, CurveError> {
-        Self::from_pieces(vec![Piece { from: 0.0, base: 0.0, energy: 0.0, shape }], data_end)
+    /// A formula, read as data up to [`FULL_STRAIN`] and used up to `line_start`.
+    fn from_shape(shape: Shape, line_start: f64) -> Result<Self, CurveError> {
+        let pieces = vec![Piece { from: 0.0, base: 0.0, energy: 0.0, shape }];
+        Self::from_pieces(pieces, FULL_STRAIN, line_start)
     }
 
     /// The one place where a curve is made: ends and energies follow from the pieces.
-    fn from_pieces(mut pieces: Vec<Piece>, data_end: f64) -> Result<Self, CurveError> {
+    fn from_pieces(
+        mut pieces: Vec<Piece>,
+        data_end: f64,
+        line_start: f64,
+    ) -> Result<Self, CurveError> {
         for k in 1..pieces.len() {
             let before = &pieces[k - 1];
             let x = pieces[k].from - before.from;
             pieces[k].energy = before.energy + before.base * x + before.shape.energy(x);
         }
         let last = &pieces[pieces.len() - 1];
-        let x = data_end - last.from;
+        let x = line_start - last.from;
         let end = (last.base + last.shape.stress(x), last.shape.slope(x));
         if !(end.0.is_finite() && end.1.is_finite() && end.0 <= STRESS_SCALE.1) {
             return Err(CurveError::Parameter {
@@ -334,8 +343,8 @@ impl Curve {
         }
         let end_energy = last.energy + last.base * x + last.shape.energy(x);
         // A flat end would make the line beyond it flat: the curve must go on rising.
-        let end = (end.0, end.1.max(1e-6 * end.0 / data_end));
-        Ok(Self { pieces, data_end, end, end_energy })
+        let end = (end.0, end.1.max(1e-6 * end.0 / line_start));
+        Ok(Self { pieces, data_end, line_start, end, end_energy })
     }
 
     fn from_points(points: &[[f64; 2]], how: Interpolation) -> Result<Self, CurveError> {
@@ -358,7 +367,8 @@ impl Curve {
                 Piece { from, base, energy: 0.0, shape }
             })
             .collect();
-        Self::from_pieces(pieces, points[points.len() - 1][0])
+        let end = points[points.len() - 1][0];
+        Self::from_pieces(pieces, end, end)
     }
 
     fn from_sections(sections: &[Section]) -> Result<Self, CurveError> {
@@ -401,15 +411,15 @@ impl Curve {
             pieces.push(Piece { from: end, base, energy: 0.0, shape });
             (end, base) = (to, base + rise);
         }
-        Self::from_pieces(pieces, end)
+        Self::from_pieces(pieces, end, end)
     }
 
     /// Nominal stress \[kPa\] at an engineering strain. Finite for every finite strain.
     #[must_use]
     pub fn stress(&self, strain: f64) -> f64 {
         let x = strain.abs();
-        let stress = if x > self.data_end {
-            self.end.0 + self.end.1 * (x - self.data_end)
+        let stress = if x > self.line_start {
+            self.end.0 + self.end.1 * (x - self.line_start)
         } else {
             let piece = self.piece(x);
             piece.base + piece.shape.stress(x - piece.from)
@@ -421,7 +431,7 @@ impl Curve {
     #[must_use]
     pub fn slope(&self, strain: f64) -> f64 {
         let x = strain.abs();
-        if x >= self.data_end {
+        if x >= self.line_start {
             return self.end.1;
         }
         let piece = self.piece(x);
@@ -432,8 +442,8 @@ impl Curve {
     #[must_use]
     pub fn energy(&self, strain: f64) -> f64 {
         let x = strain.abs();
-        if x > self.data_end {
-            let over = x - self.data_end;
+        if x > self.line_start {
+            let over = x - self.line_start;
             return self.end_energy + over * (self.end.0 + 0.5 * self.end.1 * over);
         }
         let piece = self.piece(x);
@@ -447,21 +457,28 @@ impl Curve {
         if strain.abs() < 1e-9 { self.slope(0.0) } else { self.stress(strain) / strain }
     }
 
-    /// The strain where the data ends \[-\]; beyond it the curve is a line with the end slope.
+    /// The strain where the data ends \[-\]: the last point or section, 1 for a formula.
     #[must_use]
     pub fn data_end(&self) -> f64 {
         self.data_end
     }
 
-    /// Does reading this strain (of either sign) use the line beyond the data?
+    /// The strain from which the curve is a line with the end slope \[-\]: the end of the data; an
+    /// arctangent, which stays gentle, keeps its formula up to strain 10.
+    #[must_use]
+    pub fn line_start(&self) -> f64 {
+        self.line_start
+    }
+
+    /// Does reading this strain (of either sign) go beyond the data?
     #[must_use]
     pub fn is_beyond_data(&self, strain: f64) -> bool {
         strain.abs() > self.data_end * (1.0 + 1e-9)
     }
 
-    /// The strains where pieces meet, the end of the data last \[-\]: there the slope may jump.
+    /// The strains where pieces meet, the start of the line last \[-\]: there the slope may jump.
     pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
-        self.pieces.iter().skip(1).map(|p| p.from).chain([self.data_end])
+        self.pieces.iter().skip(1).map(|p| p.from).chain([self.line_start])
     }
 
     fn piece(&self, x: f64) -> &Piece {

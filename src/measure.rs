@@ -3,7 +3,7 @@
 //! Uses `curve`, `springs`, `sheet`, `implant`, `solve`. Used by `scene` and all to its right.
 
 use crate::scene::Scene;
-use crate::solve::{Problem, Solver};
+use crate::solve::{Problem, Solver, Verdict};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -179,7 +179,11 @@ pub fn measure(scene: &Scene, solver: &Solver) -> Outcome {
     let dome = &solver.problem().dome;
     Outcome {
         schema: RESULT_SCHEMA.to_owned(),
-        status: solver.status(),
+        status: match solver.verdict() {
+            Verdict::Converged => Status::Converged,
+            Verdict::NotConverged => Status::NotConverged,
+            Verdict::Unstable => Status::Unstable,
+        },
         apex_stretch: None,
         contact_angle_deg: None,
         contact_material_radius_mm: None,
@@ -201,8 +205,8 @@ pub fn measure(scene: &Scene, solver: &Solver) -> Outcome {
             nodes_solved: solver.problem().sheet.free_nodes(),
             work_units: solver.work_units(),
             time_ms: None,
-            relative_residual: 0.0,
-            estimated_position_error: 0.0,
+            relative_residual: solver.relative_residual(),
+            estimated_position_error: solver.estimated_position_error(),
         },
         warnings: Vec::new(),
     }

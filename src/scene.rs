@@ -12,6 +12,7 @@ use crate::implant::Dome;
 use crate::measure::{self, Outcome};
 use crate::sheet::{Sheet, rounded_nodes_per_side};
 use crate::solve::{Material, Problem, Progress, Solver};
+pub use crate::springs::Springs;
 use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -90,17 +91,6 @@ pub struct Layer {
     /// Stress–strain curve.
     #[serde(default = "default_curve")]
     pub curve: CurveSpec,
-}
-
-/// Which spring law carries the sheet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Springs {
-    /// Springs of a triangle coupled through its metric: exact, isotropic, stable in tension.
-    #[default]
-    Coupled,
-    /// The paper's equations (3) and (6) as published.
-    Nikolaev,
 }
 
 /// How finely and how exactly to solve.
@@ -383,6 +373,8 @@ impl Scene {
                 self.insertion,
             ),
             materials: materials.collect::<Result<_, _>>()?,
+            springs: self.springs,
+            tolerance: self.solver.tolerance,
         })
     }
 

@@ -56,9 +56,9 @@ pub struct CoupledLaw {
 #[derive(Clone, Debug, PartialEq)]
 struct Group {
     poisson_ratio: f64,
-    /// Σ h·Ef(ē)/ē \[kPa·mm\] against ē, up to the end of the data.
+    /// Σ h·Ef(ē)/ē \[kPa·mm\] against ē, up to where every curve is a line.
     secant: Table,
-    /// Beyond the data every curve is a line, so Σ h·Ef = slope·ē + offset.
+    /// Beyond it Σ h·Ef = slope·ē + offset.
     line_slope: f64,
     line_offset: f64,
 }
@@ -152,7 +152,7 @@ impl Group {
         let sum = |f: &dyn Fn(&Curve) -> f64| -> f64 {
             layers.iter().map(|layer| layer.thickness_mm * f(layer.curve)).sum()
         };
-        let end = layers.iter().map(|layer| layer.curve.data_end()).fold(0.0, f64::max);
+        let end = layers.iter().map(|layer| layer.curve.line_start()).fold(0.0, f64::max);
         let mut breaks: Vec<f64> =
             layers.iter().flat_map(|layer| layer.curve.breaks()).filter(|b| *b < end).collect();
         breaks.sort_by(f64::total_cmp);

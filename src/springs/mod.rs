@@ -6,3 +6,17 @@
 pub mod coupled;
 pub mod paper;
 pub mod table;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Which spring law carries the sheet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Springs {
+    /// Springs of a triangle coupled through its metric: exact, isotropic, stable in tension.
+    #[default]
+    Coupled,
+    /// The paper's equations (3) and (6) as published.
+    Nikolaev,
+}

@@ -31,6 +31,7 @@ pub struct Table {
     buckets: Vec<[f64; 4]>,
     /// The weighted integral from `start` to each bucket's start.
     integrals: Vec<f64>,
+    integral_at_zero: f64,
     weight: Weight,
     relative_error: f64,
 }
@@ -90,6 +91,7 @@ impl Table {
             buckets_per_unit: 1.0 / width,
             integrals: Vec::with_capacity(count),
             buckets,
+            integral_at_zero: 0.0,
             weight,
             relative_error: 0.0,
         };
@@ -98,6 +100,7 @@ impl Table {
             table.integrals.push(sum);
             sum += table.integral_within(k, edge(k), edge(k + 1));
         }
+        table.integral_at_zero = table.integral(0.0);
         table.relative_error = table.measure_error(f);
         table
     }
@@ -170,6 +173,13 @@ impl Table {
         let k = self.bucket(x);
         let low = self.start + k as f64 / self.buckets_per_unit;
         self.integrals[k] + self.integral_within(k, low, x)
+    }
+
+    /// The weighted integral from 0 to `x`, for a table whose range holds 0.
+    #[inline]
+    #[must_use]
+    pub fn integral_from_zero(&self, x: f64) -> f64 {
+        self.integral(x) - self.integral_at_zero
     }
 
     fn integral_within(&self, bucket: usize, low: f64, x: f64) -> f64 {

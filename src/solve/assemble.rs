@@ -1,0 +1,504 @@
+//! Energy, forces and Hessian of a sheet: sums over its triangles.
+//!
+//! A triangle's deformation gradient is F = Σ x ⊗ ∇φ, its principal stretches λ and directions N
+//! (at rest), u = F N/λ (deformed). Coupled springs: P = Σ T u ⊗ N, and the second derivative has
+//! closed-form modes (stretch, shear, twist, out of plane; cf. B. Smith et al., "Analytic
+//! eigensystems for isotropic distortion energies", ACM TOG 38(1), 2019), so that negative
+//! stiffness can be left out of the Hessian mode by mode. Forces are never changed.
+
+use super::blocks::{Blocks, outer};
+use super::law::{PaperLaw, SheetLaw};
+use crate::sheet::{CELL_TRIANGLES, CellKind, Sheet};
+use crate::springs::coupled::CoupledLaw;
+use glam::{DMat3, DVec2, DVec3};
+
+/// Which second derivative to assemble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stiffness {
+    /// The true Hessian.
+    True,
+    /// Without its negative modes, triangle by triangle: positive semidefinite.
+    Positive,
+}
+
+/// Sums of one pass over the sheet.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Totals {
+    /// Strain energy \[kPa·mm³\].
+    pub(crate) energy: f64,
+    /// Root of the sum of the squared forces that triangles exert on their nodes \[kPa·mm²\]: what the
+    /// residual is measured against.
+    pub(crate) force_scale: f64,
+    /// Is a spring outside of the range where its law has a meaning?
+    pub(crate) outside_law: bool,
+}
+
+/// Corner pairs whose blocks a cell adds: (from, to, which array: 4 = diagonal, else upper).
+const PAIRS: [(usize, usize, usize); 10] = [
+    (0, 0, 4),
+    (1, 1, 4),
+    (2, 2, 4),
+    (3, 3, 4),
+    (0, 1, 0),
+    (3, 2, 0),
+    (0, 3, 1),
+    (1, 2, 1),
+    (0, 2, 2),
+    (1, 3, 3),
+];
+
+/// For corners a, b: the place in [`PAIRS`], and whether the pair stands there as (b, a).
+const PLACE: [[(usize, bool); 4]; 4] = [
+    [(0, false), (4, false), (8, false), (6, false)],
+    [(4, true), (1, false), (7, false), (9, false)],
+    [(8, true), (7, true), (2, false), (5, true)],
+    [(6, true), (9, true), (5, false), (3, false)],
+];
+
+/// A triangle at rest: weighted area \[mm²\] and the gradients of its nodes' hat functions \[1/mm\].
+pub(crate) struct Rest {
+    pub(crate) area: f64,
+    pub(crate) gradients: [DVec2; 3],
+}
+
+impl Rest {
+    #[inline]
+    pub(crate) fn new(rest: [DVec2; 3], weight: f64) -> Self {
+        let (a, b) = (rest[1] - rest[0], rest[2] - rest[0]);
+        let det = a.perp_dot(b);
+        let inverse = 1.0 / det;
+        let g1 = DVec2::new(b.y, -b.x) * inverse;
+        let g2 = DVec2::new(-a.y, a.x) * inverse;
+        Self { area: 0.5 * det * weight, gradients: [-(g1 + g2), g1, g2] }
+    }
+}
+
+/// Principal stretches and directions of a deformed triangle.
+pub(crate) struct Principal {
+    pub(crate) stretch: [f64; 2],
+    /// Principal directions at rest.
+    pub(crate) rest: [DVec2; 2],
+    /// The same, deformed; unit vectors in the triangle's plane.
+    pub(crate) deformed: [DVec3; 2],
+}
+
+impl Principal {
+    /// The columns of F.
+    #[inline]
+    pub(crate) fn columns(rest: &Rest, x: [DVec3; 3]) -> [DVec3; 2] {
+        let (a, b) = (x[1] - x[0], x[2] - x[0]);
+        let [_, g1, g2] = rest.gradients;
+        [a * g1.x + b * g2.x, a * g1.y + b * g2.y]
+    }
+
+    /// Principal stretches, the greater first.
+    #[inline]
+    pub(crate) fn stretches([f1, f2]: [DVec3; 2]) -> [f64; 2] {
+        let (mean, half, off) = metric(f1, f2);
+        let greater = mean + half.hypot(off);
+        let area = f1.cross(f2).length();
+        let first = greater.max(1e-300).sqrt();
+        [first, area / first]
+    }
+
+    #[inline]
+    pub(crate) fn new(columns: [DVec3; 2]) -> Self {
+        let [f1, f2] = columns;
+        let (_, half, off) = metric(f1, f2);
+        let radius = half.hypot(off);
+        let rest = if radius > 0.0 {
+            // Half of the angle (half, off)/radius, by the formula without cancellation.
+            let (c, s) = if half >= 0.0 {
+                let c = (0.5 * (1.0 + half / radius)).sqrt();
+                (c, 0.5 * off / (radius * c))
+            } else {
+                let s = (0.5 * (1.0 - half / radius)).sqrt();
+                (0.5 * off / (radius * s), s)
+            };
+            DVec2::new(c, s)
+        } else {
+            DVec2::X
+        };
+        let across = DVec2::new(-rest.y, rest.x);
+        let stretch = Self::stretches(columns);
+        let first = (f1 * rest.x + f2 * rest.y).normalize_or(DVec3::X);
+        let second = f1 * across.x + f2 * across.y;
+        let second =
+            (second - first * second.dot(first)).normalize_or(first.any_orthonormal_vector());
+        Self { stretch, rest: [rest, across], deformed: [first, second] }
+    }
+}
+
+#[inline]
+fn metric(f1: DVec3, f2: DVec3) -> (f64, f64, f64) {
+    let (c11, c22) = (f1.length_squared(), f2.length_squared());
+    (0.5 * (c11 + c22), 0.5 * (c11 - c22), f1.dot(f2))
+}
+
+/// Strain energy of a shape \[kPa·mm³\].
+pub(crate) fn energy(sheet: &Sheet, law: &SheetLaw, x: &[DVec3]) -> f64 {
+    let rest = sheet.rest();
+    let mut sum = 0.0;
+    for (nodes, weight) in sheet.triangles() {
+        let triangle = Rest::new(nodes.map(|k| rest[k]), weight);
+        let x = nodes.map(|k| x[k]);
+        sum += match law {
+            SheetLaw::Coupled(law) => {
+                let [a, b] = Principal::stretches(Principal::columns(&triangle, x));
+                triangle.area * law.energy([a - 1.0, b - 1.0])
+            }
+            SheetLaw::Paper(law) => springs(&triangle, nodes.map(|k| rest[k]), x)
+                .iter()
+                .map(|s| s.width * s.rest_length * s.table(law).integral_from_zero(s.strain()))
+                .sum(),
+        };
+    }
+    sum
+}
+
+/// Energy and nodal forces −∂E/∂x \[kPa·mm²\] of every node, clamped ones included.
+pub(crate) fn forces(sheet: &Sheet, law: &SheetLaw, x: &[DVec3], forces: &mut [DVec3]) -> Totals {
+    forces.fill(DVec3::ZERO);
+    accumulate(sheet, law, x, forces, None)
+}
+
+/// As [`forces`], and the Hessian of the energy.
+pub(crate) fn linearize(
+    sheet: &Sheet,
+    law: &SheetLaw,
+    x: &[DVec3],
+    stiffness: Stiffness,
+    forces: &mut [DVec3],
+    hessian: &mut Blocks,
+) -> Totals {
+    forces.fill(DVec3::ZERO);
+    hessian.clear();
+    accumulate(sheet, law, x, forces, Some((stiffness, hessian)))
+}
+
+fn accumulate(
+    sheet: &Sheet,
+    law: &SheetLaw,
+    x: &[DVec3],
+    forces: &mut [DVec3],
+    mut hessian: Option<(Stiffness, &mut Blocks)>,
+) -> Totals {
+    let rest = sheet.rest();
+    let mut totals = Totals::default();
+    let mut squares = 0.0;
+    for j in 0..sheet.nodes_per_side() - 1 {
+        let (first, last) = cell_span(sheet, j);
+        for i in first..last {
+            let (range, weight) = match sheet.cell(i, j) {
+                CellKind::Whole => (0..4, 0.5),
+                CellKind::WithoutCorner(k) => (usize::from(k)..usize::from(k) + 1, 1.0),
+                CellKind::Outside => continue,
+            };
+            let corners = sheet.corners(i, j);
+            let mut blocks = [DMat3::ZERO; 10];
+            for local in &CELL_TRIANGLES[range] {
+                let nodes = local.map(|c| corners[c]);
+                let mut triangle = Triangle {
+                    rest: Rest::new(nodes.map(|k| rest[k]), weight),
+                    rest_points: nodes.map(|k| rest[k]),
+                    x: nodes.map(|k| x[k]),
+                    forces: [DVec3::ZERO; 3],
+                    blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),
+                };
+                match law {
+                    SheetLaw::Coupled(law) => totals.energy += triangle.add_coupled(law),
+                    SheetLaw::Paper(law) => {
+                        let (energy, outside) = triangle.add_paper(law);
+                        totals.energy += energy;
+                        totals.outside_law |= outside;
+                    }
+                }
+                for (k, force) in nodes.into_iter().zip(triangle.forces) {
+                    forces[k] += force;
+                    squares += force.length_squared();
+                }
+            }
+            if let Some((_, hessian)) = &mut hessian {
+                for ((from, _, array), block) in PAIRS.iter().zip(&blocks) {
+                    let k = corners[*from];
+                    match hessian.upper.get_mut(*array) {
+                        Some(upper) => upper[k] += *block,
+                        None => hessian.diagonal[k] += *block,
+                    }
+                }
+            }
+        }
+    }
+    totals.force_scale = squares.sqrt();
+    totals
+}
+
+/// The cells of row j that can belong to the sheet.
+fn cell_span(sheet: &Sheet, j: usize) -> (usize, usize) {
+    let (below, above) = (sheet.row_spans()[j], sheet.row_spans()[j + 1]);
+    (below.0.min(above.0), below.1.max(above.1).saturating_sub(1))
+}
+
+/// A triangle being added up.
+struct Triangle<'a> {
+    rest: Rest,
+    rest_points: [DVec2; 3],
+    x: [DVec3; 3],
+    forces: [DVec3; 3],
+    /// Which Hessian, the triangle's corners in its cell, the cell's blocks.
+    blocks: Option<(Stiffness, &'a [usize; 3], &'a mut [DMat3; 10])>,
+}
+
+impl Triangle<'_> {
+    fn add_coupled(&mut self, law: &CoupledLaw) -> f64 {
+        let area = self.rest.area;
+        let principal = Principal::new(Principal::columns(&self.rest, self.x));
+        let [l1, l2] = principal.stretch;
+        let strain = [l1 - 1.0, l2 - 1.0];
+        let [n1, n2] = principal.rest;
+        let [u1, u2] = principal.deformed;
+        let along = self.rest.gradients.map(|g| (g.dot(n1), g.dot(n2)));
+        let Some((kind, local, blocks)) = &mut self.blocks else {
+            let [t1, t2] = law.tension(strain);
+            for (force, (p, q)) in self.forces.iter_mut().zip(along) {
+                *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
+            }
+            return area * law.energy(strain);
+        };
+        let response = law.response(strain);
+        let [t1, t2] = response.tension;
+        for (force, (p, q)) in self.forces.iter_mut().zip(along) {
+            *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
+        }
+        let [w11, w12, w22] = response.stiffness.map(|w| w * area);
+        let mut twist = (t1 + t2) / (l1 + l2) * area;
+        let mut out = [t1 / l1.max(1e-9) * area, t2 / l2.max(1e-9) * area];
+        if *kind == Stiffness::Positive {
+            twist = twist.max(0.0);
+            // A flat sheet without tension still needs an inverse.
+            let least = 1e-7 * (w11 + w22);
+            out = out.map(|o| o.max(least));
+        }
+        let shear = response.shear * area;
+        let (same, cross) = (0.5 * (shear + twist), 0.5 * (shear - twist));
+        let modes = [outer(u1, u1), outer(u1, u2), outer(u2, u1), outer(u2, u2)];
+        let normal = u1.cross(u2);
+        let normal = outer(normal, normal);
+        for a in 0..3 {
+            for b in a..3 {
+                let ((pa, qa), (pb, qb)) = (along[a], along[b]);
+                let (pp, qq) = (pa * pb, qa * qb);
+                let block = modes[0] * (w11 * pp + same * qq)
+                    + modes[1] * (w12 * pa * qb + cross * qa * pb)
+                    + modes[2] * (w12 * qa * pb + cross * pa * qb)
+                    + modes[3] * (w22 * qq + same * pp)
+                    + normal * (out[0] * pp + out[1] * qq);
+                place(blocks, local[a], local[b], &block);
+            }
+        }
+        area * law.energy(strain)
+    }
+
+    fn add_paper(&mut self, law: &PaperLaw) -> (f64, bool) {
+        let (mut energy, mut outside) = (0.0, false);
+        for s in springs(&self.rest, self.rest_points, self.x) {
+            let strain = s.strain();
+            let table = s.table(law);
+            outside |= strain > table.end();
+            let (tension, slope) = table.value_and_slope(strain);
+            energy += s.width * s.rest_length * table.integral_from_zero(strain);
+            let length = s.vector.length().max(1e-12);
+            let direction = s.vector / length;
+            let force = direction * (tension * s.width);
+            self.forces[s.ends.0] += force;
+            self.forces[s.ends.1] -= force;
+            if let Some((kind, local, blocks)) = &mut self.blocks {
+                let mut along = slope * s.width / s.rest_length;
+                let mut across = tension * s.width / length;
+                if *kind == Stiffness::Positive {
+                    let least = 1e-6 * (slope.abs() + tension.abs()) * s.width / s.rest_length;
+                    (along, across) = (along.max(least), across.max(least));
+                }
+                let block =
+                    outer(direction, direction) * (along - across) + DMat3::IDENTITY * across;
+                let (a, b) = (local[s.ends.0], local[s.ends.1]);
+                place(blocks, a, a, &block);
+                place(blocks, b, b, &block);
+                place(blocks, a, b, &-block);
+            }
+        }
+        (energy, outside)
+    }
+}
+
+#[inline]
+fn place(blocks: &mut [DMat3; 10], a: usize, b: usize, block: &DMat3) {
+    let (place, swapped) = PLACE[a][b];
+    blocks[place] += if swapped { block.transpose() } else { *block };
+}
+
+/// One spring's share in a triangle.
+struct SpringShare {
+    /// Places of its ends in the triangle.
+    ends: (usize, usize),
+    is_diagonal: bool,
+    /// From the first end to the second, deformed \[mm\].
+    vector: DVec3,
+    rest_length: f64,
+    /// The width it stands for \[mm\].
+    width: f64,
+}
+
+impl SpringShare {
+    fn strain(&self) -> f64 {
+        self.vector.length() / self.rest_length - 1.0
+    }
+
+    fn table<'a>(&self, law: &'a PaperLaw) -> &'a crate::springs::table::Table {
+        if self.is_diagonal { &law.diagonal } else { &law.edge }
+    }
+}
+
+/// The two edges and the diagonal of a triangle, the right angle at its first node.
+///
+/// Widths: in a square cell L/2 for every spring (the paper); with the triangle's area A, an edge
+/// of length l has A/l and the diagonal √2·A/l, which is the same there and fits the border.
+fn springs(rest: &Rest, points: [DVec2; 3], x: [DVec3; 3]) -> [SpringShare; 3] {
+    [(0, 1, false), (0, 2, false), (1, 2, true)].map(|(a, b, is_diagonal)| {
+        let rest_length = points[a].distance(points[b]);
+        let share = if is_diagonal { std::f64::consts::SQRT_2 } else { 1.0 };
+        SpringShare {
+            ends: (a, b),
+            is_diagonal,
+            vector: x[b] - x[a],
+            rest_length,
+            width: share * rest.area / rest_length,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{Curve, CurveSpec};
+    use crate::solve::Material;
+    use crate::springs::Springs;
+
+    fn materials() -> Vec<Material> {
+        let layer = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
+            curve: Curve::new(spec).unwrap(),
+            poisson_ratio,
+            thickness_mm,
+        };
+        vec![layer(&CurveSpec::Skin {}, 0.45, 1.5), layer(&CurveSpec::Adipose {}, 0.3, 10.0)]
+    }
+
+    /// A sheet in tension, bulged and bumpy.
+    fn bumpy(sheet: &Sheet) -> Vec<DVec3> {
+        let bump = |k: usize, f: f64| 0.02 * (f * k as f64).sin();
+        (0..sheet.len())
+            .map(|k| {
+                let p = sheet.rest()[k];
+                let z = 0.4 * (1.0 - p.length_squared());
+                DVec3::new(1.2 * p.x + bump(k, 1.3), 1.15 * p.y + bump(k, 2.1), z + bump(k, 3.7))
+            })
+            .collect()
+    }
+
+    fn both() -> [SheetLaw; 2] {
+        [Springs::Coupled, Springs::Nikolaev].map(|springs| SheetLaw::new(springs, &materials()))
+    }
+
+    #[test]
+    fn forces_are_the_negative_slope_of_the_energy() {
+        let sheet = Sheet::new(9, 1.0);
+        for law in both() {
+            let mut x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let totals = forces(&sheet, &law, &x, &mut f);
+            assert!((totals.energy - energy(&sheet, &law, &x)).abs() < 1e-12 * totals.energy.abs());
+            for (nodes, _) in sheet.triangles().step_by(3) {
+                let k = nodes[0];
+                for axis in 0..3 {
+                    let (home, step) = (x[k], 1e-6);
+                    x[k][axis] = home[axis] + step;
+                    let up = energy(&sheet, &law, &x);
+                    x[k][axis] = home[axis] - step;
+                    let down = energy(&sheet, &law, &x);
+                    x[k] = home;
+                    let slope = (up - down) / (2.0 * step);
+                    let error = (slope + f[k][axis]).abs();
+                    assert!(
+                        error < 1e-5 * totals.force_scale,
+                        "{k} {axis}: {slope} {}",
+                        f[k][axis]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_true_hessian_is_the_slope_of_the_forces() {
+        let sheet = Sheet::new(9, 1.0);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let mut hessian = Blocks::new(9);
+            linearize(&sheet, &law, &x, Stiffness::True, &mut f, &mut hessian);
+            let direction: Vec<DVec3> = (0..sheet.len())
+                .map(|k| {
+                    let t = k as f64;
+                    DVec3::new((5.1 * t).sin(), (3.3 * t).cos(), (2.7 * t).sin())
+                })
+                .collect();
+            let step = 1e-7;
+            let moved = |sign: f64| -> Vec<DVec3> {
+                let x: Vec<DVec3> =
+                    x.iter().zip(&direction).map(|(x, d)| *x + *d * (sign * step)).collect();
+                let mut f = vec![DVec3::ZERO; sheet.len()];
+                forces(&sheet, &law, &x, &mut f);
+                f
+            };
+            let (up, down) = (moved(1.0), moved(-1.0));
+            let (mut error, mut scale) = (0.0_f64, 0.0_f64);
+            for k in 0..sheet.len() {
+                // Free nodes are inside the array; the others' rows need no boundary care.
+                if sheet.kinds()[k] == crate::sheet::NodeKind::Free {
+                    let slope = (down[k] - up[k]) / (2.0 * step);
+                    error = error.max((slope - hessian.row(k, &direction)).length());
+                    scale = scale.max(slope.length());
+                }
+            }
+            assert!(error < 1e-4 * scale, "{error} of {scale}");
+        }
+    }
+
+    #[test]
+    fn forces_sum_to_zero_and_give_no_torque() {
+        let sheet = Sheet::new(17, 1.0);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let scale = forces(&sheet, &law, &x, &mut f).force_scale;
+            let sum: DVec3 = f.iter().sum();
+            let torque: DVec3 = x.iter().zip(&f).map(|(x, f)| x.cross(*f)).sum();
+            assert!(sum.length() < 1e-12 * scale && torque.length() < 1e-12 * scale);
+        }
+    }
+
+    #[test]
+    fn a_rotated_sheet_has_rotated_forces() {
+        let sheet = Sheet::new(17, 1.0);
+        let turn = DMat3::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 1.1);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let turned: Vec<DVec3> = x.iter().map(|x| turn * *x).collect();
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let mut g = f.clone();
+            let scale = forces(&sheet, &law, &x, &mut f).force_scale;
+            forces(&sheet, &law, &turned, &mut g);
+            assert!(f.iter().zip(&g).all(|(f, g)| (turn * *f - *g).length() < 1e-12 * scale));
+        }
+    }
+}

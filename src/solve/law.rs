@@ -1,0 +1,91 @@
+//! The law of a whole stack of layers, as the solver reads it: tables, layers merged.
+
+use super::Material;
+use crate::springs::Springs;
+use crate::springs::coupled::{CoupledLaw, LawLayer};
+use crate::springs::paper::{self, Spring, edge_strain_limit};
+use crate::springs::table::{Table, Weight};
+
+/// The spring strain up to which the paper's springs are tabulated \[-\]: twice what the paper asks.
+const PAPER_STRAIN: f64 = 2.0;
+
+/// What carries the sheet.
+#[derive(Clone, Debug)]
+pub(crate) enum SheetLaw {
+    /// Coupled springs.
+    Coupled(CoupledLaw),
+    /// The paper's springs.
+    Paper(PaperLaw),
+}
+
+/// The paper's springs of all layers, added up: each spring's tension depends on its strain alone.
+#[derive(Clone, Debug)]
+pub(crate) struct PaperLaw {
+    /// Σ h·f/Sq \[kPa·mm\] of an edge spring against its strain.
+    pub edge: Table,
+    /// The same of a diagonal spring.
+    pub diagonal: Table,
+}
+
+impl SheetLaw {
+    /// The law of the given springs and layers.
+    #[must_use]
+    pub(crate) fn new(springs: Springs, materials: &[Material]) -> Self {
+        match springs {
+            Springs::Coupled => {
+                let layers: Vec<LawLayer> = materials
+                    .iter()
+                    .map(|m| LawLayer {
+                        curve: &m.curve,
+                        poisson_ratio: m.poisson_ratio,
+                        thickness_mm: m.thickness_mm,
+                    })
+                    .collect();
+                Self::Coupled(CoupledLaw::new(&layers))
+            }
+            Springs::Nikolaev => Self::Paper(PaperLaw::new(materials)),
+        }
+    }
+
+    /// The greatest error of a table, relative to its peak stress.
+    #[must_use]
+    pub(crate) fn table_error(&self) -> f64 {
+        match self {
+            Self::Coupled(law) => law.table_error(),
+            Self::Paper(law) => law.edge.relative_error().max(law.diagonal.relative_error()),
+        }
+    }
+}
+
+impl PaperLaw {
+    fn new(materials: &[Material]) -> Self {
+        let end = materials
+            .iter()
+            .map(|m| edge_strain_limit(m.poisson_ratio))
+            .fold(PAPER_STRAIN, f64::min);
+        // Ef(ε) bends at the curve's breaks, Ef(−νε) at 1/ν of them; both change form at zero.
+        let mut breaks = vec![0.0];
+        for m in materials {
+            for b in m.curve.breaks() {
+                breaks.push(-b);
+                for bend in [b, b / m.poisson_ratio.max(1e-3)] {
+                    breaks.extend([bend, paper::diagonal_strain(bend, -m.poisson_ratio * bend)]);
+                }
+            }
+        }
+        breaks.retain(|b| (-1.0..end).contains(b));
+        breaks.sort_by(f64::total_cmp);
+        let table = |spring: Spring| {
+            let sum = |strain: f64| -> f64 {
+                materials
+                    .iter()
+                    .map(|m| {
+                        m.thickness_mm * paper::tension(spring, &m.curve, m.poisson_ratio, strain)
+                    })
+                    .sum()
+            };
+            Table::new(sum, (-1.0, end), &breaks, Weight::One)
+        };
+        Self { edge: table(Spring::Edge), diagonal: table(Spring::Diagonal) }
+    }
+}

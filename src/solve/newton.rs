@@ -1,0 +1,512 @@
+//! Newton's method on one grid, with contact.
+//!
+//! Each iteration minimises the quadratic model of the energy under the linearised constraints
+//! "not into the dome, not below the wall": projected block Gauss–Seidel finds which nodes press,
+//! conjugate gradients with a truncated V-cycle move the others (cf. C. Gräser and R. Kornhuber,
+//! "Multigrid methods for obstacle problems", J. Comput. Math. 27(1), 2009). The model holds the
+//! dome's curvature under the pressing nodes. The step is put back onto the dome and shortened until
+//! the energy falls.
+
+use super::assemble::{self, Stiffness, Totals};
+use super::blocks::{Blocks, outer};
+use super::law::SheetLaw;
+use super::multigrid::{Finest, Hierarchy, safe_inverse};
+use crate::implant::Dome;
+use crate::sheet::{NodeKind, Sheet};
+use glam::{DMat3, DVec3};
+
+/// Newton iterations before a grid is given up.
+const MAX_ITERATIONS: u32 = 60;
+/// Rounds of (sweeps, conjugate gradients) in one iteration.
+const MAX_ROUNDS: u32 = 12;
+/// Conjugate-gradient steps in one round.
+const MAX_CG: u32 = 12;
+/// Residual drop asked of one round.
+const CG_DROP: f64 = 0.05;
+/// A round that moves less than this share of the step ends the iteration.
+const ROUND_SHARE: f64 = 0.02;
+/// Halvings of a step before the grid is given up.
+const MAX_HALVINGS: u32 = 30;
+/// A node this close to the dome counts as touching it \[share of the base radius\].
+const TOUCH: f64 = 1e-9;
+
+/// Costs in work units (one evaluation of all nodal forces), by their flops.
+const LINEARIZE_UNITS: f64 = 4.0;
+const SWEEP_UNITS: f64 = 0.6;
+const CYCLE_UNITS: f64 = 2.8;
+const BUILD_UNITS: f64 = 2.0;
+const ENERGY_UNITS: f64 = 0.7;
+
+const FREE: u8 = 0;
+const ON_DOME: u8 = 1;
+const ON_WALL: u8 = 2;
+
+/// How a grid's iteration stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum State {
+    Working,
+    Converged,
+    /// Out of iterations, or no step lowers the energy.
+    Stalled,
+    /// A spring left the range where its law has a meaning.
+    RanAway,
+}
+
+enum Phase {
+    Linearize,
+    Smooth,
+    Build,
+    Cg { step: u32, start: f64, rho: f64 },
+    Correct,
+    Search { length: f64, halvings: u32 },
+}
+
+/// Iteration on one grid: its shape, its model and scratch. Arrays of shape (n², ).
+pub(crate) struct Newton {
+    pub(crate) sheet: Sheet,
+    pub(crate) x: Vec<DVec3>,
+    pub(crate) forces: Vec<DVec3>,
+    pub(crate) contact: Vec<u8>,
+    free: Vec<u32>,
+    hessian: Blocks,
+    hierarchy: Hierarchy,
+    /// Inverse diagonal blocks, unconstrained.
+    inverse: Vec<DMat3>,
+    /// The same in the directions that may move.
+    tangent_inverse: Vec<DMat3>,
+    projector: Vec<DMat3>,
+    normal: Vec<DVec3>,
+    gap: Vec<f64>,
+    /// The step, and the step before the last correction.
+    d: Vec<DVec3>,
+    r: Vec<DVec3>,
+    z: Vec<DVec3>,
+    p: Vec<DVec3>,
+    q: Vec<DVec3>,
+    trial: Vec<DVec3>,
+    /// Residuals inside a V-cycle; zero at nodes that are not free.
+    scratch: Vec<DVec3>,
+    phase: Phase,
+    pub(crate) iterations: u32,
+    rounds: u32,
+    is_built: bool,
+    changed: usize,
+    totals: Totals,
+    last_step: f64,
+    last_round: f64,
+    pub(crate) relative_residual: f64,
+    /// Estimated greatest node position error \[mm\].
+    pub(crate) error: f64,
+    pub(crate) work_units: f64,
+}
+
+impl Newton {
+    pub(crate) fn new(sheet: Sheet) -> Self {
+        let size = sheet.len();
+        let free: Vec<u32> =
+            (0..size).filter(|&k| sheet.kinds()[k] == NodeKind::Free).map(|k| k as u32).collect();
+        let n = sheet.nodes_per_side();
+        let vectors = || vec![DVec3::ZERO; size];
+        let matrices = || vec![DMat3::ZERO; size];
+        Self {
+            x: sheet.rest().iter().map(|p| p.extend(0.0)).collect(),
+            forces: vectors(),
+            contact: vec![FREE; size],
+            hessian: Blocks::new(n),
+            hierarchy: Hierarchy::new(n, &free),
+            inverse: matrices(),
+            tangent_inverse: matrices(),
+            projector: matrices(),
+            normal: vectors(),
+            gap: vec![0.0; size],
+            d: vectors(),
+            r: vectors(),
+            z: vectors(),
+            p: vectors(),
+            q: vectors(),
+            trial: vectors(),
+            scratch: vectors(),
+            free,
+            sheet,
+            phase: Phase::Linearize,
+            iterations: 0,
+            rounds: 0,
+            is_built: false,
+            changed: 0,
+            totals: Totals::default(),
+            last_step: f64::INFINITY,
+            last_round: 0.0,
+            relative_residual: f64::INFINITY,
+            error: f64::INFINITY,
+            work_units: 0.0,
+        }
+    }
+
+    /// Starts from the positions in `x`, made admissible.
+    pub(crate) fn start(&mut self, dome: &Dome) {
+        for &k in &self.free {
+            let k = k as usize;
+            self.x[k] = admissible(dome, self.x[k]);
+        }
+        self.phase = Phase::Linearize;
+        self.iterations = 0;
+        self.last_step = f64::INFINITY;
+        self.error = f64::INFINITY;
+        self.relative_residual = f64::INFINITY;
+    }
+
+    /// Does the next piece of work, a few passes over the grid at most. `tolerance` \[mm\].
+    pub(crate) fn step(&mut self, law: &SheetLaw, dome: &Dome, tolerance: f64) -> State {
+        match self.phase {
+            Phase::Linearize => return self.linearize(law, dome),
+            Phase::Smooth => self.smooth(),
+            Phase::Build => self.build(),
+            Phase::Cg { step, start, rho } => self.cg(step, start, rho),
+            Phase::Correct => self.correct(tolerance),
+            Phase::Search { length, halvings } => {
+                return self.search(law, dome, tolerance, length, halvings);
+            }
+        }
+        State::Working
+    }
+
+    fn linearize(&mut self, law: &SheetLaw, dome: &Dome) -> State {
+        if self.iterations == MAX_ITERATIONS {
+            return State::Stalled;
+        }
+        self.iterations += 1;
+        self.work_units += LINEARIZE_UNITS;
+        self.totals = assemble::linearize(
+            &self.sheet,
+            law,
+            &self.x,
+            Stiffness::Positive,
+            &mut self.forces,
+            &mut self.hessian,
+        );
+        if self.totals.outside_law || !self.totals.energy.is_finite() {
+            return State::RanAway;
+        }
+        let touch = TOUCH * dome.base_radius;
+        for &k in &self.free {
+            let k = k as usize;
+            let gradient = dome.level_gradient(self.x[k]);
+            let steepness = gradient.length();
+            self.normal[k] = gradient / steepness;
+            self.gap[k] = dome.level(self.x[k]) / steepness;
+            let pressing = -self.forces[k].dot(self.normal[k]);
+            self.contact[k] = FREE;
+            if self.gap[k] <= touch && pressing >= 0.0 {
+                self.contact[k] |= ON_DOME;
+                self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * (pressing / steepness);
+            }
+            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
+                self.contact[k] |= ON_WALL;
+            }
+            self.d[k] = DVec3::ZERO;
+            self.inverse[k] = safe_inverse(self.hessian.diagonal[k]);
+        }
+        self.relative_residual = self.residual();
+        self.rounds = 0;
+        self.is_built = false;
+        self.phase = Phase::Smooth;
+        State::Working
+    }
+
+    /// Norm of the forces that no contact takes, relative to the forces they are the sum of.
+    fn residual(&self) -> f64 {
+        let squares: f64 = self
+            .free
+            .iter()
+            .map(|&k| {
+                let k = k as usize;
+                let movable = projector(self.contact[k], self.normal[k]);
+                (movable * self.forces[k]).length_squared()
+            })
+            .sum();
+        squares.sqrt() / self.totals.force_scale.max(f64::MIN_POSITIVE)
+    }
+
+    /// Two projected Gauss–Seidel sweeps on the model: they find which nodes press.
+    fn smooth(&mut self) {
+        self.changed = 0;
+        let count = self.free.len();
+        for k in 0..count {
+            self.relax(self.free[k] as usize);
+        }
+        for k in (0..count).rev() {
+            self.relax(self.free[k] as usize);
+        }
+        self.work_units += 2.0 * SWEEP_UNITS;
+        for &k in &self.free {
+            let k = k as usize;
+            let (flags, normal, inverse) = (self.contact[k], self.normal[k], self.inverse[k]);
+            self.projector[k] = projector(flags, normal);
+            self.tangent_inverse[k] = match flags {
+                FREE => inverse,
+                ON_DOME => without(inverse, normal),
+                ON_WALL => without(inverse, DVec3::Z),
+                _ => {
+                    let t = edge_direction(normal);
+                    let stiffness = t.dot(self.hessian.diagonal[k] * t);
+                    outer(t, t) * if stiffness > 0.0 { 1.0 / stiffness } else { 0.0 }
+                }
+            };
+        }
+        self.phase = if self.is_built { self.begin_cg() } else { Phase::Build };
+    }
+
+    /// Minimises the model over one node's step, under its constraints.
+    #[inline]
+    fn relax(&mut self, k: usize) {
+        let rhs = self.forces[k] - self.hessian.off_diagonal(k, &self.d);
+        let inverse = &self.inverse[k];
+        let (normal, gap, height) = (self.normal[k], self.gap[k], self.x[k].z);
+        let mut d = *inverse * rhs;
+        let mut flags = FREE;
+        if normal.dot(d) < -gap || d.z < -height {
+            // One constraint at a time; both where neither is enough.
+            let s = *inverse * normal;
+            let on_dome = d + s * ((-gap - normal.dot(d)) / normal.dot(s));
+            let t = inverse.z_axis;
+            let on_wall = d + t * ((-height - d.z) / t.z);
+            if normal.dot(d) < -gap && on_dome.z >= -height - 1e-12 {
+                (d, flags) = (on_dome, ON_DOME);
+            } else if d.z < -height && normal.dot(on_wall) >= -gap - 1e-12 {
+                (d, flags) = (on_wall, ON_WALL);
+            } else {
+                let along = edge_direction(normal);
+                let corner = corner_step(normal, gap, height);
+                let block = &self.hessian.diagonal[k];
+                let stiffness = along.dot(*block * along);
+                let move_along = if stiffness > 0.0 {
+                    along.dot(rhs - *block * corner) / stiffness
+                } else {
+                    0.0
+                };
+                (d, flags) = (corner + along * move_along, ON_DOME | ON_WALL);
+            }
+        }
+        self.changed += usize::from(self.contact[k] != flags);
+        self.contact[k] = flags;
+        self.d[k] = d;
+    }
+
+    fn build(&mut self) {
+        self.work_units += BUILD_UNITS;
+        let finest = Finest {
+            blocks: &self.hessian,
+            inverse: &self.tangent_inverse,
+            projector: &self.projector,
+            free: &self.free,
+        };
+        self.hierarchy.build(&finest);
+        self.is_built = true;
+        self.phase = self.begin_cg();
+    }
+
+    /// The residual of the model at the step so far, and the first search direction.
+    fn begin_cg(&mut self) -> Phase {
+        let mut start = 0.0;
+        for &k in &self.free {
+            let k = k as usize;
+            self.r[k] = self.projector[k] * (self.forces[k] - self.hessian.row(k, &self.d));
+            start += self.r[k].length_squared();
+            self.q[k] = DVec3::ZERO;
+        }
+        self.work_units += SWEEP_UNITS;
+        if start <= 1e-32 * self.totals.force_scale.powi(2) {
+            return Phase::Correct;
+        }
+        Phase::Cg { step: 0, start: start.sqrt(), rho: 0.0 }
+    }
+
+    /// One step of conjugate gradients in the directions that may move; the sum is kept in `q`.
+    fn cg(&mut self, step: u32, start: f64, rho_before: f64) {
+        self.work_units += CYCLE_UNITS + SWEEP_UNITS;
+        let finest = Finest {
+            blocks: &self.hessian,
+            inverse: &self.tangent_inverse,
+            projector: &self.projector,
+            free: &self.free,
+        };
+        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
+        let rho = dot(&self.free, &self.r, &self.z);
+        let beta = if step == 0 { 0.0 } else { rho / rho_before };
+        for &k in &self.free {
+            let k = k as usize;
+            self.p[k] = self.z[k] + self.p[k] * beta;
+        }
+        // z is free again: it takes H p.
+        for &k in &self.free {
+            let k = k as usize;
+            self.z[k] = self.projector[k] * self.hessian.row(k, &self.p);
+        }
+        let bend = dot(&self.free, &self.p, &self.z);
+        if !(bend > 0.0 && rho > 0.0) {
+            self.phase = Phase::Correct;
+            return;
+        }
+        let alpha = rho / bend;
+        let mut left = 0.0;
+        for &k in &self.free {
+            let k = k as usize;
+            self.q[k] += self.p[k] * alpha;
+            self.r[k] -= self.z[k] * alpha;
+            left += self.r[k].length_squared();
+        }
+        self.phase = if step + 1 >= MAX_CG || left.sqrt() <= CG_DROP * start {
+            Phase::Correct
+        } else {
+            Phase::Cg { step: step + 1, start, rho }
+        };
+    }
+
+    /// Adds the correction `q` to the step, as far as no constraint is passed by much.
+    fn correct(&mut self, tolerance: f64) {
+        let (mut largest, mut step) = (0.0_f64, 0.0_f64);
+        for &k in &self.free {
+            let k = k as usize;
+            let mut d = self.d[k] + self.q[k];
+            let short = -self.gap[k] - self.normal[k].dot(d);
+            if short > 0.0 {
+                d += self.normal[k] * short;
+            }
+            d.z = d.z.max(-self.x[k].z);
+            largest = largest.max((d - self.d[k]).length_squared());
+            step = step.max(d.length_squared());
+            self.d[k] = d;
+        }
+        self.last_round = largest.sqrt();
+        self.rounds += 1;
+        let settled = self.last_round <= ROUND_SHARE * step.sqrt() && self.changed == 0
+            || self.last_round <= 0.02 * tolerance;
+        self.phase = if settled || self.rounds >= MAX_ROUNDS {
+            Phase::Search { length: 1.0, halvings: 0 }
+        } else {
+            Phase::Smooth
+        };
+    }
+
+    /// Tries the step at a length; takes it if the energy falls, else halves it.
+    fn search(
+        &mut self,
+        law: &SheetLaw,
+        dome: &Dome,
+        tolerance: f64,
+        length: f64,
+        halvings: u32,
+    ) -> State {
+        self.work_units += ENERGY_UNITS;
+        self.trial.copy_from_slice(&self.x);
+        let (mut largest, mut expected) = (0.0_f64, 0.0);
+        for &k in &self.free {
+            let k = k as usize;
+            let mut to = self.x[k] + self.d[k] * length;
+            // A pressing node stays on the dome: its tangent step leads off the surface.
+            if self.contact[k] & ON_DOME != 0 && halvings == 0 {
+                to = dome.onto_surface(to);
+            }
+            to = admissible(dome, to);
+            let moved = to - self.x[k];
+            largest = largest.max(moved.length_squared());
+            expected += moved.dot(self.forces[k]);
+            self.trial[k] = to;
+        }
+        let largest = largest.sqrt();
+        let energy = assemble::energy(&self.sheet, law, &self.trial);
+        let noise = 1e-13 * self.totals.energy.abs();
+        let falls = energy <= self.totals.energy - 1e-4 * expected.max(0.0) + noise;
+        if !(falls && energy.is_finite()) {
+            if halvings >= MAX_HALVINGS {
+                return State::Stalled;
+            }
+            self.phase = Phase::Search { length: 0.5 * length, halvings: halvings + 1 };
+            return State::Working;
+        }
+        std::mem::swap(&mut self.x, &mut self.trial);
+        // Newton's steps shrink at least geometrically: what is left is the next one.
+        let rate = if self.last_step.is_finite() { largest / self.last_step } else { 1.0 };
+        self.error = if halvings == 0 {
+            largest * rate.clamp(0.0, 1.0) + self.last_round.min(largest)
+        } else {
+            f64::INFINITY
+        };
+        self.last_step = if halvings == 0 { largest } else { f64::INFINITY };
+        self.phase = Phase::Linearize;
+        if self.error <= tolerance { State::Converged } else { State::Working }
+    }
+
+    /// Forces, contact and residual at the present shape, for what is measured.
+    pub(crate) fn finish(&mut self, law: &SheetLaw, dome: &Dome) {
+        self.work_units += 1.0;
+        self.totals = assemble::forces(&self.sheet, law, &self.x, &mut self.forces);
+        let touch = 1e-6 * dome.base_radius;
+        for &k in &self.free {
+            let k = k as usize;
+            self.normal[k] = dome.normal(self.x[k]);
+            let gap = dome.level(self.x[k]) / dome.level_gradient(self.x[k]).length();
+            self.contact[k] = FREE;
+            if gap <= touch && self.forces[k].dot(self.normal[k]) <= 0.0 {
+                self.contact[k] |= ON_DOME;
+            }
+            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
+                self.contact[k] |= ON_WALL;
+            }
+        }
+        self.relative_residual = self.residual();
+    }
+}
+
+/// The nearest admissible point along simple paths: up to the wall, then out of the dome.
+fn admissible(dome: &Dome, mut point: DVec3) -> DVec3 {
+    point.z = point.z.max(0.0);
+    if dome.level(point) < 0.0 { dome.onto_surface(point) } else { point }
+}
+
+/// Second derivative of the dome's level \[1/mm²\].
+fn curvature(dome: &Dome, point: DVec3) -> DMat3 {
+    let scale = DVec3::new(
+        1.0 / (dome.base_radius * dome.base_radius),
+        1.0 / (dome.base_radius * dome.base_radius),
+        1.0 / (dome.projection * dome.projection),
+    );
+    let gradient = dome.level_gradient(point);
+    (DMat3::from_diagonal(scale) - outer(gradient, gradient)) * (1.0 / (dome.level(point) + 1.0))
+}
+
+/// The projector onto the directions that the given contacts leave.
+fn projector(flags: u8, normal: DVec3) -> DMat3 {
+    match flags {
+        FREE => DMat3::IDENTITY,
+        ON_DOME => DMat3::IDENTITY - outer(normal, normal),
+        ON_WALL => DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0)),
+        _ => {
+            let t = edge_direction(normal);
+            outer(t, t)
+        }
+    }
+}
+
+/// Along the circle where dome and wall meet.
+fn edge_direction(normal: DVec3) -> DVec3 {
+    normal.cross(DVec3::Z).normalize_or(DVec3::X)
+}
+
+/// The least step that meets both constraints: n·d = −gap and d.z = −height.
+fn corner_step(normal: DVec3, gap: f64, height: f64) -> DVec3 {
+    let across = normal.truncate();
+    let length = across.length_squared();
+    let share = if length > 1e-12 { (-gap + normal.z * height) / length } else { 0.0 };
+    (across * share).extend(-height)
+}
+
+/// The inverse of a block restricted to the plane across `normal`.
+fn without(inverse: DMat3, normal: DVec3) -> DMat3 {
+    let s = inverse * normal;
+    inverse - outer(s, s) * (1.0 / normal.dot(s))
+}
+
+fn dot(free: &[u32], a: &[DVec3], b: &[DVec3]) -> f64 {
+    free.iter().map(|&k| a[k as usize].dot(b[k as usize])).sum()
+}
