@@ -378,6 +378,18 @@ impl Scene {
         })
     }
 
+    /// Measures a finished solve of this scene.
+    #[must_use]
+    pub fn measure(&self, solver: &Solver) -> Outcome {
+        let tissues: Vec<String> = self.layers.iter().map(|layer| layer.tissue.clone()).collect();
+        let mut outcome = measure::measure(solver, &tissues);
+        let (asked, given) = (self.solver.nodes_per_side, outcome.solver.nodes_per_side);
+        if asked != given {
+            outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
+        }
+        outcome
+    }
+
     /// Do two scenes ask for the same equilibrium? (They may differ in the tissues' names.)
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
@@ -397,7 +409,7 @@ impl Scene {
 pub fn simulate(scene: &Scene) -> Result<Outcome, SceneError> {
     let mut solver = Solver::new(scene.problem()?);
     while solver.advance(&mut || false) == Progress::Working {}
-    Ok(measure::measure(scene, &solver))
+    Ok(scene.measure(&solver))
 }
 
 /// The JSON Schema (draft 2020-12) of the scene, made from the types.

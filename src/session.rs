@@ -52,7 +52,6 @@ pub struct Session {
     last_gesture: Option<u64>,
     solver: Solver,
     working: bool,
-    shape: Vec<DVec3>,
     revision: u64,
     outcome: Option<Outcome>,
     counters: Counters,
@@ -65,7 +64,6 @@ impl Session {
     /// If the scene is out of its limits.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let solver = Solver::new(scene.problem()?);
-        let shape = solver.positions().to_vec();
         Ok(Self {
             scene,
             undo: Vec::new(),
@@ -73,7 +71,6 @@ impl Session {
             last_gesture: None,
             solver,
             working: true,
-            shape,
             revision: 1,
             outcome: None,
             counters: Counters { solves: 1, ..Counters::default() },
@@ -163,7 +160,7 @@ impl Session {
         }
         let problem = scene.problem()?;
         self.solver.restart(problem);
-        self.take_shape();
+        self.revision += 1;
         self.scene = scene;
         self.working = true;
         self.counters.solves += 1;
@@ -180,19 +177,13 @@ impl Session {
         let before = self.solver.work_units();
         let progress = self.solver.advance(pause);
         self.counters.work_units += self.solver.work_units() - before;
-        self.take_shape();
+        self.revision += 1;
         if progress == Progress::Done {
             self.working = false;
-            self.outcome = Some(measure::measure(&self.scene, &self.solver));
+            self.outcome = Some(self.scene.measure(&self.solver));
             self.counters.measurements += 1;
         }
         progress
-    }
-
-    fn take_shape(&mut self) {
-        self.shape.clear();
-        self.shape.extend_from_slice(self.solver.positions());
-        self.revision += 1;
     }
 
     /// Is there solving left to do?
@@ -211,7 +202,7 @@ impl Session {
     /// pocket lie on the wall.
     #[must_use]
     pub fn shape(&self) -> &[DVec3] {
-        &self.shape
+        self.solver.positions()
     }
 
     /// Changes whenever [`Self::shape`] does.
@@ -223,7 +214,7 @@ impl Session {
     /// What is drawn in colour on the present shape.
     #[must_use]
     pub fn fields(&self) -> Fields {
-        measure::fields(self.solver.problem(), &self.shape)
+        measure::fields(&self.solver)
     }
 
     /// The result of the last finished solve; `None` before the first. While

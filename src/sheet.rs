@@ -224,7 +224,7 @@ impl Sheet {
     #[must_use]
     pub fn coarser(&self) -> Option<Self> {
         let cells = self.nodes_per_side - 1;
-        (cells >= 16 && cells % 4 == 0).then(|| Self::new(cells / 2 + 1, self.radius_mm))
+        (cells >= 16 && cells.is_multiple_of(4)).then(|| Self::new(cells / 2 + 1, self.radius_mm))
     }
 }
 

@@ -47,6 +47,14 @@ impl SheetLaw {
         }
     }
 
+    /// Stiffness of the sheet at small strain, Σ h·dEf/dε \[kPa·mm\].
+    pub(crate) fn stiffness(&self) -> f64 {
+        match self {
+            Self::Coupled(law) => law.tension([1e-6, 0.0])[0] * 1e6,
+            Self::Paper(law) => law.edge.value_and_slope(-1e-6).1,
+        }
+    }
+
     /// The greatest error of a table, relative to its peak stress.
     #[must_use]
     pub(crate) fn table_error(&self) -> f64 {

@@ -22,7 +22,7 @@ use crate::curve::Curve;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::Springs;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use law::SheetLaw;
 use newton::{Newton, State};
 
@@ -77,6 +77,28 @@ pub enum Verdict {
     Unstable,
 }
 
+/// How one triangle of a sheet is stretched.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleStretch {
+    /// Rest area times the triangle's weight \[mm²\].
+    pub rest_area: f64,
+    /// Principal stretches λ₁ ≥ λ₂ \[-\].
+    pub stretch: [f64; 2],
+    /// Direction of λ₁ at rest, a unit vector.
+    pub direction: DVec2,
+}
+
+impl TriangleStretch {
+    /// The stretch of a triangle of nodes under the positions `x` \[mm\] of all nodes.
+    #[must_use]
+    pub fn new(sheet: &Sheet, nodes: [usize; 3], weight: f64, x: &[DVec3]) -> Self {
+        let rest = assemble::Rest::new(nodes.map(|k| sheet.rest()[k]), weight);
+        let columns = assemble::Principal::columns(&rest, nodes.map(|k| x[k]));
+        let principal = assemble::Principal::new(columns);
+        Self { rest_area: rest.area, stretch: principal.stretch, direction: principal.rest[0] }
+    }
+}
+
 /// Finds the equilibrium of one problem after the other, in slices.
 pub struct Solver {
     problem: Problem,
@@ -85,6 +107,7 @@ pub struct Solver {
     levels: Vec<Newton>,
     current: usize,
     is_warm: bool,
+    is_probed: bool,
     verdict: Verdict,
     progress: Progress,
 }
@@ -105,6 +128,7 @@ impl Solver {
             levels,
             current: 0,
             is_warm: false,
+            is_probed: false,
             verdict: Verdict::NotConverged,
             progress: Progress::Working,
         };
@@ -135,6 +159,7 @@ impl Solver {
         self.progress = Progress::Working;
         self.levels.iter_mut().for_each(|level| level.work_units = 0.0);
         self.is_warm = true;
+        self.is_probed = false;
         self.current = self.levels.len() - 1;
         let dome = self.problem.dome;
         self.finest_mut().start(&dome);
@@ -142,6 +167,7 @@ impl Solver {
 
     fn start_cold(&mut self) {
         self.is_warm = false;
+        self.is_probed = false;
         self.current = 0;
         let dome = self.problem.dome;
         let coarsest = &mut self.levels[0];
@@ -172,13 +198,20 @@ impl Solver {
         match state {
             State::Working if is_slow => self.start_cold(),
             State::Working => {}
-            State::Stalled | State::RanAway if self.is_warm => self.start_cold(),
-            State::RanAway => self.end(Verdict::Unstable),
+            State::Stalled | State::Unstable if self.is_warm => self.start_cold(),
+            State::Unstable => self.end(Verdict::Unstable),
             State::Converged | State::Stalled if !is_finest => {
                 let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
                 transfer::refine(&coarser[self.current], &mut finer[0]);
                 finer[0].start(&dome);
                 self.current += 1;
+            }
+            // The energy of the paper's springs has saddles: see whether this is one.
+            State::Converged | State::Stalled
+                if self.problem.springs == Springs::Nikolaev && !self.is_probed =>
+            {
+                self.is_probed = true;
+                self.levels[last].begin_stability(state);
             }
             State::Stalled => self.end(Verdict::NotConverged),
             State::Converged => self.end(Verdict::Converged),
@@ -229,6 +262,15 @@ impl Solver {
         self.levels.iter().map(scaled).sum()
     }
 
+    /// Spring forces on every node at the present shape \[kPa·mm²\], shape (nodes_per_side², ): what
+    /// is not zero is taken by the dome, the wall or the border.
+    #[must_use]
+    pub fn forces(&self) -> Vec<DVec3> {
+        let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
+        assemble::forces(&self.problem.sheet, &self.law, self.positions(), &mut forces);
+        forces
+    }
+
     /// Norm of the forces that no contact takes, relative to the forces they are the sum of \[-\].
     #[must_use]
     pub fn relative_residual(&self) -> f64 {
@@ -240,6 +282,12 @@ impl Solver {
     #[must_use]
     pub fn estimated_position_error(&self) -> f64 {
         self.finest().error / self.problem.dome.base_radius
+    }
+
+    /// The greatest error of the spring law's tables, relative to their peak stress \[-\].
+    #[must_use]
+    pub fn table_error(&self) -> f64 {
+        self.law.table_error()
     }
 
     /// Newton iterations of each grid, the coarsest first.

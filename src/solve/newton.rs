@@ -14,6 +14,7 @@ use super::multigrid::{Finest, Hierarchy, safe_inverse};
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
 use glam::{DMat3, DVec3};
+use std::f64::consts::FRAC_PI_2;
 
 /// Newton iterations before a grid is given up.
 const MAX_ITERATIONS: u32 = 60;
@@ -26,7 +27,7 @@ const CG_DROP: f64 = 0.05;
 /// A round that moves less than this share of the step ends the iteration.
 const ROUND_SHARE: f64 = 0.02;
 /// Halvings of a step before the grid is given up.
-const MAX_HALVINGS: u32 = 30;
+const MAX_HALVINGS: u32 = 12;
 /// A node this close to the dome counts as touching it \[share of the base radius\].
 const TOUCH: f64 = 1e-9;
 
@@ -36,6 +37,11 @@ const SWEEP_UNITS: f64 = 0.6;
 const CYCLE_UNITS: f64 = 2.8;
 const BUILD_UNITS: f64 = 2.0;
 const ENERGY_UNITS: f64 = 0.7;
+
+/// Steps of the search for a falling direction, and the eigenvalue that counts as falling
+/// \[share of the springs' small-strain stiffness\].
+const STABILITY_STEPS: u32 = 60;
+const UNSTABLE_SHARE: f64 = 1e-3;
 
 const FREE: u8 = 0;
 const ON_DOME: u8 = 1;
@@ -48,8 +54,8 @@ pub(crate) enum State {
     Converged,
     /// Out of iterations, or no step lowers the energy.
     Stalled,
-    /// A spring left the range where its law has a meaning.
-    RanAway,
+    /// A spring left the range where its law has a meaning, or the shape is a saddle.
+    Unstable,
 }
 
 enum Phase {
@@ -59,6 +65,7 @@ enum Phase {
     Cg { step: u32, start: f64, rho: f64 },
     Correct,
     Search { length: f64, halvings: u32 },
+    Stability { step: u32, after: State },
 }
 
 /// Iteration on one grid: its shape, its model and scratch. Arrays of shape (n², ).
@@ -90,6 +97,8 @@ pub(crate) struct Newton {
     pub(crate) iterations: u32,
     rounds: u32,
     is_built: bool,
+    /// Leaves the dome's curvature out of the model: slower, but every step leads downhill.
+    is_cautious: bool,
     changed: usize,
     totals: Totals,
     last_step: f64,
@@ -132,6 +141,7 @@ impl Newton {
             iterations: 0,
             rounds: 0,
             is_built: false,
+            is_cautious: false,
             changed: 0,
             totals: Totals::default(),
             last_step: f64::INFINITY,
@@ -150,6 +160,7 @@ impl Newton {
         }
         self.phase = Phase::Linearize;
         self.iterations = 0;
+        self.is_cautious = false;
         self.last_step = f64::INFINITY;
         self.error = f64::INFINITY;
         self.relative_residual = f64::INFINITY;
@@ -166,6 +177,7 @@ impl Newton {
             Phase::Search { length, halvings } => {
                 return self.search(law, dome, tolerance, length, halvings);
             }
+            Phase::Stability { step, after } => return self.probe(law, dome, step, after),
         }
         State::Working
     }
@@ -185,7 +197,7 @@ impl Newton {
             &mut self.hessian,
         );
         if self.totals.outside_law || !self.totals.energy.is_finite() {
-            return State::RanAway;
+            return State::Unstable;
         }
         let touch = TOUCH * dome.base_radius;
         for &k in &self.free {
@@ -198,7 +210,9 @@ impl Newton {
             self.contact[k] = FREE;
             if self.gap[k] <= touch && pressing >= 0.0 {
                 self.contact[k] |= ON_DOME;
-                self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * (pressing / steepness);
+                if !self.is_cautious {
+                    self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * (pressing / steepness);
+                }
             }
             if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
                 self.contact[k] |= ON_WALL;
@@ -338,10 +352,7 @@ impl Newton {
             self.p[k] = self.z[k] + self.p[k] * beta;
         }
         // z is free again: it takes H p.
-        for &k in &self.free {
-            let k = k as usize;
-            self.z[k] = self.projector[k] * self.hessian.row(k, &self.p);
-        }
+        apply(&self.hessian, &self.projector, &self.free, &self.p, &mut self.z);
         let bend = dot(&self.free, &self.p, &self.z);
         if !(bend > 0.0 && rho > 0.0) {
             self.phase = Phase::Correct;
@@ -419,7 +430,13 @@ impl Newton {
         let falls = energy <= self.totals.energy - 1e-4 * expected.max(0.0) + noise;
         if !(falls && energy.is_finite()) {
             if halvings >= MAX_HALVINGS {
-                return State::Stalled;
+                if self.is_cautious {
+                    return State::Stalled;
+                }
+                self.is_cautious = true;
+                self.last_step = f64::INFINITY;
+                self.phase = Phase::Linearize;
+                return State::Working;
             }
             self.phase = Phase::Search { length: 0.5 * length, halvings: halvings + 1 };
             return State::Working;
@@ -435,6 +452,90 @@ impl Newton {
         self.last_step = if halvings == 0 { largest } else { f64::INFINITY };
         self.phase = Phase::Linearize;
         if self.error <= tolerance { State::Converged } else { State::Working }
+    }
+
+    /// Begins the search for a direction in which the energy falls; [`Self::step`] goes on with it and
+    /// ends in `after` when there is none.
+    pub(crate) fn begin_stability(&mut self, after: State) {
+        self.phase = Phase::Stability { step: 0, after };
+    }
+
+    /// One step towards the least eigenvalue of the true Hessian in the directions that may move:
+    /// preconditioned descent of the Rayleigh quotient (A. V. Knyazev, "Preconditioned
+    /// eigensolvers", ETNA 7, 1998), the last model's V-cycle as preconditioner.
+    fn probe(&mut self, law: &SheetLaw, dome: &Dome, step: u32, after: State) -> State {
+        if step == 0 {
+            self.work_units += LINEARIZE_UNITS;
+            let (stiffness, forces) = (Stiffness::True, &mut self.forces);
+            assemble::linearize(&self.sheet, law, &self.x, stiffness, forces, &mut self.hessian);
+            let touch = TOUCH * dome.base_radius;
+            self.p.fill(DVec3::ZERO);
+            for &k in &self.free {
+                let k = k as usize;
+                let gradient = dome.level_gradient(self.x[k]);
+                self.normal[k] = gradient.normalize();
+                let pressing = -self.forces[k].dot(self.normal[k]);
+                self.contact[k] = FREE;
+                if dome.level(self.x[k]) <= touch * gradient.length() && pressing >= 0.0 {
+                    self.contact[k] |= ON_DOME;
+                    self.hessian.diagonal[k] -=
+                        curvature(dome, self.x[k]) * (pressing / gradient.length());
+                }
+                if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
+                    self.contact[k] |= ON_WALL;
+                }
+                self.projector[k] = projector(self.contact[k], self.normal[k]);
+                // Any start will do that leaves no wave out.
+                let t = k as f64;
+                let start = DVec3::new((12.9 * t).sin(), (78.2 * t).sin(), (37.7 * t).sin());
+                self.p[k] = self.projector[k] * start;
+            }
+        }
+        self.work_units += 2.0 * SWEEP_UNITS + CYCLE_UNITS;
+        let scale = dot(&self.free, &self.p, &self.p).sqrt().recip();
+        for &k in &self.free {
+            self.p[k as usize] *= scale;
+        }
+        apply(&self.hessian, &self.projector, &self.free, &self.p, &mut self.q);
+        let quotient = dot(&self.free, &self.p, &self.q);
+        if quotient < -UNSTABLE_SHARE * law.stiffness() {
+            return State::Unstable;
+        }
+        if step >= STABILITY_STEPS || !quotient.is_finite() {
+            return after;
+        }
+        for &k in &self.free {
+            let k = k as usize;
+            self.r[k] = self.q[k] - self.p[k] * quotient;
+        }
+        let finest = Finest {
+            blocks: &self.hessian,
+            inverse: &self.tangent_inverse,
+            projector: &self.projector,
+            free: &self.free,
+        };
+        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
+        // The best combination of p and z, z made orthogonal to p.
+        let overlap = dot(&self.free, &self.p, &self.z);
+        for &k in &self.free {
+            let k = k as usize;
+            self.z[k] = self.projector[k] * (self.z[k] - self.p[k] * overlap);
+        }
+        let norm = dot(&self.free, &self.z, &self.z).sqrt();
+        if norm <= 1e-14 {
+            return after;
+        }
+        apply(&self.hessian, &self.projector, &self.free, &self.z, &mut self.d);
+        let across = dot(&self.free, &self.p, &self.d) / norm;
+        let other = dot(&self.free, &self.z, &self.d) / (norm * norm);
+        let angle = 0.5 * (2.0 * across).atan2(quotient - other) + FRAC_PI_2;
+        let (sin, cos) = angle.sin_cos();
+        for &k in &self.free {
+            let k = k as usize;
+            self.p[k] = self.p[k] * cos + self.z[k] * (sin / norm);
+        }
+        self.phase = Phase::Stability { step: step + 1, after };
+        State::Working
     }
 
     /// Forces, contact and residual at the present shape, for what is measured.
@@ -505,6 +606,14 @@ fn corner_step(normal: DVec3, gap: f64, height: f64) -> DVec3 {
 fn without(inverse: DMat3, normal: DVec3) -> DMat3 {
     let s = inverse * normal;
     inverse - outer(s, s) * (1.0 / normal.dot(s))
+}
+
+/// out = Π H v.
+fn apply(blocks: &Blocks, projector: &[DMat3], free: &[u32], v: &[DVec3], out: &mut [DVec3]) {
+    for &k in free {
+        let k = k as usize;
+        out[k] = projector[k] * blocks.row(k, v);
+    }
 }
 
 fn dot(free: &[u32], a: &[DVec3], b: &[DVec3]) -> f64 {

@@ -186,3 +186,106 @@ impl Group {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{CurveSpec, Interpolation, Section};
+    use crate::springs::table::TABLE_ERROR;
+
+    fn curves() -> Vec<Curve> {
+        let points = vec![[0.0, 0.0], [0.08, 1.0], [0.1, 9.0], [0.55, 9.5], [0.9, 200.0]];
+        let points = |interpolation| CurveSpec::Points { points: points.clone(), interpolation };
+        [
+            CurveSpec::Skin {},
+            CurveSpec::Adipose {},
+            CurveSpec::Linear { modulus_kpa: 10.0 },
+            CurveSpec::Exponential { scale_kpa: 0.5, rate: 12.0 },
+            CurveSpec::Arctangent { scale_kpa: 2.0, rate: 60.0 },
+            points(Interpolation::Line),
+            points(Interpolation::Spline),
+            CurveSpec::Sections {
+                sections: vec![
+                    Section::Polynomial { from: 0.0, to: 0.3, coefficients_kpa: vec![0.1, 50.0] },
+                    Section::Sine { from: 0.3, to: 0.5, scale_kpa: 3.0, rate: 5.0 },
+                ],
+            },
+        ]
+        .iter()
+        .map(|spec| Curve::new(spec).unwrap())
+        .collect()
+    }
+
+    #[test]
+    fn the_table_is_the_law_within_its_stated_error() {
+        for curve in &curves() {
+            for poisson_ratio in [0.0, 0.3, 0.5] {
+                let law = CoupledLaw::new(&[LawLayer { curve, poisson_ratio, thickness_mm: 2.0 }]);
+                assert!(law.table_error() <= TABLE_ERROR, "{:.1e}", law.table_error());
+                let peak = curve.stress(curve.line_start());
+                for k in 0..5000 {
+                    let t = f64::from(k);
+                    let strain = [1.3 * (0.37 * t).sin(), 0.9 * (0.11 * t).cos()];
+                    if equivalent_strain(strain, poisson_ratio) > curve.line_start() {
+                        continue;
+                    }
+                    let exact = biot_stress(curve, poisson_ratio, strain);
+                    let table = law.tension(strain);
+                    for axis in 0..2 {
+                        // ν raises a stress to at most 1/(1−ν) of Ef(ē).
+                        let error = (table[axis] / 2.0 - exact[axis]).abs();
+                        assert!(error <= 2.1 * TABLE_ERROR * peak, "{error:.1e} {strain:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn uniaxial_tension_gives_the_curve_and_the_poisson_ratio() {
+        for curve in &curves() {
+            for nu in [0.0, 0.1, 0.45, 0.5] {
+                for strain in [0.01, 0.2, 0.39, 0.7, 1.0] {
+                    let [along, across] = biot_stress(curve, nu, [strain, -nu * strain]);
+                    assert!((along / curve.stress(strain) - 1.0).abs() < 1e-12);
+                    assert!(across.abs() < 1e-12 * along);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn tension_is_the_slope_of_the_energy_and_stiffness_of_the_tension() {
+        let curves = curves();
+        let layer = |k: usize, poisson_ratio| LawLayer {
+            curve: &curves[k],
+            poisson_ratio,
+            thickness_mm: 1.5,
+        };
+        let law = CoupledLaw::new(&[layer(0, 0.45), layer(1, 0.3), layer(5, 0.45)]);
+        assert_eq!(law.groups(), 2);
+        let step = 1e-6;
+        for strain in [[0.21, 0.04], [0.6, -0.13], [1.4, 1.1], [-0.05, -0.02]] {
+            let [a, b] = strain;
+            let response = law.response(strain);
+            let energy = |a, b| law.energy([a, b]);
+            let slopes = [
+                (energy(a + step, b) - energy(a - step, b)) / (2.0 * step),
+                (energy(a, b + step) - energy(a, b - step)) / (2.0 * step),
+            ];
+            let tension = |a, b| law.tension([a, b]);
+            let scale = response.stiffness[0];
+            for axis in 0..2 {
+                assert!((slopes[axis] - response.tension[axis]).abs() < 1e-6 * scale);
+                let along =
+                    (tension(a + step, b)[axis] - tension(a - step, b)[axis]) / (2.0 * step);
+                let across =
+                    (tension(a, b + step)[axis] - tension(a, b - step)[axis]) / (2.0 * step);
+                assert!((along - response.stiffness[axis]).abs() < 1e-4 * scale);
+                assert!((across - response.stiffness[axis + 1]).abs() < 1e-4 * scale);
+            }
+            let shear = (response.tension[0] - response.tension[1]) / (a - b);
+            assert!((shear / response.shear - 1.0).abs() < 1e-12);
+        }
+    }
+}

@@ -1,13 +1,24 @@
 //! What a surgeon reads off: the result of a solved scene.
 //!
 //! Uses `curve`, `springs`, `sheet`, `implant`, `solve`. Used by `scene` and all to its right.
+//!
+//! Strains are recovered at the nodes from the triangles around them, areas and forces are sums over
+//! the sheet; the contact's edge is found between nodes, from how the gap opens.
 
-use crate::scene::Scene;
-use crate::solve::{Problem, Solver, Verdict};
-use glam::DVec3;
+mod contact;
+mod fields;
+mod profile;
+
+pub use fields::{Fields, fields};
+
+use crate::sheet::NodeKind;
+use crate::solve::{Solver, Verdict};
+use contact::Contact;
+use fields::NodalStrains;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// The schema of [`Outcome`].
 pub const RESULT_SCHEMA: &str = "implant-preview/result/1";
@@ -138,46 +149,17 @@ pub struct SolverOutcome {
     pub estimated_position_error: f64,
 }
 
-/// What is drawn in colour, per node; zero outside the sheet. Shape of each: (nodes_per_side², ).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fields {
-    /// Greatest principal engineering strain λ₁ − 1 \[-\].
-    pub principal_strain: Vec<f32>,
-    /// Area stretch λ₁λ₂ \[-\].
-    pub area_stretch: Vec<f32>,
-    /// Greatest principal nominal stress of each layer \[kPa\], from the skin inwards.
-    pub stress_kpa: Vec<Vec<f32>>,
-    /// Contact pressure \[kPa\].
-    pub contact_pressure_kpa: Vec<f32>,
-    /// Deformed thickness of each layer \[mm\], from the skin inwards.
-    pub thickness_mm: Vec<Vec<f32>>,
-    /// Unit normal of the deformed sheet, pointing to the skin.
-    pub normal: Vec<[f32; 3]>,
-}
+/// Strains above which the share of the sheet is reported \[-\]: 0.25 and 0.50 bound the clinical
+/// bands, 0.54 is the mean failure strain of excised back skin (54 ± 17 %).
+pub const STRAIN_BANDS: [f64; 3] = [0.25, 0.50, 0.54];
 
-/// The fields of a shape.
+/// Measures a finished solve. `tissues` are the layers' names, from the skin inwards.
 #[must_use]
-pub fn fields(problem: &Problem, shape: &[DVec3]) -> Fields {
-    let n = shape.len();
-    let layers = problem.materials.len();
-    Fields {
-        principal_strain: vec![0.1; n],
-        area_stretch: vec![1.1; n],
-        stress_kpa: vec![vec![1.0; n]; layers],
-        contact_pressure_kpa: vec![0.0; n],
-        thickness_mm: problem.materials.iter().map(|m| vec![m.thickness_mm as f32; n]).collect(),
-        normal: shape
-            .iter()
-            .map(|x| (x - problem.dome.origin()).normalize_or(DVec3::Z).as_vec3().to_array())
-            .collect(),
-    }
-}
-
-/// Measures a finished solve.
-#[must_use]
-pub fn measure(scene: &Scene, solver: &Solver) -> Outcome {
-    let dome = &solver.problem().dome;
-    Outcome {
+pub fn measure(solver: &Solver, tissues: &[String]) -> Outcome {
+    let problem = solver.problem();
+    let (dome, sheet) = (&problem.dome, &problem.sheet);
+    let area_before = PI * sheet.radius_mm().powi(2);
+    let mut outcome = Outcome {
         schema: RESULT_SCHEMA.to_owned(),
         status: match solver.verdict() {
             Verdict::Converged => Status::Converged,
@@ -193,21 +175,123 @@ pub fn measure(scene: &Scene, solver: &Solver) -> Outcome {
         projection_mm: None,
         skin_projection_mm: None,
         implant_volume_ml: dome.volume() / 1000.0,
-        area_before_cm2: std::f64::consts::PI * scene.pocket_radius_mm.powi(2) / 100.0,
+        area_before_cm2: area_before / 100.0,
         area_after_cm2: None,
         area_ratio: None,
         area_gain_cm2: None,
         strain: None,
-        layers: Vec::new(),
+        layers: tissues
+            .iter()
+            .map(|tissue| LayerOutcome {
+                tissue: tissue.clone(),
+                max_stress_kpa: None,
+                beyond_curve_data: false,
+            })
+            .collect(),
         profile: Vec::new(),
         solver: SolverOutcome {
-            nodes_per_side: solver.problem().sheet.nodes_per_side(),
-            nodes_solved: solver.problem().sheet.free_nodes(),
+            nodes_per_side: sheet.nodes_per_side(),
+            nodes_solved: sheet.free_nodes(),
             work_units: solver.work_units(),
             time_ms: None,
-            relative_residual: solver.relative_residual(),
-            estimated_position_error: solver.estimated_position_error(),
+            relative_residual: finite(solver.relative_residual()),
+            estimated_position_error: finite(solver.estimated_position_error()),
         },
         warnings: Vec::new(),
+    };
+    if outcome.status == Status::Unstable {
+        outcome.warnings.push(
+            "These springs have no stable shape in this scene; no shape is given. The coupled \
+             springs have one."
+                .to_owned(),
+        );
+        return outcome;
+    }
+    outcome.measure_shape(solver, area_before);
+    outcome.warn(solver);
+    outcome
+}
+
+/// JSON has no infinity: the greatest number stands for "no estimate".
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { f64::MAX }
+}
+
+impl Outcome {
+    fn measure_shape(&mut self, solver: &Solver, area_before: f64) {
+        let problem = solver.problem();
+        let (dome, sheet, x) = (&problem.dome, &problem.sheet, solver.positions());
+        let strains = NodalStrains::recover(sheet, x);
+        let contact = Contact::find(solver);
+
+        let apex = strains.at_apex(sheet, dome, x);
+        self.apex_stretch = Some(apex.area_stretch().sqrt());
+        let height = dome.apex().z;
+        let thickness: f64 = problem
+            .materials
+            .iter()
+            .map(|m| m.thickness_mm * apex.thickness_stretch(m.poisson_ratio))
+            .sum();
+        self.projection_mm = Some(height);
+        self.skin_projection_mm = Some(height + thickness);
+
+        self.contact_force_n = Some(contact.vertical_force() / 1000.0);
+        self.contact_pressure_kpa = contact.pressure(sheet);
+        self.contact_pressure_mmhg = self
+            .contact_pressure_kpa
+            .map(|p| Pressure { mean: p.mean * MMHG_PER_KPA, max: p.max * MMHG_PER_KPA });
+        if let Some(edge) = contact.edge(solver) {
+            self.contact_material_radius_mm = Some(edge.material_radius);
+            self.contact_angle_deg = dome.is_hemisphere().then(|| edge.angle.to_degrees());
+        }
+
+        let ratio = strains.area_ratio();
+        self.area_ratio = Some(ratio);
+        self.area_after_cm2 = Some(area_before * ratio / 100.0);
+        self.area_gain_cm2 = Some(area_before * (ratio - 1.0) / 100.0);
+        self.strain = Some(Strains {
+            max_principal: strains.max_principal(),
+            mean_area: ratio - 1.0,
+            fraction_above: STRAIN_BANDS
+                .iter()
+                .map(|&limit| (format!("{limit:.2}"), strains.share_above(limit)))
+                .collect(),
+        });
+        for (layer, material) in self.layers.iter_mut().zip(&problem.materials) {
+            layer.max_stress_kpa = Some(strains.max_stress(material));
+            layer.beyond_curve_data = strains.is_beyond_data(material);
+        }
+        self.profile = profile::along_x(sheet, x);
+    }
+
+    fn warn(&mut self, solver: &Solver) {
+        let (sheet, x) = (&solver.problem().sheet, solver.positions());
+        if self.status == Status::NotConverged {
+            self.warnings.push(
+                "The solver stopped above the tolerance: read the figures with the estimated \
+                 position error."
+                    .to_owned(),
+            );
+        }
+        for layer in self.layers.iter().filter(|layer| layer.beyond_curve_data) {
+            self.warnings.push(format!(
+                "{}: strains lie beyond the data of its curve, which was extended.",
+                layer.tissue
+            ));
+        }
+        let strains = NodalStrains::recover(sheet, x);
+        let is_slack = |k: usize| {
+            sheet.kinds()[k] == NodeKind::Free && strains.at(k).principal()[1] < -SLACK_STRAIN
+        };
+        if (0..sheet.len()).any(is_slack) {
+            self.warnings.push(
+                "Part of the sheet is compressed: real tissue may wrinkle there, which a sheet \
+                 without bending stiffness does not resolve."
+                    .to_owned(),
+            );
+        }
     }
 }
+
+/// Compression below which the sheet is called slack \[-\].
+const SLACK_STRAIN: f64 = 0.02;

@@ -1,0 +1,196 @@
+//! Contact between dome and sheet: forces, pressure, and where it ends.
+
+use super::Pressure;
+use crate::sheet::{NodeKind, Sheet};
+use crate::solve::Solver;
+use glam::{DVec3, dvec3};
+
+/// A node this close to the dome touches it \[share of the base radius\].
+const TOUCH: f64 = 1e-6;
+/// Nodes this far from the contact, in grid spacings, show where it ends.
+const EDGE_BAND: (f64, f64) = (1.0, 6.0);
+
+/// Contact at every node; all arrays of shape (nodes_per_side², ).
+pub(super) struct Contact {
+    /// Normal force of the dome on the sheet \[kPa·mm²\]; zero where they do not touch.
+    force: Vec<f64>,
+    normal: Vec<DVec3>,
+    /// Deformed area around each node \[mm²\].
+    area: Vec<f64>,
+}
+
+/// Where contact ends on a centred dome.
+pub(super) struct Edge {
+    /// Polar angle about the ellipsoid's centre \[rad\].
+    pub(super) angle: f64,
+    /// Distance from the pocket's centre at rest \[mm\].
+    pub(super) material_radius: f64,
+}
+
+impl Contact {
+    pub(super) fn find(solver: &Solver) -> Self {
+        let problem = solver.problem();
+        let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
+        let spring_force = solver.forces();
+        let mut area = vec![0.0; sheet.len()];
+        for ([a, b, c], weight) in sheet.triangles() {
+            let third = (x[b] - x[a]).cross(x[c] - x[a]).length() * weight / 6.0;
+            [a, b, c].into_iter().for_each(|k| area[k] += third);
+        }
+        let mut force = vec![0.0; sheet.len()];
+        let mut normal = vec![DVec3::ZERO; sheet.len()];
+        let touch = TOUCH * dome.base_radius;
+        for k in 0..sheet.len() {
+            if sheet.kinds()[k] != NodeKind::Free {
+                continue;
+            }
+            let gradient = dome.level_gradient(x[k]);
+            if dome.level(x[k]) > touch * gradient.length() {
+                continue;
+            }
+            normal[k] = gradient.normalize();
+            // Where the wall holds the node too, it takes the vertical part that is left.
+            let on_wall = x[k].z <= touch && spring_force[k].z < 0.0;
+            let across = if on_wall { dvec3(1.0, 1.0, 0.0) } else { DVec3::ONE } * normal[k];
+            let share = across.length_squared();
+            if share > 1e-12 {
+                force[k] = (-spring_force[k].dot(across) / share).max(0.0);
+            }
+        }
+        Self { force, normal, area }
+    }
+
+    /// Vertical force between dome and sheet \[kPa·mm²\].
+    pub(super) fn vertical_force(&self) -> f64 {
+        self.force.iter().zip(&self.normal).map(|(f, n)| f * n.z).sum()
+    }
+
+    fn touches(&self, node: usize) -> bool {
+        self.force[node] > 0.0
+    }
+
+    /// Normal force / deformed area of every node \[kPa\].
+    pub(super) fn nodal_pressure(&self) -> Vec<f32> {
+        let pressure = |(force, area): (&f64, &f64)| {
+            if *force > 0.0 && *area > 0.0 { (force / area) as f32 } else { 0.0 }
+        };
+        self.force.iter().zip(&self.area).map(pressure).collect()
+    }
+
+    /// Mean pressure, and the greatest mean over nine nodes that all touch \[kPa\]. `None` without
+    /// contact.
+    ///
+    /// Pressure is smooth up to the contact's edge, where it falls to zero at once. An edge node
+    /// carries only the part of its surroundings that touches: that part is its force divided by
+    /// the pressure of the nodes well inside beside it.
+    pub(super) fn pressure(&self, sheet: &Sheet) -> Option<Pressure> {
+        let n = sheet.nodes_per_side();
+        let around = |k: usize| [k - n, k, k + n].map(|row| [row - 1, row, row + 1]);
+        let is_inside = |k: usize| around(k).as_flattened().iter().all(|&k| self.touches(k));
+        let sums = |nodes: &mut dyn Iterator<Item = usize>| {
+            nodes.fold((0.0, 0.0), |(f, a), k| (f + self.force[k], a + self.area[k]))
+        };
+        let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
+        for k in (0..sheet.len()).filter(|&k| self.touches(k)) {
+            force += self.force[k];
+            if is_inside(k) {
+                area += self.area[k];
+                let (f, a) = sums(&mut around(k).as_flattened().iter().copied());
+                max = max.max(f / a);
+                continue;
+            }
+            let beside = around(k);
+            let mut inside =
+                beside.as_flattened().iter().copied().filter(|&k| self.touches(k) && is_inside(k));
+            let (f, a) = sums(&mut inside);
+            area += if f > 0.0 { self.force[k] * a / f } else { self.area[k] };
+        }
+        let mean = force / area;
+        (area > 0.0).then(|| Pressure { mean, max: max.max(mean) })
+    }
+
+    /// Where contact ends on a dome in the pocket's centre; `None` off centre or without contact.
+    ///
+    /// A membrane leaves the dome tangentially, so the gap opens with the square of the distance
+    /// from the edge: over the free nodes near it, position = edge + b·√gap + c·gap, fitted by least
+    /// squares, gives the edge between the nodes.
+    pub(super) fn edge(&self, solver: &Solver) -> Option<Edge> {
+        let problem = solver.problem();
+        let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
+        let is_centred = dome.center.length() <= 1e-9 * dome.base_radius;
+        let reach = (0..sheet.len())
+            .filter(|&k| self.touches(k))
+            .map(|k| sheet.rest()[k].length())
+            .reduce(f64::max)?;
+        if !is_centred {
+            return None;
+        }
+        let h = sheet.spacing_mm();
+        let wall = Edge {
+            angle: (-dome.base_height / dome.projection).clamp(-1.0, 1.0).acos(),
+            material_radius: sheet.radius_mm(),
+        };
+        if reach > sheet.radius_mm() - 1.5 * h {
+            return Some(wall);
+        }
+        let (mut for_angle, mut for_radius) = (Fit::default(), Fit::default());
+        for k in 0..sheet.len() {
+            let s = sheet.rest()[k].length();
+            if sheet.kinds()[k] != NodeKind::Free
+                || self.touches(k)
+                || !(reach + EDGE_BAND.0 * h..=reach + EDGE_BAND.1 * h).contains(&s)
+            {
+                continue;
+            }
+            let gap = dome.closest_point(x[k]).0.max(0.0);
+            let from_origin = x[k] - dome.origin();
+            let angle = from_origin.truncate().length().atan2(from_origin.z);
+            for_angle.add(gap.sqrt(), angle);
+            for_radius.add(gap.sqrt(), s);
+        }
+        match (for_angle.at_zero(), for_radius.at_zero()) {
+            (Some(angle), Some(radius)) => Some(Edge {
+                angle: angle.clamp(0.0, wall.angle),
+                material_radius: radius.clamp(0.0, wall.material_radius),
+            }),
+            _ => Some(Edge { angle: wall.angle, material_radius: reach }),
+        }
+    }
+}
+
+/// Least-squares fit of y = a + b·u + c·u².
+#[derive(Default)]
+struct Fit {
+    /// Σ uᵏ, k = 0 … 4.
+    powers: [f64; 5],
+    /// Σ y·uᵏ, k = 0 … 2.
+    moments: [f64; 3],
+}
+
+impl Fit {
+    fn add(&mut self, u: f64, y: f64) {
+        let mut power = 1.0;
+        for k in 0..5 {
+            self.powers[k] += power;
+            if k < 3 {
+                self.moments[k] += y * power;
+            }
+            power *= u;
+        }
+    }
+
+    /// a, by Cramer's rule; `None` with too few points.
+    fn at_zero(&self) -> Option<f64> {
+        let p = &self.powers;
+        if p[0] < 6.0 {
+            return None;
+        }
+        let matrix = glam::DMat3::from_cols(
+            dvec3(p[0], p[1], p[2]),
+            dvec3(p[1], p[2], p[3]),
+            dvec3(p[2], p[3], p[4]),
+        );
+        let a = (matrix.inverse() * DVec3::from(self.moments)).x;
+        a.is_finite().then_some(a)
+    }
+}

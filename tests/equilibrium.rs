@@ -1,0 +1,301 @@
+//! The dome's equilibrium against an independent axisymmetric solution, closed forms and itself.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::measure::{Outcome, Status};
+use implant_preview::scene::{Scene, simulate};
+use implant_preview::sheet::NodeKind;
+use implant_preview::solve::{Progress, Solver, Verdict};
+use serde_json::{Value, json};
+
+fn cases() -> Vec<Value> {
+    let file: Value = serde_json::from_str(include_str!("reference/membrane.json")).unwrap();
+    file.as_array().unwrap().clone()
+}
+
+fn scene_of(case: &Value, nodes: usize) -> Scene {
+    let layers: Vec<Value> = case["layers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|layer| {
+            let curve = match layer["curve"].as_str().unwrap() {
+                "linear10" => json!({ "kind": "linear", "modulus_kpa": 10.0 }),
+                kind => json!({ "kind": kind }),
+            };
+            json!({
+                "tissue": layer["tissue"], "thickness_mm": layer["thickness_mm"],
+                "poisson_ratio": layer["poisson"], "curve": curve,
+            })
+        })
+        .collect();
+    let radius = case["dome_radius_mm"].as_f64().unwrap();
+    let scene = json!({
+        "implant": { "base_radius_mm": radius },
+        "pocket_radius_mm": case["pocket_radius_mm"],
+        "insertion": case["apex_height_mm"].as_f64().unwrap() / radius,
+        "layers": layers,
+        "solver": { "nodes_per_side": nodes, "tolerance": 1e-5 },
+    });
+    Scene::from_json(&scene.to_string()).unwrap()
+}
+
+/// Greatest distance between the profiles, relative to the dome's radius.
+fn profile_error(case: &Value, outcome: &Outcome) -> f64 {
+    let column = |name: &str| -> Vec<f64> {
+        let values = case["result"][name].as_array().unwrap();
+        values.iter().map(|v| v.as_f64().unwrap()).collect()
+    };
+    let (s, r, z) = (column("s_mm"), column("r_mm"), column("z_mm"));
+    assert_eq!(outcome.profile.len(), s.len());
+    let radius = case["dome_radius_mm"].as_f64().unwrap();
+    outcome
+        .profile
+        .iter()
+        .enumerate()
+        .map(|(k, point)| {
+            assert!((point.s_mm - s[k]).abs() < 1e-9);
+            (point.r_mm - r[k]).hypot(point.z_mm - z[k]) / radius
+        })
+        .fold(0.0, f64::max)
+}
+
+fn near(got: Option<f64>, reference: &Value, relative: f64, what: &str) {
+    let (got, reference) = (got.unwrap(), reference.as_f64().unwrap());
+    let error = (got / reference - 1.0).abs();
+    assert!(error < relative, "{what}: {got} against {reference}, off by {error:.2e}");
+}
+
+#[test]
+fn the_shape_converges_to_the_axisymmetric_reference_faster_than_first_order() {
+    for case in cases() {
+        let errors =
+            [33, 65, 129].map(|n| profile_error(&case, &simulate(&scene_of(&case, n)).unwrap()));
+        let name = &case["name"];
+        assert!(errors[2] < 0.000_2, "{name}: {errors:?}");
+        // Over two doublings, so that where the contact's edge falls between nodes averages out.
+        let order = (errors[0] / errors[2]).log2() / 2.0;
+        assert!(order > 1.3, "{name}: order {order:.2} from {errors:?}");
+        assert!(errors[1] < errors[0] && errors[2] < errors[1], "{name}: {errors:?}");
+    }
+}
+
+#[test]
+fn every_figure_of_the_reference_is_met() {
+    for case in cases() {
+        let outcome = simulate(&scene_of(&case, 129)).unwrap();
+        let result = &case["result"];
+        assert_eq!(outcome.status, Status::Converged);
+        near(outcome.apex_stretch, &result["apex_stretch"], 1e-3, "apex stretch");
+        near(outcome.contact_angle_deg, &result["contact_angle_deg"], 2e-3, "contact angle");
+        near(
+            outcome.contact_material_radius_mm,
+            &result["contact_material_radius_mm"],
+            3e-3,
+            "contact material radius",
+        );
+        near(outcome.contact_force_n, &result["contact_force_n"], 1e-3, "contact force");
+        near(outcome.area_ratio, &result["area_ratio"], 2e-4, "area ratio");
+        // A sphere under the nominal tension T, T/λ per deformed length, presses with 2T/(λR). At the
+        // apex both principal stresses are equal, and pressure is greatest.
+        let radius = case["dome_radius_mm"].as_f64().unwrap();
+        let tension: f64 = outcome
+            .layers
+            .iter()
+            .zip(case["layers"].as_array().unwrap())
+            .map(|(layer, given)| {
+                layer.max_stress_kpa.unwrap() * given["thickness_mm"].as_f64().unwrap()
+            })
+            .sum();
+        if case["pocket_radius_mm"].as_f64().unwrap() > radius {
+            let pressure = outcome.contact_pressure_kpa.unwrap().max;
+            let stretch = outcome.apex_stretch.unwrap();
+            let theory = 2.0 * tension / (stretch * radius);
+            assert!((pressure / theory - 1.0).abs() < 2e-3, "{pressure} {theory}");
+        }
+    }
+}
+
+#[test]
+fn the_figure_of_theory_for_a_linear_sheet() {
+    // PHYSICS of a linear sheet with ν = 1/3, a/R = 1.5 at full height: F/(E h R) = 1.056.
+    let case = &cases()[0];
+    let outcome = simulate(&scene_of(case, 129)).unwrap();
+    let force = outcome.contact_force_n.unwrap() * 1000.0 / (10.0 * 1.5 * 40.0);
+    assert!((force - 1.056).abs() < 1e-3, "{force}");
+}
+
+#[test]
+fn areas_and_volumes_meet_closed_forms() {
+    // The sheet clamped at the dome's rim covers it: a cap of the hemisphere.
+    for insertion in [1.0_f64, 0.7] {
+        let radius = 50.0;
+        let wall = radius * (1.0 - (insertion - 1.0).powi(2)).sqrt();
+        let scene = json!({
+            "implant": { "base_radius_mm": radius }, "pocket_radius_mm": radius,
+            "insertion": insertion, "solver": { "nodes_per_side": 129 },
+        });
+        let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+        let volume = outcome.implant_volume_ml;
+        assert!((volume - 2.0 / 3.0 * std::f64::consts::PI * 125.0).abs() < 1e-9, "{volume}");
+        let before = outcome.area_before_cm2;
+        assert!((before - std::f64::consts::PI * 25.0).abs() < 1e-9);
+        let cap = 2.0 * std::f64::consts::PI * radius * insertion * radius / 100.0;
+        let ring = std::f64::consts::PI * (radius * radius - wall * wall) / 100.0;
+        let after = outcome.area_after_cm2.unwrap();
+        // At full height the sheet is the cap; below it bridges the corner between dome and wall,
+        // so that its area is less than cap and ring together.
+        if insertion > 0.99 {
+            assert!((after / cap - 1.0).abs() < 2e-4, "{after} {cap}");
+        } else {
+            assert!(after < cap + ring && after > 0.95 * (cap + ring), "{after} {cap} {ring}");
+        }
+        assert!((outcome.area_gain_cm2.unwrap() - (after - before)).abs() < 1e-9);
+    }
+}
+
+/// Scenes that have nothing in common with the references.
+fn odd_scenes() -> Vec<Scene> {
+    [
+        json!({ "implant": { "base_radius_mm": 50, "center_mm": [12.0, -7.0] }, "pocket_radius_mm": 75 }),
+        json!({ "implant": { "base_radius_mm": 60, "projection_mm": 25 } }),
+        json!({ "implant": { "base_radius_mm": 45, "projection_mm": 60, "center_mm": [5, 5] },
+                "insertion": 0.6 }),
+        json!({ "implant": { "base_radius_mm": 40 }, "pocket_radius_mm": 120,
+                "layers": [ { "poisson_ratio": 0.0 }, { "poisson_ratio": 0.5, "thickness_mm": 20,
+                "curve": { "kind": "exponential", "scale_kpa": 1, "rate": 4 } } ] }),
+    ]
+    .iter()
+    .map(|scene| Scene::from_json(&scene.to_string()).unwrap())
+    .collect()
+}
+
+fn solved(scene: &Scene, nodes: usize, tolerance: f64) -> Solver {
+    let mut scene = scene.clone();
+    scene.solver.nodes_per_side = nodes;
+    scene.solver.tolerance = tolerance;
+    let mut solver = Solver::new(scene.problem().unwrap());
+    assert_eq!(solver.advance(&mut || false), Progress::Done);
+    solver
+}
+
+#[test]
+fn contact_forces_are_the_reaction_of_the_border() {
+    for scene in odd_scenes() {
+        let solver = solved(&scene, 65, 1e-6);
+        let forces = solver.forces();
+        let kinds = solver.problem().sheet.kinds();
+        // The border holds the sheet down with as much as the dome (and the wall) pushes it up.
+        let pull: f64 = (0..forces.len())
+            .filter(|&k| kinds[k] == NodeKind::Clamped)
+            .map(|k| forces[k].z)
+            .sum::<f64>()
+            / 1000.0;
+        let outcome = scene.measure(&solver);
+        let force = outcome.contact_force_n.unwrap();
+        assert!(force > 0.0);
+        assert!((force / pull - 1.0).abs() < 1e-3, "{force} {pull}");
+    }
+}
+
+#[test]
+fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_dome() {
+    for scene in odd_scenes() {
+        let solver = solved(&scene, 65, 1e-6);
+        let (problem, forces) = (solver.problem(), solver.forces());
+        let scale = forces.iter().map(|f| f.length()).fold(0.0, f64::max);
+        for (k, &x) in solver.positions().iter().enumerate() {
+            if problem.sheet.kinds()[k] != NodeKind::Free {
+                continue;
+            }
+            let distance = problem.dome.closest_point(x).0;
+            assert!(distance > -1e-9 && x.z >= 0.0, "{x} {distance}");
+            // A node that touches nothing is in balance; one that touches is pressed, not glued.
+            if distance > 1e-3 && x.z > 1e-3 {
+                assert!(forces[k].length() < 1e-4 * scale, "{x}: {}", forces[k]);
+            } else {
+                let along = forces[k].dot(problem.dome.normal(x));
+                assert!(along < 1e-4 * scale, "{x}: {along}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
+    let mut scenes = odd_scenes();
+    scenes.extend(cases().iter().map(|case| scene_of(case, 65)));
+    for scene in scenes {
+        let exact = solved(&scene, 65, 1e-7);
+        for tolerance in [1e-2, 1e-4] {
+            let solver = solved(&scene, 65, tolerance);
+            assert_eq!(solver.verdict(), Verdict::Converged);
+            let error = solver
+                .positions()
+                .iter()
+                .zip(exact.positions())
+                .map(|(a, b)| a.distance(*b))
+                .fold(0.0, f64::max)
+                / scene.implant.base_radius_mm;
+            assert!(error <= tolerance, "{error:.1e} against {tolerance:.0e}");
+            assert!(
+                error <= 2.0 * solver.estimated_position_error() + 1e-7,
+                "{error:.1e} against the estimate {:.1e}",
+                solver.estimated_position_error()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_scene_has_the_mirrored_shape() {
+    let mut scene = odd_scenes().remove(0);
+    let right = solved(&scene, 33, 1e-7);
+    scene.implant.center_mm[0] *= -1.0;
+    let left = solved(&scene, 33, 1e-7);
+    for (k, x) in right.positions().iter().enumerate() {
+        let mirrored = left.positions()[k / 33 * 33 + (32 - k % 33)];
+        let error = (x.x + mirrored.x).hypot(x.y - mirrored.y).hypot(x.z - mirrored.z);
+        assert!(error < 1e-5 * scene.implant.base_radius_mm, "{error}");
+    }
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bits() {
+    let scene = odd_scenes().remove(2);
+    let (a, b) = (solved(&scene, 65, 1e-4), solved(&scene, 65, 1e-4));
+    assert_eq!(a.positions(), b.positions());
+}
+
+#[test]
+fn an_edited_scene_reaches_the_shape_of_a_fresh_one() {
+    for scene in odd_scenes() {
+        let target = solved(&scene, 65, 1e-6);
+        let mut start = scene.clone();
+        start.insertion = 0.8 * scene.insertion;
+        start.implant.center_mm[0] -= 2.0;
+        let mut solver = solved(&start, 65, 1e-6);
+        let mut goal = scene.clone();
+        (goal.solver.nodes_per_side, goal.solver.tolerance) = (65, 1e-6);
+        solver.restart(goal.problem().unwrap());
+        while solver.advance(&mut || true) == Progress::Working {}
+        assert_eq!(solver.verdict(), Verdict::Converged);
+        let error = solver
+            .positions()
+            .iter()
+            .zip(target.positions())
+            .map(|(a, b)| a.distance(*b))
+            .fold(0.0, f64::max);
+        assert!(error < 1e-5 * scene.implant.base_radius_mm, "{error}");
+    }
+}
+
+#[test]
+fn a_flat_sheet_stays_flat() {
+    let scene = json!({ "implant": { "base_radius_mm": 50 }, "insertion": 0.0 });
+    let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!((outcome.area_ratio.unwrap() - 1.0).abs() < 1e-12);
+    assert!(outcome.contact_force_n.unwrap().abs() < 1e-12);
+    assert!(outcome.contact_pressure_kpa.is_none() && outcome.contact_angle_deg.is_none());
+}
