@@ -206,7 +206,7 @@ mod tests {
         let f = |x: f64| if x < 0.3001 { x } else { 0.3001 + 50.0 * (x - 0.3001) };
         let table = Table::new(f, (-1.0, 1.0), &[0.3001], Weight::One);
         assert!(table.relative_error() < 1e-12);
-        assert_eq!(table.value_and_slope(0.3002).1, 50.0);
+        assert!((table.value_and_slope(0.3002).1 - 50.0).abs() < 1e-9);
     }
 
     #[test]
