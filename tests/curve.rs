@@ -1,0 +1,303 @@
+//! The stress–strain curves: values, the odd extension, smoothness, energy, and what is refused.
+
+use implant_preview::curve::{Curve, CurveSpec, Interpolation, Section};
+
+fn curve(spec: &CurveSpec) -> Curve {
+    Curve::new(spec).expect("a good curve")
+}
+
+/// Builds a curve from the JSON that stands in a scene file.
+fn from_json(text: &str) -> Result<Curve, String> {
+    let spec: CurveSpec = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    Curve::new(&spec).map_err(|error| error.to_string())
+}
+
+/// One of every kind, with the strains where its slope jumps.
+fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
+    let points = |interpolation| CurveSpec::Points {
+        points: vec![[0.0, 0.0], [0.1, 1.0], [0.3, 1.5], [0.35, 9.0], [0.8, 9.5], [1.2, 30.0]],
+        interpolation,
+    };
+    let sections = CurveSpec::Sections {
+        sections: vec![
+            Section::Linear { from: 0.0, to: 0.2, modulus_kpa: 5.0 },
+            Section::Cubic { from: 0.2, to: 0.4, end_stress_kpa: 4.0, end_slope_kpa: 20.0 },
+            Section::Polynomial { from: 0.4, to: 0.5, coefficients_kpa: vec![20.0, 3.0, 0.5, 9.0] },
+            Section::Arctangent { from: 0.5, to: 0.7, scale_kpa: 2.0, rate: 10.0 },
+            Section::Sine { from: 0.7, to: 0.9, scale_kpa: 3.0, rate: 6.0 },
+            Section::Exponential { from: 0.9, to: 1.1, scale_kpa: 0.5, rate: 8.0 },
+        ],
+    };
+    vec![
+        ("skin", curve(&CurveSpec::Skin {}), vec![]),
+        ("adipose", curve(&CurveSpec::Adipose {}), vec![]),
+        ("linear", curve(&CurveSpec::Linear { modulus_kpa: 7.0 }), vec![]),
+        ("arctangent", curve(&CurveSpec::Arctangent { scale_kpa: 3.0, rate: 2.0 }), vec![]),
+        ("exponential", curve(&CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 }), vec![]),
+        ("lines", curve(&points(Interpolation::Line)), vec![0.1, 0.3, 0.35, 0.8]),
+        ("spline", curve(&points(Interpolation::Spline)), vec![]),
+        ("sections", curve(&sections), vec![0.5, 0.7, 0.9]),
+    ]
+}
+
+/// Strains over the data, over its end and in compression, none of them on a break.
+fn strains() -> impl Iterator<Item = f64> {
+    (-150..=150).map(|k| 0.01 * f64::from(k) + 0.0037)
+}
+
+fn assert_close(found: f64, wanted: f64, tolerance: f64, what: &str) {
+    assert!(
+        (found - wanted).abs() <= tolerance * wanted.abs().max(1.0),
+        "{what}: {found} instead of {wanted}"
+    );
+}
+
+#[test]
+fn skin_preset_has_the_stated_values() {
+    let skin = curve(&CurveSpec::Skin {});
+    for (strain, stress, slope) in [
+        (0.0, 0.0, 100.0),
+        (0.2, 20.0, 100.0),
+        (0.4, 40.0, 100.0),
+        // The cubic Hermite piece at its middle: mean of the ends plus (difference of slopes)·0.3/8.
+        (0.55, 122.5 - 900.0 * 0.3 / 8.0, 550.0),
+        (0.7, 205.0, 1000.0),
+        (1.0, 505.0, 1000.0),
+    ] {
+        assert_close(skin.stress(strain), stress, 1e-12, "stress");
+        assert_close(skin.slope(strain), slope, 1e-12, "slope");
+    }
+}
+
+#[test]
+fn adipose_preset_has_the_stated_values() {
+    let adipose = curve(&CurveSpec::Adipose {});
+    assert_close(adipose.slope(0.0), 3.0, 1e-12, "initial modulus");
+    for strain in [0.1, 0.6, 1.0] {
+        assert_close(adipose.stress(strain), 0.4 * (7.5 * strain).atan(), 1e-14, "stress");
+    }
+    let rise = (adipose.stress(1.0) - adipose.stress(0.6)) / adipose.stress(1.0);
+    assert!(rise < 0.1, "nearly flat beyond 0.6, yet it rises by {rise}");
+}
+
+#[test]
+fn analytic_kinds_follow_their_formulas() {
+    let exponential = curve(&CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 });
+    let arctangent = curve(&CurveSpec::Arctangent { scale_kpa: 3.0, rate: 2.0 });
+    let linear = curve(&CurveSpec::Linear { modulus_kpa: 7.0 });
+    for k in 0..=20 {
+        let strain = 0.05 * f64::from(k);
+        assert_close(exponential.stress(strain), 2.0 * ((4.0 * strain).exp() - 1.0), 1e-13, "exp");
+        assert_close(arctangent.stress(strain), 3.0 * (2.0 * strain).atan(), 1e-14, "atan");
+        assert_close(linear.stress(strain), 7.0 * strain, 1e-14, "linear");
+    }
+}
+
+#[test]
+fn compression_is_the_odd_extension() {
+    for (name, curve, _) in every_kind() {
+        assert_eq!(curve.stress(0.0).abs(), 0.0, "{name}");
+        for strain in strains() {
+            assert_eq!(curve.stress(-strain), -curve.stress(strain), "{name} at {strain}");
+            assert_eq!(curve.slope(-strain), curve.slope(strain), "{name} at {strain}");
+            assert_eq!(curve.energy(-strain), curve.energy(strain), "{name} at {strain}");
+        }
+    }
+}
+
+#[test]
+fn every_curve_rises_everywhere_also_beyond_its_data() {
+    for (name, curve, _) in every_kind() {
+        let mut before = curve.stress(-3.0);
+        for k in -2999..=3000 {
+            let strain = 0.001 * f64::from(k);
+            let stress = curve.stress(strain);
+            assert!(stress > before, "{name} falls at {strain}");
+            before = stress;
+        }
+    }
+}
+
+#[test]
+fn stress_is_continuous_and_the_slope_jumps_only_where_pieces_allow_no_better() {
+    for (name, curve, kinks) in every_kind() {
+        for at in curve.breaks() {
+            let step = 1e-9;
+            let [below, above] = [at - step, at + step];
+            let steepest = curve.slope(below).max(curve.slope(above));
+            assert!(
+                curve.stress(above) - curve.stress(below) <= 2.1 * step * steepest,
+                "{name}: stress jumps at {at}"
+            );
+            let jump = (curve.slope(above) - curve.slope(below)).abs() / steepest;
+            let is_kink = kinks.iter().any(|k| (k - at).abs() < 1e-12);
+            assert_eq!(jump > 1e-4, is_kink, "{name}: slope jumps by {jump} at {at}");
+        }
+    }
+}
+
+#[test]
+fn slope_is_the_derivative_of_stress() {
+    for (name, curve, _) in every_kind() {
+        for strain in strains() {
+            let step = 1e-6;
+            let difference =
+                (curve.stress(strain + step) - curve.stress(strain - step)) / (2.0 * step);
+            assert_close(curve.slope(strain), difference, 1e-5, name);
+        }
+    }
+}
+
+#[test]
+fn energy_is_the_integral_of_stress() {
+    for (name, curve, _) in every_kind() {
+        for end in [0.05, 0.33, 0.62, 1.0, 1.3, 2.0] {
+            // Midpoint rule between breaks: independent of the closed forms in the curve.
+            let mut sum = 0.0;
+            let mut from = 0.0;
+            for to in curve.breaks().take_while(|&b| b < end).chain([end]) {
+                let n = 4000;
+                let width = (to - from) / f64::from(n);
+                sum += (0..n)
+                    .map(|k| width * curve.stress(from + (f64::from(k) + 0.5) * width))
+                    .sum::<f64>();
+                from = to;
+            }
+            assert_close(curve.energy(end), sum, 1e-5, name);
+        }
+    }
+}
+
+#[test]
+fn secant_is_stress_over_strain_and_the_initial_slope_at_zero() {
+    for (name, curve, _) in every_kind() {
+        assert_close(curve.secant(0.0), curve.slope(0.0), 1e-12, name);
+        assert_close(curve.secant(1e-10), curve.slope(0.0), 1e-6, name);
+        assert_close(curve.secant(-0.5), curve.stress(0.5) / 0.5, 1e-12, name);
+    }
+}
+
+#[test]
+fn the_line_beyond_the_data_is_reported() {
+    let points = from_json(r#"{"kind":"points","points":[[0,0],[0.2,1],[0.5,3]]}"#).unwrap();
+    assert_eq!(points.data_end(), 0.5);
+    assert!(!points.is_beyond_data(0.5) && !points.is_beyond_data(-0.5));
+    assert!(points.is_beyond_data(0.51) && points.is_beyond_data(-0.51));
+    assert_close(points.stress(0.8), 3.0 + 0.3 * 2.0 / 0.3, 1e-12, "line with the end slope");
+}
+
+#[test]
+fn both_interpolations_pass_through_the_marked_points() {
+    let marked = [[0.0, 0.0], [0.1, 1.0], [0.3, 1.5], [0.35, 9.0], [0.8, 9.5]];
+    for interpolation in [Interpolation::Line, Interpolation::Spline] {
+        let curve = curve(&CurveSpec::Points { points: marked.to_vec(), interpolation });
+        for [strain, stress] in marked {
+            assert_close(curve.stress(strain), stress, 1e-12, "marked point");
+        }
+    }
+}
+
+#[test]
+fn spline_never_overshoots_its_points() {
+    // A fixed family of rough data: steps of very different width and height.
+    for seed in 0_u32..200 {
+        let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(12345);
+        let mut step = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            10.0_f64.powf(-2.0 * f64::from(state) / f64::from(u32::MAX))
+        };
+        let mut points = vec![[0.0, 0.0]];
+        for _ in 0..8 {
+            let [strain, stress] = points[points.len() - 1];
+            points.push([strain + 0.2 * step(), stress + 50.0 * step()]);
+        }
+        let spline = curve(&CurveSpec::Points {
+            points: points.clone(),
+            interpolation: Interpolation::Spline,
+        });
+        for pair in points.windows(2) {
+            let ([from, low], [to, high]) = (pair[0], pair[1]);
+            let mut before = low;
+            for k in 1..100 {
+                let stress = spline.stress(from + (to - from) * f64::from(k) / 100.0);
+                assert!(stress >= before - 1e-12 * high, "seed {seed}: falls after {from}");
+                assert!(stress <= high * (1.0 + 1e-12), "seed {seed}: overshoots before {to}");
+                before = stress;
+            }
+        }
+    }
+}
+
+#[test]
+fn stress_is_finite_for_every_finite_strain() {
+    for (name, curve, _) in every_kind() {
+        for strain in [-1e6, -10.0, 10.0, 1e6] {
+            assert!(curve.stress(strain).is_finite(), "{name} at {strain}");
+            assert!(curve.energy(strain).is_finite(), "{name} at {strain}");
+        }
+    }
+}
+
+#[test]
+fn bad_curves_are_refused_with_the_point_or_field_named() {
+    for (text, wanted) in [
+        (r#"{"kind":"points","points":[[0,0],[0.3,2],[0.2,3]]}"#, "points[2] is [0.2, 3]"),
+        (r#"{"kind":"points","points":[[0,0],[0.3,2],[0.4,2]]}"#, "points[2]"),
+        (r#"{"kind":"points","points":[[0,0],[0.3,2],[0.3,3]]}"#, "points[2]"),
+        (r#"{"kind":"points","points":[[0,0]]}"#, "points has 1"),
+        (r#"{"kind":"points","points":[[0.1,0],[0.2,1]]}"#, "points[0]"),
+        (r#"{"kind":"points","points":[[0,1],[0.2,2]]}"#, "must be [0, 0]"),
+        (r#"{"kind":"points","points":[[0,0],[0.2,1,5]]}"#, "length"),
+        (r#"{"kind":"points","points":[[0,0],[0.5,1e300]]}"#, "points[1]"),
+        (r#"{"kind":"points","points":[[0,0],[1,1]],"interpolation":"cubic"}"#, "cubic"),
+        (r#"{"kind":"linear","modulus_kpa":-1}"#, "modulus_kpa is -1"),
+        (r#"{"kind":"linear"}"#, "modulus_kpa"),
+        (r#"{"kind":"linear","modulus_kpa":1,"rate":2}"#, "rate"),
+        (r#"{"kind":"arctangent","scale_kpa":1,"rate":0}"#, "rate is 0"),
+        (r#"{"kind":"exponential","scale_kpa":1,"rate":101}"#, "rate is 101"),
+        (r#"{"kind":"exponential","scale_kpa":1,"rate":100}"#, "end of the curve"),
+        (r#"{"kind":"sections","sections":[]}"#, "sections has 0"),
+        (
+            r#"{"kind":"sections","sections":[{"kind":"linear","from":0.1,"to":1,"modulus_kpa":1}]}"#,
+            "sections[0] starts at strain 0.1",
+        ),
+        (
+            r#"{"kind":"sections","sections":[{"kind":"sine","from":0,"to":1,"scale_kpa":1,"rate":2}]}"#,
+            "sections[0] does not increase",
+        ),
+        (
+            r#"{"kind":"sections","sections":[{"kind":"linear","from":0,"to":0.5,"modulus_kpa":9},
+               {"kind":"cubic","from":0.5,"to":1,"end_stress_kpa":4,"end_slope_kpa":9}]}"#,
+            "sections[1] does not increase",
+        ),
+        (
+            r#"{"kind":"sections","sections":[
+               {"kind":"polynomial","from":0,"to":1,"coefficients_kpa":[1,-4,4.1]}]}"#,
+            "sections[0] does not increase",
+        ),
+        (r#"{"kind":"steel"}"#, "steel"),
+    ] {
+        let message = from_json(text).expect_err(text);
+        assert!(message.contains(wanted), "{text}\n gave: {message}\n wanted: {wanted}");
+    }
+}
+
+#[test]
+fn not_a_number_is_refused_where_json_could_not_carry_it() {
+    let points = vec![[0.0, 0.0], [0.1, f64::NAN]];
+    let spec = CurveSpec::Points { points, interpolation: Interpolation::Spline };
+    assert!(Curve::new(&spec).expect_err("NaN").to_string().contains("points[1]"));
+    let spec = CurveSpec::Linear { modulus_kpa: f64::NAN };
+    assert!(Curve::new(&spec).expect_err("NaN").to_string().contains("modulus_kpa"));
+}
+
+#[test]
+fn a_hundred_thousand_points_are_accepted_and_one_more_is_not() {
+    let line = |n: u32| CurveSpec::Points {
+        points: (0..n).map(|k| [1e-5 * f64::from(k), 1e-3 * f64::from(k)]).collect(),
+        interpolation: Interpolation::Spline,
+    };
+    let curve = curve(&line(100_000));
+    assert_close(curve.stress(0.654_321), 65.4321, 1e-9, "line of slope 100");
+    assert!(Curve::new(&line(100_001)).is_err());
+}
