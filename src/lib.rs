@@ -11,6 +11,7 @@
 pub mod curve;
 pub mod implant;
 pub mod measure;
+pub mod platform;
 pub mod scene;
 pub mod session;
 pub mod sheet;

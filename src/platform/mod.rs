@@ -1,0 +1,6 @@
+//! Where the program meets its surroundings: files, clocks, windows, the web page, JavaScript.
+//!
+//! The only modules that know a platform; nothing else uses them.
+
+#[cfg(all(feature = "js-api", target_arch = "wasm32"))]
+pub mod js;

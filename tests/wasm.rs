@@ -1,0 +1,67 @@
+//! The JavaScript API in a real browser, and the same physics there as natively.
+
+#![cfg(target_arch = "wasm32")]
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+mod common;
+
+use implant_preview::platform::js;
+use serde_json::Value;
+use wasm_bindgen::JsValue;
+use wasm_bindgen_test::{wasm_bindgen_test, wasm_bindgen_test_configure};
+
+wasm_bindgen_test_configure!(run_in_browser);
+
+fn message(error: wasm_bindgen::JsError) -> String {
+    let value: JsValue = error.into();
+    assert!(js_sys::Reflect::has(&value, &"stack".into()).unwrap(), "not an Error");
+    js_sys::Reflect::get(&value, &"message".into()).unwrap().as_string().unwrap()
+}
+
+#[wasm_bindgen_test]
+fn the_browser_computes_what_the_native_program_computes() {
+    let native: Value = serde_json::from_str(include_str!("fixtures/profiles.json")).unwrap();
+    for (name, scene) in common::scenes() {
+        let result: Value =
+            serde_json::from_str(&js::simulate(&scene.to_string()).unwrap_or_default()).unwrap();
+        assert_eq!(result["status"], "converged", "{name}");
+        assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
+        let radius = scene["implant"]["base_radius_mm"].as_f64().unwrap();
+        let profile = result["profile"].as_array().unwrap();
+        assert_eq!(profile.len(), native[name].as_array().unwrap().len());
+        for (point, expected) in profile.iter().zip(native[name].as_array().unwrap()) {
+            for (axis, field) in ["r_mm", "z_mm"].into_iter().enumerate() {
+                let difference = point[field].as_f64().unwrap() - expected[axis].as_f64().unwrap();
+                assert!(difference.abs() < 1e-5 * radius, "{name}: off by {difference:.1e} mm");
+            }
+        }
+    }
+}
+
+#[wasm_bindgen_test]
+fn bad_input_throws_an_error_of_one_line() {
+    for (scene, expected) in [
+        ("{", "EOF"),
+        ("{}", "implant"),
+        (
+            r#"{"implant":{"base_radius_mm":500}}"#,
+            "implant.base_radius_mm is 500; allowed: 10 to 120 mm",
+        ),
+        (r#"{"implant":{"base_radius_mm":50,"colour":1}}"#, "colour"),
+        (r#"{"implant":{"base_radius_mm":50},"springs":"steel"}"#, "springs"),
+    ] {
+        let text = message(js::simulate(scene).err().unwrap());
+        assert!(text.contains(expected), "{text}");
+        assert!(!text.contains('\n'), "{text}");
+    }
+}
+
+#[wasm_bindgen_test]
+fn the_default_scene_the_schema_and_the_version_are_what_they_say() {
+    let scene: Value = serde_json::from_str(&js::default_scene()).unwrap();
+    assert_eq!(scene["schema"], "implant-preview/scene/1");
+    assert_eq!(scene["solver"]["nodes_per_side"], 129);
+    let schema: Value = serde_json::from_str(&js::schema()).unwrap();
+    assert!(schema["properties"]["implant"].is_object());
+    assert_eq!(js::version(), env!("CARGO_PKG_VERSION"));
+}

@@ -1,0 +1,92 @@
+# Sets up what building and testing the page needs; sourced by web/serve.sh and tests/run.sh.
+# Everything that is already there is left alone, and then no network is used.
+# shellcheck shell=bash
+
+# Where downloaded tools go; the target folder is not part of the repository.
+TOOLS_DIR="${CARGO_TARGET_DIR:-$PWD/target}/tools"
+TRUNK_VERSION=0.21.14
+WASM_PACK_VERSION=0.15.1
+BINARYEN_VERSION=132.0.0
+
+say() { printf '· %s\n' "$*"; }
+
+# The version of a crate in Cargo.lock.
+locked_version() {
+  awk -v name="$1" '$1 == "name" && $3 == "\"" name "\"" { getline; gsub(/"/, "", $3); print $3; exit }' Cargo.lock
+}
+
+# Is a command there, and does it print this version?
+has_version() {
+  command -v "$1" >/dev/null && "$1" --version 2>/dev/null | grep -qF " $2"
+}
+
+# Debian packages that are missing are installed; the arguments are "file-or-command=package".
+need_packages() {
+  local missing=() pair probe
+  for pair in "$@"; do
+    probe="${pair%%=*}"
+    command -v "$probe" >/dev/null || [ -e "$probe" ] || missing+=("${pair##*=}")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  local root=()
+  [ "$(id -u)" -eq 0 ] || root=(sudo)
+  if ! command -v apt-get >/dev/null; then
+    echo "missing: ${missing[*]}. Install them with your package manager and run this again." >&2
+    exit 1
+  fi
+  say "installing ${missing[*]}"
+  "${root[@]}" apt-get update -qq
+  DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+need_rust() {
+  export PATH="$HOME/.cargo/bin:$PATH"
+  if ! command -v cargo >/dev/null; then
+    echo "Rust is missing. Install it from https://rustup.rs and run this again." >&2
+    exit 1
+  fi
+  if [ ! -d "$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ]; then
+    say "adding the wasm32 target"
+    rustup target add wasm32-unknown-unknown
+  fi
+}
+
+# What the page is built with: trunk, wasm-bindgen of the locked version, wasm-opt.
+need_page_tools() {
+  need_rust
+  need_packages cc=build-essential npm=npm
+  if ! has_version trunk "$TRUNK_VERSION"; then
+    say "building trunk $TRUNK_VERSION (several minutes, once)"
+    cargo install --quiet --locked "trunk@$TRUNK_VERSION"
+  fi
+  local bindgen
+  bindgen="$(locked_version wasm-bindgen)"
+  if ! has_version wasm-bindgen "$bindgen"; then
+    say "building wasm-bindgen $bindgen (a few minutes, once)"
+    cargo install --quiet "wasm-bindgen-cli@$bindgen"
+  fi
+  # wasm-opt of older Binaryen breaks what wasm-bindgen makes today: only this version is used.
+  if [ ! -x "$TOOLS_DIR/node_modules/.bin/wasm-opt" ]; then
+    say "fetching wasm-opt (binaryen $BINARYEN_VERSION)"
+    npm install --silent --no-audit --no-fund --prefix "$TOOLS_DIR" "binaryen@$BINARYEN_VERSION" >/dev/null
+  fi
+  export PATH="$TOOLS_DIR/node_modules/.bin:$PATH"
+}
+
+# What the tests need besides: a browser, its driver, wasm-pack, what drives the page.
+need_test_tools() {
+  need_page_tools
+  need_packages chromium=chromium chromedriver=chromium-driver
+  if ! has_version wasm-pack "$WASM_PACK_VERSION"; then
+    say "building wasm-pack $WASM_PACK_VERSION (a few minutes, once)"
+    cargo install --quiet --locked "wasm-pack@$WASM_PACK_VERSION"
+  fi
+  if [ ! -d tests/browser/node_modules/playwright-core ]; then
+    say "fetching playwright-core"
+    (cd tests/browser && PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 npm ci --silent --no-audit --no-fund >/dev/null)
+  fi
+}
+
+build_page() {
+  trunk build --release --cargo-profile web --offline true --quiet
+}
