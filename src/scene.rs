@@ -267,6 +267,12 @@ impl Scene {
         if json.len() > MAX_SCENE_BYTES {
             return Err(out_of_range("scene", format!("{} bytes long", json.len()), "to 10 MB"));
         }
+        if json.trim_start().starts_with('[') {
+            return Err(SceneError::Json {
+                path: "scene".to_owned(),
+                problem: "is a list; allowed: one JSON object".to_owned(),
+            });
+        }
         let mut reader = serde_json::Deserializer::from_str(json);
         let file: SceneFile = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
             let path = match error.path().to_string() {

@@ -1,0 +1,170 @@
+//! A user's work: edits, undo, refused input, and no work where nothing changed.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::measure::Status;
+use implant_preview::scene::{Layer, Scene};
+use implant_preview::session::{Command, Session};
+use implant_preview::solve::Progress;
+
+fn small() -> Scene {
+    let mut scene = Scene::default();
+    scene.solver.nodes_per_side = 33;
+    scene
+}
+
+fn edit(session: &mut Session, gesture: u64, change: impl FnOnce(&mut Scene)) {
+    let mut scene = session.scene().clone();
+    change(&mut scene);
+    session.apply(Command::Edit { scene: Box::new(scene), gesture }).unwrap();
+}
+
+fn settle(session: &mut Session) {
+    while session.advance(&mut || true) == Progress::Working {}
+}
+
+#[test]
+fn a_solved_session_at_rest_does_no_work() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    assert_eq!(session.outcome().unwrap().status, Status::Converged);
+    let (counters, revision) = (session.counters(), session.revision());
+    for _ in 0..10 {
+        assert_eq!(session.advance(&mut || false), Progress::Done);
+    }
+    let same = session.scene().clone();
+    session.apply(Command::Edit { scene: Box::new(same), gesture: 9 }).unwrap();
+    assert_eq!(session.advance(&mut || false), Progress::Done);
+    assert_eq!(session.counters(), counters);
+    assert_eq!(session.revision(), revision);
+    assert!(!session.can_undo());
+}
+
+#[test]
+fn a_name_or_a_colour_solves_nothing() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    let before = session.counters();
+    edit(&mut session, 1, |scene| "capsule".clone_into(&mut scene.layers[1].tissue));
+    assert_eq!(session.advance(&mut || false), Progress::Done);
+    assert_eq!(session.counters(), before);
+    assert_eq!(session.outcome().unwrap().layers[1].tissue, "capsule");
+    assert!(session.can_undo());
+}
+
+#[test]
+fn a_moved_control_starts_from_the_present_shape_with_less_work() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    let cold = session.outcome().unwrap().solver.work_units;
+    edit(&mut session, 1, |scene| scene.insertion = 0.97);
+    assert!(session.is_working());
+    settle(&mut session);
+    let outcome = session.outcome().unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(outcome.solver.work_units < cold, "{} {cold}", outcome.solver.work_units);
+    assert!((outcome.projection_mm.unwrap() - 0.97 * 55.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_gesture_is_one_step_of_undo() {
+    let mut session = Session::new(small()).unwrap();
+    for k in 1..=5 {
+        edit(&mut session, 1, |scene| scene.insertion = 1.0 - 0.1 * f64::from(k));
+    }
+    edit(&mut session, 2, |scene| scene.layers.push(Layer::adipose()));
+    assert_eq!(session.scene().layers.len(), 3);
+    session.apply(Command::Undo).unwrap();
+    assert_eq!(session.scene().layers.len(), 2);
+    assert!((session.scene().insertion - 0.5).abs() < 1e-12);
+    session.apply(Command::Undo).unwrap();
+    assert_eq!(session.scene(), &small());
+    assert!(!session.can_undo() && session.can_redo());
+    session.apply(Command::Redo).unwrap();
+    session.apply(Command::Redo).unwrap();
+    assert_eq!(session.scene().layers.len(), 3);
+    assert!(!session.can_redo());
+}
+
+#[test]
+fn refused_input_changes_nothing_and_says_why_in_one_line() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    let (scene, revision) = (session.scene().clone(), session.revision());
+    for (json, expected) in [
+        ("", "scene: EOF"),
+        ("[1]", "scene"),
+        (r#"{"implant":{"base_radius_mm":"big"}}"#, "implant.base_radius_mm"),
+        (r#"{"implant":{"base_radius_mm":50,"x":1}}"#, "`x`"),
+        (r#"{"implant":{"base_radius_mm":50},"layers":[]}"#, "layers is 0 layers; allowed: 1 to 8"),
+        (
+            r#"{"implant":{"base_radius_mm":50},"layers":[{"poisson_ratio":0.6}]}"#,
+            "layers[0].poisson_ratio is 0.6; allowed: 0 to 0.5",
+        ),
+        (r#"{"implant":{"base_radius_mm":50},"pocket_radius_mm":40}"#, "pocket_radius_mm is 40"),
+        (r#"{"schema":"implant-preview/scene/9","implant":{"base_radius_mm":50}}"#, "schema"),
+        (
+            r#"{"implant":{"base_radius_mm":50},"layers":[{"curve":{"kind":"points","points":[[0,0],[0.5,2],[0.4,3]]}}]}"#,
+            "layers[0].curve: points[2]",
+        ),
+        (
+            r#"{"implant":{"base_radius_mm":50},"layers":[{"curve":{"kind":"skin","modulus_kpa":3}}]}"#,
+            "modulus_kpa",
+        ),
+        (r#"{"implant":{"base_radius_mm":50}} trailing"#, "trailing"),
+        (r#"{"implant":{"base_radius_mm":50,"base_radius_mm":60}}"#, "duplicate"),
+    ] {
+        let error = session.apply(Command::Open(json.to_owned())).unwrap_err().to_string();
+        assert!(error.contains(expected), "{json}: {error}");
+        assert!(!error.contains('\n') && error.len() < 400, "{error}");
+        assert_eq!(session.scene(), &scene);
+        assert_eq!(session.revision(), revision);
+        assert!(!session.is_working());
+    }
+}
+
+#[test]
+fn a_saved_scene_opens_as_itself() {
+    let mut scene = small();
+    scene.implant.center_mm = [3.0, -4.0];
+    scene.layers.push(Layer::skin());
+    let again = Scene::from_json(&scene.to_json()).unwrap();
+    assert_eq!(again, scene);
+}
+
+#[test]
+fn a_scene_needs_only_a_base_radius() {
+    let scene = Scene::from_json(r#"{"implant":{"base_radius_mm":40}}"#).unwrap();
+    assert!((scene.implant.projection_mm - 40.0).abs() < 1e-12);
+    assert!((scene.pocket_radius_mm - 55.0).abs() < 1e-12);
+    assert_eq!(scene.layers, Scene::default().layers);
+    assert_eq!(scene.solver, Scene::default().solver);
+}
+
+#[test]
+fn the_schema_names_every_field_of_the_scene() {
+    let schema = implant_preview::scene::schema();
+    for field in [
+        "implant",
+        "base_radius_mm",
+        "projection_mm",
+        "center_mm",
+        "pocket_radius_mm",
+        "insertion",
+        "layers",
+        "tissue",
+        "thickness_mm",
+        "poisson_ratio",
+        "curve",
+        "springs",
+        "solver",
+        "nodes_per_side",
+        "tolerance",
+        "modulus_kpa",
+        "scale_kpa",
+        "interpolation",
+        "sections",
+    ] {
+        assert!(schema.contains(&format!("\"{field}\"")), "{field}");
+    }
+}
