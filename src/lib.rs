@@ -9,6 +9,7 @@
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
 pub mod curve;
+pub mod experiment;
 pub mod implant;
 pub mod measure;
 pub mod platform;

@@ -1,0 +1,135 @@
+//! Small dense matrices: all that the 4 × 4 sample (50 unknowns) needs of linear algebra.
+
+/// A square matrix, row by row.
+#[derive(Clone, Debug)]
+pub(super) struct Matrix {
+    n: usize,
+    rows: Vec<f64>,
+}
+
+impl Matrix {
+    pub(super) fn zeros(n: usize) -> Self {
+        Self { n, rows: vec![0.0; n * n] }
+    }
+
+    pub(super) fn get(&self, row: usize, column: usize) -> f64 {
+        self.rows[row * self.n + column]
+    }
+
+    pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.rows[row * self.n + column] += value;
+    }
+
+    /// Adds `factor` · v vᵀ.
+    pub(super) fn add_outer(&mut self, factor: f64, v: &[f64]) {
+        for (row, a) in v.iter().enumerate() {
+            for (column, b) in v.iter().enumerate() {
+                self.add(row, column, factor * a * b);
+            }
+        }
+    }
+
+    /// Adds `value` to every diagonal entry.
+    pub(super) fn add_diagonal(&mut self, value: f64) {
+        for k in 0..self.n {
+            self.add(k, k, value);
+        }
+    }
+
+    /// Gershgorin's bound on the greatest eigenvalue: the greatest row sum of magnitudes.
+    pub(super) fn greatest_row_sum(&self) -> f64 {
+        self.rows
+            .chunks_exact(self.n)
+            .map(|row| row.iter().map(|a| a.abs()).sum())
+            .fold(0.0, f64::max)
+    }
+
+    /// Does the symmetric matrix have a Cholesky factor, that is, is it positive definite?
+    pub(super) fn has_cholesky_factor(mut self) -> bool {
+        let n = self.n;
+        for j in 0..n {
+            let (above, row_j) = self.rows.split_at_mut(j * n);
+            let row_j = &mut row_j[..n];
+            for i in 0..j {
+                let row_i = &above[i * n..(i + 1) * n];
+                let dot: f64 = (0..i).map(|k| row_i[k] * row_j[k]).sum();
+                row_j[i] = (row_j[i] - dot) / row_i[i];
+            }
+            let pivot = row_j[j] - (0..j).map(|k| row_j[k] * row_j[k]).sum::<f64>();
+            if pivot.is_nan() || pivot <= 0.0 {
+                return false;
+            }
+            row_j[j] = pivot.sqrt();
+        }
+        true
+    }
+
+    /// Solves A x = b by elimination with row pivoting; `None` if A is singular.
+    pub(super) fn solve(mut self, mut b: Vec<f64>) -> Option<Vec<f64>> {
+        let n = self.n;
+        for k in 0..n {
+            let pivot =
+                (k..n).max_by(|&i, &j| self.get(i, k).abs().total_cmp(&self.get(j, k).abs()))?;
+            if self.get(pivot, k).abs() <= 0.0 {
+                return None;
+            }
+            if pivot != k {
+                for column in 0..n {
+                    self.rows.swap(pivot * n + column, k * n + column);
+                }
+                b.swap(pivot, k);
+            }
+            for i in k + 1..n {
+                let factor = self.get(i, k) / self.get(k, k);
+                if factor != 0.0 {
+                    for column in k..n {
+                        self.rows[i * n + column] -= factor * self.rows[k * n + column];
+                    }
+                    b[i] -= factor * b[k];
+                }
+            }
+        }
+        for k in (0..n).rev() {
+            let known: f64 = (k + 1..n).map(|column| self.get(k, column) * b[column]).sum();
+            b[k] = (b[k] - known) / self.get(k, k);
+        }
+        b.iter().all(|x| x.is_finite()).then_some(b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example(shift: f64) -> Matrix {
+        // The second difference on 6 points: eigenvalues 2 − 2 cos(kπ/7).
+        let mut a = Matrix::zeros(6);
+        for k in 0..6 {
+            a.add(k, k, 2.0 + shift);
+            if k > 0 {
+                a.add(k, k - 1, -1.0);
+                a.add(k - 1, k, -1.0);
+            }
+        }
+        a
+    }
+
+    #[test]
+    fn solve_gives_back_the_right_hand_side() {
+        let a = example(-1.3); // indefinite
+        let b: Vec<f64> = (0..6).map(|k| f64::from(k * k) - 4.0).collect();
+        let x = a.clone().solve(b.clone()).unwrap();
+        for row in 0..6 {
+            let product: f64 = (0..6).map(|column| a.get(row, column) * x[column]).sum();
+            assert!((product - b[row]).abs() < 1e-12);
+        }
+        assert!(Matrix::zeros(3).solve(vec![1.0; 3]).is_none());
+    }
+
+    #[test]
+    fn positive_definite_is_told_from_indefinite_at_the_least_eigenvalue() {
+        let least = 2.0 - 2.0 * (std::f64::consts::PI / 7.0).cos();
+        assert!(example(-least + 1e-9).has_cholesky_factor());
+        assert!(!example(-least - 1e-9).has_cholesky_factor());
+    }
+}
