@@ -8,8 +8,10 @@
 mod contact;
 mod fields;
 mod profile;
+mod surface;
 
 pub use fields::{Fields, fields};
+pub use surface::{Surfaces, surfaces};
 
 use crate::sheet::NodeKind;
 use crate::solve::{Solver, Verdict};

@@ -220,7 +220,7 @@ impl Newton {
             self.d[k] = DVec3::ZERO;
             self.inverse[k] = safe_inverse(self.hessian.diagonal[k]);
         }
-        self.relative_residual = self.residual();
+        self.relative_residual = self.residual(law);
         self.rounds = 0;
         self.is_built = false;
         self.phase = Phase::Smooth;
@@ -228,7 +228,7 @@ impl Newton {
     }
 
     /// Norm of the forces that no contact takes, relative to the forces they are the sum of.
-    fn residual(&self) -> f64 {
+    fn residual(&self, law: &SheetLaw) -> f64 {
         let squares: f64 = self
             .free
             .iter()
@@ -238,7 +238,9 @@ impl Newton {
                 (movable * self.forces[k]).length_squared()
             })
             .sum();
-        squares.sqrt() / self.totals.force_scale.max(f64::MIN_POSITIVE)
+        // A sheet at rest has no forces: rounding is not measured against rounding.
+        let least = 1e-9 * law.stiffness() * self.sheet.spacing_mm();
+        squares.sqrt() / self.totals.force_scale.max(least)
     }
 
     /// Two projected Gauss–Seidel sweeps on the model: they find which nodes press.
@@ -442,6 +444,7 @@ impl Newton {
             return State::Working;
         }
         std::mem::swap(&mut self.x, &mut self.trial);
+        self.is_cautious = false;
         // Newton's steps shrink at least geometrically: what is left is the next one.
         let rate = if self.last_step.is_finite() { largest / self.last_step } else { 1.0 };
         self.error = if halvings == 0 {
@@ -555,7 +558,7 @@ impl Newton {
                 self.contact[k] |= ON_WALL;
             }
         }
-        self.relative_residual = self.residual();
+        self.relative_residual = self.residual(law);
     }
 }
 

@@ -1,0 +1,103 @@
+//! The deformed tissue as surfaces: the inner face, the faces between the layers, the skin.
+
+use super::Fields;
+use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
+use glam::DVec3;
+
+/// Surfaces of the deformed tissue; all share the vertices' order and the triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surfaces {
+    /// The sheet's node of each vertex.
+    pub nodes: Vec<u32>,
+    /// Vertex positions \[mm\] of the inner face, the faces between the layers (innermost first) and
+    /// the outer skin: one more than there are layers.
+    pub positions: Vec<Vec<[f32; 3]>>,
+    /// Unit normals of the inner face, pointing to the skin.
+    pub normals: Vec<[f32; 3]>,
+    /// Vertices of each triangle, counter-clockwise seen from the skin.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The surfaces of a shape: each face is the inner one moved along its normal by the deformed
+/// thickness of the layers below.
+#[must_use]
+pub fn surfaces(sheet: &Sheet, x: &[DVec3], fields: &Fields) -> Surfaces {
+    let nodes: Vec<u32> = (0..sheet.len())
+        .filter(|&k| sheet.kinds()[k] != NodeKind::Outside)
+        .map(|k| k as u32)
+        .collect();
+    let mut vertex = vec![u32::MAX; sheet.len()];
+    nodes.iter().enumerate().for_each(|(v, &k)| vertex[k as usize] = v as u32);
+    let normals: Vec<[f32; 3]> = nodes.iter().map(|&k| fields.normal[k as usize]).collect();
+    let inner: Vec<[f32; 3]> = nodes.iter().map(|&k| x[k as usize].as_vec3().to_array()).collect();
+    let mut positions = vec![inner];
+    for thickness in fields.thickness_mm.iter().rev() {
+        let below = &positions[positions.len() - 1];
+        let above = below
+            .iter()
+            .zip(&normals)
+            .zip(&nodes)
+            .map(|((p, n), &k)| {
+                let t = thickness[k as usize];
+                [p[0] + n[0] * t, p[1] + n[1] * t, p[2] + n[2] * t]
+            })
+            .collect();
+        positions.push(above);
+    }
+    let mut triangles = Vec::with_capacity(2 * nodes.len());
+    let cells = sheet.nodes_per_side() - 1;
+    for c in 0..cells * cells {
+        let (i, j) = (c % cells, c / cells);
+        let corners = sheet.corners(i, j);
+        let mut add = |local: [usize; 3]| {
+            triangles.push(local.map(|c| vertex[corners[c]]));
+        };
+        match sheet.cell(i, j) {
+            CellKind::Whole => {
+                add([0, 1, 2]);
+                add([0, 2, 3]);
+            }
+            CellKind::WithoutCorner(k) => add(CELL_TRIANGLES[usize::from(k)]),
+            CellKind::Outside => {}
+        }
+    }
+    Surfaces { nodes, positions, normals, triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::fields;
+    use crate::scene::Scene;
+    use crate::solve::Solver;
+
+    #[test]
+    fn the_skin_lies_outside_the_inner_face_by_the_thickness_of_the_layers() {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 33;
+        let mut solver = Solver::new(scene.problem().unwrap());
+        solver.advance(&mut || false);
+        let sheet = &solver.problem().sheet;
+        let fields = fields(&solver);
+        let surfaces = surfaces(sheet, solver.positions(), &fields);
+        assert_eq!(surfaces.positions.len(), 3);
+        // One edge more than vertices and triangles allow would be a hole: V − E + T = 1 for a disc.
+        let mut edges: Vec<(u32, u32)> = surfaces
+            .triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let used =
+            surfaces.triangles.as_flattened().iter().collect::<std::collections::BTreeSet<_>>();
+        assert_eq!(used.len() + surfaces.triangles.len(), edges.len() + 1);
+        let apex = surfaces.nodes.iter().position(|&k| k == 33 * 33 / 2).unwrap();
+        let height = |face: usize| f64::from(surfaces.positions[face][apex][2]);
+        let outcome = scene.measure(&solver);
+        assert!((height(0) - 55.0).abs() < 1e-3);
+        assert!((height(2) - outcome.skin_projection_mm.unwrap()).abs() < 1e-2);
+        assert!(height(1) > height(0) && height(2) > height(1));
+    }
+}
