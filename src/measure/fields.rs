@@ -3,7 +3,7 @@
 use super::contact::Contact;
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
-use crate::solve::{Material, Solver, TriangleStretch};
+use crate::solve::{Material, Solver, TriangleGradient};
 use crate::springs::coupled::{biot_stress, equivalent_strain};
 use glam::{DVec2, DVec3};
 
@@ -52,17 +52,8 @@ pub fn fields(solver: &Solver) -> Fields {
             .iter()
             .map(|m| per_node(&|s| m.thickness_mm * s.thickness_stretch(m.poisson_ratio)))
             .collect(),
-        normal: normals(sheet, x),
+        normal: strains.normals(),
     }
-}
-
-fn normals(sheet: &Sheet, x: &[DVec3]) -> Vec<[f32; 3]> {
-    let mut normals = vec![DVec3::ZERO; sheet.len()];
-    for ([a, b, c], weight) in sheet.triangles() {
-        let normal = (x[b] - x[a]).cross(x[c] - x[a]) * weight;
-        [a, b, c].into_iter().for_each(|k| normals[k] += normal);
-    }
-    normals.into_iter().map(|n| n.normalize_or(DVec3::Z).as_vec3().to_array()).collect()
 }
 
 /// The stretch tensor U of the sheet at a point, in the sheet's rest frame.
@@ -74,6 +65,14 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    /// U = √C of a metric C, by Cayley–Hamilton: U = (C + √det C · I) / √(tr C + 2√det C).
+    fn of_metric(metric: Self) -> Self {
+        let Self { xx, yy, xy } = metric;
+        let area = (xx * yy - xy * xy).max(0.0).sqrt();
+        let trace = (xx + yy + 2.0 * area).sqrt().max(f64::MIN_POSITIVE);
+        Self { xx: (xx + area) / trace, yy: (yy + area) / trace, xy: xy / trace }
+    }
+
     fn add(&mut self, other: Self, weight: f64) {
         self.xx += other.xx * weight;
         self.yy += other.yy * weight;
@@ -98,10 +97,12 @@ impl Stretch {
     }
 }
 
-/// Stretch at every node: the mean of the triangles around it, weighted by area at rest, which is
-/// second-order accurate inside the sheet and first-order on its border.
+/// Stretch at every node, from the mean metric of the triangles around it, weighted by area at rest:
+/// second-order accurate inside the sheet, first-order on its border.
 pub(super) struct NodalStrains {
     stretch: Vec<Stretch>,
+    /// Normals of the deformed sheet, not of unit length.
+    normal: Vec<DVec3>,
     /// Rest area around each node \[mm²\].
     area: Vec<f64>,
     deformed_area: f64,
@@ -110,29 +111,33 @@ pub(super) struct NodalStrains {
 impl NodalStrains {
     pub(super) fn recover(sheet: &Sheet, x: &[DVec3]) -> Self {
         let mut stretch = vec![Stretch::default(); sheet.len()];
+        let mut normal = vec![DVec3::ZERO; sheet.len()];
         let mut area = vec![0.0; sheet.len()];
         let mut deformed_area = 0.0;
         for (nodes, weight) in sheet.triangles() {
-            let triangle = TriangleStretch::new(sheet, nodes, weight, x);
-            let [l1, l2] = triangle.stretch;
-            deformed_area += triangle.rest_area * l1 * l2;
-            let n = triangle.direction;
-            let mean = Stretch {
-                xx: l1 * n.x * n.x + l2 * n.y * n.y,
-                yy: l1 * n.y * n.y + l2 * n.x * n.x,
-                xy: (l1 - l2) * n.x * n.y,
-            };
+            let triangle = TriangleGradient::new(sheet, nodes, weight, x);
+            let [f1, f2] = triangle.columns;
+            let across = f1.cross(f2) * triangle.rest_area;
+            deformed_area += across.length();
+            let metric =
+                Stretch { xx: f1.length_squared(), yy: f2.length_squared(), xy: f1.dot(f2) };
             for k in nodes {
-                stretch[k].add(mean, triangle.rest_area / 3.0);
+                stretch[k].add(metric, triangle.rest_area / 3.0);
+                normal[k] += across;
                 area[k] += triangle.rest_area / 3.0;
             }
         }
-        for (s, area) in stretch.iter_mut().zip(&area) {
-            let whole = *s;
-            *s = Stretch::default();
-            s.add(whole, if *area > 0.0 { 1.0 / area } else { 0.0 });
+        for (stretch, area) in stretch.iter_mut().zip(&area) {
+            let mut mean = Stretch::default();
+            mean.add(*stretch, if *area > 0.0 { 1.0 / area } else { 0.0 });
+            *stretch = Stretch::of_metric(mean);
         }
-        Self { stretch, area, deformed_area }
+        Self { stretch, normal, area, deformed_area }
+    }
+
+    /// Unit normals, pointing to the skin; straight up outside the sheet.
+    fn normals(&self) -> Vec<[f32; 3]> {
+        self.normal.iter().map(|n| n.normalize_or(DVec3::Z).as_vec3().to_array()).collect()
     }
 
     pub(super) fn at(&self, node: usize) -> Stretch {

@@ -13,7 +13,7 @@ mod surface;
 pub use fields::{Fields, fields};
 pub use surface::{Surfaces, surfaces};
 
-use crate::sheet::NodeKind;
+use crate::sheet::{NodeKind, Sheet};
 use crate::solve::{Solver, Verdict};
 use contact::Contact;
 use fields::NodalStrains;
@@ -209,8 +209,9 @@ pub fn measure(solver: &Solver, tissues: &[String]) -> Outcome {
         );
         return outcome;
     }
-    outcome.measure_shape(solver, area_before);
-    outcome.warn(solver);
+    let strains = NodalStrains::recover(sheet, solver.positions());
+    outcome.measure_shape(solver, &strains, area_before);
+    outcome.warn(sheet, &strains);
     outcome
 }
 
@@ -220,10 +221,9 @@ fn finite(value: f64) -> f64 {
 }
 
 impl Outcome {
-    fn measure_shape(&mut self, solver: &Solver, area_before: f64) {
+    fn measure_shape(&mut self, solver: &Solver, strains: &NodalStrains, area_before: f64) {
         let problem = solver.problem();
         let (dome, sheet, x) = (&problem.dome, &problem.sheet, solver.positions());
-        let strains = NodalStrains::recover(sheet, x);
         let contact = Contact::find(solver);
 
         let apex = strains.at_apex(sheet, dome, x);
@@ -266,8 +266,7 @@ impl Outcome {
         self.profile = profile::along_x(sheet, x);
     }
 
-    fn warn(&mut self, solver: &Solver) {
-        let (sheet, x) = (&solver.problem().sheet, solver.positions());
+    fn warn(&mut self, sheet: &Sheet, strains: &NodalStrains) {
         if self.status == Status::NotConverged {
             self.warnings.push(
                 "The solver stopped above the tolerance: read the figures with the estimated \
@@ -281,7 +280,6 @@ impl Outcome {
                 layer.tissue
             ));
         }
-        let strains = NodalStrains::recover(sheet, x);
         let is_slack = |k: usize| {
             sheet.kinds()[k] == NodeKind::Free && strains.at(k).principal()[1] < -SLACK_STRAIN
         };

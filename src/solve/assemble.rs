@@ -95,7 +95,7 @@ impl Principal {
     #[inline]
     pub(crate) fn stretches([f1, f2]: [DVec3; 2]) -> [f64; 2] {
         let (mean, half, off) = metric(f1, f2);
-        let greater = mean + half.hypot(off);
+        let greater = mean + (half * half + off * off).sqrt();
         let area = f1.cross(f2).length();
         let first = greater.max(1e-300).sqrt();
         [first, area / first]
@@ -105,7 +105,7 @@ impl Principal {
     pub(crate) fn new(columns: [DVec3; 2]) -> Self {
         let [f1, f2] = columns;
         let (_, half, off) = metric(f1, f2);
-        let radius = half.hypot(off);
+        let radius = (half * half + off * off).sqrt();
         let rest = if radius > 0.0 {
             // Half of the angle (half, off)/radius, by the formula without cancellation.
             let (c, s) = if half >= 0.0 {
@@ -121,10 +121,13 @@ impl Principal {
         };
         let across = DVec2::new(-rest.y, rest.x);
         let stretch = Self::stretches(columns);
-        let first = (f1 * rest.x + f2 * rest.y).normalize_or(DVec3::X);
-        let second = f1 * across.x + f2 * across.y;
-        let second =
-            (second - first * second.dot(first)).normalize_or(first.any_orthonormal_vector());
+        // F N/λ are unit vectors; a triangle squeezed to a line has any second direction.
+        let first = (f1 * rest.x + f2 * rest.y) / stretch[0];
+        let second = if stretch[1] > 1e-9 * stretch[0] {
+            (f1 * across.x + f2 * across.y) / stretch[1]
+        } else {
+            first.normalize_or(DVec3::X).any_orthonormal_vector()
+        };
         Self { stretch, rest: [rest, across], deformed: [first, second] }
     }
 }
@@ -259,11 +262,11 @@ impl Triangle<'_> {
         let [u1, u2] = principal.deformed;
         let along = self.rest.gradients.map(|g| (g.dot(n1), g.dot(n2)));
         let Some((kind, local, blocks)) = &mut self.blocks else {
-            let [t1, t2] = law.tension(strain);
+            let ([t1, t2], energy) = law.tension_and_energy(strain);
             for (force, (p, q)) in self.forces.iter_mut().zip(along) {
                 *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
             }
-            return area * law.energy(strain);
+            return area * energy;
         };
         let response = law.response(strain);
         let [t1, t2] = response.tension;
@@ -284,19 +287,25 @@ impl Triangle<'_> {
         let modes = [outer(u1, u1), outer(u1, u2), outer(u2, u1), outer(u2, u2)];
         let normal = u1.cross(u2);
         let normal = outer(normal, normal);
-        for a in 0..3 {
-            for b in a..3 {
-                let ((pa, qa), (pb, qb)) = (along[a], along[b]);
-                let (pp, qq) = (pa * pb, qa * qb);
-                let block = modes[0] * (w11 * pp + same * qq)
-                    + modes[1] * (w12 * pa * qb + cross * qa * pb)
-                    + modes[2] * (w12 * qa * pb + cross * pa * qb)
-                    + modes[3] * (w22 * qq + same * pp)
-                    + normal * (out[0] * pp + out[1] * qq);
-                place(blocks, local[a], local[b], &block);
-            }
-        }
-        area * law.energy(strain)
+        let block = |a: usize, b: usize| {
+            let ((pa, qa), (pb, qb)) = (along[a], along[b]);
+            let (pp, qq) = (pa * pb, qa * qb);
+            modes[0] * (w11 * pp + same * qq)
+                + modes[1] * (w12 * pa * qb + cross * qa * pb)
+                + modes[2] * (w12 * qa * pb + cross * pa * qb)
+                + modes[3] * (w22 * qq + same * pp)
+                + normal * (out[0] * pp + out[1] * qq)
+        };
+        // The gradients of the three nodes sum to zero, and so do the rows of blocks.
+        let (b11, b12, b22) = (block(1, 1), block(1, 2), block(2, 2));
+        let (b10, b20) = (-(b11 + b12), -(b12.transpose() + b22));
+        place(blocks, local[1], local[1], &b11);
+        place(blocks, local[1], local[2], &b12);
+        place(blocks, local[2], local[2], &b22);
+        place(blocks, local[1], local[0], &b10);
+        place(blocks, local[2], local[0], &b20);
+        place(blocks, local[0], local[0], &-(b10 + b20));
+        area * response.energy
     }
 
     fn add_paper(&mut self, law: &PaperLaw) -> (f64, bool) {

@@ -50,7 +50,7 @@ impl SheetLaw {
     /// Stiffness of the sheet at small strain, Σ h·dEf/dε \[kPa·mm\].
     pub(crate) fn stiffness(&self) -> f64 {
         match self {
-            Self::Coupled(law) => law.tension([1e-6, 0.0])[0] * 1e6,
+            Self::Coupled(law) => law.tension_and_energy([1e-6, 0.0]).0[0] * 1e6,
             Self::Paper(law) => law.edge.value_and_slope(-1e-6).1,
         }
     }

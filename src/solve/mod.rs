@@ -22,7 +22,7 @@ use crate::curve::Curve;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::Springs;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use law::SheetLaw;
 use newton::{Newton, State};
 
@@ -77,25 +77,22 @@ pub enum Verdict {
     Unstable,
 }
 
-/// How one triangle of a sheet is stretched.
+/// How one triangle of a sheet is deformed.
 #[derive(Clone, Copy, Debug)]
-pub struct TriangleStretch {
+pub struct TriangleGradient {
     /// Rest area times the triangle's weight \[mm²\].
     pub rest_area: f64,
-    /// Principal stretches λ₁ ≥ λ₂ \[-\].
-    pub stretch: [f64; 2],
-    /// Direction of λ₁ at rest, a unit vector.
-    pub direction: DVec2,
+    /// Columns of the deformation gradient F, ∂x/∂X and ∂x/∂Y \[-\].
+    pub columns: [DVec3; 2],
 }
 
-impl TriangleStretch {
-    /// The stretch of a triangle of nodes under the positions `x` \[mm\] of all nodes.
+impl TriangleGradient {
+    /// The gradient in a triangle of nodes under the positions `x` \[mm\] of all nodes.
     #[must_use]
     pub fn new(sheet: &Sheet, nodes: [usize; 3], weight: f64, x: &[DVec3]) -> Self {
         let rest = assemble::Rest::new(nodes.map(|k| sheet.rest()[k]), weight);
         let columns = assemble::Principal::columns(&rest, nodes.map(|k| x[k]));
-        let principal = assemble::Principal::new(columns);
-        Self { rest_area: rest.area, stretch: principal.stretch, direction: principal.rest[0] }
+        Self { rest_area: rest.area, columns }
     }
 }
 

@@ -23,9 +23,9 @@ const MAX_ROUNDS: u32 = 12;
 /// Conjugate-gradient steps in one round.
 const MAX_CG: u32 = 12;
 /// Residual drop asked of one round.
-const CG_DROP: f64 = 0.05;
+const CG_DROP: f64 = 0.3;
 /// A round that moves less than this share of the step ends the iteration.
-const ROUND_SHARE: f64 = 0.02;
+const ROUND_SHARE: f64 = 0.1;
 /// Halvings of a step before the grid is given up.
 const MAX_HALVINGS: u32 = 12;
 /// A node this close to the dome counts as touching it \[share of the base radius\].

@@ -56,6 +56,8 @@ pub struct CoupledLaw {
 #[derive(Clone, Debug, PartialEq)]
 struct Group {
     poisson_ratio: f64,
+    /// 1/(1 − ν²).
+    plane: f64,
     /// Σ h·Ef(ē)/ē \[kPa·mm\] against ē, up to where every curve is a line.
     secant: Table,
     /// Beyond it Σ h·Ef = slope·ē + offset.
@@ -66,6 +68,8 @@ struct Group {
 /// Tensions of the sheet and their derivatives by the principal strains. All in kPa·mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PrincipalResponse {
+    /// Energy per reference area.
+    pub energy: f64,
     /// Principal tensions T₁, T₂ (Biot stress times thickness).
     pub tension: [f64; 2],
     /// ∂T₁/∂ε₁, ∂T₁/∂ε₂ = ∂T₂/∂ε₁, ∂T₂/∂ε₂.
@@ -104,22 +108,24 @@ impl CoupledLaw {
     #[inline]
     #[must_use]
     pub fn energy(&self, strain: [f64; 2]) -> f64 {
-        self.groups.iter().map(|g| g.energy(equivalent_strain(strain, g.poisson_ratio))).sum()
+        self.groups.iter().map(|g| g.energy(g.equivalent_strain(strain))).sum()
     }
 
-    /// Principal tensions \[kPa·mm\] at principal Biot strains.
+    /// Principal tensions \[kPa·mm\] and energy per reference area at principal Biot strains.
     #[inline]
     #[must_use]
-    pub fn tension(&self, strain: [f64; 2]) -> [f64; 2] {
+    pub fn tension_and_energy(&self, strain: [f64; 2]) -> ([f64; 2], f64) {
         let [a, b] = strain;
-        let mut sum = [0.0; 2];
+        let (mut tension, mut energy) = ([0.0; 2], 0.0);
         for group in &self.groups {
             let nu = group.poisson_ratio;
-            let modulus = group.secant(equivalent_strain(strain, nu)).0 / (1.0 - nu * nu);
-            sum[0] += modulus * (a + nu * b);
-            sum[1] += modulus * (b + nu * a);
+            let equivalent = group.equivalent_strain(strain);
+            let modulus = group.secant(equivalent).0 * group.plane;
+            tension[0] += modulus * (a + nu * b);
+            tension[1] += modulus * (b + nu * a);
+            energy += group.energy(equivalent);
         }
-        sum
+        (tension, energy)
     }
 
     /// Tensions and their derivatives at principal Biot strains.
@@ -130,12 +136,13 @@ impl CoupledLaw {
         let mut sum = PrincipalResponse::default();
         for group in &self.groups {
             let nu = group.poisson_ratio;
-            let plane = 1.0 / (1.0 - nu * nu);
-            let equivalent = equivalent_strain(strain, nu);
+            let plane = group.plane;
+            let equivalent = group.equivalent_strain(strain);
             let (secant, slope) = group.secant(equivalent);
             // ∂ē/∂ε = t/ē; the quotient stays finite as ē → 0 because t does.
             let t = [(a + nu * b) * plane, (b + nu * a) * plane];
             let bend = if equivalent > 1e-12 { slope / equivalent } else { 0.0 };
+            sum.energy += group.energy(equivalent);
             sum.tension[0] += secant * t[0];
             sum.tension[1] += secant * t[1];
             sum.stiffness[0] += secant * plane + bend * t[0] * t[0];
@@ -160,7 +167,13 @@ impl Group {
             Table::new(|e| sum(&|curve| curve.secant(e)), (0.0, end), &breaks, Weight::Argument);
         let line_slope = sum(&|curve| curve.slope(end));
         let line_offset = sum(&|curve| curve.stress(end)) - line_slope * end;
-        Self { poisson_ratio, secant, line_slope, line_offset }
+        let plane = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
+        Self { poisson_ratio, plane, secant, line_slope, line_offset }
+    }
+
+    #[inline]
+    fn equivalent_strain(&self, [a, b]: [f64; 2]) -> f64 {
+        ((a * a + b * b + 2.0 * self.poisson_ratio * a * b) * self.plane).max(0.0).sqrt()
     }
 
     /// Secant Σ h·Ef(ē)/ē and its slope by ē.
@@ -230,7 +243,7 @@ mod tests {
                         continue;
                     }
                     let exact = biot_stress(curve, poisson_ratio, strain);
-                    let table = law.tension(strain);
+                    let (table, _) = law.tension_and_energy(strain);
                     for axis in 0..2 {
                         // ν raises a stress to at most 1/(1−ν) of Ef(ē).
                         let error = (table[axis] / 2.0 - exact[axis]).abs();
@@ -273,7 +286,7 @@ mod tests {
                 (energy(a + step, b) - energy(a - step, b)) / (2.0 * step),
                 (energy(a, b + step) - energy(a, b - step)) / (2.0 * step),
             ];
-            let tension = |a, b| law.tension([a, b]);
+            let tension = |a, b| law.tension_and_energy([a, b]).0;
             let scale = response.stiffness[0];
             for axis in 0..2 {
                 assert!((slopes[axis] - response.tension[axis]).abs() < 1e-6 * scale);
