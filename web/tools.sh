@@ -17,7 +17,12 @@ locked_version() {
 
 # Is a command there, and does it print this version?
 has_version() {
-  command -v "$1" >/dev/null && "$1" --version 2>/dev/null | grep -qF " $2"
+  command -v "$1" >/dev/null && "$1" --version 2>/dev/null | grep -qwF "$2"
+}
+
+# The version of a package in a folder of npm's, or nothing.
+npm_version() {
+  sed -n 's/^ *"version": "\(.*\)",\{0,1\}$/\1/p' "$1/package.json" 2>/dev/null || true
 }
 
 # Debian packages that are missing are installed; the arguments are "file-or-command=package".
@@ -66,9 +71,9 @@ need_page_tools() {
     cargo install --quiet "wasm-bindgen-cli@$bindgen"
   fi
   # wasm-opt of older Binaryen breaks what wasm-bindgen makes today: only this version is used.
-  if [ ! -x "$TOOLS_DIR/node_modules/.bin/wasm-opt" ]; then
+  if ! has_version "$TOOLS_DIR/node_modules/.bin/wasm-opt" "version_${BINARYEN_VERSION%%.*}"; then
     say "fetching wasm-opt (binaryen $BINARYEN_VERSION)"
-    npm install --silent --no-audit --no-fund --prefix "$TOOLS_DIR" "binaryen@$BINARYEN_VERSION" >/dev/null
+    npm install --loglevel=error --no-audit --no-fund --prefix "$TOOLS_DIR" "binaryen@$BINARYEN_VERSION" >/dev/null
   fi
   export PATH="$TOOLS_DIR/node_modules/.bin:$PATH"
 }
@@ -81,12 +86,14 @@ need_test_tools() {
     say "building wasm-pack $WASM_PACK_VERSION (a few minutes, once)"
     cargo install --quiet --locked "wasm-pack@$WASM_PACK_VERSION"
   fi
-  if [ ! -d tests/browser/node_modules/playwright-core ]; then
-    say "fetching playwright-core"
-    (cd tests/browser && PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 npm ci --silent --no-audit --no-fund >/dev/null)
+  local driver
+  driver="$(sed -n 's/.*"playwright-core": "\(.*\)".*/\1/p' tests/browser/package.json)"
+  if [ "$(npm_version tests/browser/node_modules/playwright-core)" != "$driver" ]; then
+    say "fetching playwright-core $driver"
+    (cd tests/browser && npm ci --loglevel=error --no-audit --no-fund >/dev/null)
   fi
 }
 
 build_page() {
-  trunk build --release --cargo-profile web --offline true --quiet
+  trunk build --quiet
 }

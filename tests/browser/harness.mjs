@@ -1,0 +1,115 @@
+// What the browser tests stand on: a server of the built page, a browser, the native program.
+
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdirSync } from "node:fs";
+import { readFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { extname, join, normalize } from "node:path";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+const ROOT = fileURLToPath(new URL("../../", import.meta.url));
+const DIST = join(ROOT, "dist");
+const OUT = join(ROOT, "tests/browser/out");
+const TARGET = process.env.CARGO_TARGET_DIR ?? join(ROOT, "target");
+const NATIVE = join(TARGET, "debug/implant-preview");
+
+// Software rendering on a busy machine: the first frames take seconds.
+export const PATIENCE = 60_000;
+
+const QUIET = [
+  "--no-sandbox",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+const WEBGL2 = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+const NO_WEBGL = ["--disable-gpu", "--disable-3d-apis"];
+
+const TYPES = {
+  ".css": "text/css",
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".mjs": "text/javascript",
+  ".svg": "image/svg+xml",
+  ".wasm": "application/wasm",
+};
+
+/** Serves the built page on 127.0.0.1. */
+export async function serve() {
+  if (!existsSync(join(DIST, "index.html"))) {
+    throw new Error("dist/index.html is missing: build the page first (./tests/run.sh does)");
+  }
+  const server = createServer(async (request, response) => {
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://page").pathname));
+    const file = join(DIST, path.endsWith("/") ? `${path}index.html` : path);
+    try {
+      const body = await readFile(file);
+      response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" });
+      response.end(body);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  return {
+    address: `http://127.0.0.1:${server.address().port}/`,
+    close: () => new Promise((resolve) => server.close(resolve)),
+  };
+}
+
+/** Starts Chromium, with WebGL 2 (in software) or without any WebGL. */
+export function startBrowser({ webgl = true } = {}) {
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: [...QUIET, ...(webgl ? WEBGL2 : NO_WEBGL)],
+    timeout: PATIENCE,
+  });
+}
+
+/** A page that records what it must not do. */
+export async function openPage(browser, address, { viewport, init, options } = {}) {
+  const context = await browser.newContext({
+    viewport: viewport ?? { width: 1280, height: 800 },
+    ...options,
+  });
+  context.setDefaultTimeout(PATIENCE);
+  const page = await context.newPage();
+  const problems = [];
+  const origin = new URL(address).origin;
+  page.on("console", (message) => {
+    if (message.type() === "error") problems.push(`console: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => problems.push(`uncaught: ${error.message}`));
+  page.on("crash", () => problems.push("the page crashed"));
+  page.on("requestfailed", (request) => problems.push(`failed: ${request.url()}`));
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (["http:", "https:", "ws:", "wss:"].includes(url.protocol) && url.origin !== origin) {
+      problems.push(`another origin: ${url}`);
+    }
+  });
+  if (init) await page.addInitScript(init);
+  await page.goto(address);
+  return { page, problems, close: () => context.close() };
+}
+
+/** What the native program computes for a scene (JSON text). */
+export function native(scene) {
+  const text = execFileSync(NATIVE, ["simulate", "-"], { input: scene, encoding: "utf8" });
+  return JSON.parse(text);
+}
+
+/** A small picture for people to look at; not compared. */
+export async function screenshot(page, name) {
+  mkdirSync(OUT, { recursive: true });
+  await page.screenshot({ path: join(OUT, `${name}.png`) });
+}
+
+/** The greatest distance [mm] between the points of two profiles. */
+export function profileDistance(a, b) {
+  if (a.length !== b.length) return Infinity;
+  return Math.max(...a.map((p, k) => Math.hypot(p.r_mm - b[k].r_mm, p.z_mm - b[k].z_mm)));
+}

@@ -1,0 +1,100 @@
+// The built page in a real browser.
+
+import assert from "node:assert/strict";
+import { after, before, describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+const RADIUS_MM = 55;
+
+let site;
+before(async () => {
+  site = await harness.serve();
+});
+after(() => site.close());
+
+describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
+  let browser;
+  before(async () => {
+    browser = await harness.startBrowser();
+  });
+  after(() => browser.close());
+
+  test("the JavaScript API in the page computes what the native program computes", async () => {
+    const { page, problems, close } = await harness.openPage(browser, site.address);
+    await page.waitForFunction(() => globalThis.implantPreviewApi?.version);
+    const { scene, result } = await page.evaluate(() => {
+      const scene = JSON.parse(implantPreviewApi.default_scene());
+      scene.solver.nodes_per_side = 65;
+      const text = JSON.stringify(scene);
+      return { scene: text, result: JSON.parse(implantPreviewApi.simulate(text)) };
+    });
+    assert.equal(result.status, "converged");
+    const distance = harness.profileDistance(result.profile, harness.native(scene).profile);
+    assert.ok(distance < 1e-5 * RADIUS_MM, `profiles differ by ${distance} mm`);
+    const refused = await page.evaluate(() => {
+      try {
+        implantPreviewApi.simulate('{"implant":{"base_radius_mm":500}}');
+      } catch (error) {
+        return { isError: error instanceof Error, message: error.message };
+      }
+    });
+    assert.deepEqual(refused, {
+      isError: true,
+      message: "implant.base_radius_mm is 500; allowed: 10 to 120 mm",
+    });
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("a crash is shown with a button that reloads", async () => {
+    const { page, close } = await harness.openPage(browser, site.address);
+    await page.waitForFunction(() => globalThis.implantPreviewCrashed);
+    assert.equal(await page.locator("#crashed").isVisible(), false);
+    await page.evaluate(() => implantPreviewCrashed("panicked at a test"));
+    await page.evaluate(() => implantPreviewCrashed("what followed from it"));
+    await page.locator("#crashed").waitFor({ state: "visible" });
+    assert.equal(await page.locator("#crashed-text").textContent(), "panicked at a test");
+    await harness.screenshot(page, "crashed");
+    await Promise.all([
+      page.waitForEvent("load"),
+      page.getByRole("button", { name: "Reload" }).click(),
+    ]);
+    assert.equal(await page.locator("#crashed").isVisible(), false);
+    await close();
+  });
+
+  test("a download that fails is shown, not swallowed", async () => {
+    const context = await browser.newContext();
+    const page = await context.newPage();
+    await page.route("**/*.wasm", (route) => route.fulfill({ status: 404 }));
+    await page.goto(site.address);
+    await page.locator("#crashed").waitFor({ state: "visible", timeout: harness.PATIENCE });
+    assert.match(await page.locator("#crashed-text").textContent(), /answered 404/);
+    await context.close();
+  });
+
+  test("a browser without WASM SIMD is told so", async () => {
+    const { page, problems, close } = await harness.openPage(browser, site.address, {
+      init: () => {
+        WebAssembly.validate = () => false;
+      },
+    });
+    await page.locator("#missing").waitFor({ state: "visible" });
+    assert.match(await page.locator("#missing-text").textContent(), /SIMD/);
+    assert.equal(await page.locator("#loading").count(), 0);
+    assert.deepEqual(problems, []);
+    await close();
+  });
+});
+
+describe("without WebGL", { timeout: 4 * harness.PATIENCE }, () => {
+  test("the page says what is missing", async () => {
+    const browser = await harness.startBrowser({ webgl: false });
+    const { page, problems } = await harness.openPage(browser, site.address);
+    await page.locator("#missing").waitFor({ state: "visible" });
+    assert.match(await page.locator("#missing-text").textContent(), /WebGL 2/);
+    await harness.screenshot(page, "missing");
+    assert.deepEqual(problems, []);
+    await browser.close();
+  });
+});

@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Sets up what the tests need and runs all of them: ./tests/run.sh
+# One line a step; the log of a step that fails is shown. The last line has the totals.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+# shellcheck source=web/tools.sh
+source web/tools.sh
+
+export CARGO_TERM_COLOR=never NO_COLOR=1
+TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+LOGS="$TARGET_DIR/test-logs"
+WASM=(--target wasm32-unknown-unknown)
+passed=0
+failed=0
+
+# check NAME COMMAND…: a step that passes or fails as a whole.
+check() {
+  if run_step "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+}
+
+# suite NAME COMMAND…: a step whose tests are counted by what its runner printed.
+suite() {
+  local ended=0 ok bad
+  run_step "$@" || ended=1
+  # cargo test and wasm-bindgen: "test result: ok. 3 passed; 0 failed; …"; node: "# pass 3", "# fail 0".
+  ok=$(awk '/^test result: /{n += $4} /^# pass /{n += $3} END{print n + 0}' "$LOGS/$1.log")
+  bad=$(awk '/^test result: /{n += $6} /^# fail /{n += $3} END{print n + 0}' "$LOGS/$1.log")
+  # It did not build, it broke off, or it found no test: that is a failure too.
+  if [ "$bad" -eq 0 ] && { [ "$ended" -ne 0 ] || [ "$ok" -eq 0 ]; }; then
+    [ "$ended" -ne 0 ] || echo "  $1: no test ran"
+    bad=1
+  fi
+  printf '  %d passed, %d failed in %s\n' "$ok" "$bad" "$1"
+  passed=$((passed + ok))
+  failed=$((failed + bad))
+}
+
+run_step() {
+  local name="$1" start=$SECONDS ended=0
+  shift
+  "$@" >"$LOGS/$name.log" 2>&1 </dev/null || ended=$?
+  if [ "$ended" -eq 0 ]; then
+    printf '✓ %-14s %4d s\n' "$name" $((SECONDS - start))
+  else
+    printf '✗ %-14s %4d s: %s (exit code %d)\n' "$name" $((SECONDS - start)) "$*" "$ended"
+    tail -n 150 "$LOGS/$name.log" | sed 's/^/    /'
+  fi
+  return "$ended"
+}
+
+need_test_tools
+mkdir -p "$LOGS"
+
+# Quick ones first.
+check format cargo fmt --all -- --check
+check scripts bash -n web/tools.sh web/serve.sh tests/run.sh .ci/run
+check lint cargo clippy --locked --all-targets -- -D warnings
+check lint-core cargo clippy --locked --lib --no-default-features -- -D warnings
+check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -D warnings
+check lint-core-wasm cargo clippy --locked "${WASM[@]}" --lib --no-default-features -- -D warnings
+check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --no-deps --lib
+suite native cargo test --locked --no-fail-fast
+suite wasm wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" --mode no-install . \
+  --locked --no-default-features --features js-api --test wasm
+check page build_page
+suite browser node --test --test-reporter=tap tests/browser/page.test.mjs
+
+printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))
+printf '%d passed, %d failed\n' "$passed" "$failed"
+[ "$failed" -eq 0 ]
