@@ -4,3 +4,6 @@
 
 #[cfg(all(feature = "js-api", target_arch = "wasm32"))]
 pub mod js;
+
+#[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
+pub mod command_line;

@@ -1,0 +1,180 @@
+//! Draws a chart: two panels side by side, the paper's springs and the coupled ones.
+
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::FontTransform;
+
+/// What a chart shows against the elongation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The load \[kPa\].
+    Stress,
+    /// The strain across the pull, its sign turned \[-\].
+    Transverse,
+}
+
+impl Kind {
+    pub(super) fn value(self, load_kpa: f64, transverse_strain: f64) -> f64 {
+        match self {
+            Self::Stress => load_kpa,
+            Self::Transverse => -transverse_strain,
+        }
+    }
+}
+
+/// One Poisson ratio in one panel. Points are (elongation, value).
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Series {
+    poisson_ratio: f64,
+    /// Lines over the strains where the equilibrium is stable.
+    pub(super) stretches: Vec<Vec<(f64, f64)>>,
+    /// Measured by the paper's protocol.
+    pub(super) points: Vec<(f64, f64)>,
+    /// Where stability is lost.
+    pub(super) lost: Vec<(f64, f64)>,
+}
+
+impl Series {
+    pub(super) fn new(poisson_ratio: f64) -> Self {
+        Self { poisson_ratio, stretches: Vec::new(), points: Vec::new(), lost: Vec::new() }
+    }
+}
+
+/// A chart of the paper for both laws.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chart {
+    pub(super) title: String,
+    pub(super) tissue: String,
+    pub(super) kind: Kind,
+    /// The curve Ef, drawn in the stress charts.
+    pub(super) curve: Vec<(f64, f64)>,
+    /// Title and series of each panel.
+    pub(super) panels: [(String, Vec<Series>); 2],
+}
+
+type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+const SIZE: (u32, u32) = (1040, 520);
+const LEGEND_HEIGHT: u32 = 62;
+const TITLE_HEIGHT: u32 = 40;
+const FONT: &str = "sans-serif";
+const TEXT: RGBColor = RGBColor(0x2b, 0x2f, 0x36);
+const GRID: RGBColor = RGBColor(0xe3, 0xe6, 0xea);
+const CURVE: RGBColor = RGBColor(0xb8, 0xbe, 0xc6);
+const LOST: RGBColor = RGBColor(0xc6, 0x28, 0x28);
+/// From low to high ν; told apart also without red–green sight.
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0x3b, 0x0f, 0x70),
+    RGBColor(0x33, 0x63, 0xb5),
+    RGBColor(0x1f, 0x9e, 0xa8),
+    RGBColor(0x6b, 0xb3, 0x3a),
+    RGBColor(0xe3, 0x9a, 0x10),
+    RGBColor(0xd4, 0x4e, 0x8c),
+];
+
+/// The chart as SVG text.
+pub(super) fn draw(chart: &Chart) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let whole = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        whole.fill(&WHITE)?;
+        let title = (FONT, 20).into_font().style(FontStyle::Bold).color(&TEXT);
+        whole.draw_text(&chart.title, &title, (24, 14))?;
+        let (_, below) = whole.split_vertically(TITLE_HEIGHT);
+        let (panels, legend) = below.split_vertically(SIZE.1 - TITLE_HEIGHT - LEGEND_HEIGHT);
+        for (area, (title, series)) in panels.split_evenly((1, 2)).iter().zip(&chart.panels) {
+            draw_panel(area, chart, title, series)?;
+        }
+        draw_legend(&legend, chart)?;
+        whole.present()?;
+    }
+    Ok(svg)
+}
+
+fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Drawn {
+    let highest = match chart.kind {
+        Kind::Stress => 1.05 * chart.curve.last().map_or(1.0, |point| point.1),
+        Kind::Transverse => 0.52,
+    };
+    let text = |size: u32| (FONT, size).into_font().color(&TEXT);
+    let mut plane: Plane = ChartBuilder::on(area)
+        .caption(title, text(16))
+        .margin_left(14)
+        .margin_right(18)
+        .x_label_area_size(46)
+        .y_label_area_size(58)
+        .build_cartesian_2d(0.0..1.02, 0.0..highest)?;
+    let name = match chart.kind {
+        Kind::Stress => "nominal stress (kPa)",
+        Kind::Transverse => "contraction across the pull, −ε (–)",
+    };
+    let decimals = if chart.kind == Kind::Stress && highest > 10.0 { 0 } else { 1 };
+    plane
+        .configure_mesh()
+        .bold_line_style(GRID)
+        .light_line_style(TRANSPARENT)
+        .axis_style(TEXT)
+        .x_desc("elongation ε (–)")
+        .y_desc(name)
+        .x_labels(6)
+        .y_labels(6)
+        .label_style(text(13))
+        .axis_desc_style(text(14))
+        .x_label_formatter(&|x| format!("{x:.1}"))
+        .y_label_formatter(&|y| format!("{y:.decimals$}"))
+        .draw()?;
+    if chart.kind == Kind::Stress {
+        plane.draw_series(LineSeries::new(chart.curve.iter().copied(), CURVE.stroke_width(9)))?;
+    }
+    for (series, colour) in series.iter().zip(COLOURS) {
+        for stretch in &series.stretches {
+            plane.draw_series(LineSeries::new(stretch.iter().copied(), colour.stroke_width(2)))?;
+        }
+        plane.draw_series(
+            series.points.iter().map(|point| Circle::new(*point, 4, colour.filled())),
+        )?;
+    }
+    for (series, colour) in series.iter().zip(COLOURS) {
+        plane
+            .draw_series(series.lost.iter().map(|point| Circle::new(*point, 7, WHITE.filled())))?;
+        plane.draw_series(
+            series.lost.iter().map(|point| Circle::new(*point, 7, colour.stroke_width(2))),
+        )?;
+        plane.draw_series(
+            series.lost.iter().map(|point| Cross::new(*point, 4, LOST.stroke_width(2))),
+        )?;
+    }
+    Ok(())
+}
+
+/// Two rows below the panels: the Poisson ratios, then what lines, points and marks are.
+fn draw_legend(area: &Area, chart: &Chart) -> Drawn {
+    let text = (FONT, 14).into_font().transform(FontTransform::None).color(&TEXT);
+    let say = |words: &str, x: i32, y: i32| area.draw_text(words, &text, (x, y - 7));
+    let (first, second) = (14, 40);
+    say("Poisson ratio asked for:", 72, first)?;
+    for (k, (series, colour)) in chart.panels[0].1.iter().zip(COLOURS).enumerate() {
+        let x = 250 + 90 * k as i32;
+        area.draw(&PathElement::new([(x, first), (x + 26, first)], colour.stroke_width(3)))?;
+        area.draw(&Circle::new((x + 13, first), 4, colour.filled()))?;
+        say(&series.poisson_ratio.to_string(), x + 34, first)?;
+    }
+    let mut x = 72;
+    if chart.kind == Kind::Stress {
+        area.draw(&PathElement::new([(x, second), (x + 26, second)], CURVE.stroke_width(9)))?;
+        say(&format!("{} Ef", chart.tissue), x + 36, second)?;
+        x += 150;
+    }
+    area.draw(&PathElement::new([(x, second), (x + 26, second)], TEXT.stroke_width(2)))?;
+    say("stable equilibrium", x + 36, second)?;
+    x += 190;
+    area.draw(&Circle::new((x + 13, second), 4, TEXT.filled()))?;
+    say("paper's 15 000 iterations", x + 30, second)?;
+    x += 230;
+    area.draw(&Circle::new((x + 13, second), 7, TEXT.stroke_width(2)))?;
+    area.draw(&Cross::new((x + 13, second), 4, LOST.stroke_width(2)))?;
+    say("stability lost", x + 30, second)?;
+    Ok(())
+}

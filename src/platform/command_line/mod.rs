@@ -1,0 +1,113 @@
+//! The command line: `simulate`, `tension` and `charts`. Native only.
+//!
+//! Exit codes: 0 fine; 2 bad input (one line on standard error: file, field, what is allowed, and
+//! nothing is written); 3 no converged answer (the result is written, with its status).
+//!
+//! Files are written under a temporary name beside their place and renamed, so that nobody ever
+//! meets half a file.
+
+mod charts;
+mod drawing;
+mod mesh;
+mod mesh_formats;
+mod output;
+mod simulate;
+mod tension;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// What `main` does next.
+#[derive(Debug)]
+pub enum Next {
+    /// No command was given: open the window.
+    OpenApp,
+    /// A command has run: leave with this code.
+    Exit(ExitCode),
+}
+
+/// Preview how skin and adipose stretch over an implant. Without a command: opens the app.
+#[derive(Parser)]
+#[command(name = "implant-preview", version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve scenes and write their results.
+    Simulate(simulate::Arguments),
+    /// Pull a square sample apart, as in the paper, and write a table.
+    Tension(tension::Arguments),
+    /// Draw the paper's charts 1 to 4 for both spring laws.
+    Charts(charts::Arguments),
+}
+
+/// How a command that understood its input ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Answer {
+    Converged,
+    NotConverged,
+}
+
+/// Bad input or an output that cannot be written: one line, exit code 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Refused(String);
+
+const BAD_INPUT: u8 = 2;
+const NOT_CONVERGED: u8 = 3;
+
+/// Runs the command given to this process, if any.
+#[must_use]
+pub fn run() -> Next {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return Next::Exit(explain(&error)),
+    };
+    let Some(command) = arguments.command else {
+        return Next::OpenApp;
+    };
+    Next::Exit(finish(guarded(|| match command {
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Tension(arguments) => tension::run(&arguments),
+        Command::Charts(arguments) => charts::run(&arguments),
+    })))
+}
+
+/// A defect inside must not end in a stack trace: it is caught here and told in one line.
+fn guarded(command: impl FnOnce() -> Result<Answer, Refused>) -> Option<Result<Answer, Refused>> {
+    std::panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map(ToString::to_string).unwrap_or_default();
+        output::complain(&format!("a defect in the program at {place}; nothing was written"));
+    }));
+    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
+    drop(std::panic::take_hook());
+    ended
+}
+
+fn finish(ended: Option<Result<Answer, Refused>>) -> ExitCode {
+    match ended {
+        Some(Ok(Answer::Converged)) => ExitCode::SUCCESS,
+        Some(Ok(Answer::NotConverged)) | None => ExitCode::from(NOT_CONVERGED),
+        Some(Err(refused)) => {
+            output::complain(&refused.to_string());
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}
+
+/// Help and version as they are; a wrong argument in one line.
+fn explain(error: &clap::Error) -> ExitCode {
+    use clap::error::ErrorKind;
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        // A closed pipe is no reason to complain.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let text = error.to_string();
+    let said: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    output::complain(said.join(" ").trim_start_matches("error: "));
+    ExitCode::from(BAD_INPUT)
+}

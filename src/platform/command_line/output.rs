@@ -1,0 +1,148 @@
+//! Writing: whole files or none, standard output, and the one line on standard error.
+
+use super::Refused;
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// The name that stands for standard input or output.
+pub(super) const STANDARD: &str = "-";
+
+/// What is to be written, and where.
+#[derive(Debug)]
+pub(super) struct File {
+    pub(super) path: PathBuf,
+    pub(super) content: Vec<u8>,
+}
+
+impl File {
+    pub(super) fn new(path: &Path, content: impl Into<Vec<u8>>) -> Self {
+        Self { path: path.to_owned(), content: content.into() }
+    }
+}
+
+/// Says one line on standard error.
+#[allow(clippy::print_stderr)] // the command line is where the program speaks
+pub(super) fn complain(line: &str) {
+    eprintln!("error: {line}");
+}
+
+/// Says a remark on standard error.
+#[allow(clippy::print_stderr)] // the command line is where the program speaks
+pub(super) fn remark(line: &str) {
+    eprintln!("note: {line}");
+}
+
+pub(super) fn refuse(path: &Path, problem: impl std::fmt::Display) -> Refused {
+    Refused(format!("{}: {problem}", path.display()))
+}
+
+pub(super) fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == STANDARD
+}
+
+/// Checks, before anything is computed, that a file can stand here.
+pub(super) fn check_place(path: &Path) -> Result<(), Refused> {
+    if is_standard(path) {
+        return Ok(());
+    }
+    if path.is_dir() || path.file_name().is_none() {
+        return Err(refuse(path, "is a folder; allowed: the name of a file"));
+    }
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        return Err(refuse(path, format!("the folder {} does not exist", folder.display())));
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
+        Some(folder) => folder,
+        None => Path::new("."),
+    }
+}
+
+/// Writes all files or none: first under temporary names, then renamed. `-` is written last.
+pub(super) fn write_all(files: &[File]) -> Result<(), Refused> {
+    let mut waiting: Vec<(PathBuf, &Path)> = Vec::new();
+    let mut problem = None;
+    for (index, file) in files.iter().enumerate().filter(|(_, file)| !is_standard(&file.path)) {
+        let name = format!(".implant-preview-{}-{index}.part", std::process::id());
+        let temporary = folder_of(&file.path).join(name);
+        waiting.push((temporary.clone(), &file.path));
+        if let Err(error) = write_durably(&temporary, &file.content) {
+            problem = Some(refuse(&file.path, format!("cannot be written: {error}")));
+            break;
+        }
+    }
+    for (temporary, path) in &waiting {
+        if problem.is_none() {
+            problem = fs::rename(temporary, path)
+                .err()
+                .map(|error| refuse(path, format!("cannot be written: {error}")));
+        }
+        if problem.is_some() {
+            // Best effort: the complaint about the first problem is what matters.
+            let _ = fs::remove_file(temporary);
+        }
+    }
+    if let Some(problem) = problem {
+        return Err(problem);
+    }
+    files.iter().filter(|file| is_standard(&file.path)).try_for_each(|file| print(&file.content))
+}
+
+fn write_durably(path: &Path, content: &[u8]) -> std::io::Result<()> {
+    let mut file = fs::File::create(path)?;
+    file.write_all(content)?;
+    file.sync_all()
+}
+
+fn print(content: &[u8]) -> Result<(), Refused> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(content).and_then(|()| out.flush()) {
+        // A reader that has seen enough (`| head`) is no error.
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Refused(format!("standard output: cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A number for a table: ten significant digits, no trailing zeros.
+pub(super) fn number(value: f64) -> String {
+    let digits = format!("{value:.9e}");
+    digits
+        .parse::<f64>()
+        .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
+}
+
+/// A text for a table: quoted where a comma, a quote or a line end needs it.
+pub(super) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_ten_digits_and_drop_the_rest() {
+        assert_eq!(number(0.1 + 0.2), "0.3");
+        assert_eq!(number(-0.0), "0");
+        assert_eq!(number(40.000_000_000_001), "40");
+        assert_eq!(number(1.0 / 3.0), "0.3333333333");
+    }
+
+    #[test]
+    fn texts_with_commas_are_quoted() {
+        assert_eq!(quoted("skin"), "skin");
+        assert_eq!(quoted("a,\"b\".json"), "\"a,\"\"b\"\".json\"");
+    }
+}

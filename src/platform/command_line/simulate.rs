@@ -1,0 +1,167 @@
+//! `simulate`: scenes in, results out.
+
+use super::mesh::Surface;
+use super::mesh_formats::Format;
+use super::output::{self, File, number};
+use super::{Answer, Refused};
+use crate::measure::{Outcome, Status, fields};
+use crate::scene::Scene;
+use crate::solve::{Progress, Solver};
+use rayon::prelude::*;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// Scene files, JSON or JSON lines; `-` is standard input.
+    #[arg(required = true, value_name = "SCENE.json")]
+    scenes: Vec<PathBuf>,
+    /// Where the result goes; `-` is standard output. Several scenes give JSON lines.
+    #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
+    out: PathBuf,
+    /// The deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
+    #[arg(long, value_name = "M.stl|.obj|.ply|.glb")]
+    mesh: Option<PathBuf>,
+    /// The profile as a table (one scene only); `-` is standard output.
+    #[arg(long, value_name = "P.csv")]
+    profile: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+    let format = arguments.mesh.as_deref().map(Format::of_file).transpose()?;
+    check_places(arguments)?;
+    let mut scenes = Vec::new();
+    for path in &arguments.scenes {
+        scenes.extend(read_scenes(path)?);
+    }
+    if scenes.len() != 1 && (arguments.mesh.is_some() || arguments.profile.is_some()) {
+        let count = scenes.len();
+        return Err(Refused(format!("--mesh and --profile: {count} scenes; allowed: one scene")));
+    }
+    let wants_surface = format.is_some();
+    let solved: Vec<(Outcome, Option<Surface>)> =
+        scenes.par_iter().map(|scene| solve(scene, wants_surface)).collect::<Result<_, _>>()?;
+    let files = outputs(arguments, format, &solved)?;
+    output::write_all(&files)?;
+    let all_converged = solved.iter().all(|(outcome, _)| outcome.status == Status::Converged);
+    Ok(if all_converged { Answer::Converged } else { Answer::NotConverged })
+}
+
+/// Every output has its own place, none of them an input.
+fn check_places(arguments: &Arguments) -> Result<(), Refused> {
+    let outputs: Vec<&Path> =
+        [Some(&arguments.out), arguments.mesh.as_ref(), arguments.profile.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+    for (k, path) in outputs.iter().enumerate() {
+        output::check_place(path)?;
+        if outputs[..k].contains(path) {
+            return Err(output::refuse(path, "is named for two outputs; allowed: one each"));
+        }
+        let is_input = |scene: &PathBuf| {
+            let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+            same(scene, path) == Some(true)
+        };
+        if !output::is_standard(path) && arguments.scenes.iter().any(is_input) {
+            return Err(output::refuse(path, "is a scene to read; allowed: another file"));
+        }
+    }
+    Ok(())
+}
+
+/// Reads a scene, or one scene a line.
+fn read_scenes(path: &Path) -> Result<Vec<Scene>, Refused> {
+    let mut bytes = Vec::new();
+    let read = if output::is_standard(path) {
+        std::io::stdin().read_to_end(&mut bytes)
+    } else {
+        std::fs::File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
+    };
+    read.map_err(|error| output::refuse(path, format!("cannot be read: {error}")))?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|error| output::refuse(path, format!("{error}; allowed: JSON in UTF-8")))?;
+    // An editor's byte-order mark is no part of the scene.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if !is_json_lines(path, text) {
+        return Ok(vec![Scene::from_json(text).map_err(|error| output::refuse(path, error))?]);
+    }
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let scenes: Vec<Scene> = lines
+        .map(|(k, line)| {
+            Scene::from_json(line)
+                .map_err(|error| output::refuse(path, format!("line {}: {error}", k + 1)))
+        })
+        .collect::<Result<_, _>>()?;
+    if scenes.is_empty() {
+        return Err(output::refuse(path, "holds no scene; allowed: one scene a line"));
+    }
+    Ok(scenes)
+}
+
+/// JSON lines: by the file's name, or when its first line is a whole value and more follow.
+fn is_json_lines(path: &Path, text: &str) -> bool {
+    let named = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+    let whole = |line: &str| serde_json::from_str::<serde::de::IgnoredAny>(line).is_ok();
+    named || (lines.next().is_some_and(whole) && lines.next().is_some())
+}
+
+fn solve(scene: &Scene, wants_surface: bool) -> Result<(Outcome, Option<Surface>), Refused> {
+    let start = Instant::now();
+    let problem = scene.problem().map_err(|error| Refused(error.to_string()))?;
+    let mut solver = Solver::new(problem);
+    while solver.advance(&mut || false) == Progress::Working {}
+    let time_ms = start.elapsed().as_secs_f64() * 1000.0;
+    let mut outcome = scene.measure(&solver);
+    outcome.solver.time_ms = Some(time_ms);
+    let surface = (wants_surface && outcome.status != Status::Unstable)
+        .then(|| Surface::new(&solver.problem().sheet, solver.positions(), &fields(&solver)));
+    Ok((outcome, surface))
+}
+
+/// All files of this run, ready to be written. A scene without a stable shape has no mesh.
+fn outputs(
+    arguments: &Arguments,
+    format: Option<Format>,
+    solved: &[(Outcome, Option<Surface>)],
+) -> Result<Vec<File>, Refused> {
+    let mut text = String::new();
+    for (outcome, _) in solved {
+        let json = if solved.len() == 1 {
+            serde_json::to_string_pretty(outcome)
+        } else {
+            serde_json::to_string(outcome)
+        };
+        text += &json.map_err(|error| Refused(format!("result: {error}")))?;
+        text.push('\n');
+    }
+    let mut files = vec![File::new(&arguments.out, text)];
+    if let [(outcome, surface)] = solved {
+        if let (Some(path), Some(format)) = (&arguments.mesh, format) {
+            match surface {
+                Some(surface) => files.push(File::new(path, format.encode(surface))),
+                None => output::remark(&format!(
+                    "{}: not written; the springs have no stable shape",
+                    path.display()
+                )),
+            }
+        }
+        if let Some(path) = &arguments.profile {
+            files.push(File::new(path, profile(outcome)));
+        }
+    }
+    Ok(files)
+}
+
+fn profile(outcome: &Outcome) -> String {
+    let mut table = "s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop\n".to_owned();
+    for p in &outcome.profile {
+        let row = [p.s_mm, p.r_mm, p.z_mm, p.stretch_meridional, p.stretch_hoop].map(number);
+        table += &row.join(",");
+        table.push('\n');
+    }
+    table
+}

@@ -1,0 +1,130 @@
+//! `tension`: the paper's stretching experiment as a table.
+
+use super::output::{self, File, number, quoted};
+use super::{Answer, Refused};
+use crate::curve::{Curve, CurveSpec};
+use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as pull};
+use crate::springs::Springs;
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+
+/// The first line of every table of this experiment.
+pub(super) const COLUMNS: &str = "springs,curve,poisson_ratio,load_kpa,strain,strain_expected,transverse_strain,poisson_measured,status\n";
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// The spring law.
+    #[arg(long, default_value = "coupled")]
+    springs: Law,
+    /// `skin`, `adipose`, or a file with a curve as in a scene.
+    #[arg(long, default_value = "skin", value_name = "skin|adipose|FILE.json")]
+    curve: String,
+    /// Poisson ratio, 0 to 0.5.
+    #[arg(long, default_value_t = 0.3, value_parser = poisson_ratio)]
+    poisson: f64,
+    /// Cells per side of the sample, 1 to 16.
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=16))]
+    cells: u8,
+    /// Angle of the pull to the grid [degrees], -360 to 360.
+    #[arg(long, default_value_t = 0.0, value_parser = angle, allow_negative_numbers = true)]
+    angle: f64,
+    /// `paper`: 15 000 damped iterations a load; `equilibrium`: Newton's method.
+    #[arg(long, default_value = "equilibrium")]
+    protocol: How,
+    /// Where the table goes; `-` is standard output.
+    #[arg(long, default_value = output::STANDARD, value_name = "T.csv")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Law {
+    Coupled,
+    Nikolaev,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum How {
+    Paper,
+    Equilibrium,
+}
+
+fn poisson_ratio(text: &str) -> Result<f64, String> {
+    in_range(text, 0.0, 0.5)
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    in_range(text, -360.0, 360.0)
+}
+
+fn in_range(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (least..=most).contains(value));
+    value.ok_or_else(|| format!("allowed: {least} to {most}"))
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+    output::check_place(&arguments.out)?;
+    let test = Test {
+        springs: match arguments.springs {
+            Law::Coupled => Springs::Coupled,
+            Law::Nikolaev => Springs::Nikolaev,
+        },
+        curve: read_curve(&arguments.curve)?,
+        poisson_ratio: arguments.poisson,
+        cells: usize::from(arguments.cells),
+        angle: arguments.angle.to_radians(),
+        protocol: match arguments.protocol {
+            How::Paper => Protocol::Paper,
+            How::Equilibrium => Protocol::Equilibrium,
+        },
+    };
+    let report = pull(&test);
+    let table = COLUMNS.to_owned() + &table_rows(&test, &arguments.curve, &report);
+    output::write_all(&[File::new(&arguments.out, table)])?;
+    if let Some(strain) = report.stability_lost_at {
+        output::remark(&format!("stability is lost at strain {}", number(strain)));
+    }
+    let converged = report.rows.iter().any(|row| row.status == Status::Converged);
+    Ok(if converged { Answer::Converged } else { Answer::NotConverged })
+}
+
+fn read_curve(name: &str) -> Result<Curve, Refused> {
+    let spec = match name {
+        "skin" => CurveSpec::Skin {},
+        "adipose" => CurveSpec::Adipose {},
+        _ => {
+            let path = Path::new(name);
+            let text = std::fs::read_to_string(path).map_err(|error| {
+                output::refuse(path, format!("{error}; allowed: skin, adipose or a curve file"))
+            })?;
+            serde_json::from_str(&text).map_err(|error| output::refuse(path, error))?
+        }
+    };
+    Curve::new(&spec).map_err(|error| output::refuse(Path::new(name), error))
+}
+
+/// The rows of a report under [`COLUMNS`]; a row without a stable shape measures nothing.
+pub(super) fn table_rows(test: &Test, curve: &str, report: &Report) -> String {
+    let springs = match test.springs {
+        Springs::Coupled => "coupled",
+        Springs::Nikolaev => "nikolaev",
+    };
+    let line = |row: &Row| {
+        let [strain, across, poisson] = match row.measured {
+            Some(m) => [m.strain, m.transverse_strain, m.poisson_ratio()].map(number),
+            None => Default::default(),
+        };
+        format!(
+            "{springs},{},{},{},{strain},{},{across},{poisson},{}\n",
+            quoted(curve),
+            number(test.poisson_ratio),
+            number(row.load_kpa),
+            number(row.strain_expected),
+            match row.status {
+                Status::Converged => "converged",
+                Status::NotConverged => "not_converged",
+                Status::Unstable => "unstable",
+            }
+        )
+    };
+    report.rows.iter().map(line).collect()
+}
