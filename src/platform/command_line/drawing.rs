@@ -2,7 +2,6 @@
 
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
-use plotters::style::FontTransform;
 
 /// What a chart shows against the elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +55,10 @@ type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
+/// Size in the page \[px\].
 const SIZE: (u32, u32) = (1040, 520);
+/// The backend rounds to whole units: the picture is drawn this much larger and scaled down.
+const FINE: u32 = 8;
 const LEGEND_HEIGHT: u32 = 62;
 const TITLE_HEIGHT: u32 = 40;
 const FONT: &str = "sans-serif";
@@ -78,19 +80,42 @@ const COLOURS: [RGBColor; 6] = [
 pub(super) fn draw(chart: &Chart) -> Result<String, Box<dyn std::error::Error>> {
     let mut svg = String::new();
     {
-        let whole = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        let size = (FINE * SIZE.0, FINE * SIZE.1);
+        let whole = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         whole.fill(&WHITE)?;
-        let title = (FONT, 20).into_font().style(FontStyle::Bold).color(&TEXT);
-        whole.draw_text(&chart.title, &title, (24, 14))?;
-        let (_, below) = whole.split_vertically(TITLE_HEIGHT);
-        let (panels, legend) = below.split_vertically(SIZE.1 - TITLE_HEIGHT - LEGEND_HEIGHT);
+        let title = font(25).style(FontStyle::Bold).color(&TEXT);
+        whole.draw_text(&chart.title, &title, at(24, 12))?;
+        let (_, below) = whole.split_vertically(FINE * TITLE_HEIGHT);
+        let (panels, legend) =
+            below.split_vertically(FINE * (SIZE.1 - TITLE_HEIGHT - LEGEND_HEIGHT));
         for (area, (title, series)) in panels.split_evenly((1, 2)).iter().zip(&chart.panels) {
             draw_panel(area, chart, title, series)?;
         }
         draw_legend(&legend, chart)?;
         whole.present()?;
     }
-    Ok(svg)
+    let (drawn, shown) = (FINE * SIZE.0, SIZE.0);
+    let (drawn_high, shown_high) = (FINE * SIZE.1, SIZE.1);
+    Ok(svg.replacen(
+        &format!("width=\"{drawn}\" height=\"{drawn_high}\""),
+        &format!("width=\"{shown}\" height=\"{shown_high}\""),
+        1,
+    ))
+}
+
+/// A font of the given size; the backend shows it at four fifths of that \[px\].
+fn font(size: u32) -> FontDesc<'static> {
+    (FONT, FINE * size).into_font()
+}
+
+/// A place in px, in the backend's units.
+fn at(x: i32, y: i32) -> (i32, i32) {
+    (FINE as i32 * x, FINE as i32 * y)
+}
+
+/// A line of the given width \[px\].
+fn pen(colour: RGBColor, width: u32) -> ShapeStyle {
+    colour.stroke_width(FINE * width)
 }
 
 fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Drawn {
@@ -98,13 +123,13 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
         Kind::Stress => 1.05 * chart.curve.last().map_or(1.0, |point| point.1),
         Kind::Transverse => 0.52,
     };
-    let text = |size: u32| (FONT, size).into_font().color(&TEXT);
+    let text = |size: u32| font(size).color(&TEXT);
     let mut plane: Plane = ChartBuilder::on(area)
-        .caption(title, text(16))
-        .margin_left(14)
-        .margin_right(18)
-        .x_label_area_size(46)
-        .y_label_area_size(58)
+        .caption(title, text(20))
+        .margin_left(FINE * 14)
+        .margin_right(FINE * 18)
+        .x_label_area_size(FINE * 50)
+        .y_label_area_size(FINE * 62)
         .build_cartesian_2d(0.0..1.02, 0.0..highest)?;
     let name = match chart.kind {
         Kind::Stress => "nominal stress (kPa)",
@@ -113,37 +138,39 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
     let decimals = if chart.kind == Kind::Stress && highest > 10.0 { 0 } else { 1 };
     plane
         .configure_mesh()
-        .bold_line_style(GRID)
+        .bold_line_style(pen(GRID, 1))
         .light_line_style(TRANSPARENT)
-        .axis_style(TEXT)
+        .axis_style(pen(TEXT, 1))
+        .set_all_tick_mark_size(FINE * 5)
         .x_desc("elongation ε (–)")
         .y_desc(name)
         .x_labels(6)
         .y_labels(6)
-        .label_style(text(13))
-        .axis_desc_style(text(14))
+        .label_style(text(16))
+        .axis_desc_style(text(17))
         .x_label_formatter(&|x| format!("{x:.1}"))
         .y_label_formatter(&|y| format!("{y:.decimals$}"))
         .draw()?;
     if chart.kind == Kind::Stress {
-        plane.draw_series(LineSeries::new(chart.curve.iter().copied(), CURVE.stroke_width(9)))?;
+        plane.draw_series(LineSeries::new(chart.curve.iter().copied(), pen(CURVE, 9)))?;
     }
     for (series, colour) in series.iter().zip(COLOURS) {
         for stretch in &series.stretches {
-            plane.draw_series(LineSeries::new(stretch.iter().copied(), colour.stroke_width(2)))?;
+            plane.draw_series(LineSeries::new(stretch.iter().copied(), pen(colour, 2)))?;
         }
         plane.draw_series(
-            series.points.iter().map(|point| Circle::new(*point, 4, colour.filled())),
+            series.points.iter().map(|point| Circle::new(*point, FINE * 4, colour.filled())),
         )?;
     }
     for (series, colour) in series.iter().zip(COLOURS) {
-        plane
-            .draw_series(series.lost.iter().map(|point| Circle::new(*point, 7, WHITE.filled())))?;
         plane.draw_series(
-            series.lost.iter().map(|point| Circle::new(*point, 7, colour.stroke_width(2))),
+            series.lost.iter().map(|point| Circle::new(*point, FINE * 7, WHITE.filled())),
         )?;
         plane.draw_series(
-            series.lost.iter().map(|point| Cross::new(*point, 4, LOST.stroke_width(2))),
+            series.lost.iter().map(|point| Circle::new(*point, FINE * 7, pen(colour, 2))),
+        )?;
+        plane.draw_series(
+            series.lost.iter().map(|point| Cross::new(*point, FINE * 4, pen(LOST, 2))),
         )?;
     }
     Ok(())
@@ -151,30 +178,30 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
 
 /// Two rows below the panels: the Poisson ratios, then what lines, points and marks are.
 fn draw_legend(area: &Area, chart: &Chart) -> Drawn {
-    let text = (FONT, 14).into_font().transform(FontTransform::None).color(&TEXT);
-    let say = |words: &str, x: i32, y: i32| area.draw_text(words, &text, (x, y - 7));
+    let text = font(17).color(&TEXT);
+    let say = |words: &str, x: i32, y: i32| area.draw_text(words, &text, at(x, y - 7));
     let (first, second) = (14, 40);
     say("Poisson ratio asked for:", 72, first)?;
     for (k, (series, colour)) in chart.panels[0].1.iter().zip(COLOURS).enumerate() {
         let x = 250 + 90 * k as i32;
-        area.draw(&PathElement::new([(x, first), (x + 26, first)], colour.stroke_width(3)))?;
-        area.draw(&Circle::new((x + 13, first), 4, colour.filled()))?;
+        area.draw(&PathElement::new([at(x, first), at(x + 26, first)], pen(colour, 3)))?;
+        area.draw(&Circle::new(at(x + 13, first), FINE * 4, colour.filled()))?;
         say(&series.poisson_ratio.to_string(), x + 34, first)?;
     }
     let mut x = 72;
     if chart.kind == Kind::Stress {
-        area.draw(&PathElement::new([(x, second), (x + 26, second)], CURVE.stroke_width(9)))?;
+        area.draw(&PathElement::new([at(x, second), at(x + 26, second)], pen(CURVE, 9)))?;
         say(&format!("{} Ef", chart.tissue), x + 36, second)?;
         x += 150;
     }
-    area.draw(&PathElement::new([(x, second), (x + 26, second)], TEXT.stroke_width(2)))?;
+    area.draw(&PathElement::new([at(x, second), at(x + 26, second)], pen(TEXT, 2)))?;
     say("stable equilibrium", x + 36, second)?;
     x += 190;
-    area.draw(&Circle::new((x + 13, second), 4, TEXT.filled()))?;
+    area.draw(&Circle::new(at(x + 13, second), FINE * 4, TEXT.filled()))?;
     say("paper's 15 000 iterations", x + 30, second)?;
     x += 230;
-    area.draw(&Circle::new((x + 13, second), 7, TEXT.stroke_width(2)))?;
-    area.draw(&Cross::new((x + 13, second), 4, LOST.stroke_width(2)))?;
+    area.draw(&Circle::new(at(x + 13, second), FINE * 7, pen(TEXT, 2)))?;
+    area.draw(&Cross::new(at(x + 13, second), FINE * 4, pen(LOST, 2)))?;
     say("stability lost", x + 30, second)?;
     Ok(())
 }

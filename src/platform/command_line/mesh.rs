@@ -1,9 +1,8 @@
 //! The deformed tissue as one closed surface: the sheet (inner face), the skin (outer face), and
 //! the wall that joins them along the pocket's border.
 
-use crate::measure::Fields;
-use crate::sheet::{CELL_TRIANGLES, CellKind, Sheet};
-use glam::{DVec3, Vec3};
+use crate::measure::Surfaces;
+use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// A part of the surface; its triangles use the vertices of [`Surface::vertices`].
@@ -23,26 +22,25 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The surface of a solved shape `x` \[mm\] with the fields measured on it.
-    pub(super) fn new(sheet: &Sheet, x: &[DVec3], fields: &Fields) -> Self {
-        let upward = triangles(sheet);
+    /// The surface around all layers. Vertices: the sheet's, then the skin's in the same order.
+    pub(super) fn new(surfaces: &Surfaces) -> Self {
+        let (inner, outer) =
+            (&surfaces.positions[0], &surfaces.positions[surfaces.positions.len() - 1]);
+        // Nodes on the border that no triangle uses are left out.
         let mut number = BTreeMap::new();
-        for node in upward.iter().flatten() {
+        for vertex in surfaces.triangles.iter().flatten() {
             let next = number.len() as u32;
-            number.entry(*node).or_insert(next);
+            number.entry(*vertex).or_insert(next);
         }
         let count = number.len() as u32;
         let mut vertices = vec![Vec3::ZERO; 2 * number.len()];
-        for (&node, &k) in &number {
-            let thickness: f32 = fields.thickness_mm.iter().map(|layer| layer[node]).sum();
-            let inner = x[node].as_vec3();
-            vertices[k as usize] = inner;
-            vertices[(k + count) as usize] = inner + thickness * Vec3::from(fields.normal[node]);
+        for (&vertex, &k) in &number {
+            vertices[k as usize] = inner[vertex as usize].into();
+            vertices[(k + count) as usize] = outer[vertex as usize].into();
         }
         let skin: Vec<[u32; 3]> =
-            upward.iter().map(|nodes| nodes.map(|node| number[&node] + count)).collect();
-        let sheet: Vec<[u32; 3]> =
-            skin.iter().map(|[a, b, c]| [a - count, c - count, b - count]).collect();
+            surfaces.triangles.iter().map(|t| t.map(|vertex| number[&vertex] + count)).collect();
+        let sheet = skin.iter().map(|[a, b, c]| [a - count, c - count, b - count]).collect();
         let border = border_edges(&skin)
             .into_iter()
             .flat_map(|[a, b]| {
@@ -66,27 +64,6 @@ impl Surface {
     }
 }
 
-/// The sheet's cells as triangles that cover it once, counter-clockwise seen from the skin.
-fn triangles(sheet: &Sheet) -> Vec<[usize; 3]> {
-    let cells = sheet.nodes_per_side() - 1;
-    let mut found = Vec::new();
-    for j in 0..cells {
-        for i in 0..cells {
-            let corners = sheet.corners(i, j);
-            let mut add = |k: usize| found.push(CELL_TRIANGLES[k].map(|c| corners[c]));
-            match sheet.cell(i, j) {
-                // Two triangles that share a diagonal, each diagonal in turn, so that the net has
-                // no slant.
-                CellKind::Whole if (i + j) % 2 == 0 => [0, 2].into_iter().for_each(add),
-                CellKind::Whole => [1, 3].into_iter().for_each(add),
-                CellKind::WithoutCorner(k) => add(usize::from(k)),
-                CellKind::Outside => {}
-            }
-        }
-    }
-    found
-}
-
 /// Directed edges that only one triangle has.
 fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut edges = BTreeMap::new();
@@ -103,6 +80,9 @@ fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::{Fields, surfaces};
+    use crate::sheet::Sheet;
+    use glam::DVec3;
 
     fn flat(thickness: f32) -> Surface {
         let sheet = Sheet::new(33, 50.0);
@@ -112,7 +92,7 @@ mod tests {
             normal: vec![[0.0, 0.0, 1.0]; sheet.len()],
             ..Fields::default()
         };
-        Surface::new(&sheet, &x, &fields)
+        Surface::new(&surfaces(&sheet, &x, &fields))
     }
 
     #[test]

@@ -67,7 +67,11 @@ pub fn run() -> Next {
         Err(error) => return Next::Exit(explain(&error)),
     };
     let Some(command) = arguments.command else {
-        return Next::OpenApp;
+        if cfg!(feature = "app") {
+            return Next::OpenApp;
+        }
+        output::complain("no command, and this build has no window; allowed: see --help");
+        return Next::Exit(ExitCode::from(BAD_INPUT));
     };
     Next::Exit(finish(guarded(|| match command {
         Command::Simulate(arguments) => simulate::run(&arguments),

@@ -34,6 +34,9 @@ pub(super) fn remark(line: &str) {
 }
 
 pub(super) fn refuse(path: &Path, problem: impl std::fmt::Display) -> Refused {
+    if is_standard(path) {
+        return Refused(format!("standard input: {problem}"));
+    }
     Refused(format!("{}: {problem}", path.display()))
 }
 

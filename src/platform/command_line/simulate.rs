@@ -4,7 +4,7 @@ use super::mesh::Surface;
 use super::mesh_formats::Format;
 use super::output::{self, File, number};
 use super::{Answer, Refused};
-use crate::measure::{Outcome, Status, fields};
+use crate::measure::{Outcome, Status, fields, surfaces};
 use crate::scene::Scene;
 use crate::solve::{Progress, Solver};
 use rayon::prelude::*;
@@ -117,8 +117,10 @@ fn solve(scene: &Scene, wants_surface: bool) -> Result<(Outcome, Option<Surface>
     let time_ms = start.elapsed().as_secs_f64() * 1000.0;
     let mut outcome = scene.measure(&solver);
     outcome.solver.time_ms = Some(time_ms);
-    let surface = (wants_surface && outcome.status != Status::Unstable)
-        .then(|| Surface::new(&solver.problem().sheet, solver.positions(), &fields(&solver)));
+    let surface = (wants_surface && outcome.status != Status::Unstable).then(|| {
+        let sheet = &solver.problem().sheet;
+        Surface::new(&surfaces(sheet, solver.positions(), &fields(&solver)))
+    });
     Ok((outcome, surface))
 }
 

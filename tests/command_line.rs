@@ -1,0 +1,368 @@
+//! The command line as a user meets it: the binary itself, its files, lines and exit codes.
+#![cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
+#![allow(clippy::unwrap_used)] // helpers of tests are tests
+
+use serde_json::Value;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A folder of its own for each test, empty at the start.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("command-line-{test}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
+
+fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_implant-preview"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    // A command that refuses its arguments closes its input early.
+    let _ = child.stdin.take().expect("standard input").write_all(input.as_bytes());
+    child.wait_with_output().expect("the binary ends")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .expect("the test's folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+fn scene(radius: f64, springs: &str) -> String {
+    format!(
+        r#"{{"implant":{{"base_radius_mm":{radius}}},"springs":"{springs}","solver":{{"nodes_per_side":33}}}}"#
+    )
+}
+
+/// Exit code 2, one line that holds all of `wanted`, and no new file.
+fn assert_refused(folder: &Path, arguments: &[&str], input: &str, wanted: &[&str]) {
+    let before = names_in(folder);
+    let output = run_in(folder, arguments, input);
+    let complaint = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {complaint}");
+    assert_eq!(complaint.lines().count(), 1, "{arguments:?}: {complaint}");
+    for part in wanted {
+        assert!(complaint.contains(part), "{arguments:?}: {complaint} lacks {part}");
+    }
+    assert!(output.stdout.is_empty(), "{arguments:?} wrote to standard output");
+    assert_eq!(names_in(folder), before, "{arguments:?} left a file");
+}
+
+#[test]
+fn simulate_writes_result_mesh_and_profile() {
+    let folder = folder("simulate");
+    fs::write(folder.join("scene.json"), scene(55.0, "coupled")).unwrap();
+    for mesh in ["m.stl", "m.obj", "m.ply", "m.glb"] {
+        let output = run_in(
+            &folder,
+            &["simulate", "scene.json", "--out", "r.json", "--mesh", mesh, "--profile", "p.csv"],
+            "",
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    }
+    let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
+    assert_eq!(result["schema"], "implant-preview/result/1");
+    assert_eq!(result["status"], "converged");
+    assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
+    let profile = fs::read_to_string(folder.join("p.csv")).unwrap();
+    let mut lines = profile.lines();
+    assert_eq!(lines.next(), Some("s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop"));
+    assert_eq!(lines.count(), 41);
+    assert_eq!(
+        names_in(&folder),
+        ["m.glb", "m.obj", "m.ply", "m.stl", "p.csv", "r.json", "scene.json"]
+    );
+    assert_meshes_agree(&folder);
+}
+
+/// All formats hold the same number of triangles, and the top of the skin is where it is measured.
+fn assert_meshes_agree(folder: &Path) {
+    let read = |name: &str| fs::read(folder.join(name)).unwrap();
+    let number = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().unwrap()) as usize;
+    let stl = read("m.stl");
+    let count = number(&stl[80..84]);
+    assert!(count > 2000 && stl.len() == 84 + 50 * count);
+    let obj = text(&read("m.obj"));
+    assert_eq!(obj.lines().filter(|line| line.starts_with("f ")).count(), count);
+    let ply = read("m.ply");
+    let end = b"end_header\n";
+    let body = ply.windows(end.len()).position(|w| w == end).unwrap() + end.len();
+    let header = text(&ply[..body]);
+    assert!(header.contains(&format!("element face {count}\n")));
+    let vertices = obj.lines().filter(|line| line.starts_with("v ")).count();
+    assert_eq!(ply.len() - body, 12 * vertices + 13 * count);
+    let glb = read("m.glb");
+    assert_eq!((&glb[..4], number(&glb[8..12])), (&b"glTF"[..], glb.len()));
+    let length = number(&glb[12..16]);
+    let json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    let indices: u64 = json["accessors"].as_array().unwrap()[1..]
+        .iter()
+        .map(|a| a["count"].as_u64().unwrap())
+        .sum();
+    assert_eq!(indices as usize, 3 * count);
+    let result: Value = serde_json::from_slice(&read("r.json")).unwrap();
+    let top = result["skin_projection_mm"].as_f64().unwrap();
+    let highest = json["accessors"][0]["max"][1].as_f64().unwrap() * 1000.0;
+    assert!((highest - top).abs() < 0.1, "mesh to {highest} mm, skin measured to {top} mm");
+}
+
+#[test]
+fn several_scenes_give_json_lines_in_their_order() {
+    let folder = folder("lines");
+    let radii = [60.0, 30.0, 50.0, 40.0, 20.0];
+    let lines: Vec<String> = radii.iter().map(|r| scene(*r, "coupled")).collect();
+    fs::write(folder.join("a.json"), scene(25.0, "coupled")).unwrap();
+    let output = run_in(&folder, &["simulate", "a.json", "-"], &lines.join("\n"));
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let volumes: Vec<f64> = text(&output.stdout)
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap())
+        .map(|result| result["implant_volume_ml"].as_f64().unwrap())
+        .collect();
+    let wanted = [25.0, 60.0, 30.0, 50.0, 40.0, 20.0_f64]
+        .map(|r| 2.0 / 3.0 * std::f64::consts::PI * r.powi(3) / 1000.0);
+    assert_eq!(volumes.len(), wanted.len());
+    for (found, wanted) in volumes.iter().zip(wanted) {
+        assert!((found / wanted - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn bad_scenes_are_refused_in_one_line_and_nothing_is_written() {
+    let folder = folder("bad-scenes");
+    let put = |name: &str, content: &[u8]| fs::write(folder.join(name), content).unwrap();
+    put("small.json", scene(5.0, "coupled").as_bytes());
+    put("unknown.json", br#"{"implant":{"base_radius_mm":55,"colour":"blue"}}"#);
+    put("broken.json", b"{\"implant\":");
+    put("binary.json", &[0xff, 0xfe, 0, 1]);
+    put("empty.json", b"");
+    put("good.json", scene(55.0, "coupled").as_bytes());
+    put(
+        "lines.jsonl",
+        format!("{}\n{}\n", scene(55.0, "coupled"), scene(500.0, "coupled")).as_bytes(),
+    );
+    for (name, wanted) in [
+        ("small.json", &["small.json", "implant.base_radius_mm is 5", "10 to 120 mm"][..]),
+        ("unknown.json", &["unknown.json", "colour", "projection_mm"]),
+        ("broken.json", &["broken.json", "line 1"]),
+        ("binary.json", &["binary.json", "UTF-8"]),
+        ("empty.json", &["empty.json"]),
+        ("missing.json", &["missing.json"]),
+        ("lines.jsonl", &["lines.jsonl", "line 2", "implant.base_radius_mm is 500"]),
+    ] {
+        let outputs = ["simulate", name, "--out", "r.json", "--profile", "p.csv"];
+        assert_refused(&folder, &outputs, "", wanted);
+        // A good scene beside a bad one does not get through either.
+        assert_refused(&folder, &["simulate", "good.json", name, "--out", "r.json"], "", wanted);
+    }
+    assert_refused(&folder, &["simulate", "-"], "[1]", &["standard input"]);
+}
+
+#[test]
+fn bad_outputs_are_refused_before_anything_is_solved() {
+    let folder = folder("bad-outputs");
+    fs::write(folder.join("s.json"), scene(55.0, "coupled")).unwrap();
+    fs::write(folder.join("t.json"), scene(45.0, "coupled")).unwrap();
+    let refused = |arguments: &[&str], wanted: &[&str]| {
+        assert_refused(&folder, arguments, "", wanted);
+    };
+    refused(&["simulate", "s.json", "--mesh", "m.step"], &["m.step", ".stl"]);
+    refused(&["simulate", "s.json", "--mesh", "-"], &[".stl"]);
+    refused(&["simulate", "s.json", "--out", "no/r.json"], &["no/r.json", "does not exist"]);
+    refused(&["simulate", "s.json", "--out", "."], &["folder"]);
+    refused(&["simulate", "s.json", "--out", "s.json"], &["s.json", "another file"]);
+    refused(&["simulate", "s.json", "--out", "a", "--profile", "a"], &["two outputs"]);
+    refused(&["simulate", "s.json", "t.json", "--mesh", "m.stl"], &["2 scenes", "one scene"]);
+    refused(&["simulate"], &["SCENE.json"]);
+    refused(&["stretch"], &["stretch"]);
+    assert_eq!(fs::read_to_string(folder.join("s.json")).unwrap(), scene(55.0, "coupled"));
+}
+
+#[test]
+fn springs_without_a_stable_shape_give_exit_code_3_and_a_result_that_says_so() {
+    let folder = folder("unstable");
+    let unstable = r#"{"implant":{"base_radius_mm":55},"springs":"nikolaev","solver":{"nodes_per_side":33},
+        "layers":[{"tissue":"adipose","poisson_ratio":0.49,"thickness_mm":10,"curve":{"kind":"adipose"}}]}"#;
+    fs::write(folder.join("u.json"), unstable).unwrap();
+    let arguments = ["simulate", "u.json", "--out", "r.json", "--mesh", "m.stl"];
+    let output = run_in(&folder, &arguments, "");
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
+    assert_eq!(result["status"], "unstable");
+    assert!(text(&output.stderr).contains("m.stl: not written"));
+    assert_eq!(names_in(&folder), ["r.json", "u.json"]);
+}
+
+/// The table's rows, split at commas.
+fn table(output: &Output) -> Vec<Vec<String>> {
+    let text = text(&output.stdout);
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some(
+            "springs,curve,poisson_ratio,load_kpa,strain,strain_expected,transverse_strain,poisson_measured,status"
+        )
+    );
+    lines.map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn tension_writes_the_papers_table() {
+    let folder = folder("tension");
+    let arguments = [
+        "tension",
+        "--springs",
+        "coupled",
+        "--curve",
+        "skin",
+        "--poisson",
+        "0.45",
+        "--angle",
+        "22.5",
+    ];
+    let rows = table(&run_in(&folder, &arguments, ""));
+    assert_eq!(rows.len(), 50);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!(
+            (row[0].as_str(), row[1].as_str(), row[2].as_str()),
+            ("coupled", "skin", "0.45")
+        );
+        let number = |column: usize| row[column].parse::<f64>().unwrap();
+        let expected = 0.02 * (k + 1) as f64;
+        assert!((number(5) - expected).abs() < 1e-9 && (number(4) - expected).abs() < 1e-6);
+        assert!((number(6) + 0.45 * expected).abs() < 1e-6 && (number(7) - 0.45).abs() < 1e-6);
+        assert_eq!(row[8], "converged");
+    }
+    assert!((rows[19][3].parse::<f64>().unwrap() - 40.0).abs() < 1e-9, "Ef(0.4) of skin is 40 kPa");
+}
+
+#[test]
+fn tension_leaves_unstable_rows_without_measured_values() {
+    let folder = folder("tension-unstable");
+    for protocol in ["paper", "equilibrium"] {
+        let arguments = [
+            "tension",
+            "--springs",
+            "nikolaev",
+            "--curve",
+            "adipose",
+            "--poisson",
+            "0.3",
+            "--protocol",
+            protocol,
+        ];
+        let output = run_in(&folder, &arguments, "");
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stderr).starts_with("note: stability is lost at strain 0.1"));
+        for row in table(&output) {
+            let unstable = row[5].parse::<f64>().unwrap() > 0.151;
+            assert_eq!(row[8], if unstable { "unstable" } else { "converged" });
+            for column in [4, 6, 7] {
+                assert_eq!(row[column].is_empty(), unstable, "{row:?}");
+            }
+            assert!(!row[3].is_empty());
+        }
+    }
+}
+
+#[test]
+fn tension_reads_a_curve_file_and_refuses_bad_arguments() {
+    let folder = folder("tension-files");
+    let curve = r#"{"kind":"points","interpolation":"spline","points":[[0,0],[0.3,2],[1,9]]}"#;
+    fs::write(folder.join("my,curve.json"), curve).unwrap();
+    fs::write(folder.join("bad.json"), r#"{"kind":"points","points":[[0,0],[0.3,2],[0.2,9]]}"#)
+        .unwrap();
+    fs::write(folder.join("odd.json"), r#"{"kind":"skin","modulus":3}"#).unwrap();
+    let arguments = ["tension", "--curve", "my,curve.json", "--cells", "2", "--out", "t.csv"];
+    let output = run_in(&folder, &arguments, "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let written = fs::read_to_string(folder.join("t.csv")).unwrap();
+    let last = written.lines().last().unwrap();
+    assert!(last.starts_with("coupled,\"my,curve.json\",0.3,9,1,1,-0.3,0.3,converged"), "{last}");
+    let refused = |arguments: &[&str], wanted: &[&str]| {
+        assert_refused(&folder, arguments, "", wanted);
+    };
+    refused(&["tension", "--curve", "bad.json"], &["bad.json", "points[2]"]);
+    refused(&["tension", "--curve", "odd.json"], &["odd.json", "modulus"]);
+    refused(&["tension", "--curve", "bone"], &["bone", "skin, adipose"]);
+    refused(&["tension", "--poisson", "0.6"], &["--poisson", "0 to 0.5"]);
+    refused(&["tension", "--poisson", "NaN"], &["--poisson", "0 to 0.5"]);
+    refused(&["tension", "--cells", "0"], &["--cells", "1..=16"]);
+    refused(&["tension", "--angle", "400"], &["--angle", "-360 to 360"]);
+    refused(&["tension", "--springs", "steel"], &["--springs", "coupled, nikolaev"]);
+    refused(&["tension", "--out", "no/t.csv"], &["no/t.csv", "does not exist"]);
+}
+
+#[test]
+fn charts_draws_four_charts_with_tables_for_both_laws() {
+    let folder = folder("charts");
+    let output = run_in(&folder, &["charts", "--out-dir", "made/here"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let made = folder.join("made/here");
+    assert_eq!(
+        names_in(&made),
+        [
+            "chart-1-skin-stress.csv",
+            "chart-1-skin-stress.svg",
+            "chart-2-skin-transverse.csv",
+            "chart-2-skin-transverse.svg",
+            "chart-3-adipose-stress.csv",
+            "chart-3-adipose-stress.svg",
+            "chart-4-adipose-transverse.csv",
+            "chart-4-adipose-transverse.svg",
+            "poisson_error.csv",
+            "poisson_error.md",
+        ]
+    );
+    for (chart, words) in [
+        ("chart-1-skin-stress", &["skin Ef", "nominal stress (kPa)", "stability lost"][..]),
+        ("chart-2-skin-transverse", &["contraction across the pull", "0.49", "stability lost"]),
+        ("chart-3-adipose-stress", &["adipose Ef", "elongation", "Coupled springs"]),
+        ("chart-4-adipose-transverse", &["contraction across the pull", "The paper"]),
+    ] {
+        let picture = fs::read_to_string(made.join(format!("{chart}.svg"))).unwrap();
+        assert!(
+            picture.starts_with("<svg width=\"1040\" height=\"520\"") && picture.contains("</svg>")
+        );
+        for word in words {
+            assert!(picture.contains(word), "{chart} lacks {word}");
+        }
+        let rows = fs::read_to_string(made.join(format!("{chart}.csv"))).unwrap();
+        assert_eq!(rows.lines().count(), 1 + 2 * 6 * 50, "{chart}");
+    }
+    let errors = fs::read_to_string(made.join("poisson_error.csv")).unwrap();
+    assert_eq!(errors.lines().count(), 1 + 2 * 2 * 6);
+    assert!(errors.lines().skip(1).all(|line| line.ends_with(",0.35")));
+    fs::write(folder.join("file"), "").unwrap();
+    assert_refused(&folder, &["charts", "--out-dir", "file"], "", &["file", "folder"]);
+}
+
+#[test]
+fn help_and_version_are_answers_not_errors() {
+    let folder = folder("help");
+    for (arguments, wanted) in [
+        (&["--help"][..], "simulate"),
+        (&["tension", "--help"], "--protocol"),
+        (&["--version"], env!("CARGO_PKG_VERSION")),
+    ] {
+        let output = run_in(&folder, arguments, "");
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stdout).contains(wanted) && output.stderr.is_empty());
+    }
+}
