@@ -18,3 +18,4 @@ pub mod session;
 pub mod sheet;
 pub mod solve;
 pub mod springs;
+pub mod view;

@@ -1,0 +1,217 @@
+//! The tissue as a body: columns of points through all layers, over one triangulation.
+//!
+//! A column stands on every sheet node: its points are the inner face and, along the nodal normal,
+//! the deformed thicknesses of the layers. Around the pocket a ring of tissue that was not
+//! simulated continues the stack on the wall, so that the eye sees a body, not a patch.
+
+use crate::measure::Fields;
+use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
+use crate::solve::Problem;
+use glam::{DVec3, Vec3};
+
+/// Width of the ring of unsimulated tissue, relative to the pocket radius, at least twice the stack.
+const RING_WIDTH: f32 = 0.2;
+/// Where the ring's columns stand across its width.
+const RING_STEPS: [f32; 3] = [0.0, 0.35, 1.0];
+
+/// Columns through the layers. Level 0 is the skin's outer surface, the last level the inner face.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    /// Points \[mm\], one list of all columns per level, layers + 1 of them.
+    pub levels: Vec<Vec<Vec3>>,
+    /// Triangles over the columns, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Columns 0 to here stand on sheet nodes of the same number; those after are the ring's.
+    pub node_columns: usize,
+    /// Nodes per side of the sheet's grid.
+    pub nodes_per_side: usize,
+    /// The ring's inner columns with the sheet's border columns they coincide with.
+    pub seam: Vec<(u32, u32)>,
+    /// The ring's outer columns, counter-clockwise, closed.
+    pub rim: Vec<u32>,
+    /// Radius of the whole block on the wall \[mm\].
+    pub block_radius: f32,
+}
+
+impl Body {
+    /// The body of a shape with its fields.
+    #[must_use]
+    pub fn new(problem: &Problem, shape: &[DVec3], fields: &Fields) -> Self {
+        let sheet = &problem.sheet;
+        let layers = problem.materials.len();
+        let mut body = Self {
+            levels: vec![Vec::with_capacity(shape.len() + 2048); layers + 1],
+            triangles: sheet_triangles(sheet),
+            node_columns: shape.len(),
+            nodes_per_side: sheet.nodes_per_side(),
+            ..Self::default()
+        };
+        for (k, position) in shape.iter().enumerate() {
+            body.push_node_column(k, position.as_vec3(), sheet.kinds()[k], fields);
+        }
+        body.add_ring(problem);
+        body
+    }
+
+    /// Number of layers.
+    #[must_use]
+    pub fn layers(&self) -> usize {
+        self.levels.len().saturating_sub(1)
+    }
+
+    fn push_node_column(&mut self, node: usize, inner: Vec3, kind: NodeKind, fields: &Fields) {
+        let normal = Vec3::from(fields.normal[node]).normalize_or(Vec3::Z);
+        // At the border the stack is mitred between the sheet and the wall.
+        let direction = if kind == NodeKind::Clamped {
+            let between = (normal + Vec3::Z).normalize_or(Vec3::Z);
+            between / between.z.max(0.5)
+        } else {
+            normal
+        };
+        let layers = self.layers();
+        let mut height = 0.0;
+        self.levels[layers].push(inner);
+        for level in (0..layers).rev() {
+            height += fields.thickness_mm[level][node];
+            self.levels[level].push(inner + direction * height);
+        }
+    }
+
+    fn add_ring(&mut self, problem: &Problem) {
+        let sheet = &problem.sheet;
+        let stack: f32 = problem.materials.iter().map(|m| m.thickness_mm as f32).sum();
+        let radius = sheet.radius_mm() as f32;
+        let width = (RING_WIDTH * radius).max(2.0 * stack);
+        self.block_radius = radius + width;
+        let border = border_loop(sheet);
+        let (steps, around) = (RING_STEPS.len(), border.len());
+        let first = self.node_columns as u32;
+        for &node in &border {
+            let rest = sheet.rest()[node].as_vec2();
+            let outward = rest.normalize_or_zero();
+            for (step, share) in RING_STEPS.into_iter().enumerate() {
+                self.push_ring_column(problem, node, step, (outward * share * width).extend(0.0));
+            }
+        }
+        let at = |around_index: usize, step: usize| {
+            first + ((around_index % around) * steps + step) as u32
+        };
+        for k in 0..around {
+            self.seam.push((at(k, 0), border[k] as u32));
+            self.rim.push(at(k, steps - 1));
+            for step in 0..steps - 1 {
+                let quad = [at(k, step), at(k, step + 1), at(k + 1, step + 1), at(k + 1, step)];
+                self.triangles.push([quad[0], quad[1], quad[2]]);
+                self.triangles.push([quad[0], quad[2], quad[3]]);
+            }
+        }
+    }
+
+    fn push_ring_column(&mut self, problem: &Problem, node: usize, step: usize, offset: Vec3) {
+        let layers = self.layers();
+        let foot = self.levels[layers][node] + offset;
+        if step == 0 {
+            for level in &mut self.levels {
+                let point = level[node];
+                level.push(point);
+            }
+            return;
+        }
+        let mut height = 0.0;
+        self.levels[layers].push(foot);
+        for level in (0..layers).rev() {
+            height += problem.materials[level].thickness_mm as f32;
+            self.levels[level].push(foot + Vec3::Z * height);
+        }
+    }
+}
+
+/// Two triangles of each whole cell, one of each cut one.
+fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
+    let cells = sheet.nodes_per_side() - 1;
+    let mut triangles = Vec::with_capacity(2 * cells * cells);
+    for j in 0..cells {
+        for i in 0..cells {
+            let corners = sheet.corners(i, j);
+            let mut push =
+                |t: usize| triangles.push(CELL_TRIANGLES[t].map(|c| corners[c] as u32));
+            match sheet.cell(i, j) {
+                CellKind::Whole => {
+                    push(0);
+                    push(2);
+                }
+                CellKind::WithoutCorner(k) => push(usize::from(k)),
+                CellKind::Outside => {}
+            }
+        }
+    }
+    triangles
+}
+
+/// The clamped nodes, counter-clockwise.
+fn border_loop(sheet: &Sheet) -> Vec<usize> {
+    let mut border: Vec<usize> =
+        (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Clamped).collect();
+    let angle = |k: usize| sheet.rest()[k].y.atan2(sheet.rest()[k].x);
+    border.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+    border
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::session::Session;
+
+    /// A small scene's body before any solving: the solver's first guess.
+    pub(crate) fn small() -> (Session, Body) {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 33;
+        let session = Session::new(scene).expect("the default scene is valid");
+        let body = Body::new(session.solver().problem(), session.shape(), &session.fields());
+        (session, body)
+    }
+
+    #[test]
+    fn the_layers_stand_on_each_other_with_their_thickness() {
+        let (session, body) = small();
+        let fields = session.fields();
+        let sheet = &session.solver().problem().sheet;
+        for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+            for layer in 0..body.layers() {
+                let thickness = body.levels[layer][k].distance(body.levels[layer + 1][k]);
+                assert!((thickness - fields.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_ring_continues_the_border_and_lies_flat() {
+        let (session, body) = small();
+        assert!(!body.seam.is_empty());
+        for level in &body.levels {
+            for &(ring, node) in &body.seam {
+                assert_eq!(level[ring as usize], level[node as usize]);
+            }
+        }
+        let stack: f64 = session.scene().layers.iter().map(|l| l.thickness_mm).sum();
+        for &column in &body.rim {
+            assert!((body.levels[0][column as usize].z - stack as f32).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn every_triangle_looks_outwards() {
+        let (_, body) = small();
+        let outer = &body.levels[0];
+        let down = body
+            .triangles
+            .iter()
+            .filter(|t| {
+                let [a, b, c] = t.map(|k| outer[k as usize]);
+                (b - a).cross(c - a).z < -1e-4
+            })
+            .count();
+        assert_eq!(down, 0, "of {}", body.triangles.len());
+    }
+}

@@ -1,0 +1,258 @@
+//! An orbit camera: every hand movement answers "changed", and only [`Camera::fit`] eases.
+
+use glam::{Mat4, Vec2, Vec3, Vec4};
+
+/// Vertical field of view \[radians\]: a long lens, as in a clinical photograph.
+const FIELD_OF_VIEW: f32 = 0.48;
+/// Orbit per screen point dragged \[radians\].
+const ORBIT_RATE: f32 = 0.008;
+/// Elevation stays within this \[radians\].
+const ELEVATION: (f32, f32) = (-0.15, 1.55);
+/// Distance stays within this \[mm\].
+const DISTANCE_MM: (f32, f32) = (40.0, 3000.0);
+/// How long [`Camera::fit`] takes \[s\].
+const EASE_SECONDS: f32 = 0.35;
+
+/// Where the eye is: on a sphere about a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Point looked at \[mm\].
+    pub target: Vec3,
+    /// Angle about z \[radians\], from +x counter-clockwise.
+    pub azimuth: f32,
+    /// Angle above the wall \[radians\].
+    pub elevation: f32,
+    /// Eye to target \[mm\].
+    pub distance: f32,
+}
+
+/// An orbit camera with a perspective lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pose: Pose,
+    ease: Option<Ease>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ease {
+    from: Pose,
+    to: Pose,
+    done: f32,
+}
+
+/// A ray of sight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start \[mm\].
+    pub origin: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+}
+
+impl Camera {
+    /// A three-quarter view of a ball of the given radius \[mm\] on the wall.
+    #[must_use]
+    pub fn new(radius_mm: f32, aspect: f32) -> Self {
+        Self { pose: fitted(radius_mm, aspect), ease: None }
+    }
+
+    /// Where the eye is now.
+    #[must_use]
+    pub fn pose(&self) -> Pose {
+        self.pose
+    }
+
+    /// Orbits by a drag in screen points. Returns whether the view changed.
+    pub fn drag(&mut self, delta: Vec2) -> bool {
+        let before = *self;
+        self.ease = None;
+        self.pose.azimuth -= delta.x * ORBIT_RATE;
+        self.pose.elevation =
+            (self.pose.elevation + delta.y * ORBIT_RATE).clamp(ELEVATION.0, ELEVATION.1);
+        *self != before
+    }
+
+    /// Moves the target with the hand; `height` is the viewport's height in the delta's units.
+    pub fn pan(&mut self, delta: Vec2, height: f32) -> bool {
+        let before = *self;
+        self.ease = None;
+        let scale = 2.0 * self.pose.distance * (0.5 * FIELD_OF_VIEW).tan() / height.max(1.0);
+        let (right, up) = self.right_and_up();
+        self.pose.target += (up * delta.y - right * delta.x) * scale;
+        self.pose.target = self.pose.target.clamp(Vec3::splat(-400.0), Vec3::splat(400.0));
+        *self != before
+    }
+
+    /// Comes closer (factor above 1) or goes away.
+    pub fn zoom(&mut self, factor: f32) -> bool {
+        let before = *self;
+        self.ease = None;
+        if factor.is_finite() && factor > 0.0 {
+            self.pose.distance =
+                (self.pose.distance / factor).clamp(DISTANCE_MM.0, DISTANCE_MM.1);
+        }
+        *self != before
+    }
+
+    /// Starts easing to the three-quarter view of a ball of this radius \[mm\].
+    pub fn fit(&mut self, radius_mm: f32, aspect: f32) -> bool {
+        let to = fitted(radius_mm, aspect);
+        if self.pose == to {
+            return false;
+        }
+        // The shorter way round.
+        let turns = ((self.pose.azimuth - to.azimuth) / std::f32::consts::TAU).round();
+        self.pose.azimuth -= turns * std::f32::consts::TAU;
+        self.ease = Some(Ease { from: self.pose, to, done: 0.0 });
+        true
+    }
+
+    /// Is a fit under way?
+    #[must_use]
+    pub fn is_easing(&self) -> bool {
+        self.ease.is_some()
+    }
+
+    /// Goes on with a fit by a time step \[s\]. Returns whether the view changed.
+    pub fn ease(&mut self, seconds: f32) -> bool {
+        let Some(ease) = &mut self.ease else { return false };
+        ease.done = (ease.done + seconds.max(0.0) / EASE_SECONDS).min(1.0);
+        let t = 1.0 - (1.0 - ease.done).powi(3);
+        let (a, b) = (ease.from, ease.to);
+        self.pose = Pose {
+            target: a.target.lerp(b.target, t),
+            azimuth: a.azimuth + (b.azimuth - a.azimuth) * t,
+            elevation: a.elevation + (b.elevation - a.elevation) * t,
+            distance: a.distance + (b.distance - a.distance) * t,
+        };
+        if ease.done >= 1.0 {
+            self.pose = b;
+            self.ease = None;
+        }
+        true
+    }
+
+    /// The eye \[mm\].
+    #[must_use]
+    pub fn eye(&self) -> Vec3 {
+        let (sin_a, cos_a) = self.pose.azimuth.sin_cos();
+        let (sin_e, cos_e) = self.pose.elevation.sin_cos();
+        self.pose.target + self.pose.distance * Vec3::new(cos_e * cos_a, cos_e * sin_a, sin_e)
+    }
+
+    /// Screen right and up in the world.
+    #[must_use]
+    pub fn right_and_up(&self) -> (Vec3, Vec3) {
+        let forward = (self.pose.target - self.eye()).normalize();
+        let (sin_a, cos_a) = self.pose.azimuth.sin_cos();
+        let right = Vec3::new(-sin_a, cos_a, 0.0);
+        (right, right.cross(forward))
+    }
+
+    /// Clip space (OpenGL: depth −1 to 1) from world.
+    #[must_use]
+    pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
+        let near = (self.pose.distance * 0.05).max(1.0);
+        let far = self.pose.distance + 1500.0;
+        let (_, up) = self.right_and_up();
+        perspective(FIELD_OF_VIEW, aspect, near, far)
+            * look_at(self.eye(), self.pose.target, up)
+    }
+
+    /// The ray through a point of the viewport, both coordinates from −1 to 1, y up.
+    #[must_use]
+    pub fn ray(&self, point: Vec2, aspect: f32) -> Ray {
+        let world_from_clip = self.clip_from_world(aspect).inverse();
+        let far: Vec4 = world_from_clip * Vec4::new(point.x, point.y, 1.0, 1.0);
+        let origin = self.eye();
+        Ray { origin, direction: (far.truncate() / far.w - origin).normalize() }
+    }
+
+    /// Where a world point lands in the viewport, coordinates from −1 to 1; `None` behind the eye.
+    #[must_use]
+    pub fn project(&self, point: Vec3, aspect: f32) -> Option<Vec2> {
+        let clip = self.clip_from_world(aspect) * point.extend(1.0);
+        (clip.w > 0.0).then(|| clip.truncate().truncate() / clip.w)
+    }
+}
+
+fn fitted(radius_mm: f32, aspect: f32) -> Pose {
+    let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(0.2, 1.15);
+    Pose {
+        target: Vec3::new(0.0, 0.0, 0.28 * radius_mm),
+        azimuth: -1.05,
+        elevation: 0.5,
+        distance: (1.0 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
+    }
+}
+
+fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Mat4 {
+    let back = (eye - target).normalize();
+    let right = up.cross(back).normalize();
+    let up = back.cross(right);
+    Mat4::from_cols(
+        Vec4::new(right.x, up.x, back.x, 0.0),
+        Vec4::new(right.y, up.y, back.y, 0.0),
+        Vec4::new(right.z, up.z, back.z, 0.0),
+        Vec4::new(-right.dot(eye), -up.dot(eye), -back.dot(eye), 1.0),
+    )
+}
+
+fn perspective(field_of_view: f32, aspect: f32, near: f32, far: f32) -> Mat4 {
+    let f = 1.0 / (0.5 * field_of_view).tan();
+    Mat4::from_cols(
+        Vec4::new(f / aspect, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, f, 0.0, 0.0),
+        Vec4::new(0.0, 0.0, (far + near) / (near - far), -1.0),
+        Vec4::new(0.0, 0.0, 2.0 * far * near / (near - far), 0.0),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_that_does_not_move_changes_nothing() {
+        let mut camera = Camera::new(80.0, 1.5);
+        assert!(!camera.drag(Vec2::ZERO));
+        assert!(!camera.pan(Vec2::ZERO, 600.0));
+        assert!(!camera.zoom(1.0));
+        assert!(!camera.ease(0.1));
+        assert!(camera.drag(Vec2::new(10.0, 0.0)));
+    }
+
+    #[test]
+    fn fit_eases_to_its_end_and_stops() {
+        let mut camera = Camera::new(80.0, 1.5);
+        camera.drag(Vec2::new(300.0, 40.0));
+        assert!(camera.fit(80.0, 1.5));
+        let mut steps = 0;
+        while camera.ease(0.05) {
+            steps += 1;
+            assert!(steps < 100);
+        }
+        assert!(steps > 3 && !camera.is_easing());
+        assert_eq!(camera.pose(), Camera::new(80.0, 1.5).pose());
+        assert!(!camera.fit(80.0, 1.5));
+    }
+
+    #[test]
+    fn a_ray_goes_through_the_point_it_was_made_from() {
+        let mut camera = Camera::new(80.0, 1.5);
+        camera.drag(Vec2::new(33.0, -17.0));
+        let point = Vec3::new(20.0, -30.0, 40.0);
+        let at = camera.project(point, 1.5).expect("in front of the eye");
+        let ray = camera.ray(at, 1.5);
+        let off = (point - ray.origin).cross(ray.direction).length();
+        assert!(off < 0.02, "{off} mm");
+    }
+
+    #[test]
+    fn zoom_refuses_nonsense() {
+        let mut camera = Camera::new(80.0, 1.5);
+        assert!(!camera.zoom(f32::NAN) && !camera.zoom(-1.0) && !camera.zoom(0.0));
+        camera.zoom(1e9);
+        assert!(camera.pose().distance >= DISTANCE_MM.0);
+    }
+}

@@ -1,0 +1,233 @@
+//! Colours: what a quantity looks like, what a tissue looks like, and what stands at the colour bar.
+
+use crate::measure::Fields;
+use crate::scene::Layer;
+
+/// A colour as sRGB, 0 to 1 each.
+pub type Rgb = [f32; 3];
+
+/// Colours in a look-up table.
+pub const TABLE_SIZE: usize = 256;
+
+/// Strains with a clinical meaning \[-\]: high from here, …
+pub const STRAIN_HIGH: f64 = 0.25;
+/// … very high from here, …
+pub const STRAIN_VERY_HIGH: f64 = 0.50;
+/// … and the mean failure strain of excised back skin (54 ± 17 %).
+pub const STRAIN_FAILURE: f64 = 0.54;
+
+/// What the surface is coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quantity {
+    /// The tissue's own colour.
+    Tissue,
+    /// Greatest principal strain, in the clinical bands.
+    #[default]
+    Strain,
+    /// Area stretch.
+    AreaStretch,
+    /// Greatest principal stress of a layer, counted from the skin.
+    Stress(usize),
+    /// Contact pressure on the implant.
+    Pressure,
+}
+
+/// A quantity as the colour bar shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// Name and unit, as "Principal strain" and "%".
+    pub title: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Field value at the lower end.
+    pub low: f32,
+    /// Field value at the upper end.
+    pub high: f32,
+    /// Field values that get a tick, with their labels.
+    pub ticks: Vec<(f32, String)>,
+    /// The colours from low to high.
+    pub table: Vec<Rgb>,
+}
+
+impl Quantity {
+    /// The values of this quantity per node; `None` for plain tissue.
+    #[must_use]
+    pub fn values<'a>(&self, fields: &'a Fields) -> Option<&'a [f32]> {
+        match *self {
+            Self::Tissue => None,
+            Self::Strain => Some(&fields.principal_strain),
+            Self::AreaStretch => Some(&fields.area_stretch),
+            Self::Stress(layer) => fields.stress_kpa.get(layer).map(Vec::as_slice),
+            Self::Pressure => Some(&fields.contact_pressure_kpa),
+        }
+    }
+
+    /// The colour bar that fits the values; `None` for plain tissue.
+    #[must_use]
+    pub fn scale(&self, fields: &Fields, layers: &[Layer]) -> Option<Scale> {
+        let values = self.values(fields)?;
+        let greatest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
+        Some(match *self {
+            Self::Tissue => return None,
+            Self::Strain => strain_scale(),
+            Self::AreaStretch => {
+                let high = nice_above(f64::from(greatest - 1.0).max(0.1)) as f32 + 1.0;
+                even("Area stretch".to_owned(), "×", 1.0, high, sequential)
+            }
+            Self::Stress(layer) => {
+                let tissue = layers.get(layer).map_or("layer", |l| l.tissue.as_str());
+                let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
+                even(format!("Stress in {tissue}"), "kPa", 0.0, high, sequential)
+            }
+            Self::Pressure => {
+                let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
+                even("Contact pressure".to_owned(), "kPa", 0.0, high, sequential)
+            }
+        })
+    }
+}
+
+/// The colour of a tissue: skin and adipose have their own, others one from a quiet palette.
+#[must_use]
+pub fn tissue(name: &str, place: usize) -> Rgb {
+    const OTHERS: [Rgb; 6] = [
+        [0.72, 0.45, 0.42],
+        [0.60, 0.68, 0.72],
+        [0.74, 0.66, 0.56],
+        [0.63, 0.57, 0.68],
+        [0.58, 0.68, 0.58],
+        [0.78, 0.70, 0.74],
+    ];
+    match name.trim().to_lowercase().as_str() {
+        "skin" => [0.87, 0.68, 0.58],
+        "adipose" | "fat" => [0.95, 0.81, 0.45],
+        "muscle" => [0.70, 0.34, 0.31],
+        _ => OTHERS[place % OTHERS.len()],
+    }
+}
+
+/// The implant: pearl.
+pub const IMPLANT: Rgb = [0.86, 0.88, 0.90];
+/// The chest wall: muscle, muted.
+pub const WALL: Rgb = [0.66, 0.42, 0.40];
+
+/// Perceptually uniform from dark blue over green to yellow (viridis, N. Smith and S. van der
+/// Walt, polynomial fit by M. Zucker), without its darkest tenth.
+#[must_use]
+pub fn sequential(t: f32) -> Rgb {
+    let t = 0.1 + 0.9 * t.clamp(0.0, 1.0);
+    let coefficients: [[f32; 3]; 7] = [
+        [0.277_727, 0.005_407, 0.334_1],
+        [0.105_093, 1.404_614, 1.384_59],
+        [-0.330_862, 0.214_848, 0.095_095],
+        [-4.634_23, -5.799_1, -19.332_44],
+        [6.228_27, 14.179_93, 56.690_55],
+        [4.776_385, -13.745_15, -65.353_03],
+        [-5.435_456, 4.645_853, 26.312_435],
+    ];
+    std::array::from_fn(|k| {
+        coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c[k]).clamp(0.0, 1.0)
+    })
+}
+
+/// Strain in its bands: calm below 0.25, amber to 0.5, red above, deep red past failure.
+#[must_use]
+pub fn strain_bands(strain: f32) -> Rgb {
+    let bands: [(f32, Rgb, Rgb); 4] = [
+        (STRAIN_HIGH as f32, [0.93, 0.95, 0.93], [0.36, 0.66, 0.66]),
+        (STRAIN_VERY_HIGH as f32, [0.98, 0.86, 0.55], [0.90, 0.57, 0.22]),
+        (STRAIN_FAILURE as f32, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
+        (0.8, [0.62, 0.12, 0.24], [0.36, 0.03, 0.22]),
+    ];
+    let mut from = 0.0;
+    for (to, low, high) in bands {
+        if strain < to || to == 0.8 {
+            let t = ((strain - from) / (to - from)).clamp(0.0, 1.0);
+            return std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t);
+        }
+        from = to;
+    }
+    bands[3].2
+}
+
+fn strain_scale() -> Scale {
+    let (low, high) = (0.0, 0.8);
+    let marks = [0.0, STRAIN_HIGH, STRAIN_VERY_HIGH, STRAIN_FAILURE, 0.8];
+    Scale {
+        title: "Principal strain".to_owned(),
+        unit: "%",
+        low,
+        high,
+        ticks: marks.iter().map(|m| (*m as f32, format!("{:.0}", 100.0 * m))).collect(),
+        table: table(|t| strain_bands(low + (high - low) * t)),
+    }
+}
+
+fn even(title: String, unit: &'static str, low: f32, high: f32, map: fn(f32) -> Rgb) -> Scale {
+    let decimals = decimals_for(f64::from(high - low) / 4.0);
+    let ticks = (0..=4)
+        .map(|k| low + (high - low) * k as f32 / 4.0)
+        .map(|v| (v, format!("{v:.decimals$}")))
+        .collect();
+    Scale { title, unit, low, high, ticks, table: table(map) }
+}
+
+fn table(map: impl Fn(f32) -> Rgb) -> Vec<Rgb> {
+    (0..TABLE_SIZE).map(|k| map((k as f32 + 0.5) / TABLE_SIZE as f32)).collect()
+}
+
+/// The least of 1, 2, 4, 8 times a power of ten that is not below the value: quarters of it are
+/// round numbers.
+#[must_use]
+pub fn nice_above(value: f64) -> f64 {
+    let unit = 10f64.powf(value.max(1e-12).log10().floor());
+    let steps = [1.0, 2.0, 4.0, 8.0, 10.0];
+    steps.into_iter().map(|s| s * unit).find(|s| *s >= value * 0.999).unwrap_or(10.0 * unit)
+}
+
+fn decimals_for(step: f64) -> usize {
+    (0..6)
+        .find(|d| {
+            let scaled = step * 10f64.powi(*d);
+            (scaled - scaled.round()).abs() < 1e-3 * scaled.max(1e-9)
+        })
+        .unwrap_or(6) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(c: Rgb) -> f32 {
+        let linear = c.map(|v| v.powf(2.2));
+        0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    }
+
+    #[test]
+    fn the_sequential_map_grows_brighter_all_the_way() {
+        let mut last = 0.0;
+        for k in 0..=100 {
+            let now = luminance(sequential(k as f32 / 100.0));
+            assert!(now > last, "{k}");
+            last = now;
+        }
+    }
+
+    #[test]
+    fn strain_bands_grow_darker_and_jump_at_their_limits() {
+        let samples: Vec<f32> = (0..800).map(|k| k as f32 / 1000.0).collect();
+        for limit in [STRAIN_HIGH, STRAIN_VERY_HIGH, STRAIN_FAILURE] {
+            let (a, b) = (strain_bands(limit as f32 - 1e-4), strain_bands(limit as f32 + 1e-4));
+            let jump: f32 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+            assert!(jump > 0.15, "{limit}: {jump}");
+        }
+        assert!(luminance(strain_bands(samples[0])) > 4.0 * luminance(strain_bands(0.79)));
+    }
+
+    #[test]
+    fn scale_ends_are_round_and_above_the_value() {
+        for (value, nice) in [(0.13, 0.2), (3.0, 4.0), (8.1, 10.0), (42.0, 80.0), (100.0, 100.0)] {
+            assert!((nice_above(value) - nice).abs() < 1e-9 * nice, "{value}");
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! What there is to see, without any toolkit: camera, colours, meshes, section cut, picking.
+//!
+//! Uses `session` and all to its left; knows no window, no GL and no clock. Used by `app`.
+//!
+//! Right-handed world in mm, z away from the chest wall; positions in `f32` are for drawing only.
+
+pub mod body;
+pub mod camera;
+pub mod color;
+pub mod mesh;
+pub mod pick;
+pub mod section;

@@ -1,0 +1,178 @@
+//! Picking: what lies under the pointer, and its values.
+
+use crate::implant::Dome;
+use crate::view::body::Body;
+use crate::view::camera::Ray;
+use crate::view::section::{CapTriangle, Section};
+use glam::Vec3;
+
+/// What a ray of sight meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Where \[mm\].
+    pub point: Vec3,
+    /// What.
+    pub target: Target,
+}
+
+/// What can be under the pointer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// A point of the sheet: three nodes with their weights (they sum to 1).
+    Sheet([(usize, f32); 3]),
+    /// Tissue around the pocket, which is not simulated.
+    Ring,
+    /// A cut face through this layer, counted from the skin.
+    Cut(usize),
+    /// The implant.
+    Implant,
+}
+
+impl Target {
+    /// A nodal value at the point; `None` off the sheet.
+    #[must_use]
+    pub fn value(&self, values: &[f32]) -> Option<f32> {
+        match self {
+            Self::Sheet(nodes) => {
+                nodes.iter().map(|&(k, w)| values.get(k).map(|v| v * w)).sum::<Option<f32>>()
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What the ray meets first; `first_layer` is the outermost layer shown.
+#[must_use]
+pub fn pick(
+    ray: &Ray,
+    body: &Body,
+    section: &Section,
+    caps: &[CapTriangle],
+    dome: &Dome,
+    first_layer: usize,
+) -> Option<Hit> {
+    let mut nearest: Option<(f32, Target)> = None;
+    let mut offer = |distance: f32, target: Target| {
+        if nearest.is_none_or(|(d, _)| distance < d) {
+            nearest = Some((distance, target));
+        }
+    };
+    if body.levels.is_empty() {
+        return None;
+    }
+    for level in [first_layer.min(body.layers()), body.layers()] {
+        let points = &body.levels[level];
+        for triangle in &body.triangles {
+            let corners = triangle.map(|c| points[c as usize]);
+            if let Some((distance, weights)) = ray_triangle(ray, corners)
+                && !section.removes(ray.origin + ray.direction * distance)
+            {
+                let on_sheet = triangle.iter().all(|&c| (c as usize) < body.node_columns);
+                let target = if on_sheet {
+                    Target::Sheet(std::array::from_fn(|k| (triangle[k] as usize, weights[k])))
+                } else {
+                    Target::Ring
+                };
+                offer(distance, target);
+            }
+        }
+    }
+    for cap in caps {
+        if let Some((distance, _)) = ray_triangle(ray, cap.corners) {
+            offer(distance, Target::Cut(cap.layer));
+        }
+    }
+    if let Some(distance) = ray_dome(ray, dome) {
+        offer(distance, Target::Implant);
+    }
+    nearest.map(|(d, target)| Hit { point: ray.origin + ray.direction * d, target })
+}
+
+/// Distance along the ray and barycentric weights (T. Möller and B. Trumbore, 1997).
+fn ray_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
+    let (ab, ac) = (b - a, c - a);
+    let p = ray.direction.cross(ac);
+    let determinant = ab.dot(p);
+    if determinant.abs() < 1e-9 {
+        return None;
+    }
+    let from_a = ray.origin - a;
+    let u = from_a.dot(p) / determinant;
+    if !(0.0..=1.0).contains(&u) {
+        return None;
+    }
+    let q = from_a.cross(ab);
+    let v = ray.direction.dot(q) / determinant;
+    if v < 0.0 || u + v > 1.0 {
+        return None;
+    }
+    let distance = ac.dot(q) / determinant;
+    (distance > 0.0).then_some((distance, [1.0 - u - v, u, v]))
+}
+
+/// Distance along the ray to the dome's surface above the wall.
+fn ray_dome(ray: &Ray, dome: &Dome) -> Option<f32> {
+    let radii = Vec3::new(
+        dome.base_radius as f32,
+        dome.base_radius as f32,
+        dome.projection.max(1e-6) as f32,
+    );
+    let from = (ray.origin - dome.origin().as_vec3()) / radii;
+    let direction = ray.direction / radii;
+    let (a, b, c) =
+        (direction.length_squared(), from.dot(direction), from.length_squared() - 1.0);
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let distance = (-b - discriminant.sqrt()) / a;
+    let above_wall = ray.origin.z + distance * ray.direction.z >= 0.0;
+    (distance > 0.0 && above_wall).then_some(distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::body::tests::small;
+    use crate::view::section::Opening;
+    use glam::Vec2;
+
+    #[test]
+    fn from_above_the_apex_is_picked_and_through_the_wedge_the_implant() {
+        let (session, body) = small();
+        let dome = session.solver().problem().dome;
+        let mut section = Section { opening: Opening::Closed, angle: 0.0, axis: Vec2::ZERO };
+        let down = Ray { origin: Vec3::new(20.0, 3.0, 400.0), direction: -Vec3::Z };
+        let hit = pick(&down, &body, &section, &[], &dome, 0).expect("tissue is there");
+        assert!(matches!(hit.target, Target::Sheet(_)), "{hit:?}");
+        let x: Vec<f32> = session.shape().iter().map(|p| p.x as f32).collect();
+        let at = hit.target.value(&x).expect("a sheet point has values");
+        assert!((at - 20.0).abs() < 8.0, "{at}");
+
+        section.opening = Opening::Wedge;
+        let caps = section.caps(&body, 0);
+        let hit = pick(&down, &body, &section, &caps, &dome, 0).expect("the implant is there");
+        assert_eq!(hit.target, Target::Implant);
+        assert!((hit.point.z - (55f32 * 55.0 - 409.0).sqrt()).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_cut_face_tells_its_layer_and_the_ring_has_no_values() {
+        let (session, body) = small();
+        let dome = session.solver().problem().dome;
+        let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
+        let caps = section.caps(&body, 0);
+        let inner = session.shape()[16 * 33 + 16].z as f32;
+        for (height, layer) in [(inner + 5.0, 1), (inner + 10.8, 0)] {
+            let ray = Ray { origin: Vec3::new(300.0, 0.5, height), direction: -Vec3::X };
+            let hit = pick(&ray, &body, &section, &caps, &dome, 0).expect("a face is there");
+            assert_eq!(hit.target, Target::Cut(layer));
+        }
+        let down = Ray { origin: Vec3::new(-78.0, 0.0, 400.0), direction: -Vec3::Z };
+        let hit = pick(&down, &body, &section, &caps, &dome, 0).expect("the ring is there");
+        assert_eq!(hit.target, Target::Ring);
+        assert_eq!(hit.target.value(&[0.0; 9]), None);
+        let miss = Ray { origin: Vec3::new(500.0, 0.0, 400.0), direction: -Vec3::Z };
+        assert_eq!(pick(&miss, &body, &section, &caps, &dome, 0), None);
+    }
+}
