@@ -13,6 +13,9 @@ use glam::{DVec3, Vec3};
 const RING_WIDTH: f32 = 0.2;
 /// Where the ring's columns stand across its width.
 const RING_STEPS: [f32; 3] = [0.0, 0.35, 1.0];
+/// How far from the border the mitre reaches into the sheet, in heights of the stack. The stack's
+/// outer face would fold over itself at the crease otherwise.
+const MITRE_REACH: f64 = 1.6;
 
 /// Columns through the layers. Level 0 is the skin's outer surface, the last level the inner face.
 #[derive(Clone, Debug, Default)]
@@ -46,8 +49,17 @@ impl Body {
             nodes_per_side: sheet.nodes_per_side(),
             ..Self::default()
         };
+        let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
+        let reach = MITRE_REACH * stack;
         for (k, position) in shape.iter().enumerate() {
-            body.push_node_column(k, position.as_vec3(), sheet.kinds()[k], fields);
+            let mitre = match sheet.kinds()[k] {
+                NodeKind::Free => {
+                    let to_border = sheet.radius_mm() - sheet.rest()[k].length();
+                    1.0 - (to_border / reach).clamp(0.0, 1.0)
+                }
+                NodeKind::Clamped | NodeKind::Outside => 1.0,
+            };
+            body.push_node_column(k, position.as_vec3(), mitre as f32, fields);
         }
         body.add_ring(problem);
         body
@@ -59,15 +71,11 @@ impl Body {
         self.levels.len().saturating_sub(1)
     }
 
-    fn push_node_column(&mut self, node: usize, inner: Vec3, kind: NodeKind, fields: &Fields) {
+    /// `mitre`: 0 along the nodal normal, 1 between it and the wall's normal, as at the border.
+    fn push_node_column(&mut self, node: usize, inner: Vec3, mitre: f32, fields: &Fields) {
         let normal = Vec3::from(fields.normal[node]).normalize_or(Vec3::Z);
-        // At the border the stack is mitred between the sheet and the wall.
-        let direction = if kind == NodeKind::Clamped {
-            let between = (normal + Vec3::Z).normalize_or(Vec3::Z);
-            between / between.z.max(0.5)
-        } else {
-            normal
-        };
+        let between = (normal + Vec3::Z).normalize_or(Vec3::Z);
+        let direction = normal.lerp(between / between.z.max(0.5), mitre);
         let layers = self.layers();
         let mut height = 0.0;
         self.levels[layers].push(inner);
@@ -133,8 +141,7 @@ fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
     for j in 0..cells {
         for i in 0..cells {
             let corners = sheet.corners(i, j);
-            let mut push =
-                |t: usize| triangles.push(CELL_TRIANGLES[t].map(|c| corners[c] as u32));
+            let mut push = |t: usize| triangles.push(CELL_TRIANGLES[t].map(|c| corners[c] as u32));
             match sheet.cell(i, j) {
                 CellKind::Whole => {
                     push(0);
@@ -163,11 +170,14 @@ pub(crate) mod tests {
     use crate::scene::Scene;
     use crate::session::Session;
 
-    /// A small scene's body before any solving: the solver's first guess.
+    /// A small scene, solved, with its body.
     pub(crate) fn small() -> (Session, Body) {
         let mut scene = Scene::default();
         scene.solver.nodes_per_side = 33;
-        let session = Session::new(scene).expect("the default scene is valid");
+        let mut session = Session::new(scene).expect("the default scene is valid");
+        while session.is_working() {
+            session.advance(&mut || false);
+        }
         let body = Body::new(session.solver().problem(), session.shape(), &session.fields());
         (session, body)
     }
@@ -177,7 +187,8 @@ pub(crate) mod tests {
         let (session, body) = small();
         let fields = session.fields();
         let sheet = &session.solver().problem().sheet;
-        for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+        let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
+        for k in (0..sheet.len()).filter(inside) {
             for layer in 0..body.layers() {
                 let thickness = body.levels[layer][k].distance(body.levels[layer + 1][k]);
                 assert!((thickness - fields.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");

@@ -88,8 +88,7 @@ impl Camera {
         let before = *self;
         self.ease = None;
         if factor.is_finite() && factor > 0.0 {
-            self.pose.distance =
-                (self.pose.distance / factor).clamp(DISTANCE_MM.0, DISTANCE_MM.1);
+            self.pose.distance = (self.pose.distance / factor).clamp(DISTANCE_MM.0, DISTANCE_MM.1);
         }
         *self != before
     }
@@ -155,8 +154,7 @@ impl Camera {
         let near = (self.pose.distance * 0.05).max(1.0);
         let far = self.pose.distance + 1500.0;
         let (_, up) = self.right_and_up();
-        perspective(FIELD_OF_VIEW, aspect, near, far)
-            * look_at(self.eye(), self.pose.target, up)
+        perspective(FIELD_OF_VIEW, aspect, near, far) * look_at(self.eye(), self.pose.target, up)
     }
 
     /// The ray through a point of the viewport, both coordinates from −1 to 1, y up.

@@ -139,15 +139,11 @@ pub fn strain_bands(strain: f32) -> Rgb {
         (STRAIN_FAILURE as f32, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
         (0.8, [0.62, 0.12, 0.24], [0.36, 0.03, 0.22]),
     ];
-    let mut from = 0.0;
-    for (to, low, high) in bands {
-        if strain < to || to == 0.8 {
-            let t = ((strain - from) / (to - from)).clamp(0.0, 1.0);
-            return std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t);
-        }
-        from = to;
-    }
-    bands[3].2
+    let place = bands.iter().position(|(to, ..)| strain < *to).unwrap_or(bands.len() - 1);
+    let (to, low, high) = bands[place];
+    let from = if place == 0 { 0.0 } else { bands[place - 1].0 };
+    let t = ((strain - from) / (to - from)).clamp(0.0, 1.0);
+    std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t)
 }
 
 fn strain_scale() -> Scale {

@@ -119,8 +119,7 @@ fn ray_dome(ray: &Ray, dome: &Dome) -> Option<f32> {
     );
     let from = (ray.origin - dome.origin().as_vec3()) / radii;
     let direction = ray.direction / radii;
-    let (a, b, c) =
-        (direction.length_squared(), from.dot(direction), from.length_squared() - 1.0);
+    let (a, b, c) = (direction.length_squared(), from.dot(direction), from.length_squared() - 1.0);
     let discriminant = b * b - a * c;
     if discriminant < 0.0 {
         return None;
@@ -162,8 +161,9 @@ mod tests {
         let dome = session.solver().problem().dome;
         let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
         let caps = section.caps(&body, 0);
-        let inner = session.shape()[16 * 33 + 16].z as f32;
-        for (height, layer) in [(inner + 5.0, 1), (inner + 10.8, 0)] {
+        let apex = |level: usize| body.levels[level][16 * 33 + 16].z;
+        for layer in [0, 1] {
+            let height = 0.5 * (apex(layer) + apex(layer + 1));
             let ray = Ray { origin: Vec3::new(300.0, 0.5, height), direction: -Vec3::X };
             let hit = pick(&ray, &body, &section, &caps, &dome, 0).expect("a face is there");
             assert_eq!(hit.target, Target::Cut(layer));

@@ -172,7 +172,9 @@ mod tests {
     fn area(caps: &[CapTriangle], layer: usize) -> f32 {
         caps.iter()
             .filter(|c| c.layer == layer)
-            .map(|c| 0.5 * (c.corners[1] - c.corners[0]).cross(c.corners[2] - c.corners[0]).length())
+            .map(|c| {
+                0.5 * (c.corners[1] - c.corners[0]).cross(c.corners[2] - c.corners[0]).length()
+            })
             .sum()
     }
 
