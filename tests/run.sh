@@ -62,6 +62,7 @@ check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --no-deps --lib
 suite native cargo test --locked --no-fail-fast
 suite wasm wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" --mode no-install . \
   --locked --no-default-features --features js-api --test wasm
+rm -rf dist # so that no older page is tested
 check page build_page
 suite browser node --test --test-reporter=tap tests/browser/page.test.mjs
 

@@ -95,5 +95,6 @@ need_test_tools() {
 }
 
 build_page() {
-  trunk build --quiet
+  # trunk takes NO_COLOR for an option of its own and refuses the usual values.
+  env -u NO_COLOR trunk build --quiet
 }
