@@ -59,9 +59,14 @@ impl Body {
                 }
                 NodeKind::Clamped | NodeKind::Outside => 1.0,
             };
-            body.push_node_column(k, position.as_vec3(), mitre as f32, fields);
+            let normal = Vec3::from(fields.normal[k]).normalize_or(Vec3::Z);
+            body.push_node_column(k, position.as_vec3(), mitred(normal, mitre as f32), fields);
         }
-        body.add_ring(problem);
+        let border = border_loop(sheet);
+        for (&node, normal) in border.iter().zip(border_normals(sheet, &border, fields)) {
+            body.stack_column(node, mitred(normal, 1.0), fields);
+        }
+        body.add_ring(problem, &border);
         body
     }
 
@@ -71,30 +76,33 @@ impl Body {
         self.levels.len().saturating_sub(1)
     }
 
-    /// `mitre`: 0 along the nodal normal, 1 between it and the wall's normal, as at the border.
-    fn push_node_column(&mut self, node: usize, inner: Vec3, mitre: f32, fields: &Fields) {
-        let normal = Vec3::from(fields.normal[node]).normalize_or(Vec3::Z);
-        let between = (normal + Vec3::Z).normalize_or(Vec3::Z);
-        let direction = normal.lerp(between / between.z.max(0.5), mitre);
+    /// A new column on a node; `along` has the length 1 / (share of the thickness along it).
+    fn push_node_column(&mut self, node: usize, inner: Vec3, along: Vec3, fields: &Fields) {
+        for level in &mut self.levels {
+            level.push(inner);
+        }
+        self.stack_column(node, along, fields);
+    }
+
+    fn stack_column(&mut self, node: usize, along: Vec3, fields: &Fields) {
         let layers = self.layers();
+        let inner = self.levels[layers][node];
         let mut height = 0.0;
-        self.levels[layers].push(inner);
         for level in (0..layers).rev() {
             height += fields.thickness_mm[level][node];
-            self.levels[level].push(inner + direction * height);
+            self.levels[level][node] = inner + along * height;
         }
     }
 
-    fn add_ring(&mut self, problem: &Problem) {
+    fn add_ring(&mut self, problem: &Problem, border: &[usize]) {
         let sheet = &problem.sheet;
         let stack: f32 = problem.materials.iter().map(|m| m.thickness_mm as f32).sum();
         let radius = sheet.radius_mm() as f32;
         let width = (RING_WIDTH * radius).max(2.0 * stack);
         self.block_radius = radius + width;
-        let border = border_loop(sheet);
         let (steps, around) = (RING_STEPS.len(), border.len());
         let first = self.node_columns as u32;
-        for &node in &border {
+        for &node in border {
             let rest = sheet.rest()[node].as_vec2();
             let outward = rest.normalize_or_zero();
             for (step, share) in RING_STEPS.into_iter().enumerate() {
@@ -153,6 +161,35 @@ fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
         }
     }
     triangles
+}
+
+/// The stack's direction for a nodal normal; `mitre`: 0 along it, 1 half way between it and the
+/// wall's normal, as at the border.
+fn mitred(normal: Vec3, mitre: f32) -> Vec3 {
+    let between = (normal + Vec3::Z).normalize_or(Vec3::Z);
+    normal.lerp(between / between.z.max(0.5), mitre)
+}
+
+/// Normals along the border, smoothed: those of the few small triangles there are rough.
+fn border_normals(sheet: &Sheet, border: &[usize], fields: &Fields) -> Vec<Vec3> {
+    const REACH: usize = 4;
+    let count = border.len();
+    // How far each normal leans outwards, and how far up it points.
+    let leans: Vec<(f32, f32)> = border
+        .iter()
+        .map(|&k| {
+            let normal = Vec3::from(fields.normal[k]);
+            (normal.truncate().dot(sheet.rest()[k].as_vec2().normalize_or_zero()), normal.z)
+        })
+        .collect();
+    (0..count)
+        .map(|k| {
+            let near = (0..=2 * REACH).map(|d| leans[(k + count * REACH + d - REACH) % count]);
+            let (lean, up) = near.fold((0.0, 0.0), |sum, n| (sum.0 + n.0, sum.1 + n.1));
+            let outward = sheet.rest()[border[k]].as_vec2().normalize_or_zero();
+            (outward * lean).extend(up.max(0.0)).normalize_or(Vec3::Z)
+        })
+        .collect()
 }
 
 /// The clamped nodes, counter-clockwise.

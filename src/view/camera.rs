@@ -177,10 +177,10 @@ impl Camera {
 fn fitted(radius_mm: f32, aspect: f32) -> Pose {
     let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(0.2, 1.15);
     Pose {
-        target: Vec3::new(0.0, 0.0, 0.28 * radius_mm),
+        target: Vec3::new(0.0, 0.0, 0.22 * radius_mm),
         azimuth: -1.05,
         elevation: 0.5,
-        distance: (1.0 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
+        distance: (1.06 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
     }
 }
 

@@ -100,16 +100,16 @@ pub fn tissue(name: &str, place: usize) -> Rgb {
     ];
     match name.trim().to_lowercase().as_str() {
         "skin" => [0.87, 0.68, 0.58],
-        "adipose" | "fat" => [0.95, 0.81, 0.45],
+        "adipose" | "fat" => [0.97, 0.87, 0.55],
         "muscle" => [0.70, 0.34, 0.31],
         _ => OTHERS[place % OTHERS.len()],
     }
 }
 
 /// The implant: pearl.
-pub const IMPLANT: Rgb = [0.86, 0.88, 0.90];
+pub const IMPLANT: Rgb = [0.80, 0.82, 0.85];
 /// The chest wall: muscle, muted.
-pub const WALL: Rgb = [0.66, 0.42, 0.40];
+pub const WALL: Rgb = [0.62, 0.43, 0.42];
 
 /// Perceptually uniform from dark blue over green to yellow (viridis, N. Smith and S. van der
 /// Walt, polynomial fit by M. Zucker), without its darkest tenth.
@@ -135,7 +135,7 @@ pub fn sequential(t: f32) -> Rgb {
 pub fn strain_bands(strain: f32) -> Rgb {
     let bands: [(f32, Rgb, Rgb); 4] = [
         (STRAIN_HIGH as f32, [0.93, 0.95, 0.93], [0.36, 0.66, 0.66]),
-        (STRAIN_VERY_HIGH as f32, [0.98, 0.86, 0.55], [0.90, 0.57, 0.22]),
+        (STRAIN_VERY_HIGH as f32, [0.99, 0.85, 0.58], [0.88, 0.46, 0.13]),
         (STRAIN_FAILURE as f32, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
         (0.8, [0.62, 0.12, 0.24], [0.36, 0.03, 0.22]),
     ];

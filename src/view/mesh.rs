@@ -13,6 +13,9 @@ pub type Vertex = [f32; 12];
 /// Marks a vertex that shows its own colour and no net.
 pub const NO_VALUE: f32 = -1.0e9;
 
+/// Neighbours on either side over which normals on the seam are smoothed.
+const SEAM_REACH: usize = 4;
+
 /// Thickness of the chest wall as drawn \[mm\].
 const WALL_THICKNESS: f32 = 5.0;
 
@@ -103,11 +106,18 @@ fn normals(body: &Body, points: &[Vec3]) -> Vec<Vec3> {
             sums[k as usize] += normal;
         }
     }
-    for &(ring, node) in &body.seam {
-        let (a, b) = (sums[ring as usize], sums[node as usize]);
-        // The ring's triangles are much larger: weigh both sides alike.
-        let both = a.normalize_or_zero() + b.normalize_or_zero();
-        (sums[ring as usize], sums[node as usize]) = (both, both);
+    // The ring's triangles are much larger than the sheet's: weigh both sides alike. Some of the
+    // sheet's are slivers: smooth along the seam.
+    let both = |&(ring, node): &(u32, u32)| {
+        sums[ring as usize].normalize_or_zero() + sums[node as usize].normalize_or_zero()
+    };
+    let across: Vec<Vec3> = body.seam.iter().map(both).collect();
+    let count = across.len();
+    for (k, &(ring, node)) in body.seam.iter().enumerate() {
+        let sum: Vec3 = (0..=2 * SEAM_REACH)
+            .map(|d| across[(k + count * SEAM_REACH + d - SEAM_REACH) % count])
+            .sum();
+        (sums[ring as usize], sums[node as usize]) = (sum, sum);
     }
     sums.iter().map(|sum| sum.normalize_or(Vec3::Z)).collect()
 }

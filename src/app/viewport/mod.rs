@@ -1,0 +1,305 @@
+//! The 3-D view: camera under the hand, the picture, colour bar, values under the pointer.
+//!
+//! Works without GL (tests, a browser without WebGL2): everything but the picture itself.
+
+mod overlay;
+mod picture;
+mod renderer;
+
+use crate::measure::Fields;
+use crate::session::Session;
+use crate::view::camera::Camera;
+use crate::view::color::Quantity;
+use crate::view::pick::{self, Hit};
+use crate::view::section::{Opening, Section};
+use eframe::egui::{
+    self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
+    Ui, WidgetInfo,
+};
+use eframe::{egui_glow, glow};
+use glam::Vec2;
+use picture::Picture;
+use renderer::{Frame, Renderer};
+use std::sync::{Arc, Mutex};
+
+/// Radians to orbit by an arrow key, in points of a drag.
+const KEY_ORBIT: f32 = 14.0;
+/// Larger grids are not searched under the pointer while a solve is under way.
+const PICK_WHILE_SOLVING: usize = 257;
+
+/// What the user has chosen to see; none of it solves anything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Options {
+    /// What the skin is coloured by.
+    pub(crate) quantity: Quantity,
+    /// Is the tissue cut open?
+    pub(crate) section: bool,
+    /// Direction that the opening faces \[degrees\], from +x counter-clockwise.
+    pub(crate) section_azimuth_deg: f32,
+    /// Take away a whole half, not only a quarter?
+    pub(crate) half: bool,
+    /// Draw the net of springs?
+    pub(crate) net: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            quantity: Quantity::Strain,
+            section: true,
+            section_azimuth_deg: -50.0,
+            half: false,
+            net: true,
+        }
+    }
+}
+
+/// The 3-D view with its camera.
+pub(crate) struct Viewport {
+    renderer: Option<Arc<Mutex<Renderer>>>,
+    problem: Option<String>,
+    camera: Camera,
+    placed: bool,
+    aspect: f32,
+    picture: Picture,
+}
+
+impl Viewport {
+    /// A viewport that draws with the given context, or says why it cannot.
+    #[must_use]
+    pub(crate) fn new(gl: Option<&Arc<glow::Context>>) -> Self {
+        let (renderer, problem) = match gl.map(|gl| Renderer::new(gl)) {
+            Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
+            Some(Err(problem)) => (None, Some(problem)),
+            None => (None, Some("no OpenGL or WebGL2".to_owned())),
+        };
+        Self {
+            renderer,
+            problem,
+            camera: Camera::new(90.0, 1.4),
+            placed: false,
+            aspect: 1.4,
+            picture: Picture::default(),
+        }
+    }
+
+    /// The camera, to keep it over a lost graphics context.
+    #[must_use]
+    pub(crate) fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// Puts a kept camera back.
+    pub(crate) fn set_camera(&mut self, camera: Camera) {
+        self.camera = camera;
+        self.placed = true;
+    }
+
+    /// The fields of the shape that is shown.
+    #[must_use]
+    pub(crate) fn fields(&self) -> &Fields {
+        &self.picture.fields
+    }
+
+    /// Eases to the three-quarter view of the whole body.
+    pub(crate) fn fit(&mut self, session: &Session) {
+        self.camera.fit(radius_to_fit(session), self.aspect);
+    }
+
+    /// Frees what is on the graphics card.
+    pub(crate) fn destroy(&mut self, gl: &glow::Context) {
+        if let Some(renderer) = self.renderer.take()
+            && let Ok(renderer) = renderer.lock()
+        {
+            renderer.destroy(gl);
+        }
+    }
+
+    /// Shows the session in all the space that is left.
+    pub(crate) fn show(&mut self, ui: &mut Ui, session: &Session, options: &mut Options, dark: bool) {
+        let (area, response) = ui.allocate_exact_size(
+            ui.available_size().max(egui::Vec2::splat(1.0)),
+            Sense::click_and_drag() | Sense::FOCUSABLE,
+        );
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
+        self.aspect = area.width() / area.height();
+        if !self.placed {
+            self.camera = Camera::new(radius_to_fit(session), self.aspect);
+            self.placed = true;
+        }
+        let section = Section {
+            opening: match (options.section, options.half) {
+                (false, _) => Opening::Closed,
+                (true, false) => Opening::Wedge,
+                (true, true) => Opening::Half,
+            },
+            angle: options.section_azimuth_deg.to_radians(),
+            axis: session.solver().problem().dome.center.as_vec2(),
+        };
+        let up_to_date = self.picture.update(session, options.quantity, section);
+        let moved = self.move_camera(ui, &response, area);
+        if moved || self.camera.is_easing() || !up_to_date {
+            ui.ctx().request_repaint();
+        }
+        if !ui.is_rect_visible(area) {
+            return;
+        }
+        let painter = ui.painter_at(area);
+        overlay::background(&painter, area, dark);
+        let foot = session.solver().problem().dome.wall_radius() as f32;
+        self.draw(ui, &painter, area, section, (options.net, foot));
+        if let Some(scale) = &self.picture.scale
+            && self.picture.body.layers() > 0
+        {
+            overlay::color_bar(ui, &painter, area, scale);
+        }
+        overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));
+        self.show_values(ui, &painter, &response, session, section);
+        if response.has_focus() {
+            let stroke = ui.visuals().selection.stroke;
+            painter.rect_stroke(area.shrink(1.0), 2.0, stroke, egui::StrokeKind::Inside);
+        }
+    }
+
+    fn move_camera(&mut self, ui: &Ui, response: &Response, area: Rect) -> bool {
+        let seconds = ui.input(|i| i.stable_dt.min(0.1));
+        let mut moved = self.camera.ease(seconds);
+        if response.clicked() || response.drag_started() {
+            response.request_focus();
+        }
+        let to_glam = |v: egui::Vec2| Vec2::new(v.x, v.y);
+        let delta = to_glam(response.drag_delta());
+        let (shift, touch) = ui.input(|i| (i.modifiers.shift, i.multi_touch()));
+        if let Some(touch) = touch
+            && area.contains(touch.center_pos)
+        {
+            moved |= self.camera.zoom(touch.zoom_delta);
+            moved |= self.camera.pan(to_glam(touch.translation_delta), area.height());
+        } else if response.dragged_by(PointerButton::Primary) && !shift {
+            moved |= self.camera.drag(delta);
+        } else if response.dragged() {
+            moved |= self.camera.pan(delta, area.height());
+        }
+        if response.hovered() {
+            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+            moved |= self.camera.zoom((scroll * 0.003).exp() * pinch);
+        }
+        if response.has_focus() {
+            moved |= self.keys(ui);
+        }
+        moved
+    }
+
+    /// Shift and the arrows orbit, plus and minus zoom.
+    fn keys(&mut self, ui: &Ui) -> bool {
+        let mut moved = false;
+        ui.input_mut(|input| {
+            for (key, x, y) in [
+                (Key::ArrowLeft, 1.0, 0.0),
+                (Key::ArrowRight, -1.0, 0.0),
+                (Key::ArrowUp, 0.0, 1.0),
+                (Key::ArrowDown, 0.0, -1.0),
+            ] {
+                if input.consume_key(Modifiers::SHIFT, key) {
+                    moved |= self.camera.drag(KEY_ORBIT * Vec2::new(x, y));
+                }
+            }
+            for (key, factor) in [(Key::Plus, 1.15), (Key::Equals, 1.15), (Key::Minus, 1.0 / 1.15)]
+            {
+                if input.consume_key(Modifiers::NONE, key) {
+                    moved |= self.camera.zoom(factor);
+                }
+            }
+        });
+        moved
+    }
+
+    fn draw(
+        &self,
+        ui: &Ui,
+        painter: &egui::Painter,
+        area: Rect,
+        section: Section,
+        (net, foot): (bool, f32),
+    ) {
+        let Some(renderer) = &self.renderer else {
+            let why = self.problem.as_deref().unwrap_or("no graphics");
+            let text = format!("No 3-D picture here: {why}.\nControls and results work.");
+            let font = TextStyle::Body.resolve(ui.style());
+            let color = ui.visuals().weak_text_color();
+            painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);
+            return;
+        };
+        let (right, up) = self.camera.right_and_up();
+        let frame = Frame {
+            meshes: self.picture.meshes.clone(),
+            table: Arc::clone(&self.picture.table),
+            range: self.picture.scale.as_ref().map_or([0.0, 1.0], |s| [s.low, s.high]),
+            clip_from_world: self.camera.clip_from_world(self.aspect),
+            eye: self.camera.eye(),
+            right,
+            up,
+            planes: section.planes(),
+            axis: section.axis,
+            net,
+            grid_centre: 0.5 * self.picture.body.nodes_per_side.saturating_sub(1) as f32,
+            foot,
+        };
+        let renderer = Arc::clone(renderer);
+        let paint = egui_glow::CallbackFn::new(move |_, painter| {
+            if let Ok(mut renderer) = renderer.lock() {
+                renderer.paint(painter.gl(), &frame);
+            }
+        });
+        painter.add(egui::PaintCallback { rect: area, callback: Arc::new(paint) });
+    }
+
+    fn points_per_mm(&self, area: Rect) -> f32 {
+        let target = self.camera.pose().target;
+        let (right, _) = self.camera.right_and_up();
+        let project = |p| self.camera.project(p, self.aspect).unwrap_or_default();
+        0.5 * area.width() * (project(target + right) - project(target)).length()
+    }
+
+    fn hit(&self, session: &Session, section: Section, area: Rect, pointer: Pos2) -> Option<Hit> {
+        let x = 2.0 * (pointer.x - area.left()) / area.width() - 1.0;
+        let y = 1.0 - 2.0 * (pointer.y - area.top()) / area.height();
+        let ray = self.camera.ray(Vec2::new(x, y), self.aspect);
+        let dome = &session.solver().problem().dome;
+        pick::pick(&ray, &self.picture.body, &section, &self.picture.caps, dome, 0)
+    }
+
+    fn show_values(
+        &self,
+        ui: &Ui,
+        painter: &egui::Painter,
+        response: &Response,
+        session: &Session,
+        section: Section,
+    ) {
+        let busy = session.is_working() && self.picture.body.nodes_per_side > PICK_WHILE_SOLVING;
+        let Some(pointer) = response.hover_pos() else { return };
+        if busy || response.dragged() {
+            return;
+        }
+        let area = response.rect;
+        if let Some(hit) = self.hit(session, section, area, pointer) {
+            painter.circle(
+                pointer,
+                3.0,
+                Color32::TRANSPARENT,
+                egui::Stroke::new(1.5, ui.visuals().strong_text_color()),
+            );
+            let lines = overlay::readout(&hit, &self.picture, session);
+            overlay::pointer_box(ui, painter, area, pointer, &lines);
+        }
+    }
+}
+
+/// Radius \[mm\] of the ball that holds the body.
+fn radius_to_fit(session: &Session) -> f32 {
+    let problem = session.solver().problem();
+    let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
+    let radius = problem.sheet.radius_mm();
+    (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.dome.projection) as f32
+}

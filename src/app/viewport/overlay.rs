@@ -1,0 +1,206 @@
+//! What is written over the picture: colour bar, scale bar, values under the pointer.
+
+use super::picture::Picture;
+use crate::session::Session;
+use crate::view::color::{Rgb, Scale};
+use crate::view::pick::{Hit, Target};
+use eframe::egui::{
+    Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
+    TextStyle, Ui, Vec2, pos2, vec2,
+};
+
+const BAR_WIDTH: f32 = 12.0;
+const MARGIN: f32 = 16.0;
+
+fn color32(c: Rgb) -> Color32 {
+    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+    Color32::from_rgb(byte(c[0]), byte(c[1]), byte(c[2]))
+}
+
+fn font(ui: &Ui) -> FontId {
+    TextStyle::Small.resolve(ui.style())
+}
+
+/// The colour bar at the right edge, with its title, unit and ticks.
+pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+    let font = font(ui);
+    let text = ui.visuals().text_color();
+    let height = (area.height() * 0.42).clamp(70.0, 220.0);
+    let right = area.right() - MARGIN - 34.0;
+    let top = area.top() + MARGIN + 22.0;
+    let bar = Rect::from_min_size(pos2(right - BAR_WIDTH, top), vec2(BAR_WIDTH, height));
+    let title = format!("{} [{}]", scale.title, scale.unit);
+    let at = pos2(area.right() - MARGIN, top - 8.0);
+    painter.text(at, Align2::RIGHT_BOTTOM, title, font.clone(), text);
+
+    let mut mesh = Mesh::default();
+    let steps = scale.table.len();
+    for (k, &c) in scale.table.iter().enumerate() {
+        let at = |s: usize| bar.bottom() - bar.height() * s as f32 / steps as f32;
+        let band = Rect::from_min_max(pos2(bar.left(), at(k + 1)), pos2(bar.right(), at(k)));
+        mesh.add_colored_rect(band, color32(c));
+    }
+    painter.add(Shape::mesh(mesh));
+    let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
+    painter.rect_stroke(bar, CornerRadius::ZERO, outline, StrokeKind::Outside);
+
+    let spacing = font.size + 1.0;
+    for ((value, label), y) in scale.ticks.iter().zip(label_heights(scale, bar, spacing)) {
+        let tick = height_of(scale, bar, *value);
+        let line = [pos2(bar.right(), tick), pos2(bar.right() + 4.0, y)];
+        painter.line_segment(line, outline);
+        let at = pos2(bar.right() + 7.0, y);
+        painter.text(at, Align2::LEFT_CENTER, label, font.clone(), text);
+    }
+}
+
+fn height_of(scale: &Scale, bar: Rect, value: f32) -> f32 {
+    bar.bottom() - bar.height() * (value - scale.low) / (scale.high - scale.low)
+}
+
+/// Where the labels stand so that none covers another: from low to high, then pushed back down.
+fn label_heights(scale: &Scale, bar: Rect, spacing: f32) -> Vec<f32> {
+    let mut heights: Vec<f32> =
+        scale.ticks.iter().map(|(value, _)| height_of(scale, bar, *value)).collect();
+    for k in 1..heights.len() {
+        heights[k] = heights[k].min(heights[k - 1] - spacing);
+    }
+    if let Some(last) = heights.last_mut() {
+        *last = last.max(bar.top());
+    }
+    for k in (1..heights.len()).rev() {
+        heights[k - 1] = heights[k - 1].max(heights[k] + spacing);
+    }
+    heights
+}
+
+/// A bar of a round length in mm, true at the point looked at.
+pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f32) {
+    let length_mm = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]
+        .into_iter()
+        .find(|mm| mm * points_per_mm >= 48.0)
+        .unwrap_or(500.0);
+    let start = pos2(area.left() + MARGIN, area.bottom() - MARGIN);
+    let end = start + vec2(length_mm * points_per_mm, 0.0);
+    let stroke = Stroke::new(1.5, ui.visuals().text_color());
+    painter.line_segment([start, end], stroke);
+    for p in [start, end] {
+        painter.line_segment([p - vec2(0.0, 3.0), p + vec2(0.0, 3.0)], stroke);
+    }
+    let label = format!("{length_mm} mm");
+    let at = start.lerp(end, 0.5) - vec2(0.0, 5.0);
+    painter.text(at, Align2::CENTER_BOTTOM, label, font(ui), ui.visuals().text_color());
+}
+
+/// The values at a hit, one line each.
+pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<String> {
+    let layers = &session.scene().layers;
+    let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
+    let fields = &picture.fields;
+    match &hit.target {
+        Target::Implant => vec![format!("Implant, {:.1} mm above the wall", hit.point.z)],
+        Target::Ring => vec!["Outside the pocket: not simulated".to_owned()],
+        Target::Cut(layer) => vec![format!("Cut through {}", name(*layer))],
+        sheet @ Target::Sheet(_) => {
+            let value = |values: &[f32]| sheet.value(values).unwrap_or(0.0);
+            let mut lines = vec![
+                format!("Strain {:.0} %", 100.0 * value(&fields.principal_strain)),
+                format!("Area ×{:.2}", value(&fields.area_stretch)),
+            ];
+            let pressure = value(&fields.contact_pressure_kpa);
+            if pressure > 0.0 {
+                lines.push(format!("Pressure {} kPa", three_figures(pressure)));
+            }
+            for (k, (stress, thickness)) in
+                fields.stress_kpa.iter().zip(&fields.thickness_mm).enumerate()
+            {
+                let (stress, thickness) = (three_figures(value(stress)), value(thickness));
+                lines.push(format!("{}: {stress} kPa, {thickness:.1} mm thick", name(k)));
+            }
+            lines
+        }
+    }
+}
+
+/// At most three figures.
+fn three_figures(value: f32) -> String {
+    match value.abs() {
+        v if v >= 100.0 => format!("{value:.0}"),
+        v if v >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}
+
+/// A small box beside the pointer, kept inside the area.
+pub(crate) fn pointer_box(ui: &Ui, painter: &Painter, area: Rect, pointer: Pos2, lines: &[String]) {
+    let galley = painter.layout_no_wrap(lines.join("\n"), font(ui), ui.visuals().text_color());
+    let padding = Vec2::splat(8.0);
+    let size = galley.size() + 2.0 * padding;
+    let mut corner = pointer + vec2(16.0, 16.0);
+    if corner.x + size.x > area.right() {
+        corner.x = (pointer.x - 16.0 - size.x).max(area.left());
+    }
+    if corner.y + size.y > area.bottom() {
+        corner.y = (pointer.y - 16.0 - size.y).max(area.top());
+    }
+    let rect = Rect::from_min_size(corner, size);
+    let visuals = ui.visuals();
+    painter.rect(
+        rect,
+        CornerRadius::same(4),
+        visuals.window_fill.gamma_multiply(0.94),
+        visuals.window_stroke,
+        StrokeKind::Inside,
+    );
+    painter.galley(corner + padding, galley, visuals.text_color());
+}
+
+/// A quiet gradient behind the body, lighter above.
+pub(crate) fn background(painter: &Painter, area: Rect, dark: bool) {
+    let (top, bottom) = if dark {
+        (Color32::from_rgb(40, 43, 47), Color32::from_rgb(22, 24, 27))
+    } else {
+        (Color32::from_rgb(247, 248, 249), Color32::from_rgb(219, 223, 227))
+    };
+    let mut mesh = Mesh::default();
+    for (corner, color) in [
+        (area.left_top(), top),
+        (area.right_top(), top),
+        (area.right_bottom(), bottom),
+        (area.left_bottom(), bottom),
+    ] {
+        mesh.colored_vertex(corner, color);
+    }
+    mesh.add_triangle(0, 1, 2);
+    mesh.add_triangle(0, 2, 3);
+    painter.add(Shape::mesh(mesh));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_of_close_ticks_do_not_cover_each_other() {
+        let marks = [0.0, 0.25, 0.5, 0.54, 0.8];
+        let scale = Scale {
+            title: String::new(),
+            unit: "%",
+            low: 0.0,
+            high: 0.8,
+            ticks: marks.map(|m| (m, String::new())).to_vec(),
+            table: Vec::new(),
+        };
+        for height in [70.0, 220.0] {
+            let bar = Rect::from_min_size(Pos2::ZERO, vec2(12.0, height));
+            let heights = label_heights(&scale, bar, 12.0);
+            assert!(heights.windows(2).all(|h| h[0] - h[1] >= 12.0 - 1e-3), "{heights:?}");
+        }
+    }
+
+    #[test]
+    fn values_have_at_most_three_figures() {
+        let shown = [0.1234_f32, 1.234, 12.34, 123.4].map(three_figures);
+        assert_eq!(shown, ["0.12", "1.23", "12.3", "123"]);
+    }
+}

@@ -1,0 +1,277 @@
+//! The picture on the graphics card: one program, four meshes, a colour table.
+//!
+//! Uploads only what changed: a mesh or table that is the same `Arc` as before stays where it is.
+
+use crate::view::color::Rgb;
+use crate::view::mesh::{Mesh, Vertex};
+use eframe::glow::{self, HasContext as _};
+use glam::{Mat4, Vec2, Vec3};
+use std::sync::Arc;
+
+/// What a mesh is made of, in the order of drawing; the number is the shader's `u_material`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Material {
+    /// Skin's outside, the inner face, the block's side: opened by the cut.
+    Tissue = 0,
+    /// Cut faces.
+    Cap = 1,
+    /// The implant.
+    Implant = 2,
+    /// The chest wall.
+    Wall = 3,
+}
+
+const MATERIALS: [Material; 4] =
+    [Material::Tissue, Material::Cap, Material::Implant, Material::Wall];
+
+/// Everything that one frame shows.
+#[derive(Clone)]
+pub(crate) struct Frame {
+    /// A mesh for each material.
+    pub(crate) meshes: [Arc<Mesh>; 4],
+    /// The colours of the quantity shown.
+    pub(crate) table: Arc<Vec<Rgb>>,
+    /// Field values at the table's ends.
+    pub(crate) range: [f32; 2],
+    /// The camera.
+    pub(crate) clip_from_world: Mat4,
+    pub(crate) eye: Vec3,
+    pub(crate) right: Vec3,
+    pub(crate) up: Vec3,
+    /// The cut's planes and its axis on the wall.
+    pub(crate) planes: Option<[Vec3; 2]>,
+    pub(crate) axis: Vec2,
+    /// Draw the springs?
+    pub(crate) net: bool,
+    /// The grid's middle \[cells\].
+    pub(crate) grid_centre: f32,
+    /// Radius of the circle in which the implant meets the wall \[mm\].
+    pub(crate) foot: f32,
+}
+
+/// A mesh on the card.
+struct Buffers {
+    vertex_array: glow::VertexArray,
+    vertices: glow::Buffer,
+    indices: glow::Buffer,
+    shown: Option<Arc<Mesh>>,
+}
+
+/// Draws [`Frame`]s.
+pub(crate) struct Renderer {
+    program: glow::Program,
+    buffers: Vec<Buffers>,
+    table: glow::Texture,
+    shown_table: Option<Arc<Vec<Rgb>>>,
+}
+
+const ATTRIBUTES: [(&str, i32); 5] =
+    [("a_position", 3), ("a_normal", 3), ("a_grid", 2), ("a_value", 1), ("a_color", 3)];
+
+impl Renderer {
+    /// Compiles the shaders and makes room on the card.
+    ///
+    /// # Errors
+    /// What the driver said, in one line.
+    pub(crate) fn new(gl: &glow::Context) -> Result<Self, String> {
+        let version = if cfg!(target_arch = "wasm32") { "#version 300 es" } else { "#version 330" };
+        let prefix = format!("{version}\nprecision highp float;\nprecision highp int;\n");
+        // SAFETY: all calls are made with the context's thread and the objects just made by it.
+        unsafe {
+            let program = link(gl, &prefix)?;
+            let table = gl.create_texture()?;
+            let buffers =
+                MATERIALS.iter().map(|_| Buffers::new(gl, program)).collect::<Result<_, _>>()?;
+            Ok(Self { program, buffers, table, shown_table: None })
+        }
+    }
+
+    /// Draws a frame into the present viewport, over what is there.
+    pub(crate) fn paint(&mut self, gl: &glow::Context, frame: &Frame) {
+        // SAFETY: as in `new`; egui restores its own state after a paint callback.
+        unsafe {
+            for (buffers, mesh) in self.buffers.iter_mut().zip(&frame.meshes) {
+                buffers.upload(gl, mesh);
+            }
+            self.upload_table(gl, &frame.table);
+
+            gl.enable(glow::DEPTH_TEST);
+            gl.depth_func(glow::LESS);
+            gl.depth_mask(true);
+            gl.disable(glow::BLEND);
+            gl.disable(glow::CULL_FACE);
+            gl.clear_depth_f32(1.0);
+            gl.clear(glow::DEPTH_BUFFER_BIT);
+            gl.use_program(Some(self.program));
+            self.set_frame_uniforms(gl, frame);
+            for (material, buffers) in MATERIALS.into_iter().zip(&self.buffers) {
+                let Some(mesh) = &buffers.shown else { continue };
+                let cut = material == Material::Tissue && frame.planes.is_some();
+                gl.uniform_1_i32(self.at(gl, "u_material").as_ref(), material as i32);
+                gl.uniform_1_i32(self.at(gl, "u_cut").as_ref(), i32::from(cut));
+                gl.bind_vertex_array(Some(buffers.vertex_array));
+                gl.draw_elements(glow::TRIANGLES, mesh.indices.len() as i32, glow::UNSIGNED_INT, 0);
+            }
+            gl.bind_vertex_array(None);
+            gl.use_program(None);
+            gl.disable(glow::DEPTH_TEST);
+        }
+    }
+
+    /// Frees what is on the card.
+    pub(crate) fn destroy(&self, gl: &glow::Context) {
+        // SAFETY: the objects were made by this context and are not used again.
+        unsafe {
+            gl.delete_program(self.program);
+            gl.delete_texture(self.table);
+            for buffers in &self.buffers {
+                gl.delete_vertex_array(buffers.vertex_array);
+                gl.delete_buffer(buffers.vertices);
+                gl.delete_buffer(buffers.indices);
+            }
+        }
+    }
+
+    unsafe fn at(&self, gl: &glow::Context, name: &str) -> Option<glow::UniformLocation> {
+        // SAFETY: the program lives as long as the renderer.
+        unsafe { gl.get_uniform_location(self.program, name) }
+    }
+
+    unsafe fn set_frame_uniforms(&self, gl: &glow::Context, frame: &Frame) {
+        let planes = frame.planes.unwrap_or_default();
+        // SAFETY: the program is in use.
+        unsafe {
+            gl.uniform_matrix_4_f32_slice(
+                self.at(gl, "u_clip_from_world").as_ref(),
+                false,
+                &frame.clip_from_world.to_cols_array(),
+            );
+            for (name, v) in [
+                ("u_eye", frame.eye),
+                ("u_right", frame.right),
+                ("u_up", frame.up),
+                ("u_planes[0]", planes[0]),
+                ("u_planes[1]", planes[1]),
+                ("u_axis", frame.axis.extend(0.0)),
+            ] {
+                gl.uniform_3_f32(self.at(gl, name).as_ref(), v.x, v.y, v.z);
+            }
+            gl.uniform_2_f32(self.at(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
+            gl.uniform_1_f32(self.at(gl, "u_foot").as_ref(), frame.foot);
+            let centre = frame.grid_centre;
+            gl.uniform_2_f32(self.at(gl, "u_grid_centre").as_ref(), centre, centre);
+            gl.uniform_1_i32(self.at(gl, "u_net").as_ref(), i32::from(frame.net));
+            gl.uniform_1_i32(self.at(gl, "u_table").as_ref(), 0);
+            gl.active_texture(glow::TEXTURE0);
+            gl.bind_texture(glow::TEXTURE_2D, Some(self.table));
+        }
+    }
+
+    unsafe fn upload_table(&mut self, gl: &glow::Context, table: &Arc<Vec<Rgb>>) {
+        if self.shown_table.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, table)) {
+            return;
+        }
+        let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let texels: Vec<u8> =
+            table.iter().flat_map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
+        // SAFETY: the texture belongs to this context; the slice holds width × 4 bytes.
+        unsafe {
+            gl.active_texture(glow::TEXTURE0);
+            gl.bind_texture(glow::TEXTURE_2D, Some(self.table));
+            for (parameter, value) in [
+                (glow::TEXTURE_MIN_FILTER, glow::NEAREST),
+                (glow::TEXTURE_MAG_FILTER, glow::NEAREST),
+                (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
+                (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
+            ] {
+                gl.tex_parameter_i32(glow::TEXTURE_2D, parameter, value as i32);
+            }
+            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            gl.tex_image_2d(
+                glow::TEXTURE_2D,
+                0,
+                glow::RGBA8 as i32,
+                table.len() as i32,
+                1,
+                0,
+                glow::RGBA,
+                glow::UNSIGNED_BYTE,
+                glow::PixelUnpackData::Slice(Some(&texels)),
+            );
+        }
+        self.shown_table = Some(Arc::clone(table));
+    }
+}
+
+impl Buffers {
+    unsafe fn new(gl: &glow::Context, program: glow::Program) -> Result<Self, String> {
+        // SAFETY: the attribute layout below is that of `Vertex`.
+        unsafe {
+            let vertex_array = gl.create_vertex_array()?;
+            let (vertices, indices) = (gl.create_buffer()?, gl.create_buffer()?);
+            gl.bind_vertex_array(Some(vertex_array));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(vertices));
+            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(indices));
+            let mut offset = 0;
+            for (name, size) in ATTRIBUTES {
+                if let Some(place) = gl.get_attrib_location(program, name) {
+                    let stride = size_of::<Vertex>() as i32;
+                    gl.enable_vertex_attrib_array(place);
+                    gl.vertex_attrib_pointer_f32(place, size, glow::FLOAT, false, stride, offset);
+                }
+                offset += 4 * size;
+            }
+            gl.bind_vertex_array(None);
+            Ok(Self { vertex_array, vertices, indices, shown: None })
+        }
+    }
+
+    unsafe fn upload(&mut self, gl: &glow::Context, mesh: &Arc<Mesh>) {
+        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, mesh)) {
+            return;
+        }
+        // SAFETY: the buffers belong to this context; the bytes are those of whole slices.
+        unsafe {
+            gl.bind_vertex_array(Some(self.vertex_array));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
+            let vertices = bytemuck::cast_slice(&mesh.vertices);
+            gl.buffer_data_u8_slice(glow::ARRAY_BUFFER, vertices, glow::DYNAMIC_DRAW);
+            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(self.indices));
+            let indices = bytemuck::cast_slice(&mesh.indices);
+            gl.buffer_data_u8_slice(glow::ELEMENT_ARRAY_BUFFER, indices, glow::DYNAMIC_DRAW);
+            gl.bind_vertex_array(None);
+        }
+        self.shown = Some(Arc::clone(mesh));
+    }
+}
+
+unsafe fn link(gl: &glow::Context, prefix: &str) -> Result<glow::Program, String> {
+    let stages = [
+        (glow::VERTEX_SHADER, include_str!("surface.vert")),
+        (glow::FRAGMENT_SHADER, include_str!("surface.frag")),
+    ];
+    // SAFETY: every object is made here by this context.
+    unsafe {
+        let program = gl.create_program()?;
+        let mut shaders = Vec::new();
+        for (kind, source) in stages {
+            let shader = gl.create_shader(kind)?;
+            gl.shader_source(shader, &format!("{prefix}{source}"));
+            gl.compile_shader(shader);
+            if !gl.get_shader_compile_status(shader) {
+                return Err(format!("shader: {}", gl.get_shader_info_log(shader)));
+            }
+            gl.attach_shader(program, shader);
+            shaders.push(shader);
+        }
+        gl.link_program(program);
+        if !gl.get_program_link_status(program) {
+            return Err(format!("program: {}", gl.get_program_info_log(program)));
+        }
+        for shader in shaders {
+            gl.detach_shader(program, shader);
+            gl.delete_shader(shader);
+        }
+        Ok(program)
+    }
+}
