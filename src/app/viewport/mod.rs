@@ -6,7 +6,6 @@ mod overlay;
 mod picture;
 mod renderer;
 
-use crate::measure::Fields;
 use crate::session::Session;
 use crate::view::camera::Camera;
 use crate::view::color::Quantity;
@@ -83,32 +82,15 @@ impl Viewport {
         }
     }
 
-    /// The camera, to keep it over a lost graphics context.
-    #[must_use]
-    pub(crate) fn camera(&self) -> Camera {
-        self.camera
-    }
-
-    /// Puts a kept camera back.
-    pub(crate) fn set_camera(&mut self, camera: Camera) {
-        self.camera = camera;
-        self.placed = true;
-    }
-
-    /// The fields of the shape that is shown.
-    #[must_use]
-    pub(crate) fn fields(&self) -> &Fields {
-        &self.picture.fields
-    }
-
     /// Eases to the three-quarter view of the whole body.
     pub(crate) fn fit(&mut self, session: &Session) {
         self.camera.fit(radius_to_fit(session), self.aspect);
     }
 
     /// Frees what is on the graphics card.
-    pub(crate) fn destroy(&mut self, gl: &glow::Context) {
-        if let Some(renderer) = self.renderer.take()
+    pub(crate) fn destroy(&mut self, gl: Option<&glow::Context>) {
+        if let Some(gl) = gl
+            && let Some(renderer) = self.renderer.take()
             && let Ok(renderer) = renderer.lock()
         {
             renderer.destroy(gl);

@@ -86,7 +86,7 @@ impl Picture {
 
     fn make_shape(&mut self, session: &Session, key: ShapeKey) {
         let problem = session.solver().problem();
-        self.fields = session.fields();
+        self.fields.clone_from(session.fields());
         let radius = problem.sheet.radius_mm() as f32;
         let body = Body::new(problem, session.shape(), &self.fields);
         let wall_radius = body.block_radius.max(radius);
