@@ -6,11 +6,11 @@ use crate::view::color::{IMPLANT, Rgb, WALL};
 use crate::view::section::CapTriangle;
 use glam::Vec3;
 
-/// A vertex: position \[mm\] (3), unit normal (3), place on the sheet's grid \[cells\] (2), the
+/// A vertex: position \[mm\] (3), unit normal (3), place on the sheet's grid \[cells\] (2; negative: no net), the
 /// quantity shown (1, [`NO_VALUE`] where there is none), colour (3).
 pub type Vertex = [f32; 12];
 
-/// Marks a vertex that shows its own colour and no net.
+/// Marks a vertex that shows its own colour.
 pub const NO_VALUE: f32 = -1.0e9;
 
 /// Neighbours on either side over which normals on the seam are smoothed.
@@ -37,7 +37,7 @@ impl Mesh {
     fn quad(&mut self, corners: [Vec3; 4], normals: [Vec3; 4], color: Rgb) {
         let first = self.vertices.len() as u32;
         for k in 0..4 {
-            self.vertices.push(vertex(corners[k], normals[k], [0.0; 2], NO_VALUE, color));
+            self.vertices.push(vertex(corners[k], normals[k], [-1.0; 2], NO_VALUE, color));
         }
         self.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
     }
@@ -61,9 +61,10 @@ pub fn tissue(body: &Body, colors: &[Rgb], first_layer: usize, values: Option<&[
     let outer = mesh.vertices.len() as u32;
     let dim = colors[layers - 1].map(|c| c * 0.82);
     surface(&mut mesh, body, layers, dim, |_| NO_VALUE);
-    // The inner face looks the other way.
+    // The inner face looks the other way and shows no net.
     for v in &mut mesh.vertices[outer as usize..] {
         (v[3], v[4], v[5]) = (-v[3], -v[4], -v[5]);
+        (v[6], v[7]) = (-1.0, -1.0);
     }
     for layer in top..layers {
         for k in 0..body.rim.len() {

@@ -61,11 +61,12 @@ void main() {
     vec3 fill = normalize(0.8 * back + 0.2 * u_up + 0.8 * u_right);
     vec3 ambient = mix(vec3(0.20, 0.18, 0.18), vec3(0.40, 0.42, 0.45), 0.5 + 0.5 * normal.z);
 
+    if (u_material == 0) ambient *= 0.88;
     bool soft = u_material == 0 || u_material == 1;
-    float wrap = soft ? 0.35 : 0.1;
+    float wrap = soft ? 0.22 : 0.1;
     float lit = clamp((dot(normal, key) + wrap) / (1.0 + wrap), 0.0, 1.0);
     float filled = clamp(dot(normal, fill), 0.0, 1.0);
-    vec3 light = ambient + vec3(0.68, 0.66, 0.63) * lit + vec3(0.10, 0.11, 0.13) * filled;
+    vec3 light = ambient + vec3(0.74, 0.72, 0.69) * lit + vec3(0.10, 0.11, 0.13) * filled;
     if (u_material == 0 && !has_value) {
         // Light that went through skin comes out red where the surface turns away.
         light += vec3(0.10, 0.025, 0.015) * (1.0 - lit);
@@ -80,14 +81,14 @@ void main() {
     float facing = clamp(dot(normal, halfway), 0.0, 1.0);
     float rim = pow(1.0 - clamp(dot(normal, view), 0.0, 1.0), 3.0);
     if (u_material == 0) {
-        color += vec3(0.07) * pow(facing, 22.0) + vec3(0.09, 0.08, 0.08) * rim;
+        color += vec3(0.10) * pow(facing, 18.0) + vec3(0.09, 0.08, 0.08) * rim;
     } else if (u_material == 2) {
         // Pearl: a tight highlight on a wide one, a cool rim.
         color += vec3(0.22) * pow(facing, 90.0) + vec3(0.05) * pow(facing, 12.0);
         color += vec3(0.10, 0.14, 0.20) * rim;
     }
 
-    if (u_net && has_value) {
+    if (u_net && u_material == 0 && v_grid.x > -0.5) {
         float level = max(log2(9.0 * max(width.x, width.y)), 0.0);
         float spacing = exp2(floor(level));
         vec2 grid = v_grid - u_grid_centre;
