@@ -8,6 +8,8 @@
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
+#[cfg(feature = "app")]
+pub mod app;
 pub mod curve;
 pub mod experiment;
 pub mod implant;

@@ -1,13 +1,26 @@
 //! The desktop app, the page and the command line: all three start here.
 
-use std::process::ExitCode;
+#[cfg(target_arch = "wasm32")]
+fn main() {
+    #[cfg(feature = "app")]
+    implant_preview::platform::web::run();
+}
 
-fn main() -> ExitCode {
-    #[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
+#[cfg(not(target_arch = "wasm32"))]
+fn main() -> std::process::ExitCode {
+    #[cfg(feature = "command-line")]
     if let implant_preview::platform::command_line::Next::Exit(code) =
         implant_preview::platform::command_line::run()
     {
         return code;
     }
-    ExitCode::SUCCESS
+    #[cfg(feature = "app")]
+    if let Err(error) = implant_preview::platform::native::run() {
+        #[expect(clippy::print_stderr, reason = "there is no window to say it in")]
+        {
+            eprintln!("implant-preview: no window: {error}");
+        }
+        return std::process::ExitCode::FAILURE;
+    }
+    std::process::ExitCode::SUCCESS
 }

@@ -9,6 +9,7 @@ use crate::measure::{self, Fields, Outcome};
 use crate::scene::{Scene, SceneError};
 use crate::solve::{Progress, Solver};
 use glam::DVec3;
+use std::cell::OnceCell;
 
 /// Undo steps kept.
 const HISTORY: usize = 100;
@@ -53,6 +54,7 @@ pub struct Session {
     solver: Solver,
     working: bool,
     revision: u64,
+    fields: OnceCell<Fields>,
     outcome: Option<Outcome>,
     counters: Counters,
 }
@@ -72,6 +74,7 @@ impl Session {
             solver,
             working: true,
             revision: 1,
+            fields: OnceCell::new(),
             outcome: None,
             counters: Counters { solves: 1, ..Counters::default() },
         })
@@ -160,7 +163,7 @@ impl Session {
         }
         let problem = scene.problem()?;
         self.solver.restart(problem);
-        self.revision += 1;
+        self.reshaped();
         self.scene = scene;
         self.working = true;
         self.counters.solves += 1;
@@ -174,16 +177,23 @@ impl Session {
             return Progress::Done;
         }
         self.counters.slices += 1;
-        let before = self.solver.work_units();
+        let (work, moves) = (self.solver.work_units(), self.solver.moves());
         let progress = self.solver.advance(pause);
-        self.counters.work_units += self.solver.work_units() - before;
-        self.revision += 1;
+        self.counters.work_units += self.solver.work_units() - work;
+        if self.solver.moves() != moves || progress == Progress::Done {
+            self.reshaped();
+        }
         if progress == Progress::Done {
             self.working = false;
             self.outcome = Some(self.scene.measure(&self.solver));
             self.counters.measurements += 1;
         }
         progress
+    }
+
+    fn reshaped(&mut self) {
+        self.revision += 1;
+        self.fields.take();
     }
 
     /// Is there solving left to do?
@@ -211,10 +221,10 @@ impl Session {
         self.revision
     }
 
-    /// What is drawn in colour on the present shape.
+    /// What is drawn in colour on the present shape; computed once for each shape.
     #[must_use]
-    pub fn fields(&self) -> Fields {
-        measure::fields(&self.solver)
+    pub fn fields(&self) -> &Fields {
+        self.fields.get_or_init(|| measure::fields(&self.solver))
     }
 
     /// The result of the last finished solve; `None` before the first. While

@@ -7,3 +7,9 @@ pub mod js;
 
 #[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 pub mod command_line;
+
+#[cfg(all(feature = "app", not(target_arch = "wasm32")))]
+pub mod native;
+
+#[cfg(all(feature = "app", target_arch = "wasm32"))]
+pub mod web;

@@ -259,6 +259,12 @@ impl Solver {
         self.levels.iter().map(scaled).sum()
     }
 
+    /// Counts the changes of [`Self::positions`] since the grid was made.
+    #[must_use]
+    pub fn moves(&self) -> u64 {
+        self.finest().moves
+    }
+
     /// Spring forces on every node at the present shape \[kPa·mm²\], shape (nodes_per_side², ): what
     /// is not zero is taken by the dome, the wall or the border.
     #[must_use]

@@ -95,6 +95,8 @@ pub(crate) struct Newton {
     scratch: Vec<DVec3>,
     phase: Phase,
     pub(crate) iterations: u32,
+    /// How often `x` was changed.
+    pub(crate) moves: u64,
     rounds: u32,
     is_built: bool,
     /// Leaves the dome's curvature out of the model: slower, but every step leads downhill.
@@ -139,6 +141,7 @@ impl Newton {
             sheet,
             phase: Phase::Linearize,
             iterations: 0,
+            moves: 0,
             rounds: 0,
             is_built: false,
             is_cautious: false,
@@ -159,6 +162,7 @@ impl Newton {
             self.x[k] = admissible(dome, self.x[k]);
         }
         self.phase = Phase::Linearize;
+        self.moves += 1;
         self.iterations = 0;
         self.is_cautious = false;
         self.last_step = f64::INFINITY;
@@ -444,6 +448,7 @@ impl Newton {
             return State::Working;
         }
         std::mem::swap(&mut self.x, &mut self.trial);
+        self.moves += 1;
         self.is_cautious = false;
         // Newton's steps shrink at least geometrically: what is left is the next one.
         let rate = if self.last_step.is_finite() { largest / self.last_step } else { 1.0 };

@@ -98,7 +98,13 @@ impl Viewport {
     }
 
     /// Shows the session in all the space that is left.
-    pub(crate) fn show(&mut self, ui: &mut Ui, session: &Session, options: &mut Options, dark: bool) {
+    pub(crate) fn show(
+        &mut self,
+        ui: &mut Ui,
+        session: &Session,
+        options: &mut Options,
+        dark: bool,
+    ) {
         let (area, response) = ui.allocate_exact_size(
             ui.available_size().max(egui::Vec2::splat(1.0)),
             Sense::click_and_drag() | Sense::FOCUSABLE,

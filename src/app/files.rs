@@ -1,0 +1,112 @@
+//! Opening and saving: dialogs and dropped files, in the background, on the desktop and in the page.
+
+use crate::scene::MAX_SCENE_BYTES;
+use eframe::egui::{Context, DroppedFileHandle};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// What the background has to say.
+pub(super) enum FileEvent {
+    /// A file's text was read.
+    Opened { name: String, text: String },
+    /// A file was written.
+    Saved(String),
+    /// One line: what went wrong.
+    Failed(String),
+}
+
+/// Dialogs under way.
+pub(super) struct Files {
+    sender: Sender<FileEvent>,
+    receiver: Receiver<FileEvent>,
+}
+
+impl Files {
+    pub(super) fn new() -> Self {
+        let (sender, receiver) = channel();
+        Self { sender, receiver }
+    }
+
+    /// The next event, if there is one.
+    pub(super) fn next(&self) -> Option<FileEvent> {
+        self.receiver.try_recv().ok()
+    }
+
+    /// Asks for a scene file.
+    pub(super) fn open(&self, ctx: &Context) {
+        let dialog = rfd::AsyncFileDialog::new().add_filter("Scene", &["json"]).pick_file();
+        self.run(ctx, async move {
+            let file = dialog.await?;
+            let name = file.file_name();
+            Some(text_of(name, Ok(file.read().await)))
+        });
+    }
+
+    /// Asks where to save a text.
+    pub(super) fn save(&self, ctx: &Context, suggestion: &str, text: String) {
+        let dialog = rfd::AsyncFileDialog::new()
+            .add_filter("JSON", &["json"])
+            .set_file_name(suggestion)
+            .save_file();
+        self.run(ctx, async move {
+            let file = dialog.await?;
+            let name = file.file_name();
+            Some(match file.write(text.as_bytes()).await {
+                Ok(()) => FileEvent::Saved(name),
+                Err(error) => FileEvent::Failed(format!("{name}: not saved: {error}")),
+            })
+        });
+    }
+
+    /// Reads a file that was dropped on the window.
+    pub(super) fn dropped(&self, ctx: &Context, file: DroppedFileHandle) {
+        self.run(ctx, async move {
+            let name = file
+                .path()
+                .file_name()
+                .map_or_else(|| "dropped file".to_owned(), |n| n.to_string_lossy().into_owned());
+            #[cfg(target_arch = "wasm32")]
+            let bytes = file.bytes_async().await;
+            #[cfg(not(target_arch = "wasm32"))]
+            let bytes = file.bytes();
+            Some(text_of(name, bytes))
+        });
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn run(&self, ctx: &Context, job: impl Future<Output = Option<FileEvent>> + Send + 'static) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            if let Some(event) = pollster::block_on(job) {
+                // The app may have been closed meanwhile.
+                let _ = sender.send(event);
+                ctx.request_repaint();
+            }
+        });
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn run(&self, ctx: &Context, job: impl Future<Output = Option<FileEvent>> + 'static) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        wasm_bindgen_futures::spawn_local(async move {
+            if let Some(event) = job.await {
+                let _ = sender.send(event);
+                ctx.request_repaint();
+            }
+        });
+    }
+}
+
+fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
+    let bytes = match bytes {
+        Ok(bytes) => bytes,
+        Err(error) => return FileEvent::Failed(format!("{name}: not read: {error}")),
+    };
+    if bytes.len() > MAX_SCENE_BYTES {
+        let megabytes = bytes.len() / 1_000_000;
+        return FileEvent::Failed(format!("{name} is {megabytes} MB long; allowed: to 10 MB"));
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => FileEvent::Opened { name, text },
+        Err(_) => FileEvent::Failed(format!("{name} is not a text file; allowed: scene JSON")),
+    }
+}

@@ -1,0 +1,535 @@
+//! The window: panels around the 3-D view. The same on the desktop and in the page.
+//!
+//! Panels edit a copy of the scene; what changed becomes one [`Command`], carried out by the
+//! [`Session`]. Solving is cut into slices, so that a frame answers; at rest nothing is solved and
+//! nothing is drawn.
+//!
+//! Uses everything to its left. Used by `platform`.
+
+mod controls;
+mod curve_editor;
+mod files;
+mod plots;
+mod readings;
+mod status;
+mod theme;
+mod toolbar;
+mod viewport;
+
+use crate::measure::{Outcome, Status};
+use crate::scene::{Scene, SceneError, Springs};
+use crate::session::{Command, Session};
+use crate::solve::Progress;
+use controls::{Control, name_it};
+use eframe::{egui, glow};
+use egui::{RichText, Ui};
+use files::{FileEvent, Files};
+use status::Timing;
+use std::sync::Arc;
+use viewport::Viewport;
+use web_time::{Duration, Instant};
+
+/// Solving takes at most this share of a frame.
+const SLICE: Duration = Duration::from_millis(10);
+/// Seconds that play takes from flat to full height.
+const PLAY_SECONDS: f64 = 5.0;
+/// Steps of the insertion by key.
+const INSERTION_STEP: f64 = 0.02;
+
+/// What the page and the tests read off the running app.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stats {
+    /// Frames drawn since the start.
+    pub frames: u64,
+    /// Middle time spent in a frame \[ms\].
+    pub frame_ms_p50: f64,
+    /// Time that 95 % of the frames stay below \[ms\].
+    pub frame_ms_p95: f64,
+    /// Time in the solver for the present scene \[ms\].
+    pub solve_ms: f64,
+    /// Does the picture show the converged shape of the present scene?
+    pub converged: bool,
+    /// Solves started.
+    pub solves: u64,
+    /// Solver work so far, in evaluations of all nodal forces.
+    pub work_units: f64,
+}
+
+/// A line to the user.
+struct Notice {
+    text: String,
+    is_error: bool,
+}
+
+/// A tab of the bottom sheet on narrow screens.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sheet {
+    Implant,
+    Tissue,
+    Results,
+    Plots,
+}
+
+/// The app.
+pub struct App {
+    ctx: egui::Context,
+    session: Session,
+    viewport: Viewport,
+    options: viewport::Options,
+    files: Files,
+    timing: Timing,
+    notice: Option<Notice>,
+    is_hemisphere: bool,
+    is_playing: bool,
+    gesture: u64,
+    sheet: Sheet,
+    show_left: bool,
+    show_right: bool,
+    show_about: bool,
+}
+
+impl App {
+    /// The app on its opening scene. `gl` is missing in tests: then nothing is drawn in 3-D.
+    ///
+    /// # Errors
+    /// If the scene is out of its limits.
+    pub fn new(
+        ctx: &egui::Context,
+        gl: Option<&Arc<glow::Context>>,
+        scene: Scene,
+    ) -> Result<Self, SceneError> {
+        theme::install(ctx);
+        let is_hemisphere = is_hemisphere(&scene);
+        Ok(Self {
+            ctx: ctx.clone(),
+            session: Session::new(scene)?,
+            viewport: Viewport::new(gl),
+            options: viewport::Options::default(),
+            files: Files::new(),
+            timing: Timing::default(),
+            notice: None,
+            is_hemisphere,
+            is_playing: false,
+            gesture: 0,
+            sheet: Sheet::Implant,
+            show_left: true,
+            show_right: true,
+            show_about: false,
+        })
+    }
+
+    /// The scene, its history and its shape.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The result of the last finished solve, with its time.
+    #[must_use]
+    pub fn outcome(&self) -> Option<Outcome> {
+        let mut outcome = self.session.outcome()?.clone();
+        outcome.solver.time_ms = Some(self.timing.solve_ms);
+        Some(outcome)
+    }
+
+    /// Opens a scene file's text.
+    ///
+    /// # Errors
+    /// One line that names the field; nothing has changed then.
+    pub fn open(&mut self, json: String) -> Result<(), SceneError> {
+        self.command(Command::Open(json))
+    }
+
+    /// Asks for a frame, after something was changed from outside.
+    pub fn wake(&self) {
+        self.ctx.request_repaint();
+    }
+
+    /// Figures of the running app.
+    #[must_use]
+    pub fn stats(&self) -> Stats {
+        let is_converged =
+            self.session.outcome().is_some_and(|outcome| outcome.status == Status::Converged);
+        let counters = self.session.counters();
+        Stats {
+            frames: self.timing.frame_count,
+            frame_ms_p50: self.timing.percentile(0.5),
+            frame_ms_p95: self.timing.percentile(0.95),
+            solve_ms: self.timing.solve_ms,
+            converged: is_converged && !self.session.is_working(),
+            solves: counters.solves,
+            work_units: counters.work_units,
+        }
+    }
+
+    /// One sentence on what the picture shows, for screen readers.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let Some(outcome) = self.session.outcome().filter(|_| !self.session.is_working()) else {
+            return "Solving.".to_owned();
+        };
+        let figure = |value: Option<f64>, decimals: usize, unit: &str| {
+            value.map_or_else(|| "unknown".to_owned(), |v| format!("{v:.decimals$} {unit}"))
+        };
+        match outcome.status {
+            Status::Unstable => "These springs have no stable shape in this scene.".to_owned(),
+            status => format!(
+                "{}. Skin projection {}, area ratio {}, greatest strain {}, mean contact pressure {}.",
+                if status == Status::Converged { "Converged" } else { "Not converged" },
+                figure(outcome.skin_projection_mm, 1, "mm"),
+                figure(outcome.area_ratio, 2, ""),
+                figure(outcome.strain.as_ref().map(|s| 100.0 * s.max_principal), 0, "percent"),
+                figure(outcome.contact_pressure_mmhg.map(|p| p.mean), 0, "mmHg"),
+            ),
+        }
+    }
+
+    /// Draws a frame and does a slice of work. Knows nothing of the window around it.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let start = Instant::now();
+        let ctx = ui.ctx().clone();
+        self.take_files(&ctx);
+        self.keys(&ctx);
+        let mut scene = self.session.scene().clone();
+        self.play(&ctx, &mut scene);
+        self.work();
+        if ui.available_width() < theme::NARROW {
+            self.narrow(ui, &mut scene);
+        } else {
+            self.wide(ui, &mut scene);
+        }
+        self.about(&ctx);
+        self.edited(&ctx, scene);
+        if self.session.is_working() || self.is_playing {
+            ctx.request_repaint();
+        }
+        self.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
+    }
+
+    /// A slice of solving.
+    fn work(&mut self) {
+        if !self.session.is_working() {
+            return;
+        }
+        let start = Instant::now();
+        let progress = self.session.advance(&mut || start.elapsed() >= SLICE);
+        self.timing.solve_ms += 1000.0 * start.elapsed().as_secs_f64();
+        if progress == Progress::Done
+            && self.session.outcome().is_some_and(|o| o.status == Status::Unstable)
+        {
+            self.is_playing = false;
+        }
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), SceneError> {
+        let before = self.session.counters().solves;
+        self.session.apply(command)?;
+        if self.session.counters().solves != before {
+            self.timing.solve_ms = 0.0;
+        }
+        self.is_hemisphere = is_hemisphere(self.session.scene());
+        Ok(())
+    }
+
+    /// Carries out a command; what is refused is told.
+    fn run(&mut self, command: Command) {
+        match self.command(command) {
+            Ok(()) => self.notice = None,
+            Err(error) => {
+                self.notice = Some(Notice { text: error.to_string(), is_error: true });
+            }
+        }
+    }
+
+    /// Turns what a panel changed in its copy of the scene into a command.
+    fn edited(&mut self, ctx: &egui::Context, mut scene: Scene) {
+        if ctx.input(|input| input.pointer.any_pressed() || !input.pointer.any_down()) {
+            // A held pointer is one gesture; each key or click is its own.
+            self.gesture += u64::from(!self.is_playing);
+        }
+        let is_hemisphere = self.is_hemisphere;
+        if scene == *self.session.scene()
+            && (!is_hemisphere || self::is_hemisphere(self.session.scene()))
+        {
+            return;
+        }
+        let notice = controls::repair(&mut scene, is_hemisphere);
+        self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+        if let Some(text) = notice {
+            self.notice = Some(Notice { text, is_error: false });
+        }
+        self.is_hemisphere = is_hemisphere;
+        ctx.request_repaint();
+    }
+
+    fn take_files(&mut self, ctx: &egui::Context) {
+        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
+            self.files.dropped(ctx, file);
+        }
+        while let Some(event) = self.files.next() {
+            let (text, is_error) = match event {
+                FileEvent::Opened { name, text } => match self.open(text) {
+                    Ok(()) => {
+                        self.viewport.fit(&self.session);
+                        (format!("Opened {name}."), false)
+                    }
+                    Err(error) => (format!("{name}: {error}"), true),
+                },
+                FileEvent::Saved(name) => (format!("Saved {name}."), false),
+                FileEvent::Failed(error) => (error, true),
+            };
+            self.notice = Some(Notice { text, is_error });
+        }
+    }
+
+    fn save_scene(&mut self, ctx: &egui::Context) {
+        self.files.save(ctx, "scene.json", self.session.scene().to_json());
+    }
+
+    fn save_result(&mut self, ctx: &egui::Context) {
+        if let Some(outcome) = self.outcome()
+            && let Ok(text) = serde_json::to_string_pretty(&outcome)
+        {
+            self.files.save(ctx, "result.json", text);
+        }
+    }
+
+    fn keys(&mut self, ctx: &egui::Context) {
+        use egui::{Key, Modifiers};
+        let shortcut = |modifiers, key| ctx.input_mut(|input| input.consume_key(modifiers, key));
+        if shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+            || shortcut(Modifiers::COMMAND, Key::Y)
+        {
+            self.run(Command::Redo);
+        }
+        if shortcut(Modifiers::COMMAND, Key::Z) {
+            self.run(Command::Undo);
+        }
+        if shortcut(Modifiers::COMMAND, Key::O) {
+            self.files.open(ctx);
+        }
+        if shortcut(Modifiers::COMMAND, Key::S) {
+            self.save_scene(ctx);
+        }
+        // Plain keys belong to a text field or a slider while one has the focus.
+        if ctx.memory(|memory| memory.focused().is_some()) {
+            return;
+        }
+        for (key, step) in
+            [(Key::OpenBracket, -INSERTION_STEP), (Key::CloseBracket, INSERTION_STEP)]
+        {
+            if shortcut(Modifiers::NONE, key) {
+                let mut scene = self.session.scene().clone();
+                scene.insertion = (scene.insertion + step).clamp(0.0, 1.0);
+                self.gesture += 1;
+                self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+            }
+        }
+        if shortcut(Modifiers::NONE, Key::Space) {
+            self.toggle_play();
+        }
+        if shortcut(Modifiers::NONE, Key::F) {
+            self.viewport.fit(&self.session);
+        }
+        for (key, quantity) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5]
+            .into_iter()
+            .zip(toolbar::QUANTITIES)
+        {
+            if shortcut(Modifiers::NONE, key) {
+                self.options.quantity = quantity;
+            }
+        }
+    }
+
+    fn toggle_play(&mut self) {
+        self.is_playing = !self.is_playing;
+        self.gesture += 1;
+    }
+
+    /// Raises the implant while playing: a step as soon as the step before is solved.
+    fn play(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        if !self.is_playing || self.session.is_working() {
+            return;
+        }
+        let seconds = f64::from(ctx.input(|input| input.stable_dt)).clamp(0.01, 0.2);
+        scene.insertion = if scene.insertion >= 1.0 {
+            0.0
+        } else {
+            (scene.insertion + seconds / PLAY_SECONDS).min(1.0)
+        };
+        self.is_playing = scene.insertion < 1.0;
+    }
+
+    fn wide(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        egui::Panel::top("toolbar").show(ui, |ui| self.toolbar(ui, false));
+        egui::Panel::bottom("status").show(ui, |ui| {
+            ui.add_space(theme::SPACE_SMALL);
+            status::show(ui, &self.session, &self.timing);
+            ui.add_space(theme::SPACE_SMALL);
+        });
+        let mut is_open = self.show_left;
+        egui::Panel::left("controls").default_size(theme::PANEL_WIDTH).show_collapsible(
+            ui,
+            &mut is_open,
+            |ui| {
+                egui::ScrollArea::vertical().id_salt("controls").show(ui, |ui| {
+                    controls::heading(ui, "Scene");
+                    controls::implant(ui, scene, &mut self.is_hemisphere);
+                    controls::layers(ui, scene);
+                    ui.add_space(theme::SPACE);
+                    controls::method(ui, scene);
+                });
+            },
+        );
+        self.show_left = is_open;
+        let mut is_open = self.show_right;
+        egui::Panel::right("results").default_size(theme::PANEL_WIDTH).show_collapsible(
+            ui,
+            &mut is_open,
+            |ui| {
+                egui::ScrollArea::vertical().id_salt("results").show(ui, |ui| {
+                    readings::show(ui, self.session.outcome(), self.session.is_working());
+                    plots::section(ui, &self.session);
+                    plots::curves(ui, &self.session);
+                });
+            },
+        );
+        self.show_right = is_open;
+        egui::Panel::bottom("insertion").show(ui, |ui| self.insertion(ui, scene));
+        egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
+    }
+
+    fn narrow(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        egui::Panel::top("toolbar").show(ui, |ui| self.toolbar(ui, true));
+        // The picture keeps half of the screen.
+        let height = 0.42 * ui.ctx().content_rect().height();
+        egui::Panel::bottom("sheet").exact_size(height).show(ui, |ui| {
+            status::show(ui, &self.session, &self.timing);
+            ui.horizontal(|ui| {
+                for (sheet, name) in [
+                    (Sheet::Implant, "Implant"),
+                    (Sheet::Tissue, "Tissue"),
+                    (Sheet::Results, "Results"),
+                    (Sheet::Plots, "Plots"),
+                ] {
+                    ui.selectable_value(&mut self.sheet, sheet, name);
+                }
+            });
+            ui.separator();
+            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+                match self.sheet {
+                    Sheet::Implant => {
+                        self.insertion(ui, scene);
+                        controls::implant(ui, scene, &mut self.is_hemisphere);
+                    }
+                    Sheet::Tissue => {
+                        controls::layers(ui, scene);
+                        controls::method(ui, scene);
+                    }
+                    Sheet::Results => {
+                        readings::show(ui, self.session.outcome(), self.session.is_working());
+                    }
+                    Sheet::Plots => {
+                        plots::section(ui, &self.session);
+                        plots::curves(ui, &self.session);
+                    }
+                }
+            });
+        });
+        egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
+    }
+
+    fn insertion(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        ui.add_space(theme::SPACE_SMALL);
+        ui.horizontal(|ui| {
+            let name = if self.is_playing { "Pause" } else { "Play" };
+            let button = ui.add_sized([56.0, 24.0], egui::Button::new(name));
+            if button.on_hover_text(format!("{name} the insertion (space)")).clicked() {
+                self.toggle_play();
+            }
+            let mut percent = 100.0 * scene.insertion;
+            let slider = Control {
+                label: "Insertion",
+                unit: "%",
+                range: 0.0..=100.0,
+                reset: 100.0,
+                decimals: 0,
+                step: 1.0,
+                tooltip: "How far the implant is pushed under the tissue, from flat to full height.",
+                ..Control::default()
+            };
+            if slider.show(ui, &mut percent).changed() {
+                scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
+                self.is_playing = false;
+            }
+        });
+        ui.add_space(theme::SPACE_SMALL);
+    }
+
+    fn picture(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        self.notices(ui);
+        let is_unstable = !self.session.is_working()
+            && self.session.outcome().is_some_and(|o| o.status == Status::Unstable);
+        if is_unstable {
+            ui.centered_and_justified(|ui| {
+                ui.vertical_centered(|ui| {
+                    ui.add_space(0.3 * ui.available_height());
+                    ui.heading("No stable shape");
+                    ui.label(
+                        "The paper's springs lose stability at these strains and this Poisson \
+                         ratio: their energy has no lower bound, so that no shape can be shown.",
+                    );
+                    ui.add_space(theme::SPACE);
+                    if ui.button("Use the coupled springs").clicked() {
+                        scene.springs = Springs::Coupled;
+                    }
+                });
+            });
+            return;
+        }
+        let is_dark = ui.visuals().dark_mode;
+        self.viewport.show(ui, &self.session, &mut self.options, is_dark);
+    }
+
+    /// The last line to the user, until it is closed.
+    fn notices(&mut self, ui: &mut Ui) {
+        let Some(notice) = &self.notice else { return };
+        let palette = theme::palette(ui.visuals());
+        let color = if notice.is_error { palette.bad } else { palette.good };
+        let mut is_closed = false;
+        egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill).show(
+            ui,
+            |ui| {
+                ui.horizontal(|ui| {
+                    let close = ui.button("×");
+                    name_it(&close, egui::Role::Button, "Close message");
+                    is_closed = close.clicked();
+                    ui.add(egui::Label::new(RichText::new(&notice.text).color(color)).wrap());
+                });
+            },
+        );
+        if is_closed {
+            self.notice = None;
+        }
+    }
+}
+
+fn is_hemisphere(scene: &Scene) -> bool {
+    let implant = &scene.implant;
+    (implant.projection_mm - implant.base_radius_mm).abs() < 1e-9 * implant.base_radius_mm
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    fn on_exit(&mut self, gl: Option<&glow::Context>) {
+        self.viewport.destroy(gl);
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
+    }
+}

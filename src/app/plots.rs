@@ -1,0 +1,115 @@
+//! Two plots: the layers' curves with the strains now in use, and the cross-section.
+
+use super::controls::group;
+use super::theme;
+use crate::curve::Curve;
+use crate::session::Session;
+use crate::sheet::NodeKind;
+use eframe::egui::{Color32, Ui};
+use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points};
+
+/// Samples of a curve.
+const SAMPLES: i32 = 160;
+
+/// Curves of all layers up to strain 1, the used part drawn strong.
+pub(super) fn curves(ui: &mut Ui, session: &Session) {
+    let used = session
+        .outcome()
+        .and_then(|outcome| outcome.strain.as_ref())
+        .map_or(0.0, |strain| strain.max_principal.max(0.0));
+    let colors = theme::palette(ui.visuals()).curves;
+    group(ui, "Stress–strain curves", |ui| {
+        Plot::new("curves")
+            .height(180.0)
+            .legend(Legend::default().position(egui_plot::Corner::LeftTop))
+            .x_axis_label("strain")
+            .y_axis_label("stress (kPa)")
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .show(ui, |plot| {
+                for (k, layer) in session.scene().layers.iter().enumerate() {
+                    let Ok(curve) = Curve::new(&layer.curve) else { continue };
+                    let color = colors[k % colors.len()];
+                    let name = format!("{} {}", k + 1, layer.tissue);
+                    let sampled = |end: f64| -> PlotPoints<'static> {
+                        (0..=SAMPLES)
+                            .map(|i| end * f64::from(i) / f64::from(SAMPLES))
+                            .map(|e| [e, curve.stress(e)])
+                            .collect()
+                    };
+                    plot.line(
+                        Line::new(name.clone(), sampled(used.max(1.0)))
+                            .color(color.gamma_multiply(0.5))
+                            .width(1.0),
+                    );
+                    plot.line(Line::new(name.clone(), sampled(used)).color(color).width(3.0));
+                    let here = vec![[used, curve.stress(used)]];
+                    plot.points(Points::new(name, here).color(color).radius(4.0));
+                }
+            });
+        ui.small(format!("Strong: strains now in use, up to {:.0} %.", 100.0 * used));
+    });
+}
+
+/// The section along x through the pocket's centre: implant, inner face, outer skin.
+pub(super) fn section(ui: &mut Ui, session: &Session) {
+    let palette = theme::palette(ui.visuals());
+    let problem = session.solver().problem();
+    let (sheet, dome) = (&problem.sheet, problem.dome);
+    let n = sheet.nodes_per_side();
+    let row: Vec<usize> =
+        (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside).collect();
+    let (x, fields) = (session.shape(), session.fields());
+    let inner: Vec<[f64; 2]> = row.iter().map(|&k| [x[k].x, x[k].z]).collect();
+    let outer: Vec<[f64; 2]> = row
+        .iter()
+        .map(|&k| {
+            let thickness: f64 = fields.thickness_mm.iter().map(|t| f64::from(t[k])).sum();
+            let [nx, _, nz] = fields.normal[k].map(f64::from);
+            [x[k].x + nx * thickness, x[k].z + nz * thickness]
+        })
+        .collect();
+    // Where the plane y = 0 cuts the dome, an ellipse too.
+    let across = dome.center.y / dome.base_radius;
+    let share = (1.0 - across * across).max(0.0).sqrt();
+    let dome_line: Vec<[f64; 2]> = (0..=SAMPLES)
+        .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
+        .map(|a| {
+            let (sin, cos) = a.sin_cos();
+            [
+                dome.center.x + share * dome.base_radius * cos,
+                dome.base_height + share * dome.projection * sin,
+            ]
+        })
+        .filter(|p| p[1] >= -1e-9)
+        .collect();
+    group(ui, "Cross-section", |ui| {
+        Plot::new("section")
+            .height(170.0)
+            .data_aspect(1.0)
+            .legend(Legend::default())
+            .x_axis_label("across (mm)")
+            .y_axis_label("height (mm)")
+            .include_y(0.0)
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .show(ui, |plot| {
+                let mut line = |name: &str, points: Vec<[f64; 2]>, color: Color32, width: f32| {
+                    plot.line(Line::new(name, points).color(color).width(width));
+                };
+                line("implant", dome_line, palette.accent, 1.5);
+                line("inner face", inner, palette.curves[1], 2.0);
+                line("skin", outer, palette.curves[0], 2.0);
+                let a = sheet.radius_mm();
+                let wall = vec![[-a, 0.0], [a, 0.0]];
+                plot.line(
+                    Line::new("chest wall", wall)
+                        .color(palette.caution.gamma_multiply(0.6))
+                        .style(LineStyle::dashed_dense())
+                        .width(1.0),
+                );
+            });
+    });
+}

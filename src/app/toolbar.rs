@@ -1,0 +1,165 @@
+//! The top line: files, history, what is coloured, the section, the theme.
+
+use super::controls::name_it;
+use super::{App, theme};
+use crate::session::Command;
+use crate::view::color::Quantity;
+use eframe::egui::{self, RichText, Ui};
+
+/// What keys 1 to 5 show.
+pub(super) const QUANTITIES: [Quantity; 5] = [
+    Quantity::Tissue,
+    Quantity::Strain,
+    Quantity::AreaStretch,
+    Quantity::Stress(0),
+    Quantity::Pressure,
+];
+
+impl App {
+    pub(super) fn toolbar(&mut self, ui: &mut Ui, is_narrow: bool) {
+        ui.add_space(theme::SPACE_SMALL);
+        ui.horizontal_wrapped(|ui| {
+            if !is_narrow {
+                ui.label(RichText::new("implant-preview").strong());
+                ui.separator();
+            }
+            self.file_menu(ui);
+            for (name, enabled, command) in [
+                ("Undo", self.session.can_undo(), Command::Undo),
+                ("Redo", self.session.can_redo(), Command::Redo),
+            ] {
+                let button = ui.add_enabled(enabled, egui::Button::new(name));
+                if button.clicked() {
+                    self.run(command);
+                }
+            }
+            ui.separator();
+            self.quantity_box(ui);
+            ui.toggle_value(&mut self.options.section, "Section")
+                .on_hover_text("Cut the picture open to see the layers");
+            if self.options.section && !is_narrow {
+                ui.toggle_value(&mut self.options.half, "Half")
+                    .on_hover_text("Take away a half instead of a quarter");
+                let angle = &mut self.options.section_azimuth_deg;
+                let drag = egui::DragValue::new(angle).range(-180.0..=180.0).suffix("°").speed(1.0);
+                let response = ui.add(drag).on_hover_text("Direction of the cut");
+                name_it(&response, egui::Role::SpinButton, "Direction of the cut");
+            }
+            ui.toggle_value(&mut self.options.net, "Net").on_hover_text("The springs of the sheet");
+            if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
+                self.viewport.fit(&self.session);
+            }
+            ui.separator();
+            theme_menu(ui);
+            if ui.button("About").clicked() {
+                self.show_about = !self.show_about;
+            }
+        });
+        ui.add_space(theme::SPACE_SMALL);
+    }
+
+    fn file_menu(&mut self, ui: &mut Ui) {
+        ui.menu_button("File", |ui| {
+            let ctx = ui.ctx().clone();
+            if ui.button("Open scene…").clicked() {
+                self.files.open(&ctx);
+                ui.close();
+            }
+            if ui.button("Save scene…").clicked() {
+                self.save_scene(&ctx);
+                ui.close();
+            }
+            let has_result = self.session.outcome().is_some();
+            if ui.add_enabled(has_result, egui::Button::new("Save result…")).clicked() {
+                self.save_result(&ctx);
+                ui.close();
+            }
+            if ui
+                .button("Opening scene")
+                .on_hover_text("Back to the start; can be undone")
+                .clicked()
+            {
+                let scene = Box::default();
+                self.gesture += 1;
+                self.run(Command::Edit { scene, gesture: self.gesture });
+                ui.close();
+            }
+        });
+    }
+
+    fn quantity_box(&mut self, ui: &mut Ui) {
+        let layers = &self.session.scene().layers;
+        let name = |quantity: Quantity| match quantity {
+            Quantity::Tissue => "Plain tissue".to_owned(),
+            Quantity::Strain => "Strain".to_owned(),
+            Quantity::AreaStretch => "Area stretch".to_owned(),
+            Quantity::Stress(k) => {
+                format!("Stress, {}", layers.get(k).map_or("layer", |layer| &layer.tissue))
+            }
+            Quantity::Pressure => "Contact pressure".to_owned(),
+        };
+        if let Quantity::Stress(k) = self.options.quantity
+            && k >= layers.len()
+        {
+            self.options.quantity = Quantity::Stress(0);
+        }
+        let mut choices =
+            vec![Quantity::Tissue, Quantity::Strain, Quantity::AreaStretch, Quantity::Pressure];
+        choices.extend((0..layers.len()).map(Quantity::Stress));
+        let response = egui::ComboBox::from_id_salt("quantity")
+            .width(130.0)
+            .selected_text(name(self.options.quantity))
+            .show_ui(ui, |ui| {
+                for choice in choices {
+                    ui.selectable_value(&mut self.options.quantity, choice, name(choice));
+                }
+            })
+            .response;
+        name_it(&response, egui::Role::ComboBox, "Colour by");
+        response.on_hover_text("What the surface is coloured by (1–5)");
+    }
+
+    pub(super) fn about(&mut self, ctx: &egui::Context) {
+        egui::Window::new("About")
+            .open(&mut self.show_about)
+            .collapsible(false)
+            .resizable(false)
+            .default_width(420.0)
+            .show(ctx, |ui| {
+                ui.label(RichText::new("A preview, not a medical device.").strong());
+                ui.label(
+                    "It shows how a sheet of skin and adipose stretches over a smooth dome, from \
+                     measured stress–strain curves and Poisson ratios, at equilibrium and without \
+                     friction. It knows nothing of a patient's anatomy, healing or blood supply. Do \
+                     not base a decision on it alone.",
+                );
+                ui.label("Everything is computed on this machine; no data leaves it.");
+                ui.label(
+                    "After S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
+                     deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94.",
+                );
+                ui.separator();
+                ui.label(
+                    "Keys: [ and ] insertion · space play · F fit · 1–5 colours · Ctrl+Z undo · \
+                     Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save",
+                );
+                ui.small(format!("Version {}", env!("CARGO_PKG_VERSION")));
+            });
+    }
+}
+
+fn theme_menu(ui: &mut Ui) {
+    ui.menu_button("Theme", |ui| {
+        let mut preference = ui.ctx().options(|options| options.theme_preference);
+        for (choice, name) in [
+            (egui::ThemePreference::System, "As the system"),
+            (egui::ThemePreference::Light, "Light"),
+            (egui::ThemePreference::Dark, "Dark"),
+        ] {
+            if ui.radio_value(&mut preference, choice, name).clicked() {
+                ui.ctx().set_theme(choice);
+                ui.close();
+            }
+        }
+    });
+}
