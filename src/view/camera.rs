@@ -180,7 +180,7 @@ fn fitted(radius_mm: f32, aspect: f32) -> Pose {
         target: Vec3::new(0.0, 0.0, 0.22 * radius_mm),
         azimuth: -1.05,
         elevation: 0.5,
-        distance: (1.06 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
+        distance: (1.14 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
     }
 }
 

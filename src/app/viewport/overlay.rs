@@ -31,7 +31,11 @@ pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     let bar = Rect::from_min_size(pos2(right - BAR_WIDTH, top), vec2(BAR_WIDTH, height));
     let title = format!("{} [{}]", scale.title, scale.unit);
     let at = pos2(area.right() - MARGIN, top - 8.0);
-    painter.text(at, Align2::RIGHT_BOTTOM, title, font.clone(), text);
+    let title = painter.layout_no_wrap(title, font.clone(), text);
+    let title_rect = Align2::RIGHT_BOTTOM.anchor_size(at, title.size());
+    let ground = title_rect.union(bar).union(Rect::from_pos(pos2(at.x, bar.bottom() + 4.0)));
+    backdrop(ui, painter, ground);
+    painter.galley(title_rect.min, title, text);
 
     let mut mesh = Mesh::default();
     let steps = scale.table.len();
@@ -52,6 +56,12 @@ pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
         let at = pos2(bar.right() + 7.0, y);
         painter.text(at, Align2::LEFT_CENTER, label, font.clone(), text);
     }
+}
+
+/// Keeps writing readable over the body.
+fn backdrop(ui: &Ui, painter: &Painter, rect: Rect) {
+    let fill = ui.visuals().panel_fill.gamma_multiply(0.6);
+    painter.rect_filled(rect.expand(6.0), CornerRadius::same(4), fill);
 }
 
 fn height_of(scale: &Scale, bar: Rect, value: f32) -> f32 {
@@ -83,6 +93,7 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
     let start = pos2(area.left() + MARGIN, area.bottom() - MARGIN);
     let end = start + vec2(length_mm * points_per_mm, 0.0);
     let stroke = Stroke::new(1.5, ui.visuals().text_color());
+    backdrop(ui, painter, Rect::from_two_pos(start - vec2(0.0, 16.0), end + vec2(0.0, 3.0)));
     painter.line_segment([start, end], stroke);
     for p in [start, end] {
         painter.line_segment([p - vec2(0.0, 3.0), p + vec2(0.0, 3.0)], stroke);
