@@ -58,6 +58,8 @@ pub(crate) struct Viewport {
     renderer: Option<Arc<Mutex<Renderer>>>,
     problem: Option<String>,
     camera: Camera,
+    /// Radius \[mm\] of the ball that the camera was fitted to; `None` once a hand has moved it.
+    fitted: Option<f32>,
     placed: bool,
     aspect: f32,
     picture: Picture,
@@ -76,6 +78,7 @@ impl Viewport {
             renderer,
             problem,
             camera: Camera::new(90.0, 1.4),
+            fitted: None,
             placed: false,
             aspect: 1.4,
             picture: Picture::default(),
@@ -84,7 +87,9 @@ impl Viewport {
 
     /// Eases to the three-quarter view of the whole body.
     pub(crate) fn fit(&mut self, session: &Session) {
-        self.camera.fit(radius_to_fit(session), self.aspect);
+        let radius = radius_to_fit(session);
+        self.camera.fit(radius, self.aspect);
+        self.fitted = Some(radius);
     }
 
     /// Frees what is on the graphics card.
@@ -110,11 +115,7 @@ impl Viewport {
             Sense::click_and_drag() | Sense::FOCUSABLE,
         );
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
-        self.aspect = area.width() / area.height();
-        if !self.placed {
-            self.camera = Camera::new(radius_to_fit(session), self.aspect);
-            self.placed = true;
-        }
+        self.place_camera(session, area.width() / area.height());
         let section = Section {
             opening: match (options.section, options.half) {
                 (false, _) => Opening::Closed,
@@ -149,9 +150,22 @@ impl Viewport {
         }
     }
 
+    /// A view that no hand has moved goes on fitting when the window changes its form.
+    fn place_camera(&mut self, session: &Session, aspect: f32) {
+        if !self.placed {
+            self.fitted = Some(radius_to_fit(session));
+        }
+        let reformed = !self.placed || (aspect - self.aspect).abs() > 1e-4;
+        if let Some(radius) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
+            self.camera = Camera::new(radius, aspect);
+        }
+        (self.placed, self.aspect) = (true, aspect);
+    }
+
     fn move_camera(&mut self, ui: &Ui, response: &Response, area: Rect) -> bool {
         let seconds = ui.input(|i| i.stable_dt.min(0.1));
-        let mut moved = self.camera.ease(seconds);
+        let eased = self.camera.ease(seconds);
+        let mut moved = false;
         if response.clicked() || response.drag_started() {
             response.request_focus();
         }
@@ -175,7 +189,10 @@ impl Viewport {
         if response.has_focus() {
             moved |= self.keys(ui);
         }
-        moved
+        if moved {
+            self.fitted = None;
+        }
+        moved || eased
     }
 
     /// Shift and the arrows orbit, plus and minus zoom.

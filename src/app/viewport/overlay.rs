@@ -25,7 +25,7 @@ fn font(ui: &Ui) -> FontId {
 pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     let font = font(ui);
     let text = ui.visuals().text_color();
-    let height = (area.height() * 0.42).clamp(70.0, 220.0);
+    let height = (area.height() * 0.42).min(area.width() * 0.36).clamp(70.0, 220.0);
     let right = area.right() - MARGIN - 34.0;
     let top = area.top() + MARGIN + 22.0;
     let bar = Rect::from_min_size(pos2(right - BAR_WIDTH, top), vec2(BAR_WIDTH, height));
