@@ -39,31 +39,31 @@ const fn rgb(hex: u32) -> Color32 {
 }
 
 const LIGHT: Palette = Palette {
-    ground: rgb(0xEEF0_F2),
-    panel: rgb(0xFBFC_FC),
-    field: rgb(0xE9EC_EF),
-    line: rgb(0xD5DA_DF),
-    text: rgb(0x23_282D),
-    quiet: rgb(0x5F_6872),
-    accent: rgb(0x1F_7A8C),
-    good: rgb(0x2E_7D4F),
-    caution: rgb(0x9A_6700),
-    bad: rgb(0xB3_3A3A),
-    curves: [rgb(0xB8_5F45), rgb(0xB0_8614), rgb(0x3F_6FB0), rgb(0x6F_5C9E)],
+    ground: rgb(0x00EE_F0F2),
+    panel: rgb(0x00FB_FCFC),
+    field: rgb(0x00E9_ECEF),
+    line: rgb(0x00D5_DADF),
+    text: rgb(0x0023_282D),
+    quiet: rgb(0x005F_6872),
+    accent: rgb(0x001F_7A8C),
+    good: rgb(0x002E_7D4F),
+    caution: rgb(0x009A_6700),
+    bad: rgb(0x00B3_3A3A),
+    curves: [rgb(0x00B8_5F45), rgb(0x00B0_8614), rgb(0x003F_6FB0), rgb(0x006F_5C9E)],
 };
 
 const DARK: Palette = Palette {
-    ground: rgb(0x14_1618),
-    panel: rgb(0x1E_2124),
-    field: rgb(0x2A_2E32),
-    line: rgb(0x3A_4046),
-    text: rgb(0xE3_E6E9),
-    quiet: rgb(0x9D_A6AF),
-    accent: rgb(0x55_B3C5),
-    good: rgb(0x6C_C08F),
-    caution: rgb(0xE0_B04A),
-    bad: rgb(0xE8_7C7C),
-    curves: [rgb(0xE0_9A80), rgb(0xE2_BE5A), rgb(0x86_AEE6), rgb(0xB3_A0DC)],
+    ground: rgb(0x0014_1618),
+    panel: rgb(0x001E_2124),
+    field: rgb(0x002A_2E32),
+    line: rgb(0x003A_4046),
+    text: rgb(0x00E3_E6E9),
+    quiet: rgb(0x009D_A6AF),
+    accent: rgb(0x0055_B3C5),
+    good: rgb(0x006C_C08F),
+    caution: rgb(0x00E0_B04A),
+    bad: rgb(0x00E8_7C7C),
+    curves: [rgb(0x00E0_9A80), rgb(0x00E2_BE5A), rgb(0x0086_AEE6), rgb(0x00B3_A0DC)],
 };
 
 /// The palette of the theme in use.

@@ -215,7 +215,7 @@ pub(crate) mod tests {
         while session.is_working() {
             session.advance(&mut || false);
         }
-        let body = Body::new(session.solver().problem(), session.shape(), &session.fields());
+        let body = Body::new(session.solver().problem(), session.shape(), session.fields());
         (session, body)
     }
 
