@@ -311,21 +311,27 @@ impl App {
         if shortcut(Modifiers::COMMAND, Key::S) {
             self.save_scene(ctx);
         }
-        // Plain keys belong to a text field or a slider while one has the focus.
-        if ctx.memory(|memory| memory.focused().is_some()) {
+        // Plain keys belong to a text field while one has the focus.
+        if ctx.text_edit_focused() {
             return;
         }
-        for (key, step) in
-            [(Key::OpenBracket, -INSERTION_STEP), (Key::CloseBracket, INSERTION_STEP)]
-        {
-            if shortcut(Modifiers::NONE, key) {
+        // The space bar presses the control that has the focus, arrows move it.
+        let focused = ctx.memory(egui::Memory::focused);
+        let on_picture = focused.is_some() && focused == self.viewport.id();
+        for (key, step, is_heard) in [
+            (Key::OpenBracket, -INSERTION_STEP, true),
+            (Key::CloseBracket, INSERTION_STEP, true),
+            (Key::ArrowDown, -INSERTION_STEP, on_picture),
+            (Key::ArrowUp, INSERTION_STEP, on_picture),
+        ] {
+            if is_heard && shortcut(Modifiers::NONE, key) {
                 let mut scene = self.session.scene().clone();
                 scene.insertion = (scene.insertion + step).clamp(0.0, 1.0);
                 self.gesture += 1;
                 self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
             }
         }
-        if shortcut(Modifiers::NONE, Key::Space) {
+        if (focused.is_none() || on_picture) && shortcut(Modifiers::NONE, Key::Space) {
             self.toggle_play();
         }
         if shortcut(Modifiers::NONE, Key::F) {

@@ -138,10 +138,15 @@ impl App {
                     "After S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
                      deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94.",
                 );
+                ui.label(
+                    "Mouse: drag turns, Shift or the right button moves, the wheel zooms. Touch: one \
+                     finger turns, two move and zoom.",
+                );
                 ui.separator();
                 ui.label(
                     "Keys: [ and ] insertion · space play · F fit · 1–5 colours · Ctrl+Z undo · \
-                     Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save",
+                     Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save. On the picture: up and down \
+                     insertion · Shift and arrows turn · + and − zoom.",
                 );
                 ui.small(format!("Version {}", env!("CARGO_PKG_VERSION")));
             });

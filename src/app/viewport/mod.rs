@@ -12,8 +12,8 @@ use crate::view::color::Quantity;
 use crate::view::pick::{self, Hit};
 use crate::view::section::{Opening, Section};
 use eframe::egui::{
-    self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
-    Ui, WidgetInfo,
+    self, Align2, Color32, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense,
+    TextStyle, Ui, WidgetInfo,
 };
 use eframe::{egui_glow, glow};
 use glam::Vec2;
@@ -62,6 +62,7 @@ pub(crate) struct Viewport {
     fitted: Option<f32>,
     placed: bool,
     aspect: f32,
+    id: Option<egui::Id>,
     picture: Picture,
 }
 
@@ -81,8 +82,14 @@ impl Viewport {
             fitted: None,
             placed: false,
             aspect: 1.4,
+            id: None,
             picture: Picture::default(),
         }
+    }
+
+    /// Its widget, once shown: the one that has the focus after a click on the picture.
+    pub(crate) fn id(&self) -> Option<egui::Id> {
+        self.id
     }
 
     /// Eases to the three-quarter view of the whole body.
@@ -115,6 +122,7 @@ impl Viewport {
             Sense::click_and_drag() | Sense::FOCUSABLE,
         );
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
+        self.id = Some(response.id);
         self.place_camera(session, area.width() / area.height());
         let section = Section {
             opening: match (options.section, options.half) {
@@ -187,6 +195,12 @@ impl Viewport {
             moved |= self.camera.zoom((scroll * 0.003).exp() * pinch);
         }
         if response.has_focus() {
+            let own = EventFilter {
+                horizontal_arrows: true,
+                vertical_arrows: true,
+                ..EventFilter::default()
+            };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
             moved |= self.keys(ui);
         }
         if moved {
