@@ -36,7 +36,6 @@ impl Default for Control<'_> {
 
 impl Control<'_> {
     pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> Response {
-        let before = *value;
         let name = match self.unit {
             "" => self.label.to_owned(),
             unit => format!("{} ({unit})", self.label),
@@ -44,7 +43,10 @@ impl Control<'_> {
         let text = ui.label(RichText::new(&name).color(ui.visuals().weak_text_color()));
         // The value stands right of the rail, at the same place in every row.
         ui.spacing_mut().slider_width = (ui.available_width() - 78.0).max(60.0);
-        let slider = egui::Slider::new(value, self.range)
+        // The slider rounds what it holds: only what a hand has set goes into the scene.
+        let mut shown = *value;
+        let slider = egui::Slider::new(&mut shown, self.range)
+            .clamping(egui::SliderClamping::Edits)
             .fixed_decimals(self.decimals)
             .step_by(self.step)
             .logarithmic(self.logarithmic);
@@ -52,12 +54,13 @@ impl Control<'_> {
         let tooltip =
             format!("{}\nDouble-click the name to reset to {}.", self.tooltip, self.reset);
         let text = text.interact(egui::Sense::click()).on_hover_text(&tooltip);
-        if text.double_clicked() || response.double_clicked() {
-            *value = self.reset;
-        }
         let mut response = response.on_hover_text(tooltip);
-        if value.to_bits() != before.to_bits() {
+        if text.double_clicked() || response.double_clicked() {
+            shown = self.reset;
             response.mark_changed();
+        }
+        if response.changed() {
+            *value = shown;
         }
         response
     }
@@ -332,4 +335,24 @@ pub(super) fn heading(ui: &mut Ui, text: &str) {
 /// Gives a widget whose text is an icon or a number its name for screen readers and tests.
 pub(super) fn name_it(response: &Response, role: egui::Role, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slider_that_no_hand_moves_leaves_its_value_alone() {
+        // Finer than the step, and outside of the range that the slider offers.
+        for given in [55.3, 1.234_567, 130.0] {
+            let mut value = given;
+            let mut changed = false;
+            egui::__run_test_ui(|ui| {
+                let control =
+                    Control { label: "Base radius", range: 10.0..=120.0, ..Control::default() };
+                changed |= control.show(ui, &mut value).changed();
+            });
+            assert!(!changed && value.to_bits() == given.to_bits(), "{given} became {value}");
+        }
+    }
 }
