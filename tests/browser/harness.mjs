@@ -108,6 +108,50 @@ export async function screenshot(page, name) {
   await page.screenshot({ path: join(OUT, `${name}.png`) });
 }
 
+/** How many colours the page shows, as 4 bits a channel. */
+export async function colours(page) {
+  const picture = (await page.screenshot()).toString("base64");
+  return page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${data}`;
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data: bytes } = context.getImageData(0, 0, image.width, image.height);
+    const seen = new Set();
+    for (let k = 0; k < bytes.length; k += 4) {
+      seen.add(((bytes[k] >> 4) << 8) | (bytes[k + 1] & 0xf0) | (bytes[k + 2] >> 4));
+    }
+    return seen.size;
+  }, picture);
+}
+
+/**
+ * The app is one canvas: where a control is can only be found by trying. Goes up from the bottom and
+ * gives the first point where a click (or a finger) changes what `read` returns.
+ */
+export async function findControl(page, read, { finger = false } = {}) {
+  const { width, height } = page.viewportSize();
+  const before = await read();
+  for (let y = height - 8; y > height / 2; y -= 6) {
+    const at = { x: 0.4 * width, y };
+    if (finger) {
+      await page.touchscreen.tap(at.x, at.y);
+      await page.waitForTimeout(150);
+    } else {
+      await page.mouse.move(at.x, at.y);
+      await page.waitForTimeout(80);
+      await page.mouse.down();
+      await page.waitForTimeout(80);
+      await page.mouse.up();
+      await page.waitForTimeout(80);
+    }
+    if ((await read()) !== before) return at;
+  }
+  return null;
+}
+
 /** The greatest distance [mm] between the points of two profiles. */
 export function profileDistance(a, b) {
   if (a.length !== b.length) return Infinity;
