@@ -326,7 +326,9 @@ impl App {
         ] {
             if is_heard && shortcut(Modifiers::NONE, key) {
                 let mut scene = self.session.scene().clone();
-                scene.insertion = (scene.insertion + step).clamp(0.0, 1.0);
+                // In whole percent: steps of 0.02 do not add up to round values.
+                let percent = (100.0 * (scene.insertion + step)).round();
+                scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
                 self.gesture += 1;
                 self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
             }
