@@ -64,7 +64,7 @@ suite wasm wasm-pack test --headless --chrome --chromedriver "$(command -v chrom
   --locked --no-default-features --features js-api --test wasm
 rm -rf dist # so that no older page is tested
 check page build_page
-suite browser node --test --test-reporter=tap tests/browser/page.test.mjs
+suite browser node --test --test-reporter=tap --test-concurrency=1 tests/browser/page.test.mjs tests/browser/app.test.mjs
 
 printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))
 printf '%d passed, %d failed\n' "$passed" "$failed"
