@@ -5,8 +5,8 @@ use super::theme;
 use crate::curve::Curve;
 use crate::session::Session;
 use crate::sheet::NodeKind;
-use eframe::egui::{Color32, Ui};
-use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points};
+use eframe::egui::{Color32, RichText, Ui};
+use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points, uniform_grid_spacer};
 
 /// Samples of a curve.
 const SAMPLES: i32 = 160;
@@ -23,6 +23,8 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
             .height(180.0)
             .legend(Legend::default().position(egui_plot::Corner::LeftTop))
             .x_axis_label("strain")
+            .x_grid_spacer(uniform_grid_spacer(|_| [1.0, 0.5, 0.1]))
+            .x_axis_formatter(|mark, _| format!("{:.1}", mark.value))
             .y_axis_label("stress (kPa)")
             .allow_scroll(false)
             .allow_drag(false)
@@ -39,13 +41,14 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
                             .collect()
                     };
                     plot.line(
-                        Line::new(name.clone(), sampled(used.max(1.0)))
+                        // Without a name it stays out of the legend.
+                        Line::new("", sampled(used.max(1.0)))
                             .color(color.gamma_multiply(0.5))
                             .width(1.0),
                     );
-                    plot.line(Line::new(name.clone(), sampled(used)).color(color).width(3.0));
+                    plot.line(Line::new(name, sampled(used)).color(color).width(3.0));
                     let here = vec![[used, curve.stress(used)]];
-                    plot.points(Points::new(name, here).color(color).radius(4.0));
+                    plot.points(Points::new("", here).color(color).radius(4.0));
                 }
             });
         ui.small(format!("Strong: strains now in use, up to {:.0} %.", 100.0 * used));
@@ -88,8 +91,9 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
         Plot::new("section")
             .height(170.0)
             .data_aspect(1.0)
-            .legend(Legend::default())
             .x_axis_label("across (mm)")
+            .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
+            .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
             .y_axis_label("height (mm)")
             .include_y(0.0)
             .allow_scroll(false)
@@ -111,5 +115,15 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
                         .width(1.0),
                 );
             });
+        ui.horizontal_wrapped(|ui| {
+            for (name, color) in [
+                ("skin", palette.curves[0]),
+                ("inner face", palette.curves[1]),
+                ("implant", palette.accent),
+                ("chest wall", palette.caution),
+            ] {
+                ui.label(RichText::new(name).small().color(color));
+            }
+        });
     });
 }

@@ -29,15 +29,16 @@ pub(super) fn show(ui: &mut Ui, outcome: Option<&Outcome>, is_working: bool) {
 }
 
 fn shape(ui: &mut Ui, outcome: &Outcome) {
+    let error = outcome.solver.estimated_position_error;
     group(ui, "Shape", |ui| {
         rows(ui, "shape", |ui| {
-            row(ui, "Projection of the implant", outcome.projection_mm, 1, "mm");
-            row(ui, "Projection of the skin", outcome.skin_projection_mm, 1, "mm");
-            row(ui, "Implant volume", Some(outcome.implant_volume_ml), 0, "ml");
-            row(ui, "Area before", Some(outcome.area_before_cm2), 1, "cm²");
-            row(ui, "Area after", outcome.area_after_cm2, 1, "cm²");
-            row(ui, "Area gained", outcome.area_gain_cm2, 1, "cm²");
-            row(ui, "Area ratio", outcome.area_ratio, 3, "×");
+            row(ui, error, "Projection of the implant", outcome.projection_mm, 1, "mm");
+            row(ui, error, "Projection of the skin", outcome.skin_projection_mm, 1, "mm");
+            row(ui, error, "Implant volume", Some(outcome.implant_volume_ml), 0, "ml");
+            row(ui, error, "Area before", Some(outcome.area_before_cm2), 1, "cm²");
+            row(ui, error, "Area after", outcome.area_after_cm2, 1, "cm²");
+            row(ui, error, "Area gained", outcome.area_gain_cm2, 1, "cm²");
+            row(ui, error, "Area ratio", outcome.area_ratio, 3, "×");
         });
         hint(
             ui,
@@ -48,17 +49,18 @@ fn shape(ui: &mut Ui, outcome: &Outcome) {
 }
 
 fn contact(ui: &mut Ui, outcome: &Outcome) {
+    let error = outcome.solver.estimated_position_error;
     group(ui, "Contact", |ui| {
         rows(ui, "contact", |ui| {
             let part = |p: Option<Pressure>, f: fn(Pressure) -> f64| p.map(f);
             let (kpa, mmhg) = (outcome.contact_pressure_kpa, outcome.contact_pressure_mmhg);
-            row(ui, "Force, vertical", outcome.contact_force_n, 2, "N");
-            row(ui, "Pressure, mean", part(kpa, |p| p.mean), 2, "kPa");
-            row(ui, "", part(mmhg, |p| p.mean), 1, "mmHg");
-            row(ui, "Pressure, greatest", part(kpa, |p| p.max), 2, "kPa");
-            row(ui, "", part(mmhg, |p| p.max), 1, "mmHg");
-            row(ui, "Contact ends at", outcome.contact_angle_deg, 1, "°");
-            row(ui, "… of the tissue at", outcome.contact_material_radius_mm, 1, "mm");
+            row(ui, error, "Force, vertical", outcome.contact_force_n, 2, "N");
+            row(ui, error, "Pressure, mean", part(kpa, |p| p.mean), 2, "kPa");
+            row(ui, error, "", part(mmhg, |p| p.mean), 1, "mmHg");
+            row(ui, error, "Pressure, greatest", part(kpa, |p| p.max), 2, "kPa");
+            row(ui, error, "", part(mmhg, |p| p.max), 1, "mmHg");
+            row(ui, error, "Contact ends at", outcome.contact_angle_deg, 1, "°");
+            row(ui, error, "… of the tissue at", outcome.contact_material_radius_mm, 1, "mm");
         });
         hint(
             ui,
@@ -69,12 +71,13 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
 }
 
 fn tissue(ui: &mut Ui, outcome: &Outcome) {
+    let error = outcome.solver.estimated_position_error;
     let palette = theme::palette(ui.visuals());
     group(ui, "Tissue", |ui| {
         rows(ui, "tissue", |ui| {
-            row(ui, "Stretch at the apex", outcome.apex_stretch, 3, "×");
+            row(ui, error, "Stretch at the apex", outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
-                row(ui, "Greatest strain", Some(100.0 * strain.max_principal), 1, "%");
+                row(ui, error, "Greatest strain", Some(100.0 * strain.max_principal), 1, "%");
                 for (limit, color) in
                     [("0.25", palette.caution), ("0.50", palette.bad), ("0.54", palette.bad)]
                 {
@@ -82,12 +85,12 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
                     let percent = limit.parse::<f64>().unwrap_or(0.0) * 100.0;
                     let name = RichText::new(format!("Area strained above {percent:.0} %"));
                     let name = if share > 0.0 { name.color(color) } else { name };
-                    row(ui, name, Some(100.0 * share), 1, "%");
+                    row(ui, error, name, Some(100.0 * share), 1, "%");
                 }
             }
             for layer in &outcome.layers {
                 let name = format!("Greatest stress, {}", layer.tissue);
-                row(ui, name, layer.max_stress_kpa, 1, "kPa");
+                row(ui, error, name, layer.max_stress_kpa, 1, "kPa");
             }
         });
         hint(
@@ -102,10 +105,17 @@ fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 /// One line: name, value in figures of equal width, unit. What does not apply is a dash.
-fn row(ui: &mut Ui, name: impl Into<RichText>, value: Option<f64>, decimals: usize, unit: &str) {
+fn row(
+    ui: &mut Ui,
+    error: f64,
+    name: impl Into<RichText>,
+    value: Option<f64>,
+    decimals: usize,
+    unit: &str,
+) {
     let name: RichText = name.into();
     ui.add(egui::Label::new(name).wrap_mode(egui::TextWrapMode::Extend));
-    let text = value.map_or_else(|| "–".to_owned(), |v| format!("{v:.decimals$}"));
+    let text = value.map_or_else(|| "–".to_owned(), |v| figures(v, decimals, error));
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.set_min_width(56.0);
         ui.monospace(text);
@@ -114,6 +124,32 @@ fn row(ui: &mut Ui, name: impl Into<RichText>, value: Option<f64>, decimals: usi
     ui.end_row();
 }
 
+/// A value with at most the given decimals, and none that its error leaves open. Strains and
+/// forces are slopes of the shape: their relative error is taken as ten times that of positions.
+fn figures(value: f64, decimals: usize, position_error: f64) -> String {
+    let open = (10.0 * position_error * value.abs()).max(1e-12);
+    let known = (-open.log10()).floor().max(0.0) as usize;
+    let decimals = decimals.min(known);
+    let text = format!("{value:.decimals$}");
+    // No minus before a zero.
+    if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
+}
+
 fn hint(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_digits_than_the_error_allows() {
+        assert_eq!(figures(62.57, 1, 1e-6), "62.6");
+        assert_eq!(figures(62.57, 1, 1e-3), "63");
+        assert_eq!(figures(2.9712, 2, 1e-3), "3.0");
+        assert_eq!(figures(2.9712, 2, f64::INFINITY), "3");
+        assert_eq!(figures(-1e-17, 1, 1e-6), "0.0");
+        assert_eq!(figures(-0.4, 1, 1e-6), "-0.4");
+    }
 }

@@ -76,6 +76,8 @@ pub(super) fn install(ctx: &Context) {
     for (theme, palette) in [(Theme::Light, &LIGHT), (Theme::Dark, &DARK)] {
         ctx.style_mut_of(theme, |style| apply(style, palette, theme));
     }
+    // Where the system has no say: the same on the desktop and in the page.
+    ctx.options_mut(|options| options.fallback_theme = Theme::Light);
 }
 
 fn apply(style: &mut Style, palette: &Palette, theme: Theme) {

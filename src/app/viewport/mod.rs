@@ -63,6 +63,8 @@ pub(crate) struct Viewport {
     placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
+    /// Did the focus come by a click? Then it needs no frame.
+    focused_by_hand: bool,
     picture: Picture,
 }
 
@@ -83,6 +85,7 @@ impl Viewport {
             placed: false,
             aspect: 1.4,
             id: None,
+            focused_by_hand: false,
             picture: Picture::default(),
         }
     }
@@ -152,7 +155,8 @@ impl Viewport {
         }
         overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));
         self.show_values(ui, &painter, &response, session, section);
-        if response.has_focus() {
+        self.focused_by_hand &= response.has_focus();
+        if response.has_focus() && !self.focused_by_hand {
             let stroke = ui.visuals().selection.stroke;
             painter.rect_stroke(area.shrink(1.0), 2.0, stroke, egui::StrokeKind::Inside);
         }
@@ -176,6 +180,7 @@ impl Viewport {
         let mut moved = false;
         if response.clicked() || response.drag_started() {
             response.request_focus();
+            self.focused_by_hand = true;
         }
         let to_glam = |v: egui::Vec2| Vec2::new(v.x, v.y);
         let delta = to_glam(response.drag_delta());
