@@ -190,7 +190,8 @@ impl App {
         let ctx = ui.ctx().clone();
         self.take_files(&ctx);
         self.keys(&ctx);
-        let mut scene = self.session.scene().clone();
+        let before = self.session.scene().clone();
+        let mut scene = before.clone();
         self.play(&ctx, &mut scene);
         self.work();
         if ui.available_width() < theme::NARROW {
@@ -199,7 +200,7 @@ impl App {
             self.wide(ui, &mut scene);
         }
         self.about(&ctx);
-        self.edited(&ctx, scene);
+        self.edited(&ctx, &before, scene);
         if self.session.is_working() || self.is_playing {
             ctx.request_repaint();
         }
@@ -241,16 +242,19 @@ impl App {
         }
     }
 
-    /// Turns what a panel changed in its copy of the scene into a command.
-    fn edited(&mut self, ctx: &egui::Context, mut scene: Scene) {
-        if ctx.input(|input| input.pointer.any_pressed() || !input.pointer.any_down()) {
-            // A held pointer is one gesture; each key or click is its own.
+    /// Turns what a panel changed in its copy of the scene into a command. The copy is compared with
+    /// what it was made from: the session's own scene may be another by now (undo).
+    fn edited(&mut self, ctx: &egui::Context, before: &Scene, mut scene: Scene) {
+        let is_new = ctx.input(|input| {
+            let pointer = &input.pointer;
+            pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
+        });
+        if is_new {
+            // From press to release is one gesture; each key is its own.
             self.gesture += u64::from(!self.is_playing);
         }
         let is_hemisphere = self.is_hemisphere;
-        if scene == *self.session.scene()
-            && (!is_hemisphere || self::is_hemisphere(self.session.scene()))
-        {
+        if scene == *before && (!is_hemisphere || self::is_hemisphere(self.session.scene())) {
             return;
         }
         let notice = controls::repair(&mut scene, is_hemisphere);
