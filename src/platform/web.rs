@@ -167,7 +167,7 @@ impl Handle {
     #[wasm_bindgen(js_name = setScene)]
     pub fn set_scene(&self, json: String) -> Result<(), JsError> {
         self.page(|app| app.open(json))??;
-        if let Some(mut page) = self.runner.app_mut::<Page>() {
+        if let Some(page) = self.runner.app_mut::<Page>() {
             page.app.wake();
         }
         Ok(())

@@ -11,6 +11,7 @@ use super::law::{PaperLaw, SheetLaw};
 use crate::sheet::{CELL_TRIANGLES, CellKind, Sheet};
 use crate::springs::coupled::CoupledLaw;
 use glam::{DMat3, DVec2, DVec3};
+use std::ops::Range;
 
 /// Which second derivative to assemble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,16 +22,23 @@ pub(crate) enum Stiffness {
     Positive,
 }
 
-/// Sums of one pass over the sheet.
+/// Sums over the sheet, or over the rows of cells so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Totals {
     /// Strain energy \[kPa·mm³\].
     pub(crate) energy: f64,
-    /// Root of the sum of the squared forces that triangles exert on their nodes \[kPa·mm²\]: what the
-    /// residual is measured against.
-    pub(crate) force_scale: f64,
+    /// Sum of the squared forces that triangles exert on their nodes \[(kPa·mm²)²\].
+    squared_forces: f64,
     /// Is a spring outside of the range where its law has a meaning?
     pub(crate) outside_law: bool,
+}
+
+impl Totals {
+    /// Root of the sum of the squared forces of all triangles \[kPa·mm²\]: what the residual is
+    /// measured against.
+    pub(crate) fn force_scale(&self) -> f64 {
+        self.squared_forces.sqrt()
+    }
 }
 
 /// Corner pairs whose blocks a cell adds: (from, to, which array: 4 = diagonal, else upper).
@@ -162,34 +170,36 @@ pub(crate) fn energy(sheet: &Sheet, law: &SheetLaw, x: &[DVec3]) -> f64 {
 /// Energy and nodal forces −∂E/∂x \[kPa·mm²\] of every node, clamped ones included.
 pub(crate) fn forces(sheet: &Sheet, law: &SheetLaw, x: &[DVec3], forces: &mut [DVec3]) -> Totals {
     forces.fill(DVec3::ZERO);
-    accumulate(sheet, law, x, forces, None)
+    let mut totals = Totals::default();
+    accumulate(sheet, law, x, 0..sheet.nodes_per_side() - 1, forces, None, &mut totals);
+    totals
 }
 
-/// As [`forces`], and the Hessian of the energy.
-pub(crate) fn linearize(
+/// Adds rows of cells to the forces, the Hessian of the energy and the totals, which the caller has
+/// cleared before the first row.
+pub(crate) fn linearize_rows(
     sheet: &Sheet,
     law: &SheetLaw,
     x: &[DVec3],
+    rows: Range<usize>,
     stiffness: Stiffness,
-    forces: &mut [DVec3],
-    hessian: &mut Blocks,
-) -> Totals {
-    forces.fill(DVec3::ZERO);
-    hessian.clear();
-    accumulate(sheet, law, x, forces, Some((stiffness, hessian)))
+    (forces, hessian): (&mut [DVec3], &mut Blocks),
+    totals: &mut Totals,
+) {
+    accumulate(sheet, law, x, rows, forces, Some((stiffness, hessian)), totals);
 }
 
 fn accumulate(
     sheet: &Sheet,
     law: &SheetLaw,
     x: &[DVec3],
+    rows: Range<usize>,
     forces: &mut [DVec3],
     mut hessian: Option<(Stiffness, &mut Blocks)>,
-) -> Totals {
+    totals: &mut Totals,
+) {
     let rest = sheet.rest();
-    let mut totals = Totals::default();
-    let mut squares = 0.0;
-    for j in 0..sheet.nodes_per_side() - 1 {
+    for j in rows {
         let (first, last) = cell_span(sheet, j);
         for i in first..last {
             let (range, weight) = match sheet.cell(i, j) {
@@ -218,7 +228,7 @@ fn accumulate(
                 }
                 for (k, force) in nodes.into_iter().zip(triangle.forces) {
                     forces[k] += force;
-                    squares += force.length_squared();
+                    totals.squared_forces += force.length_squared();
                 }
             }
             if let Some((_, hessian)) = &mut hessian {
@@ -232,8 +242,6 @@ fn accumulate(
             }
         }
     }
-    totals.force_scale = squares.sqrt();
-    totals
 }
 
 /// The cells of row j that can belong to the sheet.
@@ -438,7 +446,7 @@ mod tests {
                     let slope = (up - down) / (2.0 * step);
                     let error = (slope + f[k][axis]).abs();
                     assert!(
-                        error < 1e-5 * totals.force_scale,
+                        error < 1e-5 * totals.force_scale(),
                         "{k} {axis}: {slope} {}",
                         f[k][axis]
                     );
@@ -454,7 +462,14 @@ mod tests {
             let x = bumpy(&sheet);
             let mut f = vec![DVec3::ZERO; sheet.len()];
             let mut hessian = Blocks::new(9);
-            linearize(&sheet, &law, &x, Stiffness::True, &mut f, &mut hessian);
+            let mut totals = Totals::default();
+            let mut add = |rows| {
+                let to = (f.as_mut_slice(), &mut hessian);
+                linearize_rows(&sheet, &law, &x, rows, Stiffness::True, to, &mut totals);
+            };
+            // In pieces, as the solver does.
+            add(0..3);
+            add(3..8);
             let direction: Vec<DVec3> = (0..sheet.len())
                 .map(|k| {
                     let t = k as f64;
@@ -489,7 +504,7 @@ mod tests {
         for law in both() {
             let x = bumpy(&sheet);
             let mut f = vec![DVec3::ZERO; sheet.len()];
-            let scale = forces(&sheet, &law, &x, &mut f).force_scale;
+            let scale = forces(&sheet, &law, &x, &mut f).force_scale();
             let sum: DVec3 = f.iter().sum();
             let torque: DVec3 = x.iter().zip(&f).map(|(x, f)| x.cross(*f)).sum();
             assert!(sum.length() < 1e-12 * scale && torque.length() < 1e-12 * scale);
@@ -505,7 +520,7 @@ mod tests {
             let turned: Vec<DVec3> = x.iter().map(|x| turn * *x).collect();
             let mut f = vec![DVec3::ZERO; sheet.len()];
             let mut g = f.clone();
-            let scale = forces(&sheet, &law, &x, &mut f).force_scale;
+            let scale = forces(&sheet, &law, &x, &mut f).force_scale();
             forces(&sheet, &law, &turned, &mut g);
             assert!(f.iter().zip(&g).all(|(f, g)| (turn * *f - *g).length() < 1e-12 * scale));
         }

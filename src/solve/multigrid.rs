@@ -12,6 +12,8 @@ use glam::{DMat3, DVec3};
 /// Grids of fewer cells a side than this are solved by sweeps alone.
 const COARSEST_CELLS: usize = 8;
 const COARSEST_SWEEPS: usize = 8;
+/// Finest nodes in one piece of [`Hierarchy::build`].
+const NODES_PER_PIECE: usize = 8192;
 
 /// The coarse grids under a finest one.
 #[derive(Clone, Debug)]
@@ -59,28 +61,33 @@ impl Hierarchy {
         Self { levels }
     }
 
-    /// Computes the coarse operators PᵀHP of a finest grid.
-    pub(crate) fn build(&mut self, finest: &Finest) {
-        for l in 0..self.levels.len() {
-            let (finer, rest) = self.levels.split_at_mut(l);
-            let level = &mut rest[0];
-            match finer.last() {
-                Some(fine) => {
-                    galerkin(&fine.blocks, &fine.free, None, &level.is_free, &mut level.blocks);
-                }
-                None => galerkin(
-                    finest.blocks,
-                    finest.free,
-                    Some(finest.projector),
-                    &level.is_free,
-                    &mut level.blocks,
-                ),
+    /// Computes the coarse operators PᵀHP of a finest grid, a piece at a call: pieces 0, 1, … until it
+    /// returns true.
+    pub(crate) fn build(&mut self, finest: &Finest, piece: usize) -> bool {
+        let Some((first, others)) = self.levels.split_first_mut() else { return true };
+        let from = piece * NODES_PER_PIECE;
+        if from < finest.free.len() {
+            if piece == 0 {
+                first.blocks.clear();
             }
+            let nodes = &finest.free[from..finest.free.len().min(from + NODES_PER_PIECE)];
+            let projector = Some(finest.projector);
+            galerkin(finest.blocks, nodes, projector, &first.is_free, &mut first.blocks);
+            return false;
+        }
+        let mut fine = &mut *first;
+        for level in others {
+            level.blocks.clear();
+            galerkin(&fine.blocks, &fine.free, None, &level.is_free, &mut level.blocks);
+            fine = level;
+        }
+        for level in &mut self.levels {
             for &k in &level.free {
                 let k = k as usize;
                 level.inverse[k] = safe_inverse(level.blocks.diagonal[k]);
             }
         }
+        true
     }
 
     /// One V-cycle: `x` ≈ H⁻¹ `rhs` in the directions that may move. `residual` is scratch.
@@ -218,7 +225,7 @@ fn parents(index: usize) -> ([usize; 2], [f64; 2], usize) {
     }
 }
 
-/// coarse = Pᵀ Π H Π P for the stored half of the stencil.
+/// coarse += Pᵀ Π H Π P for the stored half of the stencil, the rows of the given nodes.
 fn galerkin(
     fine: &Blocks,
     free: &[u32],
@@ -226,7 +233,6 @@ fn galerkin(
     coarse_free: &[bool],
     coarse: &mut Blocks,
 ) {
-    coarse.clear();
     let (n, nc) = (fine.n, coarse.n);
     let strides = Blocks::strides(n);
     for &a in free {
@@ -359,7 +365,7 @@ mod tests {
         let projector = free_projector(n, &free);
         let finest =
             Finest { blocks: &blocks, inverse: &projector, projector: &projector, free: &free };
-        hierarchy.build(&finest);
+        let _ = (0..).find(|&piece| hierarchy.build(&finest, piece));
         let level = &mut hierarchy.levels[0];
         for &k in &level.free {
             let t = f64::from(k);
@@ -385,7 +391,7 @@ mod tests {
             let projector = free_projector(n, &free);
             let finest =
                 Finest { blocks: &blocks, inverse: &inverse, projector: &projector, free: &free };
-            hierarchy.build(&finest);
+            let _ = (0..).find(|&piece| hierarchy.build(&finest, piece));
             let mut error = vec![DVec3::ZERO; n * n];
             for &k in &free {
                 error[k as usize] = DVec3::new((7.3 * f64::from(k)).sin(), 1.0, 0.5);

@@ -31,6 +31,9 @@ const MAX_HALVINGS: u32 = 12;
 /// A node this close to the dome counts as touching it \[share of the base radius\].
 const TOUCH: f64 = 1e-9;
 
+/// Cells that one piece of work adds up: two milliseconds or so.
+const CELLS_PER_PIECE: usize = 4096;
+
 /// Costs in work units (one evaluation of all nodal forces), by their flops.
 const LINEARIZE_UNITS: f64 = 4.0;
 const SWEEP_UNITS: f64 = 0.6;
@@ -59,13 +62,34 @@ pub(crate) enum State {
 }
 
 enum Phase {
-    Linearize,
+    /// The next row of cells to add.
+    Linearize {
+        row: usize,
+    },
     Smooth,
-    Build,
-    Cg { step: u32, start: f64, rho: f64 },
+    /// The next piece of the coarse operators.
+    Build {
+        piece: usize,
+    },
+    Cg {
+        step: u32,
+        start: f64,
+        rho: f64,
+    },
     Correct,
-    Search { length: f64, halvings: u32 },
-    Stability { step: u32, after: State },
+    Search {
+        length: f64,
+        halvings: u32,
+    },
+    /// The next row of cells of the true Hessian.
+    Stiffen {
+        row: usize,
+        after: State,
+    },
+    Stability {
+        step: u32,
+        after: State,
+    },
 }
 
 /// Iteration on one grid: its shape, its model and scratch. Arrays of shape (n², ).
@@ -139,7 +163,7 @@ impl Newton {
             scratch: vectors(),
             free,
             sheet,
-            phase: Phase::Linearize,
+            phase: Phase::Linearize { row: 0 },
             iterations: 0,
             moves: 0,
             rounds: 0,
@@ -161,7 +185,7 @@ impl Newton {
             let k = k as usize;
             self.x[k] = admissible(dome, self.x[k]);
         }
-        self.phase = Phase::Linearize;
+        self.phase = Phase::Linearize { row: 0 };
         self.moves += 1;
         self.iterations = 0;
         self.is_cautious = false;
@@ -173,33 +197,55 @@ impl Newton {
     /// Does the next piece of work, a few passes over the grid at most. `tolerance` \[mm\].
     pub(crate) fn step(&mut self, law: &SheetLaw, dome: &Dome, tolerance: f64) -> State {
         match self.phase {
-            Phase::Linearize => return self.linearize(law, dome),
+            Phase::Linearize { row } => return self.linearize(law, dome, row),
             Phase::Smooth => self.smooth(),
-            Phase::Build => self.build(),
+            Phase::Build { piece } => self.build(piece),
             Phase::Cg { step, start, rho } => self.cg(step, start, rho),
             Phase::Correct => self.correct(tolerance),
             Phase::Search { length, halvings } => {
                 return self.search(law, dome, tolerance, length, halvings);
             }
-            Phase::Stability { step, after } => return self.probe(law, dome, step, after),
+            Phase::Stiffen { row, after } => self.stiffen(law, dome, row, after),
+            Phase::Stability { step, after } => return self.probe(law, step, after),
         }
         State::Working
     }
 
-    fn linearize(&mut self, law: &SheetLaw, dome: &Dome) -> State {
-        if self.iterations == MAX_ITERATIONS {
-            return State::Stalled;
+    /// Adds rows of cells to forces and Hessian; true when the last one is in.
+    fn add_rows(&mut self, law: &SheetLaw, row: usize, stiffness: Stiffness) -> bool {
+        let rows = self.sheet.nodes_per_side() - 1;
+        if row == 0 {
+            self.work_units += LINEARIZE_UNITS;
+            self.forces.fill(DVec3::ZERO);
+            self.hessian.clear();
+            self.totals = Totals::default();
         }
-        self.iterations += 1;
-        self.work_units += LINEARIZE_UNITS;
-        self.totals = assemble::linearize(
+        let end = (row + self.rows_per_piece()).min(rows);
+        assemble::linearize_rows(
             &self.sheet,
             law,
             &self.x,
-            Stiffness::Positive,
-            &mut self.forces,
-            &mut self.hessian,
+            row..end,
+            stiffness,
+            (&mut self.forces, &mut self.hessian),
+            &mut self.totals,
         );
+        end == rows
+    }
+
+    fn rows_per_piece(&self) -> usize {
+        (CELLS_PER_PIECE / self.sheet.nodes_per_side()).max(1)
+    }
+
+    fn linearize(&mut self, law: &SheetLaw, dome: &Dome, row: usize) -> State {
+        if self.iterations == MAX_ITERATIONS {
+            return State::Stalled;
+        }
+        if !self.add_rows(law, row, Stiffness::Positive) {
+            self.phase = Phase::Linearize { row: row + self.rows_per_piece() };
+            return State::Working;
+        }
+        self.iterations += 1;
         if self.totals.outside_law || !self.totals.energy.is_finite() {
             return State::Unstable;
         }
@@ -244,7 +290,7 @@ impl Newton {
             .sum();
         // A sheet at rest has no forces: rounding is not measured against rounding.
         let least = 1e-9 * law.stiffness() * self.sheet.spacing_mm();
-        squares.sqrt() / self.totals.force_scale.max(least)
+        squares.sqrt() / self.totals.force_scale().max(least)
     }
 
     /// Two projected Gauss–Seidel sweeps on the model: they find which nodes press.
@@ -273,7 +319,7 @@ impl Newton {
                 }
             };
         }
-        self.phase = if self.is_built { self.begin_cg() } else { Phase::Build };
+        self.phase = if self.is_built { self.begin_cg() } else { Phase::Build { piece: 0 } };
     }
 
     /// Minimises the model over one node's step, under its constraints.
@@ -312,15 +358,18 @@ impl Newton {
         self.d[k] = d;
     }
 
-    fn build(&mut self) {
-        self.work_units += BUILD_UNITS;
+    fn build(&mut self, piece: usize) {
         let finest = Finest {
             blocks: &self.hessian,
             inverse: &self.tangent_inverse,
             projector: &self.projector,
             free: &self.free,
         };
-        self.hierarchy.build(&finest);
+        if !self.hierarchy.build(&finest, piece) {
+            self.phase = Phase::Build { piece: piece + 1 };
+            return;
+        }
+        self.work_units += BUILD_UNITS;
         self.is_built = true;
         self.phase = self.begin_cg();
     }
@@ -335,7 +384,7 @@ impl Newton {
             self.q[k] = DVec3::ZERO;
         }
         self.work_units += SWEEP_UNITS;
-        if start <= 1e-32 * self.totals.force_scale.powi(2) {
+        if start <= 1e-32 * self.totals.force_scale().powi(2) {
             return Phase::Correct;
         }
         Phase::Cg { step: 0, start: start.sqrt(), rho: 0.0 }
@@ -441,7 +490,7 @@ impl Newton {
                 }
                 self.is_cautious = true;
                 self.last_step = f64::INFINITY;
-                self.phase = Phase::Linearize;
+                self.phase = Phase::Linearize { row: 0 };
                 return State::Working;
             }
             self.phase = Phase::Search { length: 0.5 * length, halvings: halvings + 1 };
@@ -458,47 +507,51 @@ impl Newton {
             f64::INFINITY
         };
         self.last_step = if halvings == 0 { largest } else { f64::INFINITY };
-        self.phase = Phase::Linearize;
+        self.phase = Phase::Linearize { row: 0 };
         if self.error <= tolerance { State::Converged } else { State::Working }
     }
 
     /// Begins the search for a direction in which the energy falls; [`Self::step`] goes on with it and
     /// ends in `after` when there is none.
     pub(crate) fn begin_stability(&mut self, after: State) {
+        self.phase = Phase::Stiffen { row: 0, after };
+    }
+
+    /// Adds rows of cells to the true Hessian; after the last one, the contact and a start vector.
+    fn stiffen(&mut self, law: &SheetLaw, dome: &Dome, row: usize, after: State) {
+        if !self.add_rows(law, row, Stiffness::True) {
+            self.phase = Phase::Stiffen { row: row + self.rows_per_piece(), after };
+            return;
+        }
+        let touch = TOUCH * dome.base_radius;
+        self.p.fill(DVec3::ZERO);
+        for &k in &self.free {
+            let k = k as usize;
+            let gradient = dome.level_gradient(self.x[k]);
+            self.normal[k] = gradient.normalize();
+            let pressing = -self.forces[k].dot(self.normal[k]);
+            self.contact[k] = FREE;
+            if dome.level(self.x[k]) <= touch * gradient.length() && pressing >= 0.0 {
+                self.contact[k] |= ON_DOME;
+                self.hessian.diagonal[k] -=
+                    curvature(dome, self.x[k]) * (pressing / gradient.length());
+            }
+            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
+                self.contact[k] |= ON_WALL;
+            }
+            self.projector[k] = projector(self.contact[k], self.normal[k]);
+            // Any start will do that leaves no wave out.
+            let t = k as f64;
+            let start = DVec3::new((12.9 * t).sin(), (78.2 * t).sin(), (37.7 * t).sin());
+            self.p[k] = self.projector[k] * start;
+        }
         self.phase = Phase::Stability { step: 0, after };
     }
 
     /// One step towards the least eigenvalue of the true Hessian in the directions that may move:
     /// preconditioned descent of the Rayleigh quotient (A. V. Knyazev, "Preconditioned
     /// eigensolvers", ETNA 7, 1998), the last model's V-cycle as preconditioner.
-    fn probe(&mut self, law: &SheetLaw, dome: &Dome, step: u32, after: State) -> State {
-        if step == 0 {
-            self.work_units += LINEARIZE_UNITS;
-            let (stiffness, forces) = (Stiffness::True, &mut self.forces);
-            assemble::linearize(&self.sheet, law, &self.x, stiffness, forces, &mut self.hessian);
-            let touch = TOUCH * dome.base_radius;
-            self.p.fill(DVec3::ZERO);
-            for &k in &self.free {
-                let k = k as usize;
-                let gradient = dome.level_gradient(self.x[k]);
-                self.normal[k] = gradient.normalize();
-                let pressing = -self.forces[k].dot(self.normal[k]);
-                self.contact[k] = FREE;
-                if dome.level(self.x[k]) <= touch * gradient.length() && pressing >= 0.0 {
-                    self.contact[k] |= ON_DOME;
-                    self.hessian.diagonal[k] -=
-                        curvature(dome, self.x[k]) * (pressing / gradient.length());
-                }
-                if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
-                    self.contact[k] |= ON_WALL;
-                }
-                self.projector[k] = projector(self.contact[k], self.normal[k]);
-                // Any start will do that leaves no wave out.
-                let t = k as f64;
-                let start = DVec3::new((12.9 * t).sin(), (78.2 * t).sin(), (37.7 * t).sin());
-                self.p[k] = self.projector[k] * start;
-            }
-        }
+    fn probe(&mut self, law: &SheetLaw, step: u32, after: State) -> State {
         self.work_units += 2.0 * SWEEP_UNITS + CYCLE_UNITS;
         let scale = dot(&self.free, &self.p, &self.p).sqrt().recip();
         for &k in &self.free {

@@ -1,0 +1,230 @@
+//! The app's screens by accessible name, without a GPU: every panel is there, a moved control
+//! changes the scene, a refused file changes nothing, and at rest nothing happens.
+
+#![cfg(all(feature = "app", not(target_arch = "wasm32")))]
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use eframe::egui::{self, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use implant_preview::app::App;
+use implant_preview::measure::Status;
+use implant_preview::scene::{Scene, Springs};
+
+const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 1600.0);
+const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
+
+/// The app on a small grid, solved and at rest.
+fn app(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
+    let mut scene = Scene::default();
+    scene.solver.nodes_per_side = 33;
+    change(&mut scene);
+    let ctx = egui::Context::default();
+    let app = App::new(&ctx, None, scene).unwrap();
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_max_steps(400)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    settle(&mut harness);
+    harness
+}
+
+/// Runs until no repaint is asked for and nothing is left to solve.
+fn settle(harness: &mut Harness<'static, App>) {
+    for _ in 0..400 {
+        harness.step();
+        if !harness.state().session().is_working() {
+            break;
+        }
+    }
+    harness.run();
+    assert!(!harness.state().session().is_working());
+}
+
+#[test]
+fn every_control_and_reading_has_its_name() {
+    let harness = app(WIDE, |_| {});
+    for slider in [
+        "Base radius (mm)",
+        "Position across (mm)",
+        "Position along (mm)",
+        "Pocket radius (mm)",
+        "Insertion (%)",
+        "Tolerance (% of the base radius)",
+    ] {
+        harness.get_by_role_and_label(Role::Slider, slider);
+    }
+    // One for each layer.
+    for slider in ["Thickness (mm)", "Poisson ratio"] {
+        let count = harness.get_all_by_role_and_label(Role::Slider, slider).count();
+        assert_eq!(count, 2, "{slider}");
+    }
+    for button in [
+        "Play",
+        "Undo",
+        "Redo",
+        "Fit",
+        "About",
+        "Theme",
+        "File",
+        "Add skin",
+        "Add adipose",
+        "Move down layer 1",
+        "Move up layer 2",
+        "Remove layer 2",
+    ] {
+        harness.get_by_role_and_label(Role::Button, button);
+    }
+    for reading in [
+        "Results",
+        "Projection of the skin",
+        "Area gained",
+        "Pressure, mean",
+        "Greatest strain",
+        "Greatest stress, skin",
+        "Greatest stress, adipose",
+        "Area strained above 54 %",
+    ] {
+        harness.get_by_label(reading);
+    }
+    harness.get_by_label_contains("Converged");
+}
+
+#[test]
+fn a_dragged_slider_changes_the_scene_and_undo_takes_it_back() {
+    let mut harness = app(WIDE, |_| {});
+    let before = harness.state().session().scene().clone();
+    let solves = harness.state().session().counters().solves;
+    let rect = harness.get_by_role_and_label(Role::Slider, "Base radius (mm)").rect();
+    // The rail is the left part; the value stands right of it.
+    let y = rect.center().y;
+    for share in [0.5, 0.4, 0.3] {
+        harness.drag_at(egui::pos2(rect.left() + share * 150.0, y));
+        harness.step();
+    }
+    harness.drop_at(egui::pos2(rect.left() + 0.3 * 150.0, y));
+    settle(&mut harness);
+    let scene = harness.state().session().scene().clone();
+    assert!(scene.implant.base_radius_mm < before.implant.base_radius_mm - 1.0);
+    // The hemisphere lock holds.
+    assert!((scene.implant.projection_mm - scene.implant.base_radius_mm).abs() < 1e-9);
+    assert!(harness.state().session().counters().solves > solves);
+    harness.get_by_role_and_label(Role::Button, "Undo").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene(), &before);
+    assert!(!harness.state().session().can_undo());
+}
+
+#[test]
+fn keys_step_the_insertion() {
+    let mut harness = app(WIDE, |_| {});
+    harness.key_press(egui::Key::OpenBracket);
+    settle(&mut harness);
+    assert!((harness.state().session().scene().insertion - 0.98).abs() < 1e-9);
+    harness.key_press(egui::Key::CloseBracket);
+    settle(&mut harness);
+    assert!((harness.state().session().scene().insertion - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn layers_are_added_exchanged_and_removed() {
+    let mut harness = app(WIDE, |_| {});
+    let tissues = |harness: &Harness<'static, App>| -> Vec<String> {
+        harness.state().session().scene().layers.iter().map(|l| l.tissue.clone()).collect()
+    };
+    harness.get_by_role_and_label(Role::Button, "Move down layer 1").click();
+    settle(&mut harness);
+    assert_eq!(tissues(&harness), ["adipose", "skin"]);
+    harness.get_by_role_and_label(Role::Button, "Add adipose").click();
+    settle(&mut harness);
+    assert_eq!(tissues(&harness), ["adipose", "skin", "adipose"]);
+    harness.get_by_role_and_label(Role::Button, "Remove layer 1").click();
+    settle(&mut harness);
+    assert_eq!(tissues(&harness), ["skin", "adipose"]);
+    assert_eq!(harness.state().outcome().unwrap().layers.len(), 2);
+}
+
+#[test]
+fn at_rest_nothing_is_solved_and_no_repaint_is_asked_for() {
+    let mut harness = app(WIDE, |_| {});
+    let counters = harness.state().session().counters();
+    let revision = harness.state().session().revision();
+    for _ in 0..5 {
+        harness.step();
+        let output = &harness.output().viewport_output;
+        for viewport in output.values() {
+            assert!(viewport.repaint_delay > std::time::Duration::from_secs(1));
+        }
+    }
+    assert_eq!(harness.state().session().counters(), counters);
+    assert_eq!(harness.state().session().revision(), revision);
+}
+
+#[test]
+fn a_colour_the_section_and_the_theme_solve_nothing() {
+    let mut harness = app(WIDE, |_| {});
+    let counters = harness.state().session().counters();
+    for key in [egui::Key::Num1, egui::Key::Num3, egui::Key::Num5] {
+        harness.key_press(key);
+        harness.step();
+    }
+    harness.get_by_label("Section").click();
+    harness.get_by_label("Net").click();
+    harness.run();
+    assert_eq!(harness.state().session().counters(), counters);
+}
+
+#[test]
+fn a_refused_scene_changes_nothing_and_says_why() {
+    let mut harness = app(WIDE, |_| {});
+    let before = harness.state().session().scene().clone();
+    let error = harness
+        .state_mut()
+        .open(r#"{"implant":{"base_radius_mm":500}}"#.to_owned())
+        .unwrap_err()
+        .to_string();
+    assert_eq!(error, "implant.base_radius_mm is 500; allowed: 10 to 120 mm");
+    harness.run();
+    assert_eq!(harness.state().session().scene(), &before);
+}
+
+#[test]
+fn springs_without_a_stable_shape_are_said_so_and_coupled_ones_offered() {
+    let mut harness = app(WIDE, |scene| {
+        scene.springs = Springs::Nikolaev;
+        scene.layers = vec![implant_preview::scene::Layer::adipose()];
+    });
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+    harness.get_by_label("No stable shape");
+    harness.get_by_role_and_label(Role::Button, "Use the coupled springs").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene().springs, Springs::Coupled);
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+}
+
+#[test]
+fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
+    let mut harness = app(PHONE, |_| {});
+    harness.get_by_role_and_label(Role::Slider, "Insertion (%)");
+    let tab = harness.get_by_label("Results").rect();
+    assert!(tab.top() > 0.5 * PHONE.y, "the sheet starts at {}", tab.top());
+    harness.get_by_label("Results").click();
+    harness.run();
+    harness.get_by_label("Area gained");
+    harness.get_by_label("Tissue").click();
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "Add skin");
+    harness.get_by_label("Plots").click();
+    harness.run();
+    harness.get_by_label_contains("Cross-section");
+}
+
+#[test]
+fn the_summary_says_what_the_picture_shows() {
+    let harness = app(WIDE, |_| {});
+    let summary = harness.state().summary();
+    assert!(summary.starts_with("Converged. Skin projection 62."), "{summary}");
+    assert!(summary.contains("mmHg"), "{summary}");
+    let stats = harness.state().stats();
+    assert!(stats.converged && stats.frames > 0 && stats.solves == 1 && stats.work_units > 0.0);
+}
