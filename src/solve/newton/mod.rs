@@ -7,14 +7,19 @@
 //! dome's curvature under the pressing nodes. The step is put back onto the dome and shortened until
 //! the energy falls.
 
+mod contact;
+mod stability;
+
 use super::assemble::{self, Stiffness, Totals};
 use super::blocks::{Blocks, outer};
 use super::law::SheetLaw;
 use super::multigrid::{Finest, Hierarchy, safe_inverse};
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
+use contact::{
+    FREE, ON_DOME, ON_WALL, admissible, corner_step, curvature, edge_direction, projector, without,
+};
 use glam::{DMat3, DVec3};
-use std::f64::consts::FRAC_PI_2;
 
 /// Newton iterations before a grid is given up.
 const MAX_ITERATIONS: u32 = 60;
@@ -40,15 +45,6 @@ const SWEEP_UNITS: f64 = 0.6;
 const CYCLE_UNITS: f64 = 2.8;
 const BUILD_UNITS: f64 = 2.0;
 const ENERGY_UNITS: f64 = 0.7;
-
-/// Steps of the search for a falling direction, and the eigenvalue that counts as falling
-/// \[share of the springs' small-strain stiffness\].
-const STABILITY_STEPS: u32 = 60;
-const UNSTABLE_SHARE: f64 = 1e-3;
-
-const FREE: u8 = 0;
-const ON_DOME: u8 = 1;
-const ON_WALL: u8 = 2;
 
 /// How a grid's iteration stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -511,94 +507,6 @@ impl Newton {
         if self.error <= tolerance { State::Converged } else { State::Working }
     }
 
-    /// Begins the search for a direction in which the energy falls; [`Self::step`] goes on with it and
-    /// ends in `after` when there is none.
-    pub(crate) fn begin_stability(&mut self, after: State) {
-        self.phase = Phase::Stiffen { row: 0, after };
-    }
-
-    /// Adds rows of cells to the true Hessian; after the last one, the contact and a start vector.
-    fn stiffen(&mut self, law: &SheetLaw, dome: &Dome, row: usize, after: State) {
-        if !self.add_rows(law, row, Stiffness::True) {
-            self.phase = Phase::Stiffen { row: row + self.rows_per_piece(), after };
-            return;
-        }
-        let touch = TOUCH * dome.base_radius;
-        self.p.fill(DVec3::ZERO);
-        for &k in &self.free {
-            let k = k as usize;
-            let gradient = dome.level_gradient(self.x[k]);
-            self.normal[k] = gradient.normalize();
-            let pressing = -self.forces[k].dot(self.normal[k]);
-            self.contact[k] = FREE;
-            if dome.level(self.x[k]) <= touch * gradient.length() && pressing >= 0.0 {
-                self.contact[k] |= ON_DOME;
-                self.hessian.diagonal[k] -=
-                    curvature(dome, self.x[k]) * (pressing / gradient.length());
-            }
-            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
-                self.contact[k] |= ON_WALL;
-            }
-            self.projector[k] = projector(self.contact[k], self.normal[k]);
-            // Any start will do that leaves no wave out.
-            let t = k as f64;
-            let start = DVec3::new((12.9 * t).sin(), (78.2 * t).sin(), (37.7 * t).sin());
-            self.p[k] = self.projector[k] * start;
-        }
-        self.phase = Phase::Stability { step: 0, after };
-    }
-
-    /// One step towards the least eigenvalue of the true Hessian in the directions that may move:
-    /// preconditioned descent of the Rayleigh quotient (A. V. Knyazev, "Preconditioned
-    /// eigensolvers", ETNA 7, 1998), the last model's V-cycle as preconditioner.
-    fn probe(&mut self, law: &SheetLaw, step: u32, after: State) -> State {
-        self.work_units += 2.0 * SWEEP_UNITS + CYCLE_UNITS;
-        let scale = dot(&self.free, &self.p, &self.p).sqrt().recip();
-        for &k in &self.free {
-            self.p[k as usize] *= scale;
-        }
-        apply(&self.hessian, &self.projector, &self.free, &self.p, &mut self.q);
-        let quotient = dot(&self.free, &self.p, &self.q);
-        if quotient < -UNSTABLE_SHARE * law.stiffness() {
-            return State::Unstable;
-        }
-        if step >= STABILITY_STEPS || !quotient.is_finite() {
-            return after;
-        }
-        for &k in &self.free {
-            let k = k as usize;
-            self.r[k] = self.q[k] - self.p[k] * quotient;
-        }
-        let finest = Finest {
-            blocks: &self.hessian,
-            inverse: &self.tangent_inverse,
-            projector: &self.projector,
-            free: &self.free,
-        };
-        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
-        // The best combination of p and z, z made orthogonal to p.
-        let overlap = dot(&self.free, &self.p, &self.z);
-        for &k in &self.free {
-            let k = k as usize;
-            self.z[k] = self.projector[k] * (self.z[k] - self.p[k] * overlap);
-        }
-        let norm = dot(&self.free, &self.z, &self.z).sqrt();
-        if norm <= 1e-14 {
-            return after;
-        }
-        apply(&self.hessian, &self.projector, &self.free, &self.z, &mut self.d);
-        let across = dot(&self.free, &self.p, &self.d) / norm;
-        let other = dot(&self.free, &self.z, &self.d) / (norm * norm);
-        let angle = 0.5 * (2.0 * across).atan2(quotient - other) + FRAC_PI_2;
-        let (sin, cos) = angle.sin_cos();
-        for &k in &self.free {
-            let k = k as usize;
-            self.p[k] = self.p[k] * cos + self.z[k] * (sin / norm);
-        }
-        self.phase = Phase::Stability { step: step + 1, after };
-        State::Working
-    }
-
     /// Forces, contact and residual at the present shape, for what is measured.
     pub(crate) fn finish(&mut self, law: &SheetLaw, dome: &Dome) {
         self.work_units += 1.0;
@@ -618,55 +526,6 @@ impl Newton {
         }
         self.relative_residual = self.residual(law);
     }
-}
-
-/// The nearest admissible point along simple paths: up to the wall, then out of the dome.
-fn admissible(dome: &Dome, mut point: DVec3) -> DVec3 {
-    point.z = point.z.max(0.0);
-    if dome.level(point) < 0.0 { dome.onto_surface(point) } else { point }
-}
-
-/// Second derivative of the dome's level \[1/mm²\].
-fn curvature(dome: &Dome, point: DVec3) -> DMat3 {
-    let scale = DVec3::new(
-        1.0 / (dome.base_radius * dome.base_radius),
-        1.0 / (dome.base_radius * dome.base_radius),
-        1.0 / (dome.projection * dome.projection),
-    );
-    let gradient = dome.level_gradient(point);
-    (DMat3::from_diagonal(scale) - outer(gradient, gradient)) * (1.0 / (dome.level(point) + 1.0))
-}
-
-/// The projector onto the directions that the given contacts leave.
-fn projector(flags: u8, normal: DVec3) -> DMat3 {
-    match flags {
-        FREE => DMat3::IDENTITY,
-        ON_DOME => DMat3::IDENTITY - outer(normal, normal),
-        ON_WALL => DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0)),
-        _ => {
-            let t = edge_direction(normal);
-            outer(t, t)
-        }
-    }
-}
-
-/// Along the circle where dome and wall meet.
-fn edge_direction(normal: DVec3) -> DVec3 {
-    normal.cross(DVec3::Z).normalize_or(DVec3::X)
-}
-
-/// The least step that meets both constraints: n·d = −gap and d.z = −height.
-fn corner_step(normal: DVec3, gap: f64, height: f64) -> DVec3 {
-    let across = normal.truncate();
-    let length = across.length_squared();
-    let share = if length > 1e-12 { (-gap + normal.z * height) / length } else { 0.0 };
-    (across * share).extend(-height)
-}
-
-/// The inverse of a block restricted to the plane across `normal`.
-fn without(inverse: DMat3, normal: DVec3) -> DMat3 {
-    let s = inverse * normal;
-    inverse - outer(s, s) * (1.0 / normal.dot(s))
 }
 
 /// out = Π H v.

@@ -12,8 +12,10 @@
 //!   it is), and [`Curve::is_beyond_data`] tells so;
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+mod spec;
+
+pub use spec::{CurveError, CurveSpec, Interpolation, Section};
+
 use std::f64::consts::FRAC_PI_2;
 
 /// The strain up to which the analytic presets are meant to be read \[-\] (the paper: 0 to 1).
@@ -21,162 +23,6 @@ pub const FULL_STRAIN: f64 = 1.0;
 
 /// The most marked points or sections that a curve may have.
 pub const MAX_POINTS: usize = 100_000;
-
-/// A stress–strain curve as written in a scene file. Stresses in kPa, strains without unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
-pub enum CurveSpec {
-    /// Skin preset: slope 100 kPa up to 0.4, cubic to (0.7; 205 kPa), slope 1000 kPa beyond.
-    Skin {},
-    /// Adipose preset: 0.4 kPa · atan(7.5 ε), initial modulus 3 kPa.
-    Adipose {},
-    /// `modulus_kpa · ε`.
-    Linear {
-        /// Young's modulus \[kPa\], > 0.
-        modulus_kpa: f64,
-    },
-    /// `scale_kpa · atan(rate · ε)`.
-    Arctangent {
-        /// Stress scale \[kPa\], > 0; the stress tends to π/2 of it.
-        scale_kpa: f64,
-        /// Rate \[-\], > 0; the initial modulus is `scale_kpa · rate`.
-        rate: f64,
-    },
-    /// Fung's exponential, `scale_kpa · (exp(rate · ε) − 1)`.
-    Exponential {
-        /// Stress scale \[kPa\], > 0.
-        scale_kpa: f64,
-        /// Rate \[-\], > 0 and at most 100.
-        rate: f64,
-    },
-    /// Marked points, the first of them (0, 0), joined as `interpolation` says.
-    Points {
-        /// `[strain, stress_kpa]` pairs, both strictly increasing.
-        points: Vec<[f64; 2]>,
-        /// Straight lines or a monotone cubic spline.
-        #[serde(default)]
-        interpolation: Interpolation,
-    },
-    /// Sections one after the other from strain 0, each starting at the stress the one before ended with.
-    Sections {
-        /// The sections, the first `from` 0, each `from` the `to` of the one before.
-        sections: Vec<Section>,
-    },
-}
-
-/// How marked points are joined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Interpolation {
-    /// Straight lines between the points.
-    #[default]
-    Line,
-    /// Monotone piecewise cubic (C¹, no overshoot).
-    Spline,
-}
-
-/// One section of a curve; `x = ε − from` is the strain counted from its start.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
-pub enum Section {
-    /// Adds `modulus_kpa · x`.
-    Linear {
-        /// Start strain \[-\].
-        from: f64,
-        /// End strain \[-\].
-        to: f64,
-        /// Slope \[kPa\], > 0.
-        modulus_kpa: f64,
-    },
-    /// Cubic Hermite piece from the stress and slope the section before ended with.
-    Cubic {
-        /// Start strain \[-\].
-        from: f64,
-        /// End strain \[-\].
-        to: f64,
-        /// Stress at `to` \[kPa\].
-        end_stress_kpa: f64,
-        /// Slope at `to` \[kPa\].
-        end_slope_kpa: f64,
-    },
-    /// Adds `Σ coefficients_kpa[k] · x^(k+1)`.
-    Polynomial {
-        /// Start strain \[-\].
-        from: f64,
-        /// End strain \[-\].
-        to: f64,
-        /// Coefficients of x, x², … \[kPa\], 1 to 8 of them.
-        coefficients_kpa: Vec<f64>,
-    },
-    /// Adds `scale_kpa · atan(rate · x)`.
-    Arctangent {
-        /// Start strain \[-\].
-        from: f64,
-        /// End strain \[-\].
-        to: f64,
-        /// Stress scale \[kPa\], > 0.
-        scale_kpa: f64,
-        /// Rate \[-\], > 0.
-        rate: f64,
-    },
-    /// Adds `scale_kpa · sin(rate · x)`, increasing while `rate · x < π/2`.
-    Sine {
-        /// Start strain \[-\].
-        from: f64,
-        /// End strain \[-\].
-        to: f64,
-        /// Stress scale \[kPa\], > 0.
-        scale_kpa: f64,
-        /// Rate \[-\], > 0.
-        rate: f64,
-    },
-    /// Adds `scale_kpa · (exp(rate · x) − 1)`.
-    Exponential {
-        /// Start strain \[-\].
-        from: f64,
-        /// End strain \[-\].
-        to: f64,
-        /// Stress scale \[kPa\], > 0.
-        scale_kpa: f64,
-        /// Rate \[-\], > 0.
-        rate: f64,
-    },
-}
-
-/// Why a curve is refused. The message names the point or field and what is allowed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CurveError {
-    /// A parameter is not a number in its range.
-    #[error("{field} is {value}; allowed: {allowed}")]
-    Parameter {
-        /// The field's name inside the curve.
-        field: String,
-        /// What was given.
-        value: f64,
-        /// The allowed range, in words.
-        allowed: &'static str,
-    },
-    /// Fewer than two points, no section, or too many.
-    #[error("{field} has {count} entries; allowed: {allowed}")]
-    Count {
-        /// `points` or `sections`.
-        field: &'static str,
-        /// How many were given.
-        count: usize,
-        /// The allowed range, in words.
-        allowed: &'static str,
-    },
-    /// A marked point or section breaks the rules.
-    #[error("{field}[{index}] {problem}")]
-    Entry {
-        /// `points` or `sections`.
-        field: &'static str,
-        /// Its place in the list, from 0.
-        index: usize,
-        /// What is wrong and what is allowed.
-        problem: String,
-    },
-}
 
 /// A checked stress–strain curve: continuous, zero at zero, strictly increasing, odd.
 #[derive(Clone, Debug, PartialEq)]
@@ -484,58 +330,6 @@ impl Curve {
     fn piece(&self, x: f64) -> &Piece {
         let k = self.pieces.partition_point(|p| p.from <= x);
         &self.pieces[k.saturating_sub(1)]
-    }
-}
-
-impl Section {
-    fn interval(&self) -> (f64, f64) {
-        match *self {
-            Self::Linear { from, to, .. }
-            | Self::Cubic { from, to, .. }
-            | Self::Polynomial { from, to, .. }
-            | Self::Arctangent { from, to, .. }
-            | Self::Sine { from, to, .. }
-            | Self::Exponential { from, to, .. } => (from, to),
-        }
-    }
-
-    /// The stress increment of this section, given the stress and slope it starts with.
-    fn shape(&self, length: f64, start: f64, start_slope: f64) -> Result<Shape, CurveError> {
-        Ok(match self {
-            Self::Linear { modulus_kpa, .. } => {
-                Shape::Polynomial(vec![checked("modulus_kpa", *modulus_kpa, STRESS_SCALE)?])
-            }
-            Self::Cubic { end_stress_kpa, end_slope_kpa, .. } => {
-                let end = checked("end_stress_kpa", *end_stress_kpa, STRESS_SCALE)?;
-                let slope = checked("end_slope_kpa", *end_slope_kpa, SLOPE)?;
-                hermite(length, end - start, start_slope, slope)
-            }
-            Self::Polynomial { coefficients_kpa, .. } => {
-                if !(1..=8).contains(&coefficients_kpa.len()) {
-                    return Err(CurveError::Count {
-                        field: "coefficients_kpa",
-                        count: coefficients_kpa.len(),
-                        allowed: "1 to 8",
-                    });
-                }
-                for &c in coefficients_kpa {
-                    checked("coefficients_kpa", c, COEFFICIENT)?;
-                }
-                Shape::Polynomial(coefficients_kpa.clone())
-            }
-            Self::Arctangent { scale_kpa, rate, .. } => Shape::Arctangent {
-                scale: checked("scale_kpa", *scale_kpa, STRESS_SCALE)?,
-                rate: checked("rate", *rate, RATE)?,
-            },
-            Self::Sine { scale_kpa, rate, .. } => Shape::Sine {
-                scale: checked("scale_kpa", *scale_kpa, STRESS_SCALE)?,
-                rate: checked("rate", *rate, RATE)?,
-            },
-            Self::Exponential { scale_kpa, rate, .. } => Shape::Exponential {
-                scale: checked("scale_kpa", *scale_kpa, STRESS_SCALE)?,
-                rate: checked("rate", *rate, RATE)?,
-            },
-        })
     }
 }
 
