@@ -23,6 +23,10 @@ use glam::{DMat3, DVec3};
 
 /// Newton iterations before a grid is given up.
 const MAX_ITERATIONS: u32 = 60;
+/// Force evaluations times nodes before a grid is given up, a few seconds; on fine grids the least
+/// number of force evaluations that is allowed all the same.
+const MAX_NODE_WORK: f64 = 6e7;
+const MAX_FINE_WORK: f64 = 400.0;
 /// Rounds of (sweeps, conjugate gradients) in one iteration.
 const MAX_ROUNDS: u32 = 12;
 /// Conjugate-gradient steps in one round.
@@ -234,7 +238,8 @@ impl Newton {
     }
 
     fn linearize(&mut self, law: &SheetLaw, dome: &Dome, row: usize) -> State {
-        if self.iterations == MAX_ITERATIONS {
+        let most_work = (MAX_NODE_WORK / self.sheet.len() as f64).max(MAX_FINE_WORK);
+        if self.iterations == MAX_ITERATIONS || self.work_units > most_work {
             return State::Stalled;
         }
         if !self.add_rows(law, row, Stiffness::Positive) {
