@@ -10,6 +10,5 @@ case "$port" in
 esac
 need_page_tools
 need_packages python3=python3
-say "building the page (a few minutes the first time)"
 build_page
 exec python3 web/serve.py dist "$port"

@@ -94,7 +94,15 @@ need_test_tools() {
   fi
 }
 
+# Builds dist/, unless it is newer than everything it is made of.
 build_page() {
+  local built="$TOOLS_DIR/page-built" newer=none
+  if [ -e dist/index.html ] && [ -e "$built" ]; then
+    newer=$(find .cargo assets src web index.html Cargo.lock Cargo.toml Trunk.toml -newer "$built" -print -quit)
+  fi
+  [ -n "$newer" ] || return 0
+  say "building the page (a few minutes the first time)"
   # trunk takes NO_COLOR for an option of its own and refuses the usual values.
   env -u NO_COLOR trunk build --quiet
+  touch "$built"
 }
