@@ -77,7 +77,7 @@ pub struct Implant {
 
 /// One tissue layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
 pub struct Layer {
     /// Free text; `skin` and `adipose` get their colours.
     #[serde(default = "default_tissue")]
@@ -95,7 +95,7 @@ pub struct Layer {
 
 /// How finely and how exactly to solve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct SolverSettings {
     /// Nodes per side of the square grid, 17 to 1025; rounded to m·2ᵏ+1 with 8 ≤ m ≤ 15.
     pub nodes_per_side: usize,
@@ -111,7 +111,7 @@ impl Default for SolverSettings {
 
 /// A scene as it stands in a file: what may be left out is optional.
 #[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Scene")]
 struct SceneFile {
     #[serde(default = "scene_schema")]
@@ -130,7 +130,7 @@ struct SceneFile {
 }
 
 #[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Implant")]
 struct ImplantFile {
     base_radius_mm: f64,
@@ -434,7 +434,17 @@ fn within(
     if (least..=most).contains(&value) {
         Ok(())
     } else {
-        Err(out_of_range(field, value.to_string(), &format!("{least} to {most}{unit}")))
+        let allowed = format!("{} to {}{unit}", number(least), number(most));
+        Err(out_of_range(field, number(value), &allowed))
+    }
+}
+
+/// A number in few characters: 1e308 rather than 309 digits.
+fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
     }
 }
 
