@@ -103,6 +103,7 @@ build_page() {
   [ -n "$newer" ] || return 0
   say "building the page (a few minutes the first time)"
   # trunk takes NO_COLOR for an option of its own and refuses the usual values.
+  touch "$built.begun"
   env -u NO_COLOR trunk build --quiet
-  touch "$built"
+  mv "$built.begun" "$built"
 }
