@@ -31,6 +31,8 @@ use web_time::{Duration, Instant};
 
 /// Solving takes at most this share of a frame.
 const SLICE: Duration = Duration::from_millis(10);
+/// The opening scene is solved at once, where that takes no longer.
+const FIRST_SLICE: Duration = Duration::from_millis(400);
 /// Seconds that play takes from flat to full height.
 const PLAY_SECONDS: f64 = 5.0;
 /// Steps of the insertion by key.
@@ -212,8 +214,10 @@ impl App {
         if !self.session.is_working() {
             return;
         }
+        // Nothing can be used before the first shape is there.
+        let slice = if self.session.outcome().is_none() { FIRST_SLICE } else { SLICE };
         let start = Instant::now();
-        let progress = self.session.advance(&mut || start.elapsed() >= SLICE);
+        let progress = self.session.advance(&mut || start.elapsed() >= slice);
         self.timing.solve_ms += 1000.0 * start.elapsed().as_secs_f64();
         if progress == Progress::Done
             && self.session.outcome().is_some_and(|o| o.status == Status::Unstable)
