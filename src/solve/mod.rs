@@ -1,17 +1,20 @@
 //! The equilibrium: the minimum of the sheet's energy outside the dome and above the wall.
 //!
-//! Grids are nested: the coarsest starts from a shape made of geometry alone, every finer one from
-//! the equilibrium of the grid before. On each grid Newton's method with contact runs until the
-//! estimated position error is within the tolerance. Work is cut into pieces of a few passes over
-//! the grid, so that a page can answer between them.
+//! Coupled springs are solved by full multigrid in f32 lanes (`fas`), a centred dome on one quarter
+//! of the sheet. Where a cycle does not lead to the solution, and for the paper's springs, whose
+//! energy has saddles, Newton's method on nested grids in f64 takes over (`newton`); it also refines a
+//! shape where f32 is not enough. Work is cut into pieces of a few passes over the grid, so that a
+//! page can answer between them.
 //!
-//! The seam: [`Solver`] is what others see of it. `law` | `assemble` (energy, forces, Hessian) |
-//! `newton` (one grid, contact) | `multigrid` (its linear systems) | `transfer` (grid to grid).
+//! The seam: [`Solver`] is what others see of it. `law` | `fas` (full multigrid) | `assemble` (energy,
+//! forces, Hessian) | `newton` (one grid, contact) | `multigrid` (its linear systems) | `transfer`
+//! (grid to grid).
 //!
 //! Uses `curve`, `springs`, `sheet`, `implant`. Used by `measure` and all to its right.
 
 mod assemble;
 mod blocks;
+mod fas;
 mod guess;
 mod law;
 mod multigrid;
@@ -22,14 +25,10 @@ use crate::curve::Curve;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::Springs;
-use glam::DVec3;
+use fas::FullMultigrid;
+use glam::{DVec2, DVec3};
 use law::SheetLaw;
-use newton::{Newton, State};
-
-/// Coarse grids only have to be good starts \[share of the base radius\].
-const COARSE_TOLERANCE: f64 = 1e-3;
-/// Iterations after which a solve from the present shape is begun anew on the coarsest grid.
-const WARM_ITERATIONS: u32 = 8;
+use newton::{NestedNewton, State};
 
 /// One layer as the solver needs it.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,87 +95,170 @@ impl TriangleGradient {
     }
 }
 
+/// Which method is to find the equilibrium.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Full multigrid where the springs allow it, Newton's method where it does not get there.
+    #[default]
+    Automatic,
+    /// Full multigrid with this many V-cycles on the finest grid, whatever the tolerance: for
+    /// studies of run time against error (coupled springs only).
+    Multigrid {
+        /// V-cycles on the finest grid.
+        cycles: u32,
+    },
+    /// Newton's method on nested grids.
+    Newton,
+}
+
+/// How a problem is to be solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// The method.
+    pub method: Method,
+    /// Solve a centred dome on one quarter of the sheet.
+    pub use_symmetry: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { method: Method::Automatic, use_symmetry: true }
+    }
+}
+
 /// Finds the equilibrium of one problem after the other, in slices.
 pub struct Solver {
     problem: Problem,
+    options: Options,
     law: SheetLaw,
-    /// From the coarsest grid to the finest.
-    levels: Vec<Newton>,
-    current: usize,
-    is_warm: bool,
-    is_probed: bool,
+    multigrid: Option<FullMultigrid>,
+    newton: Option<NestedNewton>,
+    stage: Stage,
+    /// Did Newton's method take over because full multigrid did not get there?
+    fell_back: bool,
+    /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
+    x: Vec<DVec3>,
+    moves: u64,
     verdict: Verdict,
     progress: Progress,
 }
 
+/// Which method is at work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Multigrid,
+    Newton,
+}
+
 impl Solver {
-    /// A solver at its first guess.
+    /// A solver at rest, with everything to do.
     #[must_use]
     pub fn new(problem: Problem) -> Self {
-        let mut sheets = vec![problem.sheet.clone()];
-        while let Some(coarser) = sheets[sheets.len() - 1].coarser() {
-            sheets.push(coarser);
-        }
-        let levels = sheets.into_iter().rev().map(Newton::new).collect();
+        Self::with_options(problem, Options::default())
+    }
+
+    /// The same with a method of choice.
+    #[must_use]
+    pub fn with_options(problem: Problem, options: Options) -> Self {
         let law = SheetLaw::new(problem.springs, &problem.materials);
         let mut solver = Self {
-            problem,
+            x: at_rest(&problem.sheet),
             law,
-            levels,
-            current: 0,
-            is_warm: false,
-            is_probed: false,
+            options,
+            multigrid: None,
+            newton: None,
+            stage: Stage::Newton,
+            fell_back: false,
+            moves: 0,
             verdict: Verdict::NotConverged,
             progress: Progress::Working,
+            problem,
         };
-        solver.finest_mut().x = guess::tight_string(&solver.problem.sheet, &solver.problem.dome);
-        solver.start_cold();
+        solver.start(true);
         solver
     }
 
-    /// Takes up another problem. On an equal grid it goes on from the present shape, moved as the
-    /// dome's geometry moved; on another one it starts anew.
+    /// Takes up another problem; what it has in common with the last one is kept.
     pub fn restart(&mut self, problem: Problem) {
+        let same_law =
+            problem.springs == self.problem.springs && problem.materials == self.problem.materials;
         let same_grid = problem.sheet == self.problem.sheet;
-        if !same_grid || self.verdict != Verdict::Converged {
-            *self = Self::new(problem);
-            return;
+        if !same_law {
+            self.law = SheetLaw::new(problem.springs, &problem.materials);
         }
-        let law = SheetLaw::new(problem.springs, &problem.materials);
-        if problem.dome != self.problem.dome {
-            let before = guess::tight_string(&self.problem.sheet, &self.problem.dome);
-            let after = guess::tight_string(&problem.sheet, &problem.dome);
-            let x = &mut self.levels[self.current].x;
-            for k in 0..x.len() {
-                x[k] += after[k] - before[k];
-            }
+        if !same_grid {
+            self.x = at_rest(&problem.sheet);
+            self.newton = None;
         }
-        (self.problem, self.law) = (problem, law);
-        self.verdict = Verdict::NotConverged;
-        self.progress = Progress::Working;
-        self.levels.iter_mut().for_each(|level| level.work_units = 0.0);
-        self.is_warm = true;
-        self.is_probed = false;
-        self.current = self.levels.len() - 1;
+        let before = std::mem::replace(&mut self.problem, problem);
+        let is_warm = same_grid && self.verdict == Verdict::Converged;
         let dome = self.problem.dome;
-        self.finest_mut().start(&dome);
+        self.start(!same_law);
+        // Newton's method goes on from the last shape, moved as the dome's geometry moved.
+        if let (Stage::Newton, Some(newton), true) = (self.stage, &mut self.newton, is_warm) {
+            if dome != before.dome {
+                let old = guess::tight_string(&self.problem.sheet, &before.dome);
+                let new = guess::tight_string(&self.problem.sheet, &dome);
+                for k in 0..self.x.len() {
+                    self.x[k] += new[k] - old[k];
+                }
+            }
+            newton.start_from(&self.x, &dome);
+        }
     }
 
-    fn start_cold(&mut self) {
-        self.is_warm = false;
-        self.is_probed = false;
-        self.current = 0;
-        let dome = self.problem.dome;
-        let coarsest = &mut self.levels[0];
-        coarsest.x = guess::tight_string(&coarsest.sheet, &dome);
-        coarsest.start(&dome);
+    fn start(&mut self, is_new_law: bool) {
+        self.verdict = Verdict::NotConverged;
+        self.progress = Progress::Working;
+        self.fell_back = false;
+        if let Some(newton) = &mut self.newton {
+            newton.clear_work();
+        }
+        match (&self.law, self.options.method) {
+            (SheetLaw::Coupled(law), Method::Automatic | Method::Multigrid { .. }) => {
+                self.stage = Stage::Multigrid;
+                let n = self.problem.sheet.nodes_per_side();
+                let is_mirrored =
+                    self.options.use_symmetry && self.problem.dome.center == DVec2::ZERO;
+                let multigrid = match self.multigrid.take() {
+                    Some(mut multigrid) if multigrid.fits(n, is_mirrored) => {
+                        if is_new_law {
+                            multigrid.set_law(law, self.law.stiffness());
+                        }
+                        multigrid
+                    }
+                    _ => {
+                        let mut multigrid = FullMultigrid::new(n, is_mirrored);
+                        multigrid.set_law(law, self.law.stiffness());
+                        multigrid
+                    }
+                };
+                let multigrid = self.multigrid.insert(multigrid);
+                let cycles = match self.options.method {
+                    Method::Multigrid { cycles } => Some(cycles),
+                    _ => None,
+                };
+                multigrid.start(&self.problem, cycles);
+            }
+            _ => self.start_newton(),
+        }
+    }
+
+    fn start_newton(&mut self) {
+        self.stage = Stage::Newton;
+        let sheet = &self.problem.sheet;
+        let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
+        newton.start_cold(&self.problem.dome);
     }
 
     /// Does pieces of work until `pause` says so or the solve ends. A piece is a few passes over the
     /// grid (a few milliseconds at 129 nodes a side).
     pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         while self.progress == Progress::Working {
-            self.piece();
+            match self.stage {
+                Stage::Multigrid => self.multigrid_piece(),
+                Stage::Newton => self.newton_piece(),
+            }
             if pause() {
                 break;
             }
@@ -184,53 +266,52 @@ impl Solver {
         self.progress
     }
 
-    fn piece(&mut self) {
-        let (dome, last) = (self.problem.dome, self.levels.len() - 1);
-        let is_finest = self.current == last;
-        let tolerance =
-            dome.base_radius * if is_finest { self.problem.tolerance } else { COARSE_TOLERANCE };
-        let level = &mut self.levels[self.current];
-        let state = level.step(&self.law, &dome, tolerance);
-        let is_slow = self.is_warm && level.iterations > WARM_ITERATIONS;
+    fn multigrid_piece(&mut self) {
+        let Some(multigrid) = &mut self.multigrid else { return self.start_newton() };
+        let state = multigrid.step();
+        let is_study = matches!(self.options.method, Method::Multigrid { .. });
         match state {
-            State::Working if is_slow => self.start_cold(),
+            fas::State::Working => {}
+            fas::State::Converged => {
+                multigrid.write_positions(&self.problem.sheet, &mut self.x);
+                self.moves += 1;
+                if !is_study && self.problem.tolerance < fas::LEAST_TOLERANCE {
+                    self.stage = Stage::Newton;
+                    let sheet = &self.problem.sheet;
+                    let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
+                    newton.start_from(&self.x, &self.problem.dome);
+                } else {
+                    self.end(Verdict::Converged);
+                }
+            }
+            fas::State::Failed => {
+                self.fell_back = true;
+                self.start_newton();
+            }
+        }
+    }
+
+    fn newton_piece(&mut self) {
+        let Some(newton) = &mut self.newton else { return self.start_newton() };
+        let moves = newton.finest().moves;
+        let dome = &self.problem.dome;
+        let tolerance = self.problem.tolerance * dome.base_radius;
+        let state = newton.step(self.problem.springs, &self.law, dome, tolerance);
+        if newton.is_on_finest() && newton.finest().moves != moves {
+            self.x.copy_from_slice(&newton.finest().x);
+            self.moves += 1;
+        }
+        match state {
             State::Working => {}
-            State::Stalled | State::Unstable if self.is_warm => self.start_cold(),
-            State::Unstable => self.end(Verdict::Unstable),
-            State::Converged | State::Stalled if !is_finest => {
-                let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
-                transfer::refine(&coarser[self.current], &mut finer[0]);
-                finer[0].start(&dome);
-                self.current += 1;
-            }
-            // The energy of the paper's springs has saddles: see whether this is one.
-            State::Converged | State::Stalled
-                if self.problem.springs == Springs::Nikolaev && !self.is_probed =>
-            {
-                self.is_probed = true;
-                self.levels[last].begin_stability(state);
-            }
-            State::Stalled => self.end(Verdict::NotConverged),
             State::Converged => self.end(Verdict::Converged),
+            State::Stalled => self.end(Verdict::NotConverged),
+            State::Unstable => self.end(Verdict::Unstable),
         }
     }
 
     fn end(&mut self, verdict: Verdict) {
         self.verdict = verdict;
         self.progress = Progress::Done;
-        let (law, dome) = (&self.law, self.problem.dome);
-        if let Some(finest) = self.levels.last_mut() {
-            finest.finish(law, &dome);
-        }
-    }
-
-    fn finest(&self) -> &Newton {
-        &self.levels[self.levels.len() - 1]
-    }
-
-    fn finest_mut(&mut self) -> &mut Newton {
-        let last = self.levels.len() - 1;
-        &mut self.levels[last]
     }
 
     /// The problem being solved.
@@ -245,24 +326,45 @@ impl Solver {
         self.verdict
     }
 
+    /// Did Newton's method take over because full multigrid did not get there?
+    #[must_use]
+    pub fn fell_back(&self) -> bool {
+        self.fell_back
+    }
+
+    /// Free nodes solved for: those of one quarter where a centred dome allows it.
+    #[must_use]
+    pub fn nodes_solved(&self) -> usize {
+        match (self.stage, &self.multigrid) {
+            (Stage::Multigrid, Some(multigrid)) => multigrid.nodes(),
+            _ => self.problem.sheet.free_nodes(),
+        }
+    }
+
     /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
     #[must_use]
     pub fn positions(&self) -> &[DVec3] {
-        &self.finest().x
+        &self.x
     }
 
-    /// Work of this solve, in units of one evaluation of all nodal forces on the finest grid.
+    /// Work of this solve, in units of one evaluation of all nodal forces on the finest grid (of
+    /// those nodes that are solved for).
     #[must_use]
     pub fn work_units(&self) -> f64 {
-        let finest = self.finest().sheet.len() as f64;
-        let scaled = |level: &Newton| level.work_units * level.sheet.len() as f64 / finest;
-        self.levels.iter().map(scaled).sum()
+        self.multigrid.as_ref().map_or(0.0, |m| m.work_units)
+            + self.newton.as_ref().map_or(0.0, NestedNewton::work_units)
     }
 
-    /// Counts the changes of [`Self::positions`] since the grid was made.
+    /// V-cycles of the finest grid.
+    #[must_use]
+    pub fn cycles(&self) -> u32 {
+        self.multigrid.as_ref().map_or(0, |m| m.cycles)
+    }
+
+    /// Counts the changes of [`Self::positions`].
     #[must_use]
     pub fn moves(&self) -> u64 {
-        self.finest().moves
+        self.moves
     }
 
     /// Spring forces on every node at the present shape \[kPa·mm²\], shape (nodes_per_side², ): what
@@ -277,14 +379,23 @@ impl Solver {
     /// Norm of the forces that no contact takes, relative to the forces they are the sum of \[-\].
     #[must_use]
     pub fn relative_residual(&self) -> f64 {
-        self.finest().relative_residual
+        match (self.stage, &self.multigrid, &self.newton) {
+            (Stage::Multigrid, Some(multigrid), _) => multigrid.relative_residual,
+            (_, _, Some(newton)) => newton.finest().relative_residual,
+            _ => f64::INFINITY,
+        }
     }
 
     /// Estimated greatest node position error against this grid's own equilibrium, relative to the
     /// base radius \[-\]; infinite while there is no estimate.
     #[must_use]
     pub fn estimated_position_error(&self) -> f64 {
-        self.finest().error / self.problem.dome.base_radius
+        let error = match (self.stage, &self.multigrid, &self.newton) {
+            (Stage::Multigrid, Some(multigrid), _) => multigrid.error,
+            (_, _, Some(newton)) => newton.finest().error,
+            _ => f64::INFINITY,
+        };
+        error / self.problem.dome.base_radius
     }
 
     /// The greatest error of the spring law's tables, relative to their peak stress \[-\].
@@ -292,10 +403,9 @@ impl Solver {
     pub fn table_error(&self) -> f64 {
         self.law.table_error()
     }
+}
 
-    /// Newton iterations of each grid, the coarsest first.
-    #[must_use]
-    pub fn iterations(&self) -> Vec<u32> {
-        self.levels.iter().map(|level| level.iterations).collect()
-    }
+/// The sheet flat on the wall.
+fn at_rest(sheet: &Sheet) -> Vec<DVec3> {
+    sheet.rest().iter().map(|p| p.extend(0.0)).collect()
 }

@@ -54,15 +54,15 @@ pub struct CoupledLaw {
 
 /// Layers of one Poisson ratio.
 #[derive(Clone, Debug, PartialEq)]
-struct Group {
-    poisson_ratio: f64,
+pub(crate) struct Group {
+    pub(crate) poisson_ratio: f64,
     /// 1/(1 − ν²).
     plane: f64,
     /// Σ h·Ef(ē)/ē \[kPa·mm\] against ē, up to where every curve is a line.
-    secant: Table,
+    pub(crate) secant: Table,
     /// Beyond it Σ h·Ef = slope·ē + offset.
-    line_slope: f64,
-    line_offset: f64,
+    pub(crate) line_slope: f64,
+    pub(crate) line_offset: f64,
 }
 
 /// Tensions of the sheet and their derivatives by the principal strains. All in kPa·mm.
@@ -96,6 +96,11 @@ impl CoupledLaw {
     #[must_use]
     pub fn groups(&self) -> usize {
         self.groups.len()
+    }
+
+    /// The tables, one a Poisson ratio.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = &Group> {
+        self.groups.iter()
     }
 
     /// The greatest error of a table's stress, relative to its peak stress.

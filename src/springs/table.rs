@@ -137,6 +137,18 @@ impl Table {
         self.start
     }
 
+    /// The buckets of equal width, `a + b·x + c·max(x − k, 0)` as `[a, b, c, k]` each.
+    #[must_use]
+    pub fn buckets(&self) -> &[[f64; 4]] {
+        &self.buckets
+    }
+
+    /// Buckets per unit of the argument.
+    #[must_use]
+    pub fn buckets_per_unit(&self) -> f64 {
+        self.buckets_per_unit
+    }
+
     /// The measured error of the stress, relative to the peak stress.
     #[must_use]
     pub fn relative_error(&self) -> f64 {

@@ -8,6 +8,7 @@
 //! the energy falls.
 
 mod contact;
+mod nested;
 mod stability;
 
 use super::assemble::{self, Stiffness, Totals};
@@ -20,6 +21,7 @@ use contact::{
     FREE, ON_DOME, ON_WALL, admissible, corner_step, curvature, edge_direction, projector, without,
 };
 use glam::{DMat3, DVec3};
+pub(crate) use nested::NestedNewton;
 
 /// Newton iterations before a grid is given up.
 const MAX_ITERATIONS: u32 = 60;

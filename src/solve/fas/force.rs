@@ -1,0 +1,529 @@
+//! Forces of the sheet and the diagonal blocks of its stiffness, four cells at a time.
+//!
+//! A regular cell has four right-angled triangles on the edges B (bottom), T (top), L (left) and R
+//! (right); a triangle pulls at its edges e₁, e₂ with M₁₁e₁ + M₁₂e₂ and M₁₂e₁ + M₂₂e₂ (see
+//! [`super::law`]). Cells at the border, whose rest shapes differ, are a list of triangles.
+
+use super::grid::{Field, Layout, load, store};
+use super::law::{LaneLaw, LaneStiffness, Law};
+use wide::f32x4;
+
+/// Squared relative area below which a triangle counts as this much \[-\].
+const LEAST_AREA: f32 = 1e-10;
+
+type Vec3 = [f32x4; 3];
+
+#[inline(always)]
+pub(super) fn dot(a: Vec3, b: Vec3) -> f32x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn sub(a: Vec3, b: Vec3) -> Vec3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn add(a: Vec3, b: Vec3) -> Vec3 {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn scale(a: Vec3, s: f32x4) -> Vec3 {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+#[inline(always)]
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Lanes one place to the left; the last comes from the following four.
+#[inline(always)]
+fn shifted_left(now: f32x4, next: f32x4) -> f32x4 {
+    let (a, b) = (now.to_array(), next.to_array());
+    f32x4::new([a[1], a[2], a[3], b[0]])
+}
+
+/// Lanes one place to the right; the first comes from the four before.
+#[inline(always)]
+fn shifted_right(before: f32x4, now: f32x4) -> f32x4 {
+    let (a, b) = (before.to_array(), now.to_array());
+    f32x4::new([a[3], b[0], b[1], b[2]])
+}
+
+/// A row of nodes in blocks of four.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    x: &'a [[f32; 4]],
+    y: &'a [[f32; 4]],
+    z: &'a [[f32; 4]],
+}
+
+impl<'a> Row<'a> {
+    /// `count` blocks of the row that begins at node `start`.
+    #[inline(always)]
+    fn new(field: &'a Field, start: usize, count: usize) -> Self {
+        let cut = |part: &'a [f32]| &part[start..start + 4 * count].as_chunks().0[..count];
+        Self { x: cut(&field.x), y: cut(&field.y), z: cut(&field.z) }
+    }
+
+    #[inline(always)]
+    fn block(&self, b: usize) -> Vec3 {
+        [f32x4::new(self.x[b]), f32x4::new(self.y[b]), f32x4::new(self.z[b])]
+    }
+}
+
+/// The same to be added to.
+struct Sums<'a> {
+    x: &'a mut [[f32; 4]],
+    y: &'a mut [[f32; 4]],
+    z: &'a mut [[f32; 4]],
+}
+
+impl<'a> Sums<'a> {
+    /// Two rows, one after the other.
+    #[inline(always)]
+    fn pair(field: &'a mut Field, start: usize, pitch: usize, count: usize) -> (Self, Self) {
+        let cut = |part: &'a mut [f32]| {
+            let (lower, upper) = part[start..].split_at_mut(pitch);
+            (
+                &mut lower[..4 * count].as_chunks_mut().0[..count],
+                &mut upper[..4 * count].as_chunks_mut().0[..count],
+            )
+        };
+        let ((x, x2), (y, y2), (z, z2)) = (cut(&mut field.x), cut(&mut field.y), cut(&mut field.z));
+        (Self { x, y, z }, Self { x: x2, y: y2, z: z2 })
+    }
+
+    #[inline(always)]
+    fn add(&mut self, b: usize, v: Vec3) {
+        self.x[b] = (f32x4::new(self.x[b]) + v[0]).to_array();
+        self.y[b] = (f32x4::new(self.y[b]) + v[1]).to_array();
+        self.z[b] = (f32x4::new(self.z[b]) + v[2]).to_array();
+    }
+}
+
+/// The edges of four neighbouring cells.
+struct Cells {
+    bottom: Vec3,
+    top: Vec3,
+    left: Vec3,
+    right: Vec3,
+}
+
+impl Cells {
+    /// From the lower and the upper row of nodes: these four, the next four.
+    #[inline(always)]
+    fn new(a: Vec3, a_next: Vec3, d: Vec3, d_next: Vec3) -> Self {
+        let shift = |now: Vec3, next: Vec3| [0, 1, 2].map(|k| shifted_left(now[k], next[k]));
+        let (b, c) = (shift(a, a_next), shift(d, d_next));
+        let one = f32x4::ONE;
+        let mut cells =
+            Self { bottom: sub(b, a), top: sub(c, d), left: sub(d, a), right: sub(c, b) };
+        cells.bottom[0] += one;
+        cells.top[0] += one;
+        cells.left[1] += one;
+        cells.right[1] += one;
+        cells
+    }
+}
+
+/// Lanes of the block `b` that lie in a half-open range of columns.
+#[inline(always)]
+fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
+    let columns = f32x4::new([0.0, 1.0, 2.0, 3.0]) + (4 * b) as f32;
+    columns.simd_ge(f32x4::splat(from as f32)) & columns.simd_lt(f32x4::splat(to as f32))
+}
+
+/// −∂E/∂u of every stored node, in units of the law's stiffness; what ghosts and clamped nodes get is
+/// of no use.
+pub(super) fn forces(
+    layout: &Layout,
+    law: &LaneLaw,
+    u: &Field,
+    f: &mut Field,
+    row: &mut [CellLanes],
+) {
+    match law.groups() {
+        [one] => all_forces(layout, one, u, f, row),
+        many => all_forces(layout, many, u, f, row),
+    }
+}
+
+fn all_forces<L: Law + ?Sized>(
+    layout: &Layout,
+    law: &L,
+    u: &Field,
+    f: &mut Field,
+    row: &mut [CellLanes],
+) {
+    for part in [&mut f.x, &mut f.y, &mut f.z] {
+        part.fill(0.0);
+    }
+    for (j, &(from, to)) in layout.regular.iter().enumerate() {
+        if from >= to {
+            continue;
+        }
+        let (from, to) = (from as usize, to as usize);
+        let (first, last) = (from / 4, (to - 1) / 4);
+        let (start, count) = (j * layout.pitch + 4 * first, last - first + 1);
+        // One block more: the nodes to the right of the last cells.
+        let lower = Row::new(u, start, count + 1);
+        let upper = Row::new(u, start + layout.pitch, count + 1);
+        let sums = Sums::pair(f, start, layout.pitch, count + 1);
+        let row = &mut row[..count];
+        // Three short loops: one long one would wait for its own square roots.
+        measure_row(lower, upper, row);
+        for cells in row.iter_mut() {
+            for triangle in &mut cells.triangles {
+                let [i1, s, t] = *triangle;
+                let (p, q) = law.tension(i1, s, t);
+                (triangle[0], triangle[1]) = (p, q);
+            }
+        }
+        let spare = 4 * first;
+        pull_row(lower, upper, row, sums, (from - spare, to - spare));
+    }
+    border_forces(layout, law, u, f);
+}
+
+/// Four neighbouring cells on their way through the law.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CellLanes {
+    /// B·B, T·T, L·L, R·R, B·L, B·R, T·L, T·R.
+    dots: [f32x4; 8],
+    /// I₁, s and t of the triangles at the four corners, then P and Q.
+    triangles: [[f32x4; 3]; 4],
+}
+
+/// The invariants of a row of cells.
+#[inline(always)]
+fn measure_row(lower: Row, upper: Row, row: &mut [CellLanes]) {
+    let (mut a, mut d) = (lower.block(0), upper.block(0));
+    for (b, out) in row.iter_mut().enumerate() {
+        let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
+        let Cells { bottom, top, left, right } = Cells::new(a, a_next, d, d_next);
+        (a, d) = (a_next, d_next);
+        let (bb, tt, ll, rr) =
+            (dot(bottom, bottom), dot(top, top), dot(left, left), dot(right, right));
+        let (bl, br) = (dot(bottom, left), dot(bottom, right));
+        let (tl, tr) = (dot(top, left), dot(top, right));
+        let invariants = |g11: f32x4, g22: f32x4, g12: f32x4| {
+            let s = (g11 * g22 - g12 * g12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+            let i1 = g11 + g22;
+            [i1, s, (i1 + s + s).sqrt()]
+        };
+        *out = CellLanes {
+            dots: [bb, tt, ll, rr, bl, br, tl, tr],
+            triangles: [
+                invariants(bb, ll, bl),
+                invariants(bb, rr, br),
+                invariants(tt, rr, tr),
+                invariants(tt, ll, tl),
+            ],
+        };
+    }
+}
+
+/// Adds what a row of cells pulls at the two rows of nodes below and above; cells outside of the
+/// half-open range do not count.
+#[inline(always)]
+fn pull_row(
+    lower: Row,
+    upper: Row,
+    row: &[CellLanes],
+    (mut f_lower, mut f_upper): (Sums, Sums),
+    (from, to): (usize, usize),
+) {
+    let count = row.len();
+    let (mut a, mut d) = (lower.block(0), upper.block(0));
+    let mut before_lower = [f32x4::ZERO; 3];
+    let mut before_upper = [f32x4::ZERO; 3];
+    for (b, cells) in row.iter().enumerate() {
+        let [bb, tt, ll, rr, bl, br, tl, tr] = cells.dots;
+        let [[pa, qa, _], [pb, qb, _], [pc, qc, _], [pd, qd, _]] = cells.triangles;
+        let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
+        let Cells { bottom, top, left, right } = Cells::new(a, a_next, d, d_next);
+        (a, d) = (a_next, d_next);
+        let (la, lb, lc, ld) = (qa * bl, qb * br, qc * tr, qd * tl);
+        let edge = |own: f32x4, e: Vec3, one: f32x4, e1: Vec3, two: f32x4, e2: Vec3| {
+            sub(scale(e, own), add(scale(e1, one), scale(e2, two)))
+        };
+        let mut on_bottom = edge(pa + pb + qa * ll + qb * rr, bottom, la, left, lb, right);
+        let mut on_top = edge(pc + pd + qc * rr + qd * ll, top, lc, right, ld, left);
+        let mut on_left = edge(pa + pd + qa * bb + qd * tt, left, la, bottom, ld, top);
+        let mut on_right = edge(pb + pc + qb * bb + qc * tt, right, lb, bottom, lc, top);
+        if b == 0 || b + 1 == count {
+            let counts = in_range(b, from, to);
+            for force in [&mut on_bottom, &mut on_top, &mut on_left, &mut on_right] {
+                *force = force.map(|part| part & counts);
+            }
+        }
+        let (on_a, on_b) = (add(on_bottom, on_left), sub(on_right, on_bottom));
+        let (on_d, minus_c) = (sub(on_top, on_left), add(on_top, on_right));
+        let shift = |before: Vec3, now: Vec3| [0, 1, 2].map(|k| shifted_right(before[k], now[k]));
+        f_lower.add(b, add(on_a, shift(before_lower, on_b)));
+        f_upper.add(b, sub(on_d, shift(before_upper, minus_c)));
+        (before_lower, before_upper) = (on_b, minus_c);
+    }
+    let rest = |before: Vec3| before.map(|part| shifted_right(part, f32x4::ZERO));
+    f_lower.add(count, rest(before_lower));
+    f_upper.add(count, sub([f32x4::ZERO; 3], rest(before_upper)));
+}
+
+/// Mean square of a triangle's tension, times the number of triangles: what forces are measured
+/// against.
+pub(super) fn tension_squares(layout: &Layout, law: &LaneLaw, u: &Field) -> f64 {
+    let mut sum = 0.0;
+    for (j, &(from, to)) in layout.regular.iter().enumerate() {
+        for i in from as usize..to as usize {
+            let k = j * layout.pitch + i;
+            let (a, b, d) = (u.at(k), u.at(k + 1), u.at(k + layout.pitch));
+            let e1 = [b[0] - a[0] + 1.0, b[1] - a[1], b[2] - a[2]];
+            let e2 = [d[0] - a[0], d[1] - a[1] + 1.0, d[2] - a[2]];
+            let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
+            let s = (g11 * g22 - g12 * g12).max(LEAST_AREA).sqrt();
+            sum += f64::from(law.squared_tension(g11, g12, g22, s));
+        }
+    }
+    sum
+}
+
+#[inline(always)]
+fn gather(u: &Field, nodes: &[u32; 4]) -> Vec3 {
+    let pick = |values: &[f32]| f32x4::new(nodes.map(|k| values[k as usize]));
+    [pick(&u.x), pick(&u.y), pick(&u.z)]
+}
+
+#[inline(always)]
+pub(super) fn border_forces<L: Law + ?Sized>(layout: &Layout, law: &L, u: &Field, f: &mut Field) {
+    for four in &layout.border {
+        let [a, b, c] = [0, 1, 2].map(|corner| gather(u, &four.nodes[corner]));
+        let mut e1 = sub(b, a);
+        let mut e2 = sub(c, a);
+        e1[0] += four.edges[0];
+        e1[1] += four.edges[1];
+        e2[0] += four.edges[2];
+        e2[1] += four.edges[3];
+        let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
+        let [i11, i12, i22] = four.inverse_metric;
+        let det = (g11 * g22 - g12 * g12) * four.inverse_det;
+        let i1 = i11 * g11 + i12 * g12 * 2.0 + i22 * g22;
+        let s = det.fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+        let (p, q) = law.tension(i1, s, (i1 + s + s).sqrt());
+        let (p, q) = (p * four.weight, q * four.weight * four.inverse_det);
+        let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
+        let p1 = add(scale(e1, m11), scale(e2, m12));
+        let p2 = add(scale(e1, m12), scale(e2, m22));
+        let p0 = add(p1, p2);
+        let lanes = |v: Vec3| v.map(f32x4::to_array);
+        let (p0, p1, p2) = (lanes(p0), lanes(p1), lanes(p2));
+        for lane in 0..4 {
+            let at = |corner: usize| four.nodes[corner][lane] as usize;
+            f.add(at(0), [p0[0][lane], p0[1][lane], p0[2][lane]]);
+            f.add(at(1), [-p1[0][lane], -p1[1][lane], -p1[2][lane]]);
+            f.add(at(2), [-p2[0][lane], -p2[1][lane], -p2[2][lane]]);
+        }
+    }
+}
+
+/// A symmetric 3×3 block: xx, xy, xz, yy, yz, zz.
+type Block = [f32x4; 6];
+
+#[inline(always)]
+fn add_outer(block: &mut Block, a: Vec3, b: Vec3) {
+    block[0] += a[0] * b[0];
+    block[1] += a[0] * b[1];
+    block[2] += a[0] * b[2];
+    block[3] += a[1] * b[1];
+    block[4] += a[1] * b[2];
+    block[5] += a[2] * b[2];
+}
+
+/// Adds c_vv vvᵀ + c_vτ (vτᵀ + τvᵀ) + c_ττ ττᵀ.
+#[inline(always)]
+fn add_stretch(block: &mut Block, k: &LaneStiffness, v: Vec3, tau: Vec3) {
+    // (c_vv v + c_vτ τ) vᵀ + (c_vτ v + c_ττ τ) τᵀ
+    add_outer(block, add(scale(v, k.vv), scale(tau, k.v_tau)), v);
+    add_outer(block, add(scale(v, k.v_tau), scale(tau, k.tau_tau)), tau);
+}
+
+/// Inverse diagonal blocks of the stiffness at every free node; zero elsewhere.
+///
+/// The stiffness is taken at the middle of each cell: around a node the differences cancel.
+pub(super) fn invert_blocks(
+    layout: &Layout,
+    law: &LaneLaw,
+    u: &Field,
+    inverse: &mut [Vec<f32>; 6],
+) {
+    for part in inverse.iter_mut() {
+        part.fill(0.0);
+    }
+    for (j, &(from, to)) in layout.regular.iter().enumerate() {
+        if from < to {
+            let row = j * layout.pitch;
+            block_row(law, u, row, layout.pitch, (from as usize, to as usize), inverse);
+        }
+    }
+    border_blocks(layout, law, u, inverse);
+    let mut last = 0;
+    layout.free_rows(|j, from, to| {
+        let row = j * layout.pitch;
+        for part in inverse.iter_mut() {
+            part[last..row + from].fill(0.0);
+        }
+        let mut i = row + from;
+        while i < row + to {
+            let count = (row + to - i).min(4);
+            let inverted = inverted([0, 1, 2, 3, 4, 5].map(|p| load(&inverse[p], i)));
+            for (part, lanes) in inverse.iter_mut().zip(inverted) {
+                if count == 4 {
+                    store(part, i, lanes);
+                } else {
+                    part[i..i + count].copy_from_slice(&lanes.to_array()[..count]);
+                }
+            }
+            i += 4;
+        }
+        last = row + to;
+    });
+    for part in inverse.iter_mut() {
+        part[last..].fill(0.0);
+    }
+}
+
+fn block_row(
+    law: &LaneLaw,
+    u: &Field,
+    row: usize,
+    pitch: usize,
+    (from, to): (usize, usize),
+    blocks: &mut [Vec<f32>; 6],
+) {
+    let (first, last) = (from / 4, (to - 1) / 4);
+    let (start, count) = (row + 4 * first, last - first + 1);
+    let (lower, upper) = (Row::new(u, start, count + 1), Row::new(u, start + pitch, count + 1));
+    let (mut a, mut d) = (lower.block(0), upper.block(0));
+    let mut before = [f32x4::ZERO; 6];
+    for b in 0..=count {
+        let mut block = [f32x4::ZERO; 6];
+        if b < count {
+            let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
+            let counts = in_range(first + b, from, to);
+            block = cell_block(law, &Cells::new(a, a_next, d, d_next)).map(|part| part & counts);
+            (a, d) = (a_next, d_next);
+        }
+        // Each cell adds the same to its four corners.
+        for ((part, now), before) in blocks.iter_mut().zip(block).zip(&mut before) {
+            let sum = now + shifted_right(*before, now);
+            for k in [start + 4 * b, start + 4 * b + pitch] {
+                let total = load(part, k) + sum;
+                store(part, k, total);
+            }
+            *before = now;
+        }
+    }
+}
+
+/// What four neighbouring cells add to the blocks of each of their corners.
+#[inline(always)]
+fn cell_block(law: &LaneLaw, cells: &Cells) -> Block {
+    let half = f32x4::HALF;
+    let e1 = scale(add(cells.bottom, cells.top), half);
+    let e2 = scale(add(cells.left, cells.right), half);
+    let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
+    let s = (g11 * g22 - g12 * g12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+    let i1 = g11 + g22;
+    let k = law.stiffness(i1, s);
+    let per_s = f32x4::ONE / s;
+    let per_t = f32x4::ONE / k.t;
+    let n = scale(cross(e1, e2), per_s);
+    let all = k.p + k.p;
+    let across = (k.beta_t * i1 * per_s).fast_max(k.least_normal - all);
+    let mut block = [f32x4::ZERO; 6];
+    add_outer(&mut block, scale(n, across), n);
+    let tau1 = scale(add(e1, scale(sub(scale(e1, g22), scale(e2, g12)), per_s)), per_t);
+    let tau2 = scale(add(e2, scale(sub(scale(e2, g11), scale(e1, g12)), per_s)), per_t);
+    add_stretch(&mut block, &k, e1, tau1);
+    add_stretch(&mut block, &k, e2, tau2);
+    block[0] += all;
+    block[3] += all;
+    block[5] += all;
+    // A regular triangle's share is in the law: a cell gives each corner twice its block.
+    block.map(|part| part + part)
+}
+
+fn border_blocks(layout: &Layout, law: &LaneLaw, u: &Field, blocks: &mut [Vec<f32>; 6]) {
+    for four in &layout.border {
+        let [a, b, c] = [0, 1, 2].map(|corner| gather(u, &four.nodes[corner]));
+        let mut e1 = sub(b, a);
+        let mut e2 = sub(c, a);
+        e1[0] += four.edges[0];
+        e1[1] += four.edges[1];
+        e2[0] += four.edges[2];
+        e2[1] += four.edges[3];
+        let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
+        let [i11, i12, i22] = four.inverse_metric;
+        let det = ((g11 * g22 - g12 * g12) * four.inverse_det).fast_max(f32x4::splat(LEAST_AREA));
+        let s = det.sqrt();
+        let k = law.stiffness(i11 * g11 + i12 * g12 * 2.0 + i22 * g22, s);
+        let per_s = f32x4::ONE / s;
+        let per_t = f32x4::ONE / k.t;
+        let n = scale(cross(e1, e2), per_s * four.inverse_det.sqrt());
+        let corners = [
+            (f32x4::splat(-1.0), f32x4::splat(-1.0)),
+            (f32x4::ONE, f32x4::ZERO),
+            (f32x4::ZERO, f32x4::ONE),
+        ];
+        for (nodes, (m1, m2)) in four.nodes.iter().zip(corners) {
+            let rest = m1 * m1 * i11 + m1 * m2 * i12 * 2.0 + m2 * m2 * i22;
+            let area = (g22 * m1 * m1 - g12 * m1 * m2 * 2.0 + g11 * m2 * m2) * four.inverse_det;
+            let v = add(scale(e1, i11 * m1 + i12 * m2), scale(e2, i12 * m1 + i22 * m2));
+            let w = scale(
+                add(scale(e1, g22 * m1 - g12 * m2), scale(e2, g11 * m2 - g12 * m1)),
+                four.inverse_det,
+            );
+            let tau = scale(add(v, scale(w, per_s)), per_t);
+            let isotropic = k.p * rest;
+            let across = (k.beta_t * area * per_s).fast_max(k.least_normal * rest - isotropic);
+            let mut block = [f32x4::ZERO; 6];
+            add_outer(&mut block, scale(n, across), n);
+            add_stretch(&mut block, &k, v, tau);
+            block[0] += isotropic;
+            block[3] += isotropic;
+            block[5] += isotropic;
+            for (part, lanes) in blocks.iter_mut().zip(block) {
+                let lanes = (lanes * four.weight).to_array();
+                for (k, value) in nodes.iter().zip(lanes) {
+                    part[*k as usize] += value;
+                }
+            }
+        }
+    }
+}
+
+/// The inverse; where the block is not positive definite, that of its trace.
+#[inline(always)]
+fn inverted([xx, xy, xz, yy, yz, zz]: Block) -> Block {
+    let (axx, axy, axz) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
+    let (ayy, ayz, azz) = (xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy);
+    let det = xx * axx + xy * axy + xz * axz;
+    let trace = xx + yy + zz;
+    let least = trace * trace * trace * 1e-8;
+    let is_positive = det.simd_gt(least) & azz.simd_gt(f32x4::ZERO) & xx.simd_gt(f32x4::ZERO);
+    let per_det = f32x4::ONE / det;
+    let per_trace = f32x4::ONE / trace.fast_max(f32x4::splat(1e-20));
+    let pick = |inverse: f32x4, other: f32x4| is_positive.bitselect(inverse * per_det, other);
+    let zero = f32x4::ZERO;
+    [
+        pick(axx, per_trace),
+        pick(axy, zero),
+        pick(axz, zero),
+        pick(ayy, per_trace),
+        pick(ayz, zero),
+        pick(azz, per_trace),
+    ]
+}

@@ -1,0 +1,295 @@
+//! One grid of the hierarchy: flat f32 arrays in rows, lengths in grid spacings.
+//!
+//! Displacements from rest are stored, not positions: they are zero on the border and keep more
+//! digits. A mirrored grid holds one quarter of the sheet, x ≥ 0 and y ≥ 0, and one ghost column and
+//! row beyond the axes.
+
+use crate::sheet::{CellKind, NodeKind, Sheet};
+use wide::f32x4;
+
+/// Lanes that a row or an array may be read beyond its end.
+const PADDING: usize = 8;
+
+/// A vector at every stored node, component by component.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Field {
+    pub(super) x: Vec<f32>,
+    pub(super) y: Vec<f32>,
+    pub(super) z: Vec<f32>,
+}
+
+impl Field {
+    pub(super) fn new(length: usize) -> Self {
+        Self { x: vec![0.0; length], y: vec![0.0; length], z: vec![0.0; length] }
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.x.copy_from_slice(&other.x);
+        self.y.copy_from_slice(&other.y);
+        self.z.copy_from_slice(&other.z);
+    }
+
+    #[inline(always)]
+    pub(super) fn load(&self, k: usize) -> [f32x4; 3] {
+        [load(&self.x, k), load(&self.y, k), load(&self.z, k)]
+    }
+
+    #[inline(always)]
+    pub(super) fn store(&mut self, k: usize, [x, y, z]: [f32x4; 3]) {
+        store(&mut self.x, k, x);
+        store(&mut self.y, k, y);
+        store(&mut self.z, k, z);
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, k: usize) -> [f32; 3] {
+        [self.x[k], self.y[k], self.z[k]]
+    }
+
+    #[inline(always)]
+    pub(super) fn add(&mut self, k: usize, [x, y, z]: [f32; 3]) {
+        self.x[k] += x;
+        self.y[k] += y;
+        self.z[k] += z;
+    }
+}
+
+#[inline(always)]
+pub(super) fn load(values: &[f32], k: usize) -> f32x4 {
+    let lanes = &values[k..k + 4];
+    f32x4::new([lanes[0], lanes[1], lanes[2], lanes[3]])
+}
+
+#[inline(always)]
+pub(super) fn store(values: &mut [f32], k: usize, lanes: f32x4) {
+    values[k..k + 4].copy_from_slice(&lanes.to_array());
+}
+
+/// Four triangles at the border, whose rest shapes are not those of the grid.
+#[derive(Clone, Debug)]
+pub(super) struct BorderLanes {
+    /// Stored nodes of each triangle's three corners.
+    pub(super) nodes: [[u32; 4]; 3],
+    /// The two edges from the first corner at rest: x and y of one, x and y of the other.
+    pub(super) edges: [f32x4; 4],
+    /// G⁻¹: 11, 12, 22.
+    pub(super) inverse_metric: [f32x4; 3],
+    /// 1/det G.
+    pub(super) inverse_det: f32x4,
+    /// Rest area times weight, in those of a regular triangle; zero in unused lanes.
+    pub(super) weight: f32x4,
+}
+
+/// Where the stored nodes and cells of a grid lie and what they are. Depends on the number of nodes
+/// alone.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    /// Nodes a side of the whole grid.
+    pub(super) nodes_per_side: usize,
+    /// Stored rows (and columns).
+    pub(super) rows: usize,
+    pub(super) pitch: usize,
+    pub(super) is_mirrored: bool,
+    /// Free nodes of each stored row: half-open range of stored columns, ghosts left out.
+    pub(super) free: Vec<(u32, u32)>,
+    /// Cells of each stored row with four free corners.
+    pub(super) regular: Vec<(u32, u32)>,
+    pub(super) border: Vec<BorderLanes>,
+    /// Nodes that are not free but within two cells of one, in the order in which they can be
+    /// extrapolated, each with how many of `sources` are its own.
+    pub(super) extrapolated: Vec<(u32, u32)>,
+    /// Stored node and weight.
+    pub(super) sources: Vec<(u32, f32)>,
+}
+
+impl Layout {
+    pub(super) fn new(nodes_per_side: usize, is_mirrored: bool) -> Self {
+        let half = nodes_per_side / 2;
+        let sheet = Sheet::new(nodes_per_side, half as f64);
+        let first = if is_mirrored { half - 1 } else { 0 };
+        let rows = nodes_per_side - first;
+        let pitch = (rows + 1).next_multiple_of(4);
+        let mut layout = Self {
+            nodes_per_side,
+            rows,
+            pitch,
+            is_mirrored,
+            free: Vec::with_capacity(rows),
+            regular: Vec::with_capacity(rows - 1),
+            border: Vec::new(),
+            extrapolated: Vec::new(),
+            sources: Vec::new(),
+        };
+        let is_free = |i: usize, j: usize| {
+            sheet.kinds()[(j + first) * nodes_per_side + i + first] == NodeKind::Free
+        };
+        let ghost = usize::from(is_mirrored);
+        for j in 0..rows {
+            let from = (ghost..rows).find(|&i| is_free(i, j));
+            let to = (ghost..rows).rfind(|&i| is_free(i, j)).map_or(0, |i| i + 1);
+            layout.free.push((from.unwrap_or(to) as u32, to as u32));
+        }
+        let mut triangles = Vec::new();
+        for j in 0..rows - 1 {
+            let regular = |i: usize| {
+                [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].iter().all(|&(i, j)| is_free(i, j))
+            };
+            let from = (0..rows - 1).find(|&i| regular(i));
+            let to = (0..rows - 1).rfind(|&i| regular(i)).map_or(0, |i| i + 1);
+            let from = from.unwrap_or(to);
+            layout.regular.push((from as u32, to as u32));
+            for i in (0..from).chain(to..rows - 1) {
+                if sheet.cell(i + first, j + first) != CellKind::Outside {
+                    triangles.extend(sheet.cell_triangles(i + first, j + first));
+                }
+            }
+        }
+        let stored = |k: usize| (k / nodes_per_side - first) * pitch + k % nodes_per_side - first;
+        layout.border =
+            triangles.chunks(4).map(|four| border_lanes(&sheet, four, stored)).collect();
+        layout.find_extrapolation();
+        layout
+    }
+
+    /// Length of an array over the stored nodes.
+    pub(super) fn len(&self) -> usize {
+        self.rows * self.pitch + PADDING
+    }
+
+    /// Stored row or column of the grid's centre.
+    pub(super) fn center(&self) -> usize {
+        if self.is_mirrored { 1 } else { self.nodes_per_side / 2 }
+    }
+
+    /// The first row and column that is not a ghost.
+    pub(super) fn ghost(&self) -> usize {
+        usize::from(self.is_mirrored)
+    }
+
+    /// The grid's radius, in spacings.
+    pub(super) fn radius(&self) -> f32 {
+        (self.nodes_per_side / 2) as f32
+    }
+
+    /// Free nodes solved for.
+    pub(super) fn free_nodes(&self) -> usize {
+        self.free[self.ghost()..].iter().map(|(from, to)| (to - from) as usize).sum()
+    }
+
+    /// Calls `visit(row, from, to)` for the free span of every stored row but the ghost.
+    #[inline(always)]
+    pub(super) fn free_rows(&self, mut visit: impl FnMut(usize, usize, usize)) {
+        for j in self.ghost()..self.rows {
+            let (from, to) = self.free[j];
+            if from < to {
+                visit(j, from as usize, to as usize);
+            }
+        }
+    }
+
+    fn is_free(&self, i: isize, j: isize) -> bool {
+        // A ghost is free where its mirror image is.
+        let across = |k: isize| if self.is_mirrored && k == 0 { 2 } else { k };
+        let (i, j) = (across(i), across(j));
+        (0..self.rows as isize).contains(&j) && {
+            let (from, to) = self.free[j as usize];
+            (from as isize..to as isize).contains(&i)
+        }
+    }
+
+    /// Two rings around the free nodes: straight on where two lie in a row, else the mean.
+    fn find_extrapolation(&mut self) {
+        let (rows, first) = (self.rows as isize, self.ghost() as isize);
+        let mut known = vec![false; (rows * rows) as usize];
+        for j in 0..rows {
+            for i in 0..rows {
+                known[(j * rows + i) as usize] = self.is_free(i, j);
+            }
+        }
+        for _ in 0..2 {
+            let before = known.clone();
+            let is_known = |i: isize, j: isize| {
+                (0..rows).contains(&i) && (0..rows).contains(&j) && before[(j * rows + i) as usize]
+            };
+            for j in first..rows {
+                for i in first..rows {
+                    if is_known(i, j) {
+                        continue;
+                    }
+                    let (mut lines, mut means) = (Vec::new(), Vec::new());
+                    for (di, dj) in
+                        [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
+                    {
+                        if is_known(i + di, j + dj) {
+                            means.push((i + di, j + dj, 1.0));
+                            if is_known(i + 2 * di, j + 2 * dj) {
+                                lines.push((i + di, j + dj, 2.0));
+                                lines.push((i + 2 * di, j + 2 * dj, -1.0));
+                            }
+                        }
+                    }
+                    let (sources, count) = if lines.is_empty() {
+                        let count = means.len();
+                        (means, count)
+                    } else {
+                        let count = lines.len() / 2;
+                        (lines, count)
+                    };
+                    if count == 0 {
+                        continue;
+                    }
+                    known[(j * rows + i) as usize] = true;
+                    let pitch = self.pitch as isize;
+                    self.extrapolated.push(((j * pitch + i) as u32, sources.len() as u32));
+                    self.sources.extend(
+                        sources.iter().map(|&(i, j, w)| ((j * pitch + i) as u32, w / count as f32)),
+                    );
+                }
+            }
+        }
+    }
+}
+
+fn border_lanes(
+    sheet: &Sheet,
+    triangles: &[([usize; 3], f64)],
+    stored: impl Fn(usize) -> usize,
+) -> BorderLanes {
+    let mut nodes = [[0_u32; 4]; 3];
+    let mut numbers = [[0.0_f32; 4]; 9];
+    for lane in 0..4 {
+        // Unused lanes repeat the last triangle without weight.
+        let (corners, weight) = triangles[lane.min(triangles.len() - 1)];
+        let weight = if lane < triangles.len() { weight } else { 0.0 };
+        let [a, b, c] = corners.map(|k| sheet.rest()[k]);
+        let (e1, e2) = (b - a, c - a);
+        let det = e1.perp_dot(e2).powi(2);
+        let (g11, g12, g22) = (e1.length_squared(), e1.dot(e2), e2.length_squared());
+        let all = [
+            e1.x,
+            e1.y,
+            e2.x,
+            e2.y,
+            g22 / det,
+            -g12 / det,
+            g11 / det,
+            1.0 / det,
+            // A regular triangle has half of half a cell.
+            4.0 * weight * sheet.rest_area(corners),
+        ];
+        for (place, value) in numbers.iter_mut().zip(all) {
+            place[lane] = value as f32;
+        }
+        for (place, k) in nodes.iter_mut().zip(corners) {
+            place[lane] = stored(k) as u32;
+        }
+    }
+    let n = numbers.map(f32x4::new);
+    BorderLanes {
+        nodes,
+        edges: [n[0], n[1], n[2], n[3]],
+        inverse_metric: [n[4], n[5], n[6]],
+        inverse_det: n[7],
+        weight: n[8],
+    }
+}

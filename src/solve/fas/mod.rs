@@ -1,0 +1,485 @@
+//! Full multigrid by the full approximation scheme, in lanes of four f32.
+//!
+//! Grids are nested and each is fitted to the pocket's circle itself. The coarsest starts from a
+//! shape made of geometry alone; every finer one from the interpolated shape of the grid before, and
+//! is then improved by V-cycles. On the way down a coarse grid gets the residual of the finer one and
+//! its own force at the injected shape as right-hand side (A. Brandt, "Multi-level adaptive solutions
+//! to boundary-value problems", Math. Comp. 31, 1977), so that no matrix is ever put together: all
+//! that is evaluated is the force. The finest grid decides which nodes the dome holds; coarser ones
+//! keep them on it.
+//!
+//! `grid` (what is stored) | `law` | `force` | `smooth` (with contact) | `transfer`.
+
+mod force;
+mod grid;
+mod law;
+mod smooth;
+mod transfer;
+
+use super::Problem;
+use super::guess;
+use crate::sheet::Sheet;
+use crate::springs::coupled::CoupledLaw;
+use force::CellLanes;
+use glam::DVec3;
+use grid::{Field, Layout};
+use law::LaneLaw;
+use smooth::{Contact, LaneDome, Pull};
+
+/// Damped steps that take out the upper part of the spectrum of D⁻¹H: close to the inverse roots of a
+/// Chebyshev polynomial, the longest step first.
+const SMOOTHING: [f32; 2] = [1.6, 0.5];
+/// The same for the spectrum of the coarsest grid, and how often they are repeated there.
+const COARSEST: [f32; 4] = [4.2, 0.43, 1.18, 0.58];
+const COARSEST_ROUNDS: usize = 3;
+
+/// The most V-cycles of the finest grid.
+const MAX_CYCLES: u32 = 16;
+/// Coarser grids are starts: the most cycles of each, and the error that is enough
+/// \[share of the base radius\].
+const START_CYCLES: u32 = 4;
+const START_TOLERANCE: f64 = 1e-3;
+/// Cycles of a grid before which its nodal blocks are computed anew.
+const BLOCK_CYCLES: u32 = 2;
+/// The most rounds over the coarsest grid.
+const MAX_COARSEST: u32 = 60;
+/// The share of the error that the first cycle of a grid is taken to leave, and the least share that
+/// any cycle is.
+const FIRST_RATE: f64 = 0.5;
+const LEAST_RATE: f64 = 0.2;
+/// A cycle that changes more than this share of what the last one did is slow.
+const SLOW_RATE: f64 = 0.7;
+/// Slow cycles on the finest grid, one after the other, that end the scheme.
+const MAX_SLOW: u32 = 3;
+/// The greatest relative residual that a solution may have, and how often the scheme may come to rest
+/// above it.
+const MOST_RESIDUAL: f64 = 5e-3;
+const MAX_DOUBTS: u32 = 2;
+/// A coarse node is held on the dome if the fine nodes around it are, by this share of their weight.
+/// The lesser share holds more: slower, but it does not lift the sheet off a small contact. It is
+/// taken after a slow cycle.
+const HOLD_SHARES: [f32; 2] = [0.45, 0.15];
+/// The least tolerance that f32 can promise \[share of the base radius\].
+pub(super) const LEAST_TOLERANCE: f64 = 2e-6;
+
+/// How the scheme stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    Working,
+    Converged,
+    /// A cycle does not lead to the solution: another method has to take over.
+    Failed,
+}
+
+/// A grid with its shape and scratch.
+#[derive(Clone, Debug)]
+struct Level {
+    layout: Layout,
+    dome: LaneDome,
+    u: Field,
+    /// Forces, then residuals, then corrections.
+    f: Field,
+    /// The shape before the correction: at the start of a cycle, or as injected.
+    before: Field,
+    /// Right-hand side of a coarse grid.
+    tau: Field,
+    inverse: [Vec<f32>; 6],
+    hold: Vec<f32>,
+    row: Vec<CellLanes>,
+}
+
+impl Level {
+    fn new(nodes_per_side: usize, is_mirrored: bool, is_finest: bool) -> Self {
+        let layout = Layout::new(nodes_per_side, is_mirrored);
+        let length = layout.len();
+        let zeros = || vec![0.0; length];
+        Self {
+            dome: LaneDome::default(),
+            u: Field::new(length),
+            f: Field::new(length),
+            before: Field::new(length),
+            tau: Field::new(if is_finest { 0 } else { length }),
+            inverse: [zeros(), zeros(), zeros(), zeros(), zeros(), zeros()],
+            hold: zeros(),
+            row: vec![CellLanes::default(); layout.pitch / 4 + 1],
+            layout,
+        }
+    }
+}
+
+/// What is done next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Task {
+    /// The given part of the way down from this grid.
+    Down(usize, usize),
+    /// The given part of the way up to this grid.
+    Up(usize, usize),
+    /// The cycle of the grid being solved has ended.
+    Judge,
+}
+
+/// The scheme for one problem after the other.
+#[derive(Clone, Debug)]
+pub(super) struct FullMultigrid {
+    /// From the coarsest to the finest.
+    levels: Vec<Level>,
+    law: LaneLaw,
+    base_radius: f64,
+    /// Of the finest grid \[mm\].
+    spacing: f64,
+    tolerance: f64,
+    /// Cycles of the finest grid, where they are given.
+    asked_cycles: Option<u32>,
+    /// The grid being solved.
+    current: usize,
+    task: Task,
+    /// Cycles of the grid being solved.
+    pub(super) cycles: u32,
+    slow_cycles: u32,
+    doubts: u32,
+    last_change: f64,
+    /// Slower, but sure where contact is small or the sheet nearly slack.
+    is_wary: bool,
+    row: Vec<f32>,
+    /// Estimated greatest node position error \[mm\].
+    pub(super) error: f64,
+    /// Forces that no contact takes, relative to those they are the sum of \[-\].
+    pub(super) relative_residual: f64,
+    pub(super) work_units: f64,
+}
+
+impl FullMultigrid {
+    /// Room for grids of up to `nodes_per_side` nodes a side.
+    pub(super) fn new(nodes_per_side: usize, is_mirrored: bool) -> Self {
+        let mut sides = vec![nodes_per_side];
+        let mut cells = nodes_per_side - 1;
+        while cells >= 16 && cells.is_multiple_of(4) {
+            cells /= 2;
+            sides.push(cells + 1);
+        }
+        let levels: Vec<Level> =
+            sides.iter().rev().map(|&n| Level::new(n, is_mirrored, n == nodes_per_side)).collect();
+        Self {
+            levels,
+            law: LaneLaw::default(),
+            base_radius: 1.0,
+            spacing: 1.0,
+            tolerance: 0.0,
+            asked_cycles: None,
+            current: 0,
+            task: Task::Judge,
+            cycles: 0,
+            slow_cycles: 0,
+            doubts: 0,
+            last_change: f64::INFINITY,
+            is_wary: false,
+            row: vec![0.0; nodes_per_side + 8],
+            error: f64::INFINITY,
+            relative_residual: f64::INFINITY,
+            work_units: 0.0,
+        }
+    }
+
+    /// Does it fit a grid of this size?
+    pub(super) fn fits(&self, nodes_per_side: usize, is_mirrored: bool) -> bool {
+        let layout = &self.levels[self.levels.len() - 1].layout;
+        layout.nodes_per_side == nodes_per_side && layout.is_mirrored == is_mirrored
+    }
+
+    /// Free nodes of the finest grid that are solved for.
+    pub(super) fn nodes(&self) -> usize {
+        self.levels[self.levels.len() - 1].layout.free_nodes()
+    }
+
+    /// Reads the law's tables; needed once for every law.
+    pub(super) fn set_law(&mut self, law: &CoupledLaw, stiffness: f64) {
+        self.law = LaneLaw::new(law, stiffness);
+    }
+
+    /// Begins anew on the coarsest grid. `tolerance` is relative to the base radius.
+    pub(super) fn start(&mut self, problem: &Problem, cycles: Option<u32>) {
+        self.asked_cycles = cycles;
+        let dome = &problem.dome;
+        self.base_radius = dome.base_radius;
+        self.spacing = problem.sheet.spacing_mm();
+        self.tolerance = problem.tolerance.max(LEAST_TOLERANCE);
+        let finest = self.levels.len() - 1;
+        for (l, level) in self.levels.iter_mut().enumerate() {
+            level.dome = LaneDome::new(dome, self.spacing * f64::from(1 << (finest - l)));
+        }
+        let coarsest = &mut self.levels[0];
+        let layout = &coarsest.layout;
+        let n = layout.nodes_per_side;
+        let sheet = Sheet::new(n, problem.sheet.radius_mm());
+        let guess = guess::tight_string(&sheet, dome);
+        let per_spacing = 1.0 / sheet.spacing_mm();
+        let first = n / 2 - layout.center();
+        layout.free_rows(|j, from, to| {
+            for i in from..to {
+                let k = (j + first) * n + i + first;
+                let u = (guess[k] - sheet.rest()[k].extend(0.0)) * per_spacing;
+                let to = j * layout.pitch + i;
+                coarsest.u.x[to] = u.x as f32;
+                coarsest.u.y[to] = u.y as f32;
+                coarsest.u.z[to] = u.z as f32;
+            }
+        });
+        smooth::mirror(layout, &mut coarsest.u);
+        self.work_units = 0.0;
+        self.is_wary = false;
+        self.begin_grid(0);
+    }
+
+    fn begin_grid(&mut self, l: usize) {
+        self.current = l;
+        self.cycles = 0;
+        self.slow_cycles = 0;
+        self.doubts = 0;
+        self.last_change = f64::INFINITY;
+        self.error = f64::INFINITY;
+        self.task = Task::Down(l, 0);
+    }
+
+    /// Does the next piece of work: a few evaluations of the forces of one grid at most.
+    pub(super) fn step(&mut self) -> State {
+        match self.task {
+            Task::Down(0, _) => {
+                self.solve_coarsest();
+                self.task = if self.current == 0 { Task::Judge } else { Task::Up(1, 0) };
+            }
+            Task::Down(l, part) => self.go_down(l, part),
+            Task::Up(l, part) => self.go_up(l, part),
+            Task::Judge => return self.judge(),
+        }
+        State::Working
+    }
+
+    fn contact(&self, l: usize) -> Contact {
+        if l == self.current { Contact::OneSided } else { Contact::Held }
+    }
+
+    fn count(&mut self, l: usize, evaluations: f64) {
+        let coarser = (self.levels.len() - 1 - l) as i32;
+        self.work_units += evaluations * 0.25_f64.powi(coarser);
+    }
+
+    fn solve_coarsest(&mut self) {
+        let contact = self.contact(0);
+        let level = &mut self.levels[0];
+        if contact == Contact::OneSided {
+            level.before.copy_from(&level.u);
+        }
+        if contact == Contact::OneSided || self.is_wary {
+            level.invert_blocks(&self.law);
+        }
+        for _ in 0..COARSEST_ROUNDS {
+            for omega in COARSEST {
+                level.smooth(&self.law, contact, omega);
+            }
+        }
+        self.count(0, (COARSEST_ROUNDS * COARSEST.len() + 1) as f64);
+    }
+
+    /// Smooths, then hands the residual to the next coarser grid.
+    fn go_down(&mut self, l: usize, part: usize) {
+        let contact = self.contact(l);
+        let (coarser, finer) = self.levels.split_at_mut(l);
+        let (coarse, level) = (&mut coarser[l - 1], &mut finer[0]);
+        if part == 0 {
+            if contact == Contact::OneSided {
+                level.before.copy_from(&level.u);
+            }
+            // A grid keeps its blocks for all cycles but its own first ones.
+            if contact == Contact::OneSided && self.cycles < BLOCK_CYCLES || self.is_wary {
+                level.invert_blocks(&self.law);
+                self.count(l, 1.0);
+            }
+        } else if part <= SMOOTHING.len() {
+            level.smooth(&self.law, contact, SMOOTHING[part - 1]);
+            self.count(l, 1.0);
+        } else {
+            level.find_residual(&self.law, contact);
+            coarse.take_over(&self.law, level, HOLD_SHARES[usize::from(self.is_wary)]);
+            self.task = Task::Down(l - 1, 0);
+            self.count(l, 1.25);
+            return;
+        }
+        self.task = Task::Down(l, part + 1);
+    }
+
+    /// Takes the correction of the next coarser grid, then smooths.
+    fn go_up(&mut self, l: usize, part: usize) {
+        let contact = self.contact(l);
+        let (coarser, finer) = self.levels.split_at_mut(l);
+        let (coarse, level) = (&coarser[l - 1], &mut finer[0]);
+        if part == 0 {
+            level.add_correction(coarse, &mut self.row);
+        }
+        level.smooth(&self.law, contact, SMOOTHING[part]);
+        self.count(l, 1.0);
+        self.task = if part + 1 < SMOOTHING.len() {
+            Task::Up(l, part + 1)
+        } else if l == self.current {
+            Task::Judge
+        } else {
+            Task::Up(l + 1, 0)
+        };
+    }
+
+    /// Estimates the error from how much the cycle has changed, and chooses what follows.
+    fn judge(&mut self) -> State {
+        let (l, finest) = (self.current, self.levels.len() - 1);
+        let level = &self.levels[l];
+        let spacing = self.spacing * f64::from(1 << (finest - l));
+        let change = spacing
+            * f64::from(smooth::greatest_difference(&level.layout, &level.u, &level.before));
+        self.cycles += 1;
+        if !change.is_finite() {
+            return State::Failed;
+        }
+        let mut rate = FIRST_RATE;
+        if self.last_change.is_finite() {
+            rate = (change / self.last_change.max(f64::MIN_POSITIVE)).clamp(LEAST_RATE, 0.95);
+            if change > SLOW_RATE * self.last_change {
+                self.slow_cycles += 1;
+                self.is_wary |= l > 0 && change > START_TOLERANCE * self.base_radius;
+            } else {
+                self.slow_cycles = 0;
+            }
+        }
+        self.last_change = change;
+        self.error = change * rate / (1.0 - rate);
+        if l < finest {
+            let most = if l == 0 { MAX_COARSEST } else { START_CYCLES };
+            if self.error <= START_TOLERANCE * self.base_radius || self.cycles >= most {
+                self.refine();
+            } else {
+                self.task = Task::Down(l, 0);
+            }
+            return State::Working;
+        }
+        let is_enough = match self.asked_cycles {
+            Some(cycles) => self.cycles >= cycles,
+            None => self.error <= self.tolerance * self.base_radius,
+        };
+        if is_enough {
+            self.find_relative_residual();
+            if self.relative_residual <= MOST_RESIDUAL || self.asked_cycles.is_some() {
+                return State::Converged;
+            }
+            // It stopped changing, but not in balance.
+            self.doubts += 1;
+            if self.doubts >= MAX_DOUBTS {
+                return State::Failed;
+            }
+        }
+        if self.asked_cycles.is_none()
+            && (self.cycles >= MAX_CYCLES || self.slow_cycles >= MAX_SLOW)
+        {
+            return State::Failed;
+        }
+        self.task = Task::Down(l, 0);
+        State::Working
+    }
+
+    fn find_relative_residual(&mut self) {
+        let l = self.current;
+        let level = &mut self.levels[l];
+        let squares = level.find_residual(&self.law, Contact::OneSided);
+        let all = force::tension_squares(&level.layout, &self.law, &level.u);
+        // A sheet at rest has no forces: rounding is not measured against rounding.
+        self.relative_residual = squares.sqrt() / all.sqrt().max(1e-9);
+        self.count(l, 2.0);
+    }
+
+    /// Goes on to the next finer grid.
+    fn refine(&mut self) {
+        let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
+        let (coarse, fine) = (&mut coarser[self.current], &mut finer[0]);
+        transfer::refine(
+            &coarse.layout,
+            &fine.layout,
+            &coarse.u,
+            &mut coarse.f,
+            &mut fine.u,
+            &mut self.row,
+        );
+        smooth::settle(&fine.layout, &fine.dome, &mut fine.u);
+        self.begin_grid(self.current + 1);
+    }
+
+    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ).
+    pub(super) fn write_positions(&self, sheet: &Sheet, x: &mut [DVec3]) {
+        let level = &self.levels[self.levels.len() - 1];
+        let layout = &level.layout;
+        let (n, center) = (layout.nodes_per_side, layout.nodes_per_side / 2);
+        let first = center - layout.center();
+        layout.free_rows(|j, from, to| {
+            for i in from..to {
+                let [ux, uy, uz] = level.u.at(j * layout.pitch + i).map(f64::from);
+                let mut set = |i: usize, j: usize, u: DVec3| {
+                    let k = j * n + i;
+                    x[k] = sheet.rest()[k].extend(0.0) + u * self.spacing;
+                };
+                let (i, j) = (i + first, j + first);
+                set(i, j, DVec3::new(ux, uy, uz));
+                if layout.is_mirrored {
+                    let (i2, j2) = (n - 1 - i, n - 1 - j);
+                    set(i2, j, DVec3::new(-ux, uy, uz));
+                    set(i, j2, DVec3::new(ux, -uy, uz));
+                    set(i2, j2, DVec3::new(-ux, -uy, uz));
+                }
+            }
+        });
+    }
+}
+
+impl Level {
+    fn invert_blocks(&mut self, law: &LaneLaw) {
+        force::invert_blocks(&self.layout, law, &self.u, &mut self.inverse);
+    }
+
+    fn forces(&mut self, law: &LaneLaw) {
+        force::forces(&self.layout, law, &self.u, &mut self.f, &mut self.row);
+    }
+
+    fn smooth(&mut self, law: &LaneLaw, contact: Contact, omega: f32) {
+        self.forces(law);
+        let Self { layout, dome, u, f, tau, inverse, hold, .. } = self;
+        let tau = (contact == Contact::Held).then_some(&*tau);
+        smooth::step(layout, dome, contact, omega, &Pull { inverse, f, tau, hold }, u);
+    }
+
+    fn find_residual(&mut self, law: &LaneLaw, contact: Contact) -> f64 {
+        self.forces(law);
+        let tau = (contact == Contact::Held).then_some(&self.tau);
+        let Self { layout, dome, u, hold, f, .. } = self;
+        smooth::residual(layout, dome, contact, u, tau, hold, f)
+    }
+
+    /// Takes shape, held nodes and residual of the finer grid; what is to be solved here is
+    /// f(u) + τ = 0 with τ such that f + τ is the restricted residual at the shape taken.
+    fn take_over(&mut self, law: &LaneLaw, fine: &Self, hold_share: f32) {
+        let Self { layout, u, hold, tau, .. } = self;
+        transfer::inject(layout, &fine.layout, &fine.u, u);
+        transfer::inject_hold(layout, &fine.layout, &fine.hold, hold_share, hold);
+        smooth::mirror(layout, u);
+        transfer::restrict(layout, &fine.layout, &fine.f, tau);
+        self.before.copy_from(&self.u);
+        self.forces(law);
+        let Self { layout, tau, f, .. } = self;
+        layout.free_rows(|j, from, to| {
+            for k in j * layout.pitch + from..j * layout.pitch + to {
+                tau.x[k] -= f.x[k];
+                tau.y[k] -= f.y[k];
+                tau.z[k] -= f.z[k];
+            }
+        });
+    }
+
+    fn add_correction(&mut self, coarse: &Self, row: &mut [f32]) {
+        let Self { layout, dome, u, hold, f, .. } = self;
+        transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
+        smooth::correct(layout, dome, f, hold, u);
+    }
+}

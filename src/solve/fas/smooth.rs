@@ -1,0 +1,334 @@
+//! The smoother: damped steps with the nodal blocks, each node kept out of the dome and above the
+//! wall.
+//!
+//! A step that would lead into the dome is solved with the constraint inside it, H d = f + μn with
+//! n·d = −gap, and put back onto the surface: its fixed points are those of the contact problem.
+
+use super::force::dot;
+use super::grid::{Field, Layout, load};
+use crate::implant::Dome;
+use wide::f32x4;
+
+/// The greatest move of a node in one step \[grid spacings, along each axis\].
+const MOST_STEP: f32 = 0.5;
+/// A node that moves by d across a sheet stretches the springs around it by d²/2: they resist with
+/// about this much times d³, which the blocks, taken before the move, do not know of.
+const HARDENING: f32 = 4.0;
+/// A node whose level is below this touches the dome \[-\].
+const TOUCH: f32 = 3e-6;
+
+/// The dome in spacings of a grid, about the grid's centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LaneDome {
+    center: [f32; 2],
+    base_height: f32,
+    per_radius: f32,
+    per_projection: f32,
+}
+
+/// Which nodes are held on the dome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Contact {
+    /// Those that would go into it.
+    OneSided,
+    /// Those that the finer grid holds, whatever their force: a coarse grid corrects for a finer one.
+    Held,
+}
+
+impl LaneDome {
+    pub(super) fn new(dome: &Dome, spacing: f64) -> Self {
+        Self {
+            center: [(dome.center.x / spacing) as f32, (dome.center.y / spacing) as f32],
+            base_height: (dome.base_height / spacing) as f32,
+            per_radius: (spacing / dome.base_radius) as f32,
+            per_projection: (spacing / dome.projection) as f32,
+        }
+    }
+
+    /// The place relative to the ellipsoid's centre, the level plus one, and the level's gradient.
+    #[inline(always)]
+    fn level(&self, x: f32x4, y: f32x4, u: [f32x4; 3]) -> ([f32x4; 3], f32x4, [f32x4; 3]) {
+        let p = [x + u[0] - self.center[0], y + u[1] - self.center[1], u[2] - self.base_height];
+        let s = [p[0] * self.per_radius, p[1] * self.per_radius, p[2] * self.per_projection];
+        let length = dot(s, s).sqrt();
+        let per = f32x4::ONE / length.fast_max(f32x4::splat(1e-6));
+        let g = [
+            s[0] * per * self.per_radius,
+            s[1] * per * self.per_radius,
+            s[2] * per * self.per_projection,
+        ];
+        (p, length, g)
+    }
+}
+
+/// Rest places of four neighbouring nodes, about the grid's centre.
+#[inline(always)]
+fn rest(layout: &Layout, i: usize, j: usize) -> (f32x4, f32x4) {
+    let center = layout.center() as f32;
+    let lanes = f32x4::new([0.0, 1.0, 2.0, 3.0]);
+    (lanes + (i as f32 - center), f32x4::splat(j as f32 - center))
+}
+
+/// What a step is made of.
+pub(super) struct Pull<'a> {
+    /// Inverse nodal blocks D⁻¹.
+    pub(super) inverse: &'a [Vec<f32>; 6],
+    /// Forces.
+    pub(super) f: &'a Field,
+    /// A coarse grid's right-hand side.
+    pub(super) tau: Option<&'a Field>,
+    /// Marks of the nodes that are held.
+    pub(super) hold: &'a [f32],
+}
+
+/// One step of length `omega`: u += ω D⁻¹ (f + τ), under the constraints.
+pub(super) fn step(
+    layout: &Layout,
+    dome: &LaneDome,
+    contact: Contact,
+    omega: f32,
+    pull: &Pull,
+    u: &mut Field,
+) {
+    let Pull { inverse, f, tau, hold } = *pull;
+    let zero = f32x4::ZERO;
+    layout.free_rows(|j, from, to| {
+        let mut i = from;
+        while i < to {
+            let k = j * layout.pitch + i;
+            let mut r = f.load(k);
+            if let Some(tau) = tau {
+                let t = tau.load(k);
+                r = [r[0] + t[0], r[1] + t[1], r[2] + t[2]];
+            }
+            let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|p| load(&inverse[p], k));
+            let times = |v: [f32x4; 3]| {
+                [
+                    xx * v[0] + xy * v[1] + xz * v[2],
+                    xy * v[0] + yy * v[1] + yz * v[2],
+                    xz * v[0] + yz * v[1] + zz * v[2],
+                ]
+            };
+            let most = f32x4::splat(MOST_STEP);
+            let mut d = times(r).map(|d| (d * omega).fast_max(-most).fast_min(most));
+            let square = dot(d, d);
+            let hardening =
+                square * square * HARDENING / (dot(r, d) * omega).fast_max(f32x4::splat(1e-30));
+            let share = f32x4::ONE / (hardening + 1.0).sqrt();
+            d = d.map(|d| d * share);
+            let at = u.load(k);
+            let (x, y) = rest(layout, i, j);
+            let (p, length, g) = dome.level(x, y, at);
+            let towards = dot(g, d);
+            let mut over = length - 1.0 + towards;
+            let mut level = f32x4::ONE;
+            let mut is_held = over.simd_lt(zero);
+            if contact == Contact::Held {
+                // Held nodes stay as near to the dome as they are.
+                let is_given = load(hold, k).simd_gt(zero);
+                is_held |= is_given;
+                over = is_given.bitselect(towards, over);
+                level = is_given.bitselect(length, level);
+            }
+            let is_movable = xx.simd_gt(zero);
+            is_held &= is_movable;
+            let mut to_u = [at[0] + d[0], at[1] + d[1], at[2] + d[2]];
+            if is_held.any() {
+                let s = times(g);
+                let share = over / dot(g, s).fast_max(f32x4::splat(1e-30));
+                d = [0, 1, 2].map(|a| d[a] - s[a] * share);
+                let to = [p[0] + d[0], p[1] + d[1], p[2] + d[2]];
+                let scaled =
+                    [to[0] * dome.per_radius, to[1] * dome.per_radius, to[2] * dome.per_projection];
+                let length = dot(scaled, scaled).sqrt();
+                let back = (level - length) / length.fast_max(f32x4::splat(1e-6));
+                to_u = [0, 1, 2].map(|a| is_held.bitselect(at[a] + d[a] + to[a] * back, to_u[a]));
+            }
+            to_u[2] = is_movable.bitselect(to_u[2].fast_max(zero), at[2]);
+            u.store(k, to_u);
+            i += 4;
+        }
+    });
+    mirror(layout, u);
+}
+
+/// Moves every node that is inside the dome or below the wall onto it.
+pub(super) fn settle(layout: &Layout, dome: &LaneDome, u: &mut Field) {
+    layout.free_rows(|j, from, to| {
+        let mut i = from;
+        while i < to {
+            let k = j * layout.pitch + i;
+            let mut at = u.load(k);
+            at[2] = at[2].fast_max(f32x4::ZERO);
+            let (x, y) = rest(layout, i, j);
+            let (p, length, _) = dome.level(x, y, at);
+            let back =
+                ((f32x4::ONE - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(f32x4::ZERO);
+            let moved = [0, 1, 2].map(|a| at[a] + p[a] * back);
+            store_free(u, k, (to - i).min(4), moved);
+            i += 4;
+        }
+    });
+    mirror(layout, u);
+}
+
+/// Adds a finer grid's correction: nodes that are held move along the dome, none goes into it.
+pub(super) fn correct(
+    layout: &Layout,
+    dome: &LaneDome,
+    correction: &Field,
+    hold: &[f32],
+    u: &mut Field,
+) {
+    layout.free_rows(|j, from, to| {
+        let mut i = from;
+        while i < to {
+            let k = j * layout.pitch + i;
+            let at = u.load(k);
+            let (x, y) = rest(layout, i, j);
+            let (p, before, g) = dome.level(x, y, at);
+            let mut c = correction.load(k);
+            let is_held = load(hold, k).simd_gt(f32x4::ZERO);
+            let normal_part = dot(c, g) / dot(g, g);
+            c = [0, 1, 2].map(|a| is_held.bitselect(c[a] - g[a] * normal_part, c[a]));
+            let to_p = [p[0] + c[0], p[1] + c[1], p[2] + c[2]];
+            let scaled = [
+                to_p[0] * dome.per_radius,
+                to_p[1] * dome.per_radius,
+                to_p[2] * dome.per_projection,
+            ];
+            let length = dot(scaled, scaled).sqrt();
+            let level = is_held.bitselect(before, f32x4::ONE);
+            let back = (level - length) / length.fast_max(f32x4::splat(1e-6));
+            let is_put_back = is_held | back.simd_gt(f32x4::ZERO);
+            let mut moved = [0, 1, 2]
+                .map(|a| at[a] + c[a] + is_put_back.bitselect(to_p[a] * back, f32x4::ZERO));
+            moved[2] = moved[2].fast_max(f32x4::ZERO);
+            store_free(u, k, (to - i).min(4), moved);
+            i += 4;
+        }
+    });
+    mirror(layout, u);
+}
+
+/// Adds τ to the forces, takes away what the dome and the wall carry, marks the nodes that they hold
+/// (only where contact is one-sided), clears what is not free. Gives the sum of squares of what is
+/// left and of what the springs pull in all.
+pub(super) fn residual(
+    layout: &Layout,
+    dome: &LaneDome,
+    contact: Contact,
+    u: &Field,
+    tau: Option<&Field>,
+    hold: &mut [f32],
+    f: &mut Field,
+) -> f64 {
+    let zero = f32x4::ZERO;
+    let mut squares = 0.0_f64;
+    let mut last = 0;
+    layout.free_rows(|j, from, to| {
+        let row = j * layout.pitch;
+        for part in [&mut f.x, &mut f.y, &mut f.z] {
+            part[last..row + from].fill(0.0);
+        }
+        let mut i = from;
+        while i < to {
+            let k = row + i;
+            let at = u.load(k);
+            let (x, y) = rest(layout, i, j);
+            let (_, length, g) = dome.level(x, y, at);
+            let mut r = f.load(k);
+            if let Some(tau) = tau {
+                let t = tau.load(k);
+                r = [r[0] + t[0], r[1] + t[1], r[2] + t[2]];
+            }
+            let across = dot(r, g);
+            let is_held = match contact {
+                Contact::OneSided => {
+                    let touches = (length - 1.0).simd_lt(f32x4::splat(TOUCH));
+                    let is_held = touches & across.simd_lt(zero);
+                    let marks = is_held.bitselect(f32x4::ONE, zero).to_array();
+                    let count = (to - i).min(4);
+                    hold[k..k + count].copy_from_slice(&marks[..count]);
+                    is_held
+                }
+                Contact::Held => load(hold, k).simd_gt(zero),
+            };
+            let share = is_held.bitselect(across / dot(g, g), zero);
+            r = [0, 1, 2].map(|a| r[a] - g[a] * share);
+            let on_wall = at[2].simd_le(zero) & r[2].simd_lt(zero);
+            r[2] = on_wall.bitselect(zero, r[2]);
+            store_free(f, k, (to - i).min(4), r);
+            let lanes = dot(r, r).to_array();
+            squares += lanes[..(to - i).min(4)].iter().map(|&r| f64::from(r)).sum::<f64>();
+            i += 4;
+        }
+        last = row + to;
+    });
+    for part in [&mut f.x, &mut f.y, &mut f.z] {
+        part[last..].fill(0.0);
+    }
+    mirror(layout, f);
+    mirror_hold(layout, hold);
+    squares
+}
+
+/// The greatest distance between two fields at a free node.
+pub(super) fn greatest_difference(layout: &Layout, a: &Field, b: &Field) -> f32 {
+    let mut greatest = 0.0_f32;
+    layout.free_rows(|j, from, to| {
+        let row = j * layout.pitch;
+        for k in row + from..row + to {
+            let (p, q) = (a.at(k), b.at(k));
+            let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+            let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            // Written so that what is not a number is kept.
+            greatest = if square <= greatest { greatest } else { square };
+        }
+    });
+    greatest.sqrt()
+}
+
+/// Stores the first `count` lanes.
+#[inline(always)]
+fn store_free(field: &mut Field, k: usize, count: usize, lanes: [f32x4; 3]) {
+    if count == 4 {
+        field.store(k, lanes);
+        return;
+    }
+    let [x, y, z] = lanes.map(f32x4::to_array);
+    field.x[k..k + count].copy_from_slice(&x[..count]);
+    field.y[k..k + count].copy_from_slice(&y[..count]);
+    field.z[k..k + count].copy_from_slice(&z[..count]);
+}
+
+fn mirror_hold(layout: &Layout, hold: &mut [f32]) {
+    if layout.is_mirrored {
+        let pitch = layout.pitch;
+        for j in 0..layout.rows {
+            hold[j * pitch] = hold[j * pitch + 2];
+        }
+        hold.copy_within(2 * pitch..3 * pitch, 0);
+    }
+}
+
+/// Fills the ghosts of a mirrored grid.
+pub(super) fn mirror(layout: &Layout, field: &mut Field) {
+    if !layout.is_mirrored {
+        return;
+    }
+    let pitch = layout.pitch;
+    for j in 0..layout.rows {
+        let row = j * pitch;
+        field.x[row + 1] = 0.0;
+        field.x[row] = -field.x[row + 2];
+        field.y[row] = field.y[row + 2];
+        field.z[row] = field.z[row + 2];
+    }
+    field.y[pitch..2 * pitch].fill(0.0);
+    for i in 0..layout.rows {
+        field.x[i] = field.x[i + 2 * pitch];
+        field.y[i] = -field.y[i + 2 * pitch];
+        field.z[i] = field.z[i + 2 * pitch];
+    }
+}

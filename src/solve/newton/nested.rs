@@ -1,0 +1,119 @@
+//! Newton's method on nested grids: each starts from the equilibrium of the grid before.
+
+use super::{Newton, State};
+use crate::implant::Dome;
+use crate::sheet::Sheet;
+use crate::solve::law::SheetLaw;
+use crate::solve::{guess, transfer};
+use crate::springs::Springs;
+use glam::DVec3;
+
+/// Coarse grids only have to be good starts \[share of the base radius\].
+const COARSE_TOLERANCE: f64 = 1e-3;
+/// Iterations after which a solve from a given shape is begun anew on the coarsest grid.
+const WARM_ITERATIONS: u32 = 8;
+
+/// Newton's method on a grid and the coarser ones below it.
+pub(crate) struct NestedNewton {
+    /// From the coarsest grid to the finest.
+    levels: Vec<Newton>,
+    current: usize,
+    is_warm: bool,
+    is_probed: bool,
+}
+
+impl NestedNewton {
+    /// Room for a sheet and the coarser ones.
+    pub(crate) fn new(sheet: &Sheet) -> Self {
+        let mut sheets = vec![sheet.clone()];
+        while let Some(coarser) = sheets[sheets.len() - 1].coarser() {
+            sheets.push(coarser);
+        }
+        let levels = sheets.into_iter().rev().map(Newton::new).collect();
+        Self { levels, current: 0, is_warm: false, is_probed: false }
+    }
+
+    /// Starts from geometry alone on the coarsest grid.
+    pub(crate) fn start_cold(&mut self, dome: &Dome) {
+        self.is_warm = false;
+        self.is_probed = false;
+        self.current = 0;
+        let coarsest = &mut self.levels[0];
+        coarsest.x = guess::tight_string(&coarsest.sheet, dome);
+        coarsest.start(dome);
+    }
+
+    /// Starts from a shape of the finest grid.
+    pub(crate) fn start_from(&mut self, x: &[DVec3], dome: &Dome) {
+        self.is_warm = true;
+        self.is_probed = false;
+        self.current = self.levels.len() - 1;
+        let finest = &mut self.levels[self.current];
+        finest.x.copy_from_slice(x);
+        finest.start(dome);
+    }
+
+    /// Does the next piece of work; `tolerance` is that of the finest grid \[mm\]. The last state is
+    /// the finest grid's.
+    pub(crate) fn step(
+        &mut self,
+        springs: Springs,
+        law: &SheetLaw,
+        dome: &Dome,
+        tolerance: f64,
+    ) -> State {
+        let last = self.levels.len() - 1;
+        let is_finest = self.current == last;
+        let tolerance = if is_finest { tolerance } else { COARSE_TOLERANCE * dome.base_radius };
+        let level = &mut self.levels[self.current];
+        let state = level.step(law, dome, tolerance);
+        let is_slow = self.is_warm && level.iterations > WARM_ITERATIONS;
+        match state {
+            State::Working if is_slow => self.start_cold(dome),
+            State::Working => {}
+            State::Stalled | State::Unstable if self.is_warm => self.start_cold(dome),
+            State::Unstable => return State::Unstable,
+            State::Converged | State::Stalled if !is_finest => {
+                let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
+                transfer::refine(&coarser[self.current], &mut finer[0]);
+                finer[0].start(dome);
+                self.current += 1;
+            }
+            // The energy of the paper's springs has saddles: see whether this is one.
+            State::Converged | State::Stalled
+                if springs == Springs::Nikolaev && !self.is_probed =>
+            {
+                self.is_probed = true;
+                self.levels[last].begin_stability(state);
+            }
+            State::Stalled | State::Converged => {
+                self.levels[last].finish(law, dome);
+                return state;
+            }
+        }
+        State::Working
+    }
+
+    /// The finest grid.
+    pub(crate) fn finest(&self) -> &Newton {
+        &self.levels[self.levels.len() - 1]
+    }
+
+    /// Is the finest grid being solved?
+    pub(crate) fn is_on_finest(&self) -> bool {
+        self.current + 1 == self.levels.len()
+    }
+
+    /// Work since the last [`Self::clear_work`], in units of one evaluation of all nodal forces on the
+    /// finest grid.
+    pub(crate) fn work_units(&self) -> f64 {
+        let finest = self.finest().sheet.len() as f64;
+        let scaled = |level: &Newton| level.work_units * level.sheet.len() as f64 / finest;
+        self.levels.iter().map(scaled).sum()
+    }
+
+    /// Begins to count anew.
+    pub(crate) fn clear_work(&mut self) {
+        self.levels.iter_mut().for_each(|level| level.work_units = 0.0);
+    }
+}
