@@ -101,6 +101,16 @@ impl Dome {
         )
     }
 
+    /// [`Self::level`] and [`Self::level_gradient`] of one point.
+    #[must_use]
+    pub fn level_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
+        let s = self.scaled(point);
+        let length = s.length();
+        let direction = if length > 0.0 { s / length } else { DVec3::Z };
+        let axes = DVec3::new(self.base_radius, self.base_radius, self.projection);
+        (length - 1.0, direction / axes)
+    }
+
     /// Outer unit normal of the level surface through a point.
     #[must_use]
     pub fn normal(&self, point: DVec3) -> DVec3 {
@@ -163,23 +173,18 @@ fn closest_on_ellipse(axes: DVec2, point: DVec2) -> DVec2 {
     if y.x <= 0.0 {
         return order(DVec2::new(0.0, e.y));
     }
-    // Root of (e0 y0/(t+e0²))² + (e1 y1/(t+e1²))² = 1, decreasing and convex right of −e1².
-    let value = |t: f64| {
-        (e.x * y.x / (t + e.x * e.x)).powi(2) + (e.y * y.y / (t + e.y * e.y)).powi(2) - 1.0
-    };
-    let (mut low, mut high) = (-e.y * e.y + e.y * y.y, -e.y * e.y + (e * y).length());
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+    // Root of (e0 y0/(t+e0²))² + (e1 y1/(t+e1²))² = 1, decreasing and convex right of −e1²: Newton
+    // steps from the left rise towards it and never pass it.
+    let mut t = (e.y * (y.y - e.y)).max(e.x * (y.x - e.x));
+    for _ in 0..100 {
+        let (a, b) = (t + e.x * e.x, t + e.y * e.y);
+        let (u, v) = ((e.x * y.x / a).powi(2), (e.y * y.y / b).powi(2));
+        let next = t + 0.5 * (u + v - 1.0) / (u / a + v / b);
+        if next <= t {
             break;
         }
-        if value(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        t = next;
     }
-    let t = 0.5 * (low + high);
     order(DVec2::new(e.x * e.x * y.x / (t + e.x * e.x), e.y * e.y * y.y / (t + e.y * e.y)))
 }
 

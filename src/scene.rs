@@ -9,7 +9,7 @@
 
 use crate::curve::{Curve, CurveError, CurveSpec};
 use crate::implant::Dome;
-use crate::measure::{self, Outcome};
+use crate::measure::{self, Fields, Outcome};
 use crate::sheet::{Sheet, rounded_nodes_per_side};
 use crate::solve::{Material, Problem, Progress, Solver};
 pub use crate::springs::Springs;
@@ -387,8 +387,14 @@ impl Scene {
     /// Measures a finished solve of this scene.
     #[must_use]
     pub fn measure(&self, solver: &Solver) -> Outcome {
+        self.measure_fields(solver, &measure::fields(solver))
+    }
+
+    /// Measures a finished solve of this scene, whose fields these are.
+    #[must_use]
+    pub fn measure_fields(&self, solver: &Solver, fields: &Fields) -> Outcome {
         let tissues: Vec<String> = self.layers.iter().map(|layer| layer.tissue.clone()).collect();
-        let mut outcome = measure::measure(solver, &tissues);
+        let mut outcome = measure::measure(solver, fields, &tissues);
         let (asked, given) = (self.solver.nodes_per_side, outcome.solver.nodes_per_side);
         if asked != given {
             outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
@@ -399,12 +405,26 @@ impl Scene {
     /// Do two scenes ask for the same equilibrium? (They may differ in the tissues' names.)
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
-        let unnamed = |scene: &Self| {
-            let mut scene = scene.clone();
-            scene.layers.iter_mut().for_each(|layer| layer.tissue.clear());
-            scene
+        let of = |scene: &Self| {
+            let Self {
+                schema: _,
+                implant,
+                pocket_radius_mm,
+                insertion,
+                layers: _,
+                springs,
+                solver,
+            } = scene;
+            (*implant, *pocket_radius_mm, *insertion, *springs, *solver)
         };
-        unnamed(self) == unnamed(other)
+        let layer = |layer: &Layer, other: &Layer| {
+            let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;
+            (*thickness_mm, *poisson_ratio) == (other.thickness_mm, other.poisson_ratio)
+                && *curve == other.curve
+        };
+        of(self) == of(other)
+            && self.layers.len() == other.layers.len()
+            && self.layers.iter().zip(&other.layers).all(|(a, b)| layer(a, b))
     }
 }
 

@@ -5,11 +5,12 @@
 //!
 //! Uses everything to its left. Used by `view`, `app` and `platform`.
 
-use crate::measure::{self, Fields, Outcome};
+use crate::measure::{Field, Fields, Layers, Outcome};
 use crate::scene::{Scene, SceneError};
 use crate::solve::{Progress, Solver};
 use glam::DVec3;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
+use std::rc::Rc;
 
 /// Undo steps kept.
 const HISTORY: usize = 100;
@@ -43,6 +44,12 @@ pub struct Counters {
     pub work_units: f64,
     /// Times the results were measured.
     pub measurements: u64,
+    /// Shapes whose deformation was recovered at the nodes: what results and fields start from.
+    pub recoveries: u64,
+    /// Nodal fields computed to be drawn in colour.
+    pub fields: u64,
+    /// Meshes made for the picture.
+    pub meshes: u64,
 }
 
 /// The scene, its history and its shape.
@@ -54,9 +61,10 @@ pub struct Session {
     solver: Solver,
     working: bool,
     revision: u64,
-    fields: OnceCell<Fields>,
+    layers: Rc<Layers>,
+    fields: OnceCell<Rc<Fields>>,
     outcome: Option<Outcome>,
-    counters: Counters,
+    counters: Cell<Counters>,
 }
 
 impl Session {
@@ -67,6 +75,7 @@ impl Session {
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let solver = Solver::new(scene.problem()?);
         Ok(Self {
+            layers: Rc::new(Layers::new(solver.problem())),
             scene,
             undo: Vec::new(),
             redo: Vec::new(),
@@ -76,7 +85,7 @@ impl Session {
             revision: 1,
             fields: OnceCell::new(),
             outcome: None,
-            counters: Counters { solves: 1, ..Counters::default() },
+            counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
         })
     }
 
@@ -103,16 +112,14 @@ impl Session {
             }
             Command::Undo => {
                 if let Some(scene) = self.undo.pop() {
-                    let before = self.scene.clone();
-                    self.show(scene)?;
+                    let before = self.show(scene)?;
                     self.redo.push(before);
                     self.last_gesture = None;
                 }
             }
             Command::Redo => {
                 if let Some(scene) = self.redo.pop() {
-                    let before = self.scene.clone();
-                    self.show(scene)?;
+                    let before = self.show(scene)?;
                     self.undo.push(before);
                     self.last_gesture = None;
                 }
@@ -137,8 +144,7 @@ impl Session {
         if scene == self.scene {
             return Ok(());
         }
-        let before = self.scene.clone();
-        self.show(scene)?;
+        let before = self.show(scene)?;
         if !merge {
             if self.undo.len() == HISTORY {
                 self.undo.remove(0);
@@ -149,25 +155,28 @@ impl Session {
         Ok(())
     }
 
-    /// Puts a scene on the table; solves anew only when the physics changed.
-    fn show(&mut self, scene: Scene) -> Result<(), SceneError> {
-        scene.validate()?;
+    /// Puts a scene on the table and gives back the one before; solves anew only when the physics
+    /// changed.
+    fn show(&mut self, scene: Scene) -> Result<Scene, SceneError> {
         if scene.same_physics(&self.scene) {
-            self.scene = scene;
+            scene.validate()?;
+            let before = std::mem::replace(&mut self.scene, scene);
             if let Some(outcome) = &mut self.outcome {
                 for (outcome, layer) in outcome.layers.iter_mut().zip(&self.scene.layers) {
                     outcome.tissue.clone_from(&layer.tissue);
                 }
             }
-            return Ok(());
+            return Ok(before);
         }
         let problem = scene.problem()?;
+        if !self.layers.are_of(&problem) {
+            self.layers = Rc::new(Layers::new(&problem));
+        }
         self.solver.restart(problem);
         self.reshaped();
-        self.scene = scene;
         self.working = true;
-        self.counters.solves += 1;
-        Ok(())
+        self.count(|c| c.solves += 1);
+        Ok(std::mem::replace(&mut self.scene, scene))
     }
 
     /// Does a slice of solving, until `pause` says so or the solve ends; asks `pause` between
@@ -176,17 +185,20 @@ impl Session {
         if !self.working {
             return Progress::Done;
         }
-        self.counters.slices += 1;
         let (work, moves) = (self.solver.work_units(), self.solver.moves());
         let progress = self.solver.advance(pause);
-        self.counters.work_units += self.solver.work_units() - work;
+        let work = self.solver.work_units() - work;
+        self.count(|c| {
+            c.slices += 1;
+            c.work_units += work;
+        });
         if self.solver.moves() != moves || progress == Progress::Done {
             self.reshaped();
         }
         if progress == Progress::Done {
             self.working = false;
-            self.outcome = Some(self.scene.measure(&self.solver));
-            self.counters.measurements += 1;
+            self.outcome = Some(self.scene.measure_fields(&self.solver, self.fields()));
+            self.count(|c| c.measurements += 1);
         }
         progress
     }
@@ -221,10 +233,36 @@ impl Session {
         self.revision
     }
 
-    /// What is drawn in colour on the present shape; computed once for each shape.
+    /// The present shape's deformation and fields; recovered once for each shape, when it is first
+    /// asked for.
     #[must_use]
-    pub fn fields(&self) -> &Fields {
-        self.fields.get_or_init(|| measure::fields(&self.solver))
+    pub fn fields(&self) -> &Rc<Fields> {
+        self.fields.get_or_init(|| {
+            self.count(|c| c.recoveries += 1);
+            Rc::new(Fields::new(&self.solver, Rc::clone(&self.layers)))
+        })
+    }
+
+    /// Values of a field at the nodes of the present shape, shape (nodes_per_side², ), zero outside
+    /// the sheet; computed when the field is first asked for.
+    #[must_use]
+    pub fn values(&self, field: Field) -> &[f32] {
+        let fields = self.fields();
+        let before = fields.computed();
+        let values = fields.values(field, &self.solver);
+        self.count(|c| c.fields += fields.computed() - before);
+        values
+    }
+
+    /// Counts a mesh that a view made of the present shape.
+    pub fn count_mesh(&self) {
+        self.count(|c| c.meshes += 1);
+    }
+
+    fn count(&self, add: impl FnOnce(&mut Counters)) {
+        let mut counters = self.counters.get();
+        add(&mut counters);
+        self.counters.set(counters);
     }
 
     /// The result of the last finished solve; `None` before the first. While
@@ -237,6 +275,6 @@ impl Session {
     /// Work done so far.
     #[must_use]
     pub fn counters(&self) -> Counters {
-        self.counters
+        self.counters.get()
     }
 }

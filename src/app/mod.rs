@@ -29,7 +29,7 @@ use std::sync::Arc;
 use viewport::Viewport;
 use web_time::{Duration, Instant};
 
-/// Solving takes at most this share of a frame.
+/// A frame goes on with solving until this time is over, and the step under way done.
 const SLICE: Duration = Duration::from_millis(10);
 /// The opening scene is solved at once, where that takes no longer.
 const FIRST_SLICE: Duration = Duration::from_millis(400);
@@ -81,6 +81,10 @@ pub struct App {
     files: Files,
     timing: Timing,
     notice: Option<Notice>,
+    /// The copy of the scene that the panels edit, kept between frames.
+    draft: Option<Scene>,
+    /// Did a command take the session's scene away from the draft in this frame?
+    is_replaced: bool,
     is_hemisphere: bool,
     is_playing: bool,
     gesture: u64,
@@ -110,6 +114,8 @@ impl App {
             files: Files::new(),
             timing: Timing::default(),
             notice: None,
+            draft: None,
+            is_replaced: false,
             is_hemisphere,
             is_playing: false,
             gesture: 0,
@@ -192,8 +198,11 @@ impl App {
         let ctx = ui.ctx().clone();
         self.take_files(&ctx);
         self.keys(&ctx);
-        let before = self.session.scene().clone();
-        let mut scene = before.clone();
+        let mut scene = self.draft.take().unwrap_or_default();
+        if scene != *self.session.scene() {
+            scene.clone_from(self.session.scene());
+        }
+        self.is_replaced = false;
         self.play(&ctx, &mut scene);
         self.work();
         if ui.available_width() < theme::NARROW {
@@ -202,7 +211,8 @@ impl App {
             self.wide(ui, &mut scene);
         }
         self.about(&ctx);
-        self.edited(&ctx, &before, scene);
+        self.edited(&ctx, &mut scene);
+        self.draft = Some(scene);
         if self.session.is_working() || self.is_playing {
             ctx.request_repaint();
         }
@@ -229,6 +239,7 @@ impl App {
     fn command(&mut self, command: Command) -> Result<(), SceneError> {
         let before = self.session.counters().solves;
         self.session.apply(command)?;
+        self.is_replaced = true;
         if self.session.counters().solves != before {
             self.timing.solve_ms = 0.0;
         }
@@ -246,9 +257,9 @@ impl App {
         }
     }
 
-    /// Turns what a panel changed in its copy of the scene into a command. The copy is compared with
-    /// what it was made from: the session's own scene may be another by now (undo).
-    fn edited(&mut self, ctx: &egui::Context, before: &Scene, mut scene: Scene) {
+    /// Turns what a panel changed in its copy of the scene into a command. A command of this frame
+    /// (undo) goes first: the copy is of the scene before.
+    fn edited(&mut self, ctx: &egui::Context, scene: &mut Scene) {
         let is_new = ctx.input(|input| {
             let pointer = &input.pointer;
             pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
@@ -258,11 +269,13 @@ impl App {
             self.gesture += u64::from(!self.is_playing);
         }
         let is_hemisphere = self.is_hemisphere;
-        if scene == *before && (!is_hemisphere || self::is_hemisphere(self.session.scene())) {
+        let is_same = scene == self.session.scene()
+            && (!is_hemisphere || self::is_hemisphere(self.session.scene()));
+        if self.is_replaced || is_same {
             return;
         }
-        let notice = controls::repair(&mut scene, is_hemisphere);
-        self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+        let notice = controls::repair(scene, is_hemisphere);
+        self.run(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
         if let Some(text) = notice {
             self.notice = Some(Notice { text, is_error: false });
         }
@@ -304,15 +317,15 @@ impl App {
 
     fn keys(&mut self, ctx: &egui::Context) {
         use egui::{Key, Modifiers};
-        let shortcut = |modifiers, key| ctx.input_mut(|input| input.consume_key(modifiers, key));
-        if shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-            || shortcut(Modifiers::COMMAND, Key::Y)
-        {
-            self.run(Command::Redo);
-        }
-        if shortcut(Modifiers::COMMAND, Key::Z) {
-            self.run(Command::Undo);
-        }
+        // A slow frame may hold several presses of a key.
+        let presses =
+            |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
+        let shortcut = |modifiers, key| presses(modifiers, key) > 0;
+        let redo = presses(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+            + presses(Modifiers::COMMAND, Key::Y);
+        (0..redo).for_each(|_| self.run(Command::Redo));
+        let undo = presses(Modifiers::COMMAND, Key::Z);
+        (0..undo).for_each(|_| self.run(Command::Undo));
         if shortcut(Modifiers::COMMAND, Key::O) {
             self.files.open(ctx);
         }
@@ -332,7 +345,8 @@ impl App {
             (Key::ArrowDown, -INSERTION_STEP, on_picture),
             (Key::ArrowUp, INSERTION_STEP, on_picture),
         ] {
-            if is_heard && shortcut(Modifiers::NONE, key) {
+            let count = if is_heard { presses(Modifiers::NONE, key) } else { 0 };
+            for _ in 0..count {
                 let mut scene = self.session.scene().clone();
                 // In whole percent: steps of 0.02 do not add up to round values.
                 let percent = (100.0 * (scene.insertion + step)).round();
@@ -341,8 +355,8 @@ impl App {
                 self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
             }
         }
-        if (focused.is_none() || on_picture) && shortcut(Modifiers::NONE, Key::Space) {
-            self.toggle_play();
+        if focused.is_none() || on_picture {
+            (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_play());
         }
         if shortcut(Modifiers::NONE, Key::F) {
             self.viewport.fit(&self.session);

@@ -2,7 +2,6 @@
 
 use super::controls::group;
 use super::theme;
-use crate::curve::Curve;
 use crate::session::Session;
 use crate::sheet::NodeKind;
 use eframe::egui::{Color32, RichText, Ui};
@@ -30,8 +29,11 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
             .allow_drag(false)
             .allow_zoom(false)
             .show(ui, |plot| {
-                for (k, layer) in session.scene().layers.iter().enumerate() {
-                    let Ok(curve) = Curve::new(&layer.curve) else { continue };
+                let materials = &session.solver().problem().materials;
+                for (k, (layer, material)) in
+                    session.scene().layers.iter().zip(materials).enumerate()
+                {
+                    let curve = &material.curve;
                     let color = colors[k % colors.len()];
                     let name = format!("{} {}", k + 1, layer.tissue);
                     let sampled = |end: f64| -> PlotPoints<'static> {
@@ -63,14 +65,14 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
     let n = sheet.nodes_per_side();
     let row: Vec<usize> =
         (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside).collect();
-    let (x, fields) = (session.shape(), session.fields());
+    let (x, stack) = (session.shape(), session.fields().stack());
     let inner: Vec<[f64; 2]> = row.iter().map(|&k| [x[k].x, x[k].z]).collect();
     let outer: Vec<[f64; 2]> = row
         .iter()
         .map(|&k| {
-            let thickness: f64 = fields.thickness_mm.iter().map(|t| f64::from(t[k])).sum();
-            let [nx, _, nz] = fields.normal[k].map(f64::from);
-            [x[k].x + nx * thickness, x[k].z + nz * thickness]
+            let thickness: f64 = stack.thickness_mm.iter().map(|t| f64::from(t[k])).sum();
+            let normal = stack.normal[k].as_dvec3();
+            [x[k].x + normal.x * thickness, x[k].z + normal.z * thickness]
         })
         .collect();
     // Where the plane y = 0 cuts the dome, an ellipse too.

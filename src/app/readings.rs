@@ -2,7 +2,7 @@
 
 use super::controls::{group, heading};
 use super::theme::{self, SPACE};
-use crate::measure::{Outcome, Pressure, Status};
+use crate::measure::{Outcome, Pressure, STRAIN_BANDS, Status};
 use eframe::egui::{self, RichText, Ui};
 
 /// Shows a result. While the solver works, it is the result of the scene before, and greyed.
@@ -73,17 +73,17 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
 fn tissue(ui: &mut Ui, outcome: &Outcome) {
     let error = outcome.solver.estimated_position_error;
     let palette = theme::palette(ui.visuals());
+    let [high, very_high, failure] = STRAIN_BANDS.map(|limit| 100.0 * limit);
     group(ui, "Tissue", |ui| {
         rows(ui, "tissue", |ui| {
             row(ui, error, "Stretch at the apex", outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
                 row(ui, error, "Greatest strain", Some(100.0 * strain.max_principal), 1, "%");
-                for (limit, color) in
-                    [("0.25", palette.caution), ("0.50", palette.bad), ("0.54", palette.bad)]
-                {
-                    let share = strain.fraction_above.get(limit).copied().unwrap_or(0.0);
-                    let percent = limit.parse::<f64>().unwrap_or(0.0) * 100.0;
-                    let name = RichText::new(format!("Area strained above {percent:.0} %"));
+                let colors = [palette.caution, palette.bad, palette.bad];
+                for (limit, color) in STRAIN_BANDS.into_iter().zip(colors) {
+                    let key = format!("{limit:.2}");
+                    let share = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
+                    let name = RichText::new(format!("Area strained above {:.0} %", 100.0 * limit));
                     let name = if share > 0.0 { name.color(color) } else { name };
                     row(ui, error, name, Some(100.0 * share), 1, "%");
                 }
@@ -95,7 +95,10 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
         });
         hint(
             ui,
-            "Strains below 25 % are usual, 25–50 % high; excised back skin failed at 54 ± 17 %.",
+            &format!(
+                "Strains below {high:.0} % are usual, {high:.0}–{very_high:.0} % high; excised back \
+                 skin failed at {failure:.0} ± 17 %.",
+            ),
         );
     });
 }

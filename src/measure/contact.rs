@@ -1,6 +1,8 @@
 //! Contact between dome and sheet: forces, pressure, and where it ends.
 
 use super::Pressure;
+use super::deformation::Deformation;
+use super::layers::Layers;
 use crate::sheet::{NodeKind, Sheet};
 use crate::solve::Solver;
 use glam::{DVec3, dvec3};
@@ -11,6 +13,7 @@ const TOUCH: f64 = 1e-6;
 const EDGE_BAND: (f64, f64) = (1.0, 6.0);
 
 /// Contact at every node; all arrays of shape (nodes_per_side², ).
+#[derive(Clone, Debug)]
 pub(super) struct Contact {
     /// Normal force of the dome on the sheet \[kPa·mm²\]; zero where they do not touch.
     force: Vec<f64>,
@@ -28,27 +31,29 @@ pub(super) struct Edge {
 }
 
 impl Contact {
-    pub(super) fn find(solver: &Solver) -> Self {
+    /// The contact of a solver's present shape, whose deformation and layers these are.
+    pub(super) fn find(solver: &Solver, layers: &Layers, deformation: &Deformation) -> Self {
         let problem = solver.problem();
         let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
-        let spring_force = solver.forces();
-        let mut area = vec![0.0; sheet.len()];
-        for ([a, b, c], weight) in sheet.triangles() {
-            let third = (x[b] - x[a]).cross(x[c] - x[a]).length() * weight / 6.0;
-            [a, b, c].into_iter().for_each(|k| area[k] += third);
-        }
-        let mut force = vec![0.0; sheet.len()];
-        let mut normal = vec![DVec3::ZERO; sheet.len()];
         let touch = TOUCH * dome.base_radius;
-        for k in 0..sheet.len() {
-            if sheet.kinds()[k] != NodeKind::Free {
-                continue;
-            }
-            let gradient = dome.level_gradient(x[k]);
-            if dome.level(x[k]) > touch * gradient.length() {
-                continue;
-            }
-            normal[k] = gradient.normalize();
+        let mut normal = vec![DVec3::ZERO; sheet.len()];
+        let touching: Vec<bool> = (0..sheet.len())
+            .map(|k| {
+                if sheet.kinds()[k] != NodeKind::Free {
+                    return false;
+                }
+                let (level, gradient) = dome.level_and_gradient(x[k]);
+                let steepness = gradient.length();
+                let touches = level <= touch * steepness;
+                if touches {
+                    normal[k] = gradient / steepness;
+                }
+                touches
+            })
+            .collect();
+        let spring_force = layers.forces(solver, &touching);
+        let mut force = vec![0.0; sheet.len()];
+        for k in (0..sheet.len()).filter(|&k| touching[k]) {
             // Where the wall holds the node too, it takes the vertical part that is left.
             let on_wall = x[k].z <= touch && spring_force[k].z < 0.0;
             let across = if on_wall { dvec3(1.0, 1.0, 0.0) } else { DVec3::ONE } * normal[k];
@@ -57,6 +62,7 @@ impl Contact {
                 force[k] = (-spring_force[k].dot(across) / share).max(0.0);
             }
         }
+        let area = (0..sheet.len()).map(|k| deformation.deformed_area(k)).collect();
         Self { force, normal, area }
     }
 
@@ -69,12 +75,10 @@ impl Contact {
         self.force[node] > 0.0
     }
 
-    /// Normal force / deformed area of every node \[kPa\].
-    pub(super) fn nodal_pressure(&self) -> Vec<f32> {
-        let pressure = |(force, area): (&f64, &f64)| {
-            if *force > 0.0 && *area > 0.0 { (force / area) as f32 } else { 0.0 }
-        };
-        self.force.iter().zip(&self.area).map(pressure).collect()
+    /// Normal force / deformed area of a node \[kPa\]; zero where nothing touches.
+    pub(super) fn nodal_pressure(&self, node: usize) -> f64 {
+        let (force, area) = (self.force[node], self.area[node]);
+        if force > 0.0 && area > 0.0 { force / area } else { 0.0 }
     }
 
     /// Mean pressure, and the greatest mean over nine nodes that all touch \[kPa\]. `None` without
@@ -86,23 +90,23 @@ impl Contact {
     pub(super) fn pressure(&self, sheet: &Sheet) -> Option<Pressure> {
         let n = sheet.nodes_per_side();
         let around = |k: usize| [k - n, k, k + n].map(|row| [row - 1, row, row + 1]);
-        let is_inside = |k: usize| around(k).as_flattened().iter().all(|&k| self.touches(k));
+        let inside: Vec<bool> = (0..sheet.len())
+            .map(|k| self.touches(k) && around(k).as_flattened().iter().all(|&k| self.touches(k)))
+            .collect();
         let sums = |nodes: &mut dyn Iterator<Item = usize>| {
             nodes.fold((0.0, 0.0), |(f, a), k| (f + self.force[k], a + self.area[k]))
         };
         let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
         for k in (0..sheet.len()).filter(|&k| self.touches(k)) {
             force += self.force[k];
-            if is_inside(k) {
+            if inside[k] {
                 area += self.area[k];
                 let (f, a) = sums(&mut around(k).as_flattened().iter().copied());
                 max = max.max(f / a);
                 continue;
             }
             let beside = around(k);
-            let mut inside =
-                beside.as_flattened().iter().copied().filter(|&k| self.touches(k) && is_inside(k));
-            let (f, a) = sums(&mut inside);
+            let (f, a) = sums(&mut beside.as_flattened().iter().copied().filter(|&k| inside[k]));
             area += if f > 0.0 { self.force[k] * a / f } else { self.area[k] };
         }
         let mean = force / area;

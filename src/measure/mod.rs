@@ -5,18 +5,24 @@
 //! Strains are recovered at the nodes from the triangles around them, areas and forces are sums over
 //! the sheet; the contact's edge is found between nodes, from how the gap opens.
 
+//!
+//! `deformation` (one pass over the sheet, shared by all) | `layers` (their law and stresses) |
+//! `contact` | `profile` | `fields` (what is drawn, each when it is asked for) | `surface`.
+
 mod contact;
+mod deformation;
 mod fields;
+mod layers;
 mod profile;
 mod surface;
 
-pub use fields::{Fields, fields};
+pub use deformation::Deformation;
+pub use fields::{Field, Fields, Stack, fields};
+pub use layers::Layers;
 pub use surface::{Surfaces, surfaces};
 
-use crate::sheet::{NodeKind, Sheet};
 use crate::solve::{Solver, Verdict};
-use contact::Contact;
-use fields::NodalStrains;
+use deformation::Summary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -155,9 +161,10 @@ pub struct SolverOutcome {
 /// bands, 0.54 is the mean failure strain of excised back skin (54 ± 17 %).
 pub const STRAIN_BANDS: [f64; 3] = [0.25, 0.50, 0.54];
 
-/// Measures a finished solve. `tissues` are the layers' names, from the skin inwards.
+/// Measures a finished solve, whose fields these are. `tissues` are the layers' names, from the skin
+/// inwards.
 #[must_use]
-pub fn measure(solver: &Solver, tissues: &[String]) -> Outcome {
+pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome {
     let problem = solver.problem();
     let (dome, sheet) = (&problem.dome, &problem.sheet);
     let area_before = PI * sheet.radius_mm().powi(2);
@@ -209,9 +216,9 @@ pub fn measure(solver: &Solver, tissues: &[String]) -> Outcome {
         );
         return outcome;
     }
-    let strains = NodalStrains::recover(sheet, solver.positions());
-    outcome.measure_shape(solver, &strains, area_before);
-    outcome.warn(sheet, &strains);
+    let summary = fields.deformation().summary(sheet, STRAIN_BANDS);
+    outcome.measure_shape(solver, fields, &summary, area_before);
+    outcome.warn(&summary);
     outcome
 }
 
@@ -221,12 +228,17 @@ fn finite(value: f64) -> f64 {
 }
 
 impl Outcome {
-    fn measure_shape(&mut self, solver: &Solver, strains: &NodalStrains, area_before: f64) {
+    fn measure_shape(
+        &mut self,
+        solver: &Solver,
+        fields: &Fields,
+        summary: &Summary<{ STRAIN_BANDS.len() }>,
+        area_before: f64,
+    ) {
         let problem = solver.problem();
         let (dome, sheet, x) = (&problem.dome, &problem.sheet, solver.positions());
-        let contact = Contact::find(solver);
 
-        let apex = strains.at_apex(sheet, dome, x);
+        let apex = fields.deformation().at_apex(sheet, dome, x);
         self.apex_stretch = Some(apex.area_stretch().sqrt());
         let height = dome.apex().z;
         let thickness: f64 = problem
@@ -237,6 +249,7 @@ impl Outcome {
         self.projection_mm = Some(height);
         self.skin_projection_mm = Some(height + thickness);
 
+        let contact = fields.contact(solver);
         self.contact_force_n = Some(contact.vertical_force() / 1000.0);
         self.contact_pressure_kpa = contact.pressure(sheet);
         self.contact_pressure_mmhg = self
@@ -247,26 +260,25 @@ impl Outcome {
             self.contact_angle_deg = dome.is_hemisphere().then(|| edge.angle.to_degrees());
         }
 
-        let ratio = strains.area_ratio();
+        let ratio = summary.area_ratio;
         self.area_ratio = Some(ratio);
         self.area_after_cm2 = Some(area_before * ratio / 100.0);
         self.area_gain_cm2 = Some(area_before * (ratio - 1.0) / 100.0);
+        let shares = STRAIN_BANDS.iter().zip(summary.share_above);
         self.strain = Some(Strains {
-            max_principal: strains.max_principal(),
+            max_principal: summary.greatest,
             mean_area: ratio - 1.0,
-            fraction_above: STRAIN_BANDS
-                .iter()
-                .map(|&limit| (format!("{limit:.2}"), strains.share_above(limit)))
-                .collect(),
+            fraction_above: shares.map(|(limit, share)| (format!("{limit:.2}"), share)).collect(),
         });
-        for (layer, material) in self.layers.iter_mut().zip(&problem.materials) {
-            layer.max_stress_kpa = Some(strains.max_stress(material));
-            layer.beyond_curve_data = strains.is_beyond_data(material);
+        for (layer, load) in self.layers.iter_mut().zip(fields.layers().loads(fields.deformation()))
+        {
+            layer.max_stress_kpa = Some(load.max_stress);
+            layer.beyond_curve_data = load.is_beyond_data;
         }
         self.profile = profile::along_x(sheet, x);
     }
 
-    fn warn(&mut self, sheet: &Sheet, strains: &NodalStrains) {
+    fn warn(&mut self, summary: &Summary<{ STRAIN_BANDS.len() }>) {
         if self.status == Status::NotConverged {
             self.warnings.push(
                 "The solver stopped above the tolerance: read the figures with the estimated \
@@ -280,10 +292,7 @@ impl Outcome {
                 layer.tissue
             ));
         }
-        let is_slack = |k: usize| {
-            sheet.kinds()[k] == NodeKind::Free && strains.at(k).principal()[1] < -SLACK_STRAIN
-        };
-        if (0..sheet.len()).any(is_slack) {
+        if summary.least < -SLACK_STRAIN {
             self.warnings.push(
                 "Part of the sheet is compressed: real tissue may wrinkle there, which a sheet \
                  without bending stiffness does not resolve."

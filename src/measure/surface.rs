@@ -1,6 +1,6 @@
 //! The deformed tissue as surfaces: the inner face, the faces between the layers, the skin.
 
-use super::Fields;
+use super::Stack;
 use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use glam::DVec3;
 
@@ -21,17 +21,18 @@ pub struct Surfaces {
 /// The surfaces of a shape: each face is the inner one moved along its normal by the deformed
 /// thickness of the layers below.
 #[must_use]
-pub fn surfaces(sheet: &Sheet, x: &[DVec3], fields: &Fields) -> Surfaces {
+pub fn surfaces(sheet: &Sheet, x: &[DVec3], stack: &Stack) -> Surfaces {
     let nodes: Vec<u32> = (0..sheet.len())
         .filter(|&k| sheet.kinds()[k] != NodeKind::Outside)
         .map(|k| k as u32)
         .collect();
     let mut vertex = vec![u32::MAX; sheet.len()];
     nodes.iter().enumerate().for_each(|(v, &k)| vertex[k as usize] = v as u32);
-    let normals: Vec<[f32; 3]> = nodes.iter().map(|&k| fields.normal[k as usize]).collect();
+    let normals: Vec<[f32; 3]> =
+        nodes.iter().map(|&k| stack.normal[k as usize].to_array()).collect();
     let inner: Vec<[f32; 3]> = nodes.iter().map(|&k| x[k as usize].as_vec3().to_array()).collect();
     let mut positions = vec![inner];
-    for thickness in fields.thickness_mm.iter().rev() {
+    for thickness in stack.thickness_mm.iter().rev() {
         let below = &positions[positions.len() - 1];
         let above = below
             .iter()
@@ -79,7 +80,7 @@ mod tests {
         solver.advance(&mut || false);
         let sheet = &solver.problem().sheet;
         let fields = fields(&solver);
-        let surfaces = surfaces(sheet, solver.positions(), &fields);
+        let surfaces = surfaces(sheet, solver.positions(), fields.stack());
         assert_eq!(surfaces.positions.len(), 3);
         // One edge more than vertices and triangles allow would be a hole: V − E + T = 1 for a disc.
         let mut edges: Vec<(u32, u32)> = surfaces

@@ -133,6 +133,33 @@ impl CoupledLaw {
         (tension, energy)
     }
 
+    /// Second Piola–Kirchhoff tension S = \[S₁₁, S₂₂, S₁₂\] \[kPa·mm\] of a metric C = FᵀF, given as
+    /// \[C₁₁, C₂₂, C₁₂\] \[-\]; F S is then the first Piola–Kirchhoff tension, which gives nodal forces.
+    ///
+    /// In closed form, without principal directions: with s = √det C, t = tr U = √(tr C + 2s),
+    /// E:E = tr C − 2t + 2 and tr E = t − 2 give ē, and with the secant modulus Ef(ē)/ē
+    ///
+    /// S = Σ h·Ef(ē)/ē · \[I/(1+ν) + (ν(t−1) − 1)/(1−ν²) · U⁻¹\],   U⁻¹ = (adj C + s I)/(t s).
+    #[inline]
+    #[must_use]
+    pub fn second_piola_kirchhoff(&self, [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
+        let trace = c11 + c22;
+        let s = (c11 * c22 - c12 * c12).max(1e-24).sqrt();
+        let t = (trace + 2.0 * s).sqrt();
+        let (squares, sum) = ((trace - 2.0 * t + 2.0).max(0.0), t - 2.0);
+        let (mut alpha, mut beta) = (0.0, 0.0);
+        for group in &self.groups {
+            let nu = group.poisson_ratio;
+            let squared = ((1.0 - nu) * squares + nu * sum * sum) * group.plane;
+            let secant = group.secant(squared.sqrt()).0;
+            alpha += secant / (1.0 + nu);
+            beta += secant * (nu * (t - 1.0) - 1.0) * group.plane;
+        }
+        let along = alpha + beta / t;
+        let across = beta / (t * s);
+        [along + across * c22, along + across * c11, -across * c12]
+    }
+
     /// Tensions and their derivatives at principal Biot strains.
     #[inline]
     #[must_use]
@@ -268,6 +295,33 @@ mod tests {
                     assert!((along / curve.stress(strain) - 1.0).abs() < 1e-12);
                     assert!(across.abs() < 1e-12 * along);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_closed_form_of_the_tension_is_that_of_the_principal_strains() {
+        let curves = curves();
+        let layer = |k: usize, poisson_ratio| LawLayer {
+            curve: &curves[k],
+            poisson_ratio,
+            thickness_mm: 1.5,
+        };
+        let law = CoupledLaw::new(&[layer(0, 0.45), layer(1, 0.3), layer(5, 0.5)]);
+        for k in 0..2000 {
+            let t = f64::from(k);
+            let stretch = [1.6 + 0.9 * (0.37 * t).sin(), 1.3 + 0.8 * (0.11 * t).cos()];
+            let (sin, cos) = (0.7 * t).sin_cos();
+            // λ² about turned axes, and the tension T/λ about the same axes.
+            let turned = |[a, b]: [f64; 2]| {
+                [a * cos * cos + b * sin * sin, a * sin * sin + b * cos * cos, (a - b) * sin * cos]
+            };
+            let (tension, _) = law.tension_and_energy(stretch.map(|l| l - 1.0));
+            let expected = turned([tension[0] / stretch[0], tension[1] / stretch[1]]);
+            let closed = law.second_piola_kirchhoff(turned(stretch.map(|l| l * l)));
+            let scale = tension[0].abs() + tension[1].abs();
+            for (a, b) in closed.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-11 * scale, "{closed:?} {expected:?}");
             }
         }
     }

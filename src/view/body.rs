@@ -4,7 +4,7 @@
 //! the deformed thicknesses of the layers. Around the pocket a ring of tissue that was not
 //! simulated continues the stack on the wall, so that the eye sees a body, not a patch.
 
-use crate::measure::Fields;
+use crate::measure::Stack;
 use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use crate::solve::Problem;
 use glam::{DVec3, Vec3};
@@ -34,39 +34,77 @@ pub struct Body {
     pub rim: Vec<u32>,
     /// Radius of the whole block on the wall \[mm\].
     pub block_radius: f32,
+    /// The clamped nodes, counter-clockwise.
+    border: Vec<usize>,
+    /// What the triangulation was made for.
+    made_for: Option<Grid>,
+}
+
+/// What the triangulation of a body depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Grid {
+    nodes_per_side: usize,
+    radius_mm: f64,
+    layers: usize,
 }
 
 impl Body {
-    /// The body of a shape with its fields.
+    /// The body of a shape with its stack of layers.
     #[must_use]
-    pub fn new(problem: &Problem, shape: &[DVec3], fields: &Fields) -> Self {
-        let sheet = &problem.sheet;
-        let layers = problem.materials.len();
+    pub fn new(problem: &Problem, shape: &[DVec3], stack: &Stack) -> Self {
+        let mut body = Self::default();
+        body.update(problem, shape, stack);
+        body
+    }
+
+    /// Makes it the body of another shape. Returns whether the triangulation is a new one: on the same
+    /// grid with as many layers only points move.
+    pub fn update(&mut self, problem: &Problem, shape: &[DVec3], stack: &Stack) -> bool {
+        let (sheet, layers) = (&problem.sheet, problem.materials.len());
+        let grid =
+            Grid { nodes_per_side: sheet.nodes_per_side(), radius_mm: sheet.radius_mm(), layers };
+        let is_new = self.made_for != Some(grid);
+        if is_new {
+            *self = Self::triangulated(sheet, grid);
+        }
+        let along = stack_directions(problem, &self.border, stack);
+        let inner = &mut self.levels[layers];
+        inner.clear();
+        inner.extend(shape.iter().map(|p| p.as_vec3()));
+        for (level, thickness) in stack.thickness_mm.iter().enumerate().rev() {
+            let (above, below) = self.levels.split_at_mut(level + 1);
+            let (above, below) = (&mut above[level], &below[0]);
+            above.clear();
+            above.extend(below.iter().zip(&along).zip(thickness).map(|((p, a), t)| *p + *a * *t));
+        }
+        self.add_ring_points(problem);
+        is_new
+    }
+
+    /// Triangles and ring over columns that have no points yet.
+    fn triangulated(sheet: &Sheet, grid: Grid) -> Self {
+        let columns = sheet.len();
+        let border = border_loop(sheet);
         let mut body = Self {
-            levels: vec![Vec::with_capacity(shape.len() + 2048); layers + 1],
+            levels: vec![Vec::with_capacity(columns + 3 * border.len()); grid.layers + 1],
             triangles: sheet_triangles(sheet),
-            node_columns: shape.len(),
-            nodes_per_side: sheet.nodes_per_side(),
+            node_columns: columns,
+            nodes_per_side: grid.nodes_per_side,
+            made_for: Some(grid),
             ..Self::default()
         };
-        let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
-        let reach = MITRE_REACH * stack;
-        for (k, position) in shape.iter().enumerate() {
-            let mitre = match sheet.kinds()[k] {
-                NodeKind::Free => {
-                    let to_border = sheet.radius_mm() - sheet.rest()[k].length();
-                    1.0 - (to_border / reach).clamp(0.0, 1.0)
-                }
-                NodeKind::Clamped | NodeKind::Outside => 1.0,
-            };
-            let normal = Vec3::from(fields.normal[k]).normalize_or(Vec3::Z);
-            body.push_node_column(k, position.as_vec3(), mitred(normal, mitre as f32), fields);
+        let (steps, around) = (RING_STEPS.len(), border.len());
+        let at = |k: usize, step: usize| (columns + (k % around) * steps + step) as u32;
+        for k in 0..around {
+            body.seam.push((at(k, 0), border[k] as u32));
+            body.rim.push(at(k, steps - 1));
+            for step in 0..steps - 1 {
+                let quad = [at(k, step), at(k, step + 1), at(k + 1, step + 1), at(k + 1, step)];
+                body.triangles.push([quad[0], quad[1], quad[2]]);
+                body.triangles.push([quad[0], quad[2], quad[3]]);
+            }
         }
-        let border = border_loop(sheet);
-        for (&node, normal) in border.iter().zip(border_normals(sheet, &border, fields)) {
-            body.stack_column(node, mitred(normal, 1.0), fields);
-        }
-        body.add_ring(problem, &border);
+        body.border = border;
         body
     }
 
@@ -76,49 +114,17 @@ impl Body {
         self.levels.len().saturating_sub(1)
     }
 
-    /// A new column on a node; `along` has the length 1 / (share of the thickness along it).
-    fn push_node_column(&mut self, node: usize, inner: Vec3, along: Vec3, fields: &Fields) {
-        for level in &mut self.levels {
-            level.push(inner);
-        }
-        self.stack_column(node, along, fields);
-    }
-
-    fn stack_column(&mut self, node: usize, along: Vec3, fields: &Fields) {
-        let layers = self.layers();
-        let inner = self.levels[layers][node];
-        let mut height = 0.0;
-        for level in (0..layers).rev() {
-            height += fields.thickness_mm[level][node];
-            self.levels[level][node] = inner + along * height;
-        }
-    }
-
-    fn add_ring(&mut self, problem: &Problem, border: &[usize]) {
+    fn add_ring_points(&mut self, problem: &Problem) {
         let sheet = &problem.sheet;
         let stack: f32 = problem.materials.iter().map(|m| m.thickness_mm as f32).sum();
         let radius = sheet.radius_mm() as f32;
         let width = (RING_WIDTH * radius).max(2.0 * stack);
         self.block_radius = radius + width;
-        let (steps, around) = (RING_STEPS.len(), border.len());
-        let first = self.node_columns as u32;
-        for &node in border {
-            let rest = sheet.rest()[node].as_vec2();
-            let outward = rest.normalize_or_zero();
+        for k in 0..self.border.len() {
+            let node = self.border[k];
+            let outward = sheet.rest()[node].as_vec2().normalize_or_zero();
             for (step, share) in RING_STEPS.into_iter().enumerate() {
                 self.push_ring_column(problem, node, step, (outward * share * width).extend(0.0));
-            }
-        }
-        let at = |around_index: usize, step: usize| {
-            first + ((around_index % around) * steps + step) as u32
-        };
-        for k in 0..around {
-            self.seam.push((at(k, 0), border[k] as u32));
-            self.rim.push(at(k, steps - 1));
-            for step in 0..steps - 1 {
-                let quad = [at(k, step), at(k, step + 1), at(k + 1, step + 1), at(k + 1, step)];
-                self.triangles.push([quad[0], quad[1], quad[2]]);
-                self.triangles.push([quad[0], quad[2], quad[3]]);
             }
         }
     }
@@ -163,6 +169,29 @@ fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
     triangles
 }
 
+/// Where the stack of layers stands along at every node: the normal, mitred near the border. Its
+/// length is 1 / (share of the thickness along it).
+fn stack_directions(problem: &Problem, border: &[usize], stack: &Stack) -> Vec<Vec3> {
+    let sheet = &problem.sheet;
+    let height: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
+    let reach = MITRE_REACH * height;
+    // Squared radius beyond which a node lies within reach of the border.
+    let inner = (sheet.radius_mm() - reach).max(0.0).powi(2);
+    let mut along = stack.normal.clone();
+    for (k, along) in along.iter_mut().enumerate() {
+        let rest = sheet.rest()[k];
+        let is_free = sheet.kinds()[k] == NodeKind::Free;
+        if is_free && rest.length_squared() >= inner {
+            let to_border = sheet.radius_mm() - rest.length();
+            *along = mitred(*along, (1.0 - (to_border / reach).clamp(0.0, 1.0)) as f32);
+        }
+    }
+    for (&node, normal) in border.iter().zip(border_normals(sheet, border, stack)) {
+        along[node] = mitred(normal, 1.0);
+    }
+    along
+}
+
 /// The stack's direction for a nodal normal; `mitre`: 0 along it, 1 half way between it and the
 /// wall's normal, as at the border.
 fn mitred(normal: Vec3, mitre: f32) -> Vec3 {
@@ -171,14 +200,14 @@ fn mitred(normal: Vec3, mitre: f32) -> Vec3 {
 }
 
 /// Normals along the border, smoothed: those of the few small triangles there are rough.
-fn border_normals(sheet: &Sheet, border: &[usize], fields: &Fields) -> Vec<Vec3> {
+fn border_normals(sheet: &Sheet, border: &[usize], stack: &Stack) -> Vec<Vec3> {
     const REACH: usize = 4;
     let count = border.len();
     // How far each normal leans outwards, and how far up it points.
     let leans: Vec<(f32, f32)> = border
         .iter()
         .map(|&k| {
-            let normal = Vec3::from(fields.normal[k]);
+            let normal = stack.normal[k];
             (normal.truncate().dot(sheet.rest()[k].as_vec2().normalize_or_zero()), normal.z)
         })
         .collect();
@@ -215,20 +244,20 @@ pub(crate) mod tests {
         while session.is_working() {
             session.advance(&mut || false);
         }
-        let body = Body::new(session.solver().problem(), session.shape(), session.fields());
+        let body = Body::new(session.solver().problem(), session.shape(), session.fields().stack());
         (session, body)
     }
 
     #[test]
     fn the_layers_stand_on_each_other_with_their_thickness() {
         let (session, body) = small();
-        let fields = session.fields();
+        let stack = session.fields().stack();
         let sheet = &session.solver().problem().sheet;
         let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
         for k in (0..sheet.len()).filter(inside) {
             for layer in 0..body.layers() {
                 let thickness = body.levels[layer][k].distance(body.levels[layer + 1][k]);
-                assert!((thickness - fields.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");
+                assert!((thickness - stack.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Colours: what a quantity looks like, what a tissue looks like, and what stands at the colour bar.
 
-use crate::measure::Fields;
+use crate::measure::{Field, STRAIN_BANDS};
 use crate::scene::Layer;
 
 /// A colour as sRGB, 0 to 1 each.
@@ -8,13 +8,6 @@ pub type Rgb = [f32; 3];
 
 /// Colours in a look-up table.
 pub const TABLE_SIZE: usize = 256;
-
-/// Strains with a clinical meaning \[-\]: high from here, …
-pub const STRAIN_HIGH: f64 = 0.25;
-/// … very high from here, …
-pub const STRAIN_VERY_HIGH: f64 = 0.50;
-/// … and the mean failure strain of excised back skin (54 ± 17 %).
-pub const STRAIN_FAILURE: f64 = 0.54;
 
 /// What the surface is coloured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,22 +43,21 @@ pub struct Scale {
 }
 
 impl Quantity {
-    /// The values of this quantity per node; `None` for plain tissue.
+    /// The nodal field that it shows; `None` for plain tissue.
     #[must_use]
-    pub fn values<'a>(&self, fields: &'a Fields) -> Option<&'a [f32]> {
+    pub fn field(&self) -> Option<Field> {
         match *self {
             Self::Tissue => None,
-            Self::Strain => Some(&fields.principal_strain),
-            Self::AreaStretch => Some(&fields.area_stretch),
-            Self::Stress(layer) => fields.stress_kpa.get(layer).map(Vec::as_slice),
-            Self::Pressure => Some(&fields.contact_pressure_kpa),
+            Self::Strain => Some(Field::PrincipalStrain),
+            Self::AreaStretch => Some(Field::AreaStretch),
+            Self::Stress(layer) => Some(Field::Stress(layer)),
+            Self::Pressure => Some(Field::ContactPressure),
         }
     }
 
-    /// The colour bar that fits the values; `None` for plain tissue.
+    /// The colour bar that fits the field's values; `None` for plain tissue.
     #[must_use]
-    pub fn scale(&self, fields: &Fields, layers: &[Layer]) -> Option<Scale> {
-        let values = self.values(fields)?;
+    pub fn scale(&self, values: &[f32], layers: &[Layer]) -> Option<Scale> {
         let greatest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
         Some(match *self {
             Self::Tissue => return None,
@@ -133,10 +125,11 @@ pub fn sequential(t: f32) -> Rgb {
 /// Strain in its bands: calm below 0.25, amber to 0.5, red above, deep red past failure.
 #[must_use]
 pub fn strain_bands(strain: f32) -> Rgb {
+    let [high, very_high, failure] = STRAIN_BANDS.map(|limit| limit as f32);
     let bands: [(f32, Rgb, Rgb); 4] = [
-        (STRAIN_HIGH as f32, [0.93, 0.95, 0.93], [0.36, 0.66, 0.66]),
-        (STRAIN_VERY_HIGH as f32, [0.99, 0.85, 0.58], [0.88, 0.46, 0.13]),
-        (STRAIN_FAILURE as f32, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
+        (high, [0.93, 0.95, 0.93], [0.36, 0.66, 0.66]),
+        (very_high, [0.99, 0.85, 0.58], [0.88, 0.46, 0.13]),
+        (failure, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
         (0.8, [0.62, 0.12, 0.24], [0.36, 0.03, 0.22]),
     ];
     let place = bands.iter().position(|(to, ..)| strain < *to).unwrap_or(bands.len() - 1);
@@ -148,7 +141,8 @@ pub fn strain_bands(strain: f32) -> Rgb {
 
 fn strain_scale() -> Scale {
     let (low, high) = (0.0, 0.8);
-    let marks = [0.0, STRAIN_HIGH, STRAIN_VERY_HIGH, STRAIN_FAILURE, 0.8];
+    let [strain_high, very_high, failure] = STRAIN_BANDS;
+    let marks = [0.0, strain_high, very_high, failure, f64::from(high)];
     Scale {
         title: "Principal strain".to_owned(),
         unit: "%",
@@ -212,7 +206,7 @@ mod tests {
     #[test]
     fn strain_bands_grow_darker_and_jump_at_their_limits() {
         let samples: Vec<f32> = (0..800).map(|k| k as f32 / 1000.0).collect();
-        for limit in [STRAIN_HIGH, STRAIN_VERY_HIGH, STRAIN_FAILURE] {
+        for limit in STRAIN_BANDS {
             let (a, b) = (strain_bands(limit as f32 - 1e-4), strain_bands(limit as f32 + 1e-4));
             let jump: f32 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
             assert!(jump > 0.15, "{limit}: {jump}");

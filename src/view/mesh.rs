@@ -5,6 +5,7 @@ use crate::view::body::Body;
 use crate::view::color::{IMPLANT, Rgb, WALL};
 use crate::view::section::CapTriangle;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), place on the sheet's grid \[cells\] (2; negative: no net), the
 /// quantity shown (1, [`NO_VALUE`] where there is none), colour (3).
@@ -24,8 +25,9 @@ const WALL_THICKNESS: f32 = 5.0;
 pub struct Mesh {
     /// Vertices.
     pub vertices: Vec<Vertex>,
-    /// Three for a triangle, counter-clockwise seen from outside.
-    pub indices: Vec<u32>,
+    /// Three for a triangle, counter-clockwise seen from outside; shared by meshes of which only the
+    /// vertices differ.
+    pub indices: Arc<Vec<u32>>,
 }
 
 fn vertex(position: Vec3, normal: Vec3, grid: [f32; 2], value: f32, c: Rgb) -> Vertex {
@@ -34,13 +36,14 @@ fn vertex(position: Vec3, normal: Vec3, grid: [f32; 2], value: f32, c: Rgb) -> V
 }
 
 impl Mesh {
-    fn quad(&mut self, corners: [Vec3; 4], normals: [Vec3; 4], color: Rgb) {
-        let first = self.vertices.len() as u32;
-        for k in 0..4 {
-            self.vertices.push(vertex(corners[k], normals[k], [-1.0; 2], NO_VALUE, color));
-        }
-        self.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    fn new(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
+        Self { vertices, indices: Arc::new(indices) }
     }
+}
+
+/// The two triangles of a quad whose first corner has this number.
+fn quad_indices(first: u32) -> [u32; 6] {
+    [0, 1, 2, 0, 2, 3].map(|k| first + k)
 }
 
 /// The tissue's outer surface with values and net, its inner face, and the block's side.
@@ -48,53 +51,69 @@ impl Mesh {
 /// `values` are those of the sheet's nodes; without them the surface shows its tissue.
 #[must_use]
 pub fn tissue(body: &Body, colors: &[Rgb], first_layer: usize, values: Option<&[f32]>) -> Mesh {
-    let layers = body.layers();
-    let mut mesh = Mesh::default();
-    if layers == 0 {
-        return mesh;
-    }
-    let top = first_layer.min(layers - 1);
-    surface(&mut mesh, body, top, colors[top], |k| match values {
-        Some(values) => values.get(k).copied().unwrap_or(NO_VALUE),
-        None => NO_VALUE,
-    });
-    let outer = mesh.vertices.len() as u32;
-    let dim = colors[layers - 1].map(|c| c * 0.82);
-    surface(&mut mesh, body, layers, dim, |_| NO_VALUE);
-    // The inner face looks the other way and shows no net.
-    for v in &mut mesh.vertices[outer as usize..] {
-        (v[3], v[4], v[5]) = (-v[3], -v[4], -v[5]);
-        (v[6], v[7]) = (-1.0, -1.0);
-    }
-    for layer in top..layers {
-        for k in 0..body.rim.len() {
-            let (a, b) = (body.rim[k] as usize, body.rim[(k + 1) % body.rim.len()] as usize);
-            let (low, high) = (&body.levels[layer + 1], &body.levels[layer]);
-            let out = |p: Vec3| Vec3::new(p.x, p.y, 0.0).normalize_or_zero();
-            let (na, nb) = (out(low[a]), out(low[b]));
-            mesh.quad([low[a], low[b], high[b], high[a]], [na, nb, nb, na], colors[layer]);
-        }
-    }
-    mesh
+    let vertices = tissue_vertices(body, colors, first_layer, values);
+    Mesh::new(vertices, tissue_indices(body, first_layer))
 }
 
-fn surface(mesh: &mut Mesh, body: &Body, level: usize, color: Rgb, value: impl Fn(usize) -> f32) {
-    let first = mesh.vertices.len() as u32;
-    let points = &body.levels[level];
-    let normals = normals(body, points);
-    let n = body.nodes_per_side;
-    for (k, (&point, &normal)) in points.iter().zip(&normals).enumerate() {
-        let on_sheet = k < body.node_columns;
-        let grid = if on_sheet { [(k % n) as f32, (k / n) as f32] } else { [-1.0; 2] };
-        mesh.vertices.push(vertex(
-            point,
-            normal,
-            grid,
-            if on_sheet { value(k) } else { NO_VALUE },
-            color,
-        ));
+/// The vertices of [`tissue`].
+#[must_use]
+pub fn tissue_vertices(
+    body: &Body,
+    colors: &[Rgb],
+    first_layer: usize,
+    values: Option<&[f32]>,
+) -> Vec<Vertex> {
+    let layers = body.layers();
+    if layers == 0 {
+        return Vec::new();
     }
-    mesh.indices.extend(body.triangles.iter().flatten().map(|k| first + k));
+    let top = first_layer.min(layers - 1);
+    let columns = body.levels[layers].len();
+    let mut vertices = Vec::with_capacity(2 * columns + 4 * body.rim.len() * (layers - top));
+    let n = body.nodes_per_side;
+    let outer = &body.levels[top];
+    let place = |k: usize| [(k % n) as f32, (k / n) as f32];
+    let value = |k: usize| values.and_then(|v| v.get(k)).copied().unwrap_or(NO_VALUE);
+    for (k, (&point, normal)) in outer.iter().zip(normals(body, outer)).enumerate() {
+        let (grid, value) =
+            if k < body.node_columns { (place(k), value(k)) } else { ([-1.0; 2], NO_VALUE) };
+        vertices.push(vertex(point, normal, grid, value, colors[top]));
+    }
+    // The inner face looks the other way and shows no net.
+    let inner = &body.levels[layers];
+    let dim = colors[layers - 1].map(|c| c * 0.82);
+    for (&point, normal) in inner.iter().zip(normals(body, inner)) {
+        vertices.push(vertex(point, -normal, [-1.0; 2], NO_VALUE, dim));
+    }
+    for layer in top..layers {
+        let (high, low) = (&body.levels[layer], &body.levels[layer + 1]);
+        let out = |p: Vec3| Vec3::new(p.x, p.y, 0.0).normalize_or_zero();
+        for k in 0..body.rim.len() {
+            let (a, b) = (body.rim[k] as usize, body.rim[(k + 1) % body.rim.len()] as usize);
+            let (na, nb) = (out(low[a]), out(low[b]));
+            for (point, normal) in [(low[a], na), (low[b], nb), (high[b], nb), (high[a], na)] {
+                vertices.push(vertex(point, normal, [-1.0; 2], NO_VALUE, colors[layer]));
+            }
+        }
+    }
+    vertices
+}
+
+/// The indices of [`tissue`]; the same for all shapes of one triangulation.
+#[must_use]
+pub fn tissue_indices(body: &Body, first_layer: usize) -> Vec<u32> {
+    let layers = body.layers();
+    if layers == 0 {
+        return Vec::new();
+    }
+    let columns = body.levels[layers].len() as u32;
+    let triangles = body.triangles.as_flattened();
+    let sides = body.rim.len() * (layers - first_layer.min(layers - 1));
+    let mut indices = Vec::with_capacity(2 * triangles.len() + 6 * sides);
+    indices.extend_from_slice(triangles);
+    indices.extend(triangles.iter().map(|k| columns + k));
+    indices.extend((0..sides as u32).flat_map(|k| quad_indices(2 * columns + 4 * k)));
+    indices
 }
 
 /// Area-weighted normals, smooth across the seam between sheet and ring.
@@ -126,15 +145,15 @@ fn normals(body: &Body, points: &[Vec3]) -> Vec<Vec3> {
 /// The cut faces, each layer in its colour.
 #[must_use]
 pub fn caps(caps: &[CapTriangle], colors: &[Rgb]) -> Mesh {
-    let mut mesh = Mesh::default();
-    for cap in caps {
-        for corner in cap.corners {
-            mesh.indices.push(mesh.vertices.len() as u32);
+    let vertices: Vec<Vertex> = caps
+        .iter()
+        .flat_map(|cap| {
             let color = colors.get(cap.layer).copied().unwrap_or(IMPLANT);
-            mesh.vertices.push(vertex(corner, cap.normal, [-1.0; 2], NO_VALUE, color));
-        }
-    }
-    mesh
+            cap.corners.map(|corner| vertex(corner, cap.normal, [-1.0; 2], NO_VALUE, color))
+        })
+        .collect();
+    let indices = (0..vertices.len() as u32).collect();
+    Mesh::new(vertices, indices)
 }
 
 /// The dome above the wall.
@@ -142,15 +161,16 @@ pub fn caps(caps: &[CapTriangle], colors: &[Rgb]) -> Mesh {
 pub fn implant(dome: &Dome) -> Mesh {
     const RINGS: usize = 48;
     const AROUND: usize = 128;
-    let mut mesh = Mesh::default();
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let last = (-dome.base_height / dome.projection).clamp(-1.0, 1.0).acos();
     if dome.apex().z <= 1e-9 {
-        return mesh;
+        return Mesh::default();
     }
+    let around: [(f64, f64); AROUND + 1] =
+        std::array::from_fn(|step| (std::f64::consts::TAU * step as f64 / AROUND as f64).sin_cos());
     for ring in 0..=RINGS {
         let (sin, cos) = (last * ring as f64 / RINGS as f64).sin_cos();
-        for step in 0..=AROUND {
-            let (y, x) = (std::f64::consts::TAU * step as f64 / AROUND as f64).sin_cos();
+        for (y, x) in around {
             let from_origin = glam::DVec3::new(
                 dome.base_radius * sin * x,
                 dome.base_radius * sin * y,
@@ -158,30 +178,24 @@ pub fn implant(dome: &Dome) -> Mesh {
             );
             let point = dome.origin() + from_origin;
             let normal = dome.normal(point + glam::DVec3::Z * 1e-9);
-            mesh.vertices.push(vertex(
-                point.as_vec3(),
-                normal.as_vec3(),
-                [-1.0; 2],
-                NO_VALUE,
-                IMPLANT,
-            ));
+            vertices.push(vertex(point.as_vec3(), normal.as_vec3(), [-1.0; 2], NO_VALUE, IMPLANT));
         }
     }
     let at = |ring: usize, step: usize| (ring * (AROUND + 1) + step) as u32;
     for ring in 0..RINGS {
         for step in 0..AROUND {
             let (a, b) = (at(ring, step), at(ring + 1, step));
-            mesh.indices.extend([a, b, b + 1, a, b + 1, a + 1]);
+            indices.extend([a, b, b + 1, a, b + 1, a + 1]);
         }
     }
-    mesh
+    Mesh::new(vertices, indices)
 }
 
 /// The chest wall: a disc with a rim.
 #[must_use]
 pub fn wall(radius: f32) -> Mesh {
     const AROUND: usize = 128;
-    let mut mesh = Mesh::default();
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let at = |k: usize| {
         let (y, x) = (std::f32::consts::TAU * k as f32 / AROUND as f32).sin_cos();
         Vec3::new(x, y, 0.0)
@@ -191,20 +205,24 @@ pub fn wall(radius: f32) -> Mesh {
     let low = Vec3::new(0.0, 0.0, -WALL_THICKNESS);
     for k in 0..AROUND {
         let (a, b) = (at(k), at(k + 1));
-        let first = mesh.vertices.len() as u32;
+        let first = vertices.len() as u32;
         for p in [top, top + a * radius, top + b * radius] {
-            mesh.vertices.push(vertex(p, Vec3::Z, [-1.0; 2], NO_VALUE, WALL));
+            vertices.push(vertex(p, Vec3::Z, [-1.0; 2], NO_VALUE, WALL));
         }
-        mesh.indices.extend([first, first + 1, first + 2]);
+        indices.extend([first, first + 1, first + 2]);
         let (ra, rb) = (a * radius, b * radius);
-        mesh.quad([low + ra, low + rb, top + rb, top + ra], [a, b, b, a], WALL);
+        indices.extend(quad_indices(first + 3));
+        for (point, normal) in [(low + ra, a), (low + rb, b), (top + rb, b), (top + ra, a)] {
+            vertices.push(vertex(point, normal, [-1.0; 2], NO_VALUE, WALL));
+        }
     }
-    mesh
+    Mesh::new(vertices, indices)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::Field;
     use crate::view::body::tests::small;
     use crate::view::section::{Opening, Section};
     use glam::Vec2;
@@ -224,8 +242,8 @@ mod tests {
     fn every_mesh_is_whole() {
         let (session, body) = small();
         let colors = [[0.5; 3]; 2];
-        let fields = session.fields();
-        check(&tissue(&body, &colors, 0, Some(&fields.principal_strain)));
+        let strain = session.values(Field::PrincipalStrain);
+        check(&tissue(&body, &colors, 0, Some(strain)));
         check(&tissue(&body, &colors, 1, None));
         let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
         check(&caps(&section.caps(&body, 0), &colors));

@@ -1,4 +1,5 @@
-//! What there is to see, without any toolkit: camera, colours, meshes, section cut, picking.
+//! What there is to see, without any toolkit: camera, colours, meshes, section cut, picking,
+//! and the picture that keeps them up to date.
 //!
 //! Uses `session` and all to its left; knows no window, no GL and no clock. Used by `app`.
 //!
@@ -9,4 +10,5 @@ pub mod camera;
 pub mod color;
 pub mod mesh;
 pub mod pick;
+pub mod picture;
 pub mod section;

@@ -91,32 +91,77 @@ impl Section {
 }
 
 fn cut(body: &Body, first_layer: usize, face: Face, caps: &mut Vec<CapTriangle>) {
+    let (Some(outer), Some(inner)) = (body.levels.get(first_layer), body.levels.last()) else {
+        return;
+    };
+    // A column runs straight from its outermost to its innermost point: where all of a triangle's
+    // columns lie on one side, no layer there is cut.
     let side = |p: Vec3| face.normal.dot(p - face.axis);
+    let is_shown = |p: Vec3| face.along.is_none_or(|along| along.dot(p - face.axis) >= 0.0);
+    let columns: Vec<Side> =
+        outer.iter().zip(inner).map(|(a, b)| Side::of(side(*a), side(*b))).collect();
     for &triangle in &body.triangles {
+        let [a, b, c] = triangle.map(|c| columns[c as usize]);
+        if a == b && b == c && a != Side::Both {
+            continue;
+        }
+        if !triangle.iter().any(|&c| is_shown(outer[c as usize]) || is_shown(inner[c as usize])) {
+            continue;
+        }
         let mut columns = triangle.map(|c| c as usize);
         columns.sort_unstable();
         for layer in first_layer..body.layers() {
             let top = columns.map(|c| body.levels[layer][c]);
             let low = columns.map(|c| body.levels[layer + 1][c]);
-            let before = top.iter().chain(&low).filter(|p| side(**p) < 0.0).count();
-            if before == 0 || before == 6 {
-                continue;
-            }
-            // Diagonals run from the lower numbered column below to the higher one above, so that
-            // neighbouring prisms agree.
-            for tetrahedron in [
-                [low[0], low[1], low[2], top[2]],
-                [low[0], low[1], top[1], top[2]],
-                [low[0], top[0], top[1], top[2]],
-            ] {
-                let polygon = slice(tetrahedron, face);
-                let polygon = match face.along {
-                    Some(along) => keep_front(&polygon, along, face.axis),
-                    None => polygon,
-                };
-                fan(&polygon, layer, face.normal, caps);
-            }
+            cut_prism(top, low, layer, face, caps);
         }
+    }
+}
+
+/// On which side of a plane a column of points lies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Front,
+    Back,
+    Both,
+}
+
+impl Side {
+    fn of(a: f32, b: f32) -> Self {
+        match (a < 0.0, b < 0.0) {
+            (false, false) => Self::Front,
+            (true, true) => Self::Back,
+            _ => Self::Both,
+        }
+    }
+}
+
+/// Cuts the part of a layer between two triangles.
+fn cut_prism(
+    top: [Vec3; 3],
+    low: [Vec3; 3],
+    layer: usize,
+    face: Face,
+    caps: &mut Vec<CapTriangle>,
+) {
+    let is_behind = |p: &&Vec3| face.normal.dot(**p - face.axis) < 0.0;
+    let behind = top.iter().chain(&low).filter(is_behind).count();
+    if behind == 0 || behind == 6 {
+        return;
+    }
+    // Diagonals run from the lower numbered column below to the higher one above, so that
+    // neighbouring prisms agree.
+    for tetrahedron in [
+        [low[0], low[1], low[2], top[2]],
+        [low[0], low[1], top[1], top[2]],
+        [low[0], top[0], top[1], top[2]],
+    ] {
+        let polygon = slice(tetrahedron, face);
+        let polygon = match face.along {
+            Some(along) => keep_front(&polygon, along, face.axis),
+            None => polygon,
+        };
+        fan(&polygon, layer, face.normal, caps);
     }
 }
 

@@ -3,13 +3,13 @@
 //! Works without GL (tests, a browser without WebGL2): everything but the picture itself.
 
 mod overlay;
-mod picture;
 mod renderer;
 
 use crate::session::Session;
 use crate::view::camera::Camera;
 use crate::view::color::Quantity;
 use crate::view::pick::{self, Hit};
+use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use eframe::egui::{
     self, Align2, Color32, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense,
@@ -17,9 +17,9 @@ use eframe::egui::{
 };
 use eframe::{egui_glow, glow};
 use glam::Vec2;
-use picture::Picture;
 use renderer::{Frame, Renderer};
 use std::sync::{Arc, Mutex};
+use web_time::Instant;
 
 /// Radians to orbit by an arrow key, in points of a drag.
 const KEY_ORBIT: f32 = 14.0;
@@ -66,6 +66,8 @@ pub(crate) struct Viewport {
     /// Did the focus come by a click? Then it needs no frame.
     focused_by_hand: bool,
     picture: Picture,
+    /// Where the clock of the picture starts.
+    start: Instant,
 }
 
 impl Viewport {
@@ -87,6 +89,7 @@ impl Viewport {
             id: None,
             focused_by_hand: false,
             picture: Picture::default(),
+            start: Instant::now(),
         }
     }
 
@@ -136,7 +139,9 @@ impl Viewport {
             angle: options.section_azimuth_deg.to_radians(),
             axis: session.solver().problem().dome.center.as_vec2(),
         };
-        let up_to_date = self.picture.update(session, options.quantity, section);
+        let start = self.start;
+        let clock = || start.elapsed().as_secs_f64();
+        let up_to_date = self.picture.update(session, options.quantity, section, &clock);
         let moved = self.move_camera(ui, &response, area);
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
@@ -224,15 +229,14 @@ impl Viewport {
                 (Key::ArrowUp, 0.0, 1.0),
                 (Key::ArrowDown, 0.0, -1.0),
             ] {
-                if input.consume_key(Modifiers::SHIFT, key) {
-                    moved |= self.camera.drag(KEY_ORBIT * Vec2::new(x, y));
-                }
+                let count = input.count_and_consume_key(Modifiers::SHIFT, key) as f32;
+                moved |= count > 0.0 && self.camera.drag(count * KEY_ORBIT * Vec2::new(x, y));
             }
-            for (key, factor) in [(Key::Plus, 1.15), (Key::Equals, 1.15), (Key::Minus, 1.0 / 1.15)]
+            for (key, factor) in
+                [(Key::Plus, 1.15_f32), (Key::Equals, 1.15), (Key::Minus, 1.0 / 1.15)]
             {
-                if input.consume_key(Modifiers::NONE, key) {
-                    moved |= self.camera.zoom(factor);
-                }
+                let count = input.count_and_consume_key(Modifiers::NONE, key);
+                moved |= count > 0 && self.camera.zoom(factor.powi(count as i32));
             }
         });
         moved

@@ -1,9 +1,10 @@
 //! What is written over the picture: colour bar, scale bar, values under the pointer.
 
-use super::picture::Picture;
+use crate::measure::Field;
 use crate::session::Session;
 use crate::view::color::{Rgb, Scale};
 use crate::view::pick::{Hit, Target};
+use crate::view::picture::Picture;
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, pos2, vec2,
@@ -107,25 +108,28 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
 pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<String> {
     let layers = &session.scene().layers;
     let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
-    let fields = &picture.fields;
     match &hit.target {
         Target::Implant => vec![format!("Implant, {:.1} mm above the wall", hit.point.z)],
         Target::Ring => vec!["Outside the pocket: not simulated".to_owned()],
         Target::Cut(layer) => vec![format!("Cut through {}", name(*layer))],
-        sheet @ Target::Sheet(_) => {
-            let value = |values: &[f32]| sheet.value(values).unwrap_or(0.0);
+        Target::Sheet(nodes) => {
+            let Some(fields) = &picture.fields else { return Vec::new() };
+            // Of these three nodes only: a field that is not shown is not computed.
+            let value = |field: Field| -> f32 {
+                let at = |&(node, weight)| fields.at(field, node).map(|v| v as f32 * weight);
+                nodes.iter().map(at).sum::<Option<f32>>().unwrap_or(0.0)
+            };
             let mut lines = vec![
-                format!("Strain {:.0} %", 100.0 * value(&fields.principal_strain)),
-                format!("Area ×{:.2}", value(&fields.area_stretch)),
+                format!("Strain {:.0} %", 100.0 * value(Field::PrincipalStrain)),
+                format!("Area ×{:.2}", value(Field::AreaStretch)),
             ];
-            let pressure = value(&fields.contact_pressure_kpa);
+            let pressure = value(Field::ContactPressure);
             if pressure > 0.0 {
                 lines.push(format!("Pressure {} kPa", three_figures(pressure)));
             }
-            for (k, (stress, thickness)) in
-                fields.stress_kpa.iter().zip(&fields.thickness_mm).enumerate()
-            {
-                let (stress, thickness) = (three_figures(value(stress)), value(thickness));
+            for (k, thickness) in fields.stack().thickness_mm.iter().enumerate() {
+                let thickness = hit.target.value(thickness).unwrap_or(0.0);
+                let stress = three_figures(value(Field::Stress(k)));
                 lines.push(format!("{}: {stress} kPa, {thickness:.1} mm thick", name(k)));
             }
             lines

@@ -1,6 +1,7 @@
 //! The picture on the graphics card: one program, four meshes, a colour table.
 //!
-//! Uploads only what changed: a mesh or table that is the same `Arc` as before stays where it is.
+//! Uploads only what changed: a mesh, its indices or a table that is the same `Arc` as before stays
+//! where it is.
 
 use crate::view::color::Rgb;
 use crate::view::mesh::{Mesh, Vertex};
@@ -55,6 +56,13 @@ struct Buffers {
     vertices: glow::Buffer,
     indices: glow::Buffer,
     shown: Option<Arc<Mesh>>,
+}
+
+impl Buffers {
+    /// Are these the indices on the card? They stay while a shape only moves its vertices.
+    fn holds_indices_of(&self, mesh: &Mesh) -> bool {
+        self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(&shown.indices, &mesh.indices))
+    }
 }
 
 /// Draws [`Frame`]s.
@@ -236,9 +244,11 @@ impl Buffers {
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
             let vertices = bytemuck::cast_slice(&mesh.vertices);
             gl.buffer_data_u8_slice(glow::ARRAY_BUFFER, vertices, glow::DYNAMIC_DRAW);
-            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(self.indices));
-            let indices = bytemuck::cast_slice(&mesh.indices);
-            gl.buffer_data_u8_slice(glow::ELEMENT_ARRAY_BUFFER, indices, glow::DYNAMIC_DRAW);
+            if !self.holds_indices_of(mesh) {
+                gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(self.indices));
+                let indices = bytemuck::cast_slice(&mesh.indices);
+                gl.buffer_data_u8_slice(glow::ELEMENT_ARRAY_BUFFER, indices, glow::DYNAMIC_DRAW);
+            }
             gl.bind_vertex_array(None);
         }
         self.shown = Some(Arc::clone(mesh));

@@ -80,19 +80,18 @@ fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::{Fields, surfaces};
+    use crate::measure::{Stack, surfaces};
     use crate::sheet::Sheet;
     use glam::DVec3;
 
     fn flat(thickness: f32) -> Surface {
         let sheet = Sheet::new(33, 50.0);
         let x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
-        let fields = Fields {
+        let stack = Stack {
             thickness_mm: vec![vec![thickness; sheet.len()]],
-            normal: vec![[0.0, 0.0, 1.0]; sheet.len()],
-            ..Fields::default()
+            normal: vec![Vec3::Z; sheet.len()],
         };
-        Surface::new(&surfaces(&sheet, &x, &fields))
+        Surface::new(&surfaces(&sheet, &x, &stack))
     }
 
     #[test]

@@ -119,7 +119,7 @@ fn solve(scene: &Scene, wants_surface: bool) -> Result<(Outcome, Option<Surface>
     outcome.solver.time_ms = Some(time_ms);
     let surface = (wants_surface && outcome.status != Status::Unstable).then(|| {
         let sheet = &solver.problem().sheet;
-        Surface::new(&surfaces(sheet, solver.positions(), &fields(&solver)))
+        Surface::new(&surfaces(sheet, solver.positions(), fields(&solver).stack()))
     });
     Ok((outcome, surface))
 }

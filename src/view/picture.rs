@@ -1,0 +1,138 @@
+//! The picture of the present shape: its meshes, remade only when what they show has changed.
+
+use crate::implant::Dome;
+use crate::measure::{Fields, Status};
+use crate::session::Session;
+use crate::view::body::Body;
+use crate::view::color::{self, Quantity, Rgb, Scale};
+use crate::view::mesh::{self, Mesh};
+use crate::view::section::{CapTriangle, Section};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// While solving, no more than this share of the time goes into meshes.
+const SHARE_WHILE_SOLVING: f64 = 0.3;
+
+/// Meshes and what they were made from.
+#[derive(Default)]
+pub struct Picture {
+    /// The tissue's columns; empty when there is no stable shape to show.
+    pub body: Body,
+    /// What is known of the shape drawn; `None` before the first.
+    pub fields: Option<Rc<Fields>>,
+    /// The colour bar's scale; `None` for plain tissue.
+    pub scale: Option<Scale>,
+    /// The cut faces.
+    pub caps: Vec<CapTriangle>,
+    /// In the order of drawing: tissue, cut faces, implant, wall. A mesh that did not change stays
+    /// the same `Arc`, and so do its indices.
+    pub meshes: [Arc<Mesh>; 4],
+    /// The scale's colours.
+    pub table: Arc<Vec<Rgb>>,
+    /// The tissue's indices, for all shapes of one triangulation.
+    tissue_indices: Arc<Vec<u32>>,
+    /// The session's revision that the shape is of.
+    shape_made: Option<u64>,
+    colors_made: Option<(Quantity, Vec<String>)>,
+    section_made: Option<Section>,
+    dome_made: Option<Dome>,
+    wall_made: Option<f32>,
+    /// When the last shape was made, and how long that took \[s\].
+    last_shape: Option<(f64, f64)>,
+}
+
+impl Picture {
+    /// Brings the picture up to date. Returns whether it is; else ask again next frame. `seconds` is
+    /// a clock.
+    pub fn update(
+        &mut self,
+        session: &Session,
+        quantity: Quantity,
+        section: Section,
+        seconds: &dyn Fn() -> f64,
+    ) -> bool {
+        let layers = &session.scene().layers;
+        let tissues = || layers.iter().map(|layer| &layer.tissue);
+        let recolor =
+            self.colors_made.as_ref().is_none_or(|(q, t)| *q != quantity || !tissues().eq(t));
+        let stale = self.shape_made != Some(session.revision());
+        // Values of the present shape fit no other one.
+        let wait = session.is_working() && !recolor && self.should_wait(seconds());
+        let reshape = stale && !wait;
+        let recut = self.section_made != Some(section);
+        if reshape {
+            let start = seconds();
+            self.make_shape(session);
+            self.last_shape = Some((start, seconds() - start));
+        }
+        if !(reshape || recolor || recut) {
+            return !stale;
+        }
+        // A shape that waits still has its own number of layers.
+        let colors: Vec<Rgb> = (0..self.body.layers().max(layers.len()))
+            .map(|k| color::tissue(layers.get(k).map_or("", |layer| &layer.tissue), k))
+            .collect();
+        if reshape || recolor {
+            self.make_colors(session, quantity, &colors);
+            self.colors_made = Some((quantity, tissues().cloned().collect()));
+        }
+        if reshape || recut {
+            self.caps = section.caps(&self.body, 0);
+            self.section_made = Some(section);
+        }
+        self.set_mesh(session, 1, mesh::caps(&self.caps, &colors));
+        !stale || reshape
+    }
+
+    fn should_wait(&self, now: f64) -> bool {
+        self.last_shape.is_some_and(|(when, cost)| now - when < cost / SHARE_WHILE_SOLVING)
+    }
+
+    fn make_shape(&mut self, session: &Session) {
+        let problem = session.solver().problem();
+        self.shape_made = Some(session.revision());
+        self.fields = Some(Rc::clone(session.fields()));
+        if is_hidden(session) {
+            self.body = Body::default();
+        } else {
+            let stack = session.fields().stack();
+            if self.body.update(problem, session.shape(), stack) {
+                self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body, 0));
+            }
+        }
+        if self.dome_made != Some(problem.dome) {
+            self.dome_made = Some(problem.dome);
+            self.set_mesh(session, 2, mesh::implant(&problem.dome));
+        }
+        let wall_radius = self.body.block_radius.max(problem.sheet.radius_mm() as f32);
+        if self.wall_made != Some(wall_radius) {
+            self.wall_made = Some(wall_radius);
+            self.set_mesh(session, 3, mesh::wall(wall_radius));
+        }
+    }
+
+    fn make_colors(&mut self, session: &Session, quantity: Quantity, colors: &[Rgb]) {
+        let is_shown = self.body.layers() > 0;
+        let values = quantity.field().filter(|_| is_shown).map(|field| session.values(field));
+        self.scale = values.and_then(|v| quantity.scale(v, &session.scene().layers));
+        let vertices = mesh::tissue_vertices(&self.body, colors, 0, values);
+        let indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
+        self.set_mesh(session, 0, Mesh { vertices, indices });
+        let table = self.scale.as_ref().map_or(&[[1.0; 3]][..], |s| &s.table);
+        if self.table.as_slice() != table {
+            self.table = Arc::new(table.to_vec());
+        }
+    }
+
+    fn set_mesh(&mut self, session: &Session, place: usize, mesh: Mesh) {
+        self.meshes[place] = Arc::new(mesh);
+        session.count_mesh();
+    }
+}
+
+/// No shape is shown where the springs have none, nor one that is not made of numbers.
+fn is_hidden(session: &Session) -> bool {
+    let unstable = !session.is_working()
+        && session.outcome().is_some_and(|outcome| outcome.status == Status::Unstable);
+    unstable || session.shape().iter().any(|p| !p.is_finite())
+}
