@@ -2,10 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::measure::Status;
+use implant_preview::measure::{Field, Status};
 use implant_preview::scene::{Layer, Scene};
-use implant_preview::session::{Command, Session};
+use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::Progress;
+use implant_preview::view::color::Quantity;
+use implant_preview::view::picture::Picture;
+use implant_preview::view::section::{Opening, Section};
 
 fn small() -> Scene {
     let mut scene = Scene::default();
@@ -50,6 +53,138 @@ fn a_name_or_a_colour_solves_nothing() {
     assert_eq!(session.counters(), before);
     assert_eq!(session.outcome().unwrap().layers[1].tissue, "capsule");
     assert!(session.can_undo());
+}
+
+/// The work of a step, as a difference of counters.
+fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
+    let before = session.counters();
+    step(session);
+    let after = session.counters();
+    Counters {
+        solves: after.solves - before.solves,
+        slices: after.slices - before.slices,
+        work_units: after.work_units - before.work_units,
+        measurements: after.measurements - before.measurements,
+        recoveries: after.recoveries - before.recoveries,
+        fields: after.fields - before.fields,
+        meshes: after.meshes - before.meshes,
+    }
+}
+
+/// What a frame does: the picture brought up to date.
+fn draw(picture: &mut Picture, session: &Session, quantity: Quantity, angle: f32) {
+    let section = Section { opening: Opening::Wedge, angle, axis: glam::Vec2::ZERO };
+    assert!(picture.update(session, quantity, section, &|| 0.0));
+}
+
+#[test]
+fn a_finished_shape_is_recovered_and_measured_once_for_results_and_picture() {
+    let mut session = Session::new(small()).unwrap();
+    let mut picture = Picture::default();
+    let done = work(&mut session, |session| {
+        session.advance(&mut || false);
+        draw(&mut picture, session, Quantity::Strain, 0.0);
+        draw(&mut picture, session, Quantity::Strain, 0.0);
+    });
+    assert_eq!((done.recoveries, done.measurements), (1, 1));
+    // Tissue, cut faces, implant, wall; of the fields the one that is shown.
+    assert_eq!((done.fields, done.meshes), (1, 4));
+    assert_eq!(session.values(Field::PrincipalStrain).len(), 33 * 33);
+    assert_eq!(session.counters().fields, 1);
+}
+
+#[test]
+fn another_quantity_computes_its_own_field_and_only_once() {
+    let mut session = Session::new(small()).unwrap();
+    let mut picture = Picture::default();
+    settle(&mut session);
+    draw(&mut picture, &session, Quantity::Strain, 0.0);
+    for quantity in [Quantity::Stress(1), Quantity::AreaStretch, Quantity::Pressure] {
+        let shown = work(&mut session, |session| draw(&mut picture, session, quantity, 0.0));
+        // Tissue and cut faces take their colours anew.
+        let only = Counters { fields: 1, meshes: 2, ..Counters::default() };
+        assert_eq!(shown, only, "{quantity:?}");
+    }
+    let again = work(&mut session, |session| draw(&mut picture, session, Quantity::Stress(1), 0.0));
+    assert_eq!(again, Counters { meshes: 2, ..Counters::default() });
+    let plain = work(&mut session, |session| draw(&mut picture, session, Quantity::Tissue, 0.0));
+    assert_eq!(plain, Counters { meshes: 2, ..Counters::default() });
+}
+
+#[test]
+fn a_turned_cut_makes_its_faces_and_a_renamed_layer_its_colours() {
+    let mut session = Session::new(small()).unwrap();
+    let mut picture = Picture::default();
+    settle(&mut session);
+    draw(&mut picture, &session, Quantity::Strain, 0.0);
+    let faces = |picture: &Picture| picture.meshes[1].vertices.clone();
+    let before = faces(&picture);
+    let turned = work(&mut session, |session| draw(&mut picture, session, Quantity::Strain, 0.5));
+    assert_eq!(turned, Counters { meshes: 1, ..Counters::default() });
+    assert_ne!(faces(&picture), before);
+    let before = faces(&picture);
+    let renamed = work(&mut session, |session| {
+        edit(session, 1, |scene| "muscle".clone_into(&mut scene.layers[1].tissue));
+        session.advance(&mut || false);
+        draw(&mut picture, session, Quantity::Strain, 0.5);
+    });
+    assert_eq!(renamed, Counters { meshes: 2, ..Counters::default() });
+    assert_ne!(faces(&picture), before);
+}
+
+#[test]
+fn a_scene_equal_to_the_one_before_re_uses_everything() {
+    let mut session = Session::new(small()).unwrap();
+    let mut picture = Picture::default();
+    settle(&mut session);
+    draw(&mut picture, &session, Quantity::Strain, 0.0);
+    let nothing = Counters::default();
+    let same = work(&mut session, |session| {
+        edit(session, 1, |_| {});
+        session.apply(Command::Open(session.scene().to_json())).unwrap();
+        session.advance(&mut || false);
+        draw(&mut picture, session, Quantity::Strain, 0.0);
+    });
+    assert_eq!(same, nothing);
+    edit(&mut session, 2, |scene| "capsule".clone_into(&mut scene.layers[1].tissue));
+    draw(&mut picture, &session, Quantity::Strain, 0.0);
+    // Back to the name before: the shape is equal, the colours are not.
+    let undone = work(&mut session, |session| {
+        session.apply(Command::Undo).unwrap();
+        session.advance(&mut || false);
+        draw(&mut picture, session, Quantity::Strain, 0.0);
+    });
+    assert_eq!(undone, Counters { meshes: 2, ..nothing });
+    assert_eq!(session.outcome().unwrap().layers[1].tissue, "adipose");
+}
+
+#[test]
+fn a_new_shape_keeps_the_triangulation_and_what_the_dome_does_not_move() {
+    let mut session = Session::new(small()).unwrap();
+    let mut picture = Picture::default();
+    settle(&mut session);
+    draw(&mut picture, &session, Quantity::Strain, 0.0);
+    let before = picture.meshes.clone();
+    let softer = work(&mut session, |session| {
+        edit(session, 1, |scene| scene.layers[1].poisson_ratio = 0.4);
+        settle(session);
+        draw(&mut picture, session, Quantity::Strain, 0.0);
+    });
+    assert_eq!((softer.solves, softer.measurements, softer.recoveries), (1, 1, 1));
+    assert_eq!((softer.fields, softer.meshes), (1, 2));
+    assert_ne!(picture.meshes[0].vertices, before[0].vertices);
+    assert!(std::sync::Arc::ptr_eq(&picture.meshes[0].indices, &before[0].indices));
+    assert!(std::sync::Arc::ptr_eq(&picture.meshes[2], &before[2]));
+}
+
+#[test]
+fn a_shape_that_nobody_looks_at_is_not_recovered_before_it_is_finished() {
+    let mut session = Session::new(small()).unwrap();
+    while session.advance(&mut || true) == Progress::Working {
+        assert_eq!(session.counters().recoveries, 0);
+    }
+    let counters = session.counters();
+    assert_eq!((counters.recoveries, counters.measurements, counters.fields), (1, 1, 0));
 }
 
 #[test]

@@ -136,3 +136,47 @@ fn is_hidden(session: &Session) -> bool {
         && session.outcome().is_some_and(|outcome| outcome.status == Status::Unstable);
     unstable || session.shape().iter().any(|p| !p.is_finite())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::session::Command;
+    use std::cell::Cell;
+
+    #[test]
+    fn while_solving_the_picture_takes_only_its_share_of_the_time() {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 33;
+        let mut session = Session::new(scene.clone()).unwrap();
+        session.advance(&mut || false);
+        let (mut picture, section) = (
+            Picture::default(),
+            Section {
+                opening: crate::view::section::Opening::Closed,
+                angle: 0.0,
+                axis: glam::Vec2::ZERO,
+            },
+        );
+        // Every look at the clock is a second later: the first picture took one.
+        let now = Cell::new(0.0);
+        let clock = || now.replace(now.get() + 1.0);
+        let mut update =
+            |session: &Session, quantity| picture.update(session, quantity, section, &clock);
+        assert!(update(&session, Quantity::Strain));
+        let mut edit = |session: &mut Session, insertion| {
+            scene.insertion = insertion;
+            session.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: 1 }).unwrap();
+            assert!(session.is_working());
+        };
+        edit(&mut session, 0.5);
+        assert!(!update(&session, Quantity::Strain), "too soon");
+        assert!(update(&session, Quantity::Pressure), "another quantity does not wait");
+        edit(&mut session, 0.6);
+        assert!(!update(&session, Quantity::Pressure), "too soon again");
+        now.set(now.get() + 10.0);
+        assert!(update(&session, Quantity::Pressure), "it has waited long enough");
+        session.advance(&mut || false);
+        assert!(update(&session, Quantity::Pressure), "nothing is being solved any more");
+    }
+}

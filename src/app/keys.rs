@@ -1,0 +1,88 @@
+//! Keys, and the insertion that they move and play.
+
+use super::{App, toolbar};
+use crate::scene::Scene;
+use crate::session::Command;
+use eframe::egui::{self, Key, Modifiers};
+
+/// Seconds that play takes from flat to full height.
+const PLAY_SECONDS: f64 = 5.0;
+/// Steps of the insertion by key.
+const INSERTION_STEP: f64 = 0.02;
+
+impl App {
+    /// Carries out the keys pressed since the frame before.
+    pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        // A slow frame may hold several presses of a key.
+        let presses =
+            |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
+        let shortcut = |modifiers, key| presses(modifiers, key) > 0;
+        let redo = presses(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+            + presses(Modifiers::COMMAND, Key::Y);
+        (0..redo).for_each(|_| self.run(Command::Redo));
+        let undo = presses(Modifiers::COMMAND, Key::Z);
+        (0..undo).for_each(|_| self.run(Command::Undo));
+        if shortcut(Modifiers::COMMAND, Key::O) {
+            self.files.open(ctx);
+        }
+        if shortcut(Modifiers::COMMAND, Key::S) {
+            self.save_scene(ctx);
+        }
+        // Plain keys belong to a text field while one has the focus.
+        if ctx.text_edit_focused() {
+            return;
+        }
+        // The space bar presses the control that has the focus, arrows move it.
+        let focused = ctx.memory(egui::Memory::focused);
+        let on_picture = focused.is_some() && focused == self.viewport.id();
+        for (key, step, is_heard) in [
+            (Key::OpenBracket, -INSERTION_STEP, true),
+            (Key::CloseBracket, INSERTION_STEP, true),
+            (Key::ArrowDown, -INSERTION_STEP, on_picture),
+            (Key::ArrowUp, INSERTION_STEP, on_picture),
+        ] {
+            let count = if is_heard { presses(Modifiers::NONE, key) } else { 0 };
+            if count > 0 {
+                let mut scene = self.session.scene().clone();
+                // In whole percent: steps of 0.02 do not add up to round values.
+                let percent = (100.0 * (scene.insertion + count as f64 * step)).round();
+                scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
+                self.gesture += 1;
+                self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+            }
+        }
+        if focused.is_none() || on_picture {
+            (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_play());
+        }
+        if shortcut(Modifiers::NONE, Key::F) {
+            self.viewport.fit(&self.session);
+        }
+        for (key, quantity) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5]
+            .into_iter()
+            .zip(toolbar::QUANTITIES)
+        {
+            if shortcut(Modifiers::NONE, key) {
+                self.options.quantity = quantity;
+            }
+        }
+    }
+
+    pub(super) fn toggle_play(&mut self) {
+        self.is_playing = !self.is_playing;
+        self.gesture += 1;
+    }
+
+    /// Raises the implant while playing: a step as soon as the step before is solved.
+    pub(super) fn play(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        if !self.is_playing || self.session.is_working() {
+            return;
+        }
+        let seconds = f64::from(ctx.input(|input| input.stable_dt)).clamp(0.01, 0.2);
+        scene.insertion = if scene.insertion >= 1.0 {
+            0.0
+        } else {
+            (scene.insertion + seconds / PLAY_SECONDS).min(1.0)
+        };
+        self.is_playing = scene.insertion < 1.0;
+    }
+}
