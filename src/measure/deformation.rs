@@ -9,6 +9,14 @@ use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, AddAssign};
 
+/// An area stretch below this has no thickness: the sheet is folded \[-\].
+pub(super) const LEAST_AREA_STRETCH: f64 = 1e-6;
+
+/// The power of the area stretch that is the thickness stretch: −ν/(1−ν).
+pub(super) fn thickness_exponent(poisson_ratio: f64) -> f64 {
+    -poisson_ratio / (1.0 - poisson_ratio)
+}
+
 /// A symmetric 2 × 2 tensor in the sheet's rest frame: the metric C, or the stretch tensor U.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stretch {
@@ -45,7 +53,7 @@ impl Stretch {
 
     /// λ₃ = (λ₁λ₂)^(−ν/(1−ν)): plane stress in logarithmic strains \[-\].
     pub(super) fn thickness_stretch(self, poisson_ratio: f64) -> f64 {
-        self.area_stretch().max(1e-6).powf(-poisson_ratio / (1.0 - poisson_ratio))
+        self.area_stretch().max(LEAST_AREA_STRETCH).powf(thickness_exponent(poisson_ratio))
     }
 }
 
@@ -213,12 +221,6 @@ impl Deformation {
     #[must_use]
     pub fn area_stretch(&self, node: usize) -> f64 {
         self.nodes[node].stretch.area_stretch()
-    }
-
-    /// Thickness stretch λ₃ of a layer with the given Poisson ratio at a node \[-\].
-    #[must_use]
-    pub fn thickness_stretch(&self, node: usize, poisson_ratio: f64) -> f64 {
-        self.nodes[node].stretch.thickness_stretch(poisson_ratio)
     }
 
     /// Unit normal at a node, pointing to the skin; straight up outside the sheet.

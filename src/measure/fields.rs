@@ -1,7 +1,7 @@
 //! What is drawn on a shape: nodal fields, each computed when it is first asked for.
 
 use super::contact::Contact;
-use super::deformation::Deformation;
+use super::deformation::{Deformation, LEAST_AREA_STRETCH, thickness_exponent};
 use super::layers::Layers;
 use crate::solve::{Material, Solver};
 use glam::Vec3;
@@ -131,14 +131,24 @@ impl Fields {
                     let ratio = (rest / materials[first].thickness_mm) as f32;
                     thickness_mm[first].iter().map(|t| t * ratio).collect()
                 } else {
-                    self.per_node(|node| {
-                        rest * self.deformation.thickness_stretch(node, *poisson_ratio)
-                    })
+                    self.thickness(*rest, *poisson_ratio)
                 });
             }
             let normal = |k| self.deformation.normal(k).as_vec3();
             Stack { normal: (0..self.deformation.len()).map(normal).collect(), thickness_mm }
         })
+    }
+
+    /// Deformed thickness of a layer \[mm\], (λ₁λ₂)^(−ν/(1−ν)) times that at rest; in `f32`,
+    /// because it is drawn and powers are slow.
+    fn thickness(&self, rest_mm: f64, poisson_ratio: f64) -> Vec<f32> {
+        let exponent = thickness_exponent(poisson_ratio) as f32;
+        let mut values = vec![0.0; self.deformation.len()];
+        for k in self.deformation.inside() {
+            let area_stretch = self.deformation.area_stretch(k).max(LEAST_AREA_STRETCH) as f32;
+            values[k] = rest_mm as f32 * area_stretch.powf(exponent);
+        }
+        values
     }
 
     /// The contact of this shape, which `solver` must still hold.
