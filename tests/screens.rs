@@ -10,6 +10,7 @@ use egui_kittest::kittest::Queryable;
 use implant_preview::app::App;
 use implant_preview::measure::Status;
 use implant_preview::scene::{Scene, Springs};
+use implant_preview::session::Counters;
 
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 1600.0);
 const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
@@ -128,6 +129,22 @@ fn keys_step_the_insertion() {
 }
 
 #[test]
+fn each_press_of_a_slow_frame_counts() {
+    let mut harness = app(WIDE, |_| {});
+    for pressed in [true, false, true, false, true, false] {
+        harness.input_mut().events.push(egui::Event::Key {
+            key: egui::Key::OpenBracket,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+    }
+    settle(&mut harness);
+    assert!((harness.state().session().scene().insertion - 0.94).abs() < 1e-9);
+}
+
+#[test]
 fn layers_are_added_exchanged_and_removed() {
     let mut harness = app(WIDE, |_| {});
     let tissues = |harness: &Harness<'static, App>| -> Vec<String> {
@@ -172,7 +189,10 @@ fn a_colour_the_section_and_the_theme_solve_nothing() {
     harness.get_by_label("Section").click();
     harness.get_by_label("Net").click();
     harness.run();
-    assert_eq!(harness.state().session().counters(), counters);
+    // Drawing costs fields and meshes; all else is as before.
+    let drawn = harness.state().session().counters();
+    assert_eq!(Counters { fields: counters.fields, meshes: counters.meshes, ..drawn }, counters);
+    assert_eq!(drawn.fields - counters.fields, 2);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::contact::Contact;
 use super::deformation::{Deformation, LEAST_AREA_STRETCH, thickness_exponent};
 use super::layers::Layers;
-use crate::solve::{Material, Solver};
+use crate::solve::Solver;
 use glam::Vec3;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
@@ -122,33 +122,38 @@ impl Fields {
     #[must_use]
     pub fn stack(&self) -> &Stack {
         self.stack.get_or_init(|| {
-            let materials = self.layers.materials();
-            let mut thickness_mm: Vec<Vec<f32>> = Vec::with_capacity(materials.len());
-            for (k, first) in self.layers.first_alike().enumerate() {
-                let Material { poisson_ratio, thickness_mm: rest, .. } = &materials[k];
-                thickness_mm.push(if first < k {
-                    // Layers of one Poisson ratio have one thickness stretch.
-                    let ratio = (rest / materials[first].thickness_mm) as f32;
-                    thickness_mm[first].iter().map(|t| t * ratio).collect()
-                } else {
-                    self.thickness(*rest, *poisson_ratio)
-                });
-            }
             let normal = |k| self.deformation.normal(k).as_vec3();
-            Stack { normal: (0..self.deformation.len()).map(normal).collect(), thickness_mm }
+            Stack {
+                normal: (0..self.deformation.len()).map(normal).collect(),
+                thickness_mm: self.thickness_mm(),
+            }
         })
     }
 
-    /// Deformed thickness of a layer \[mm\], (λ₁λ₂)^(−ν/(1−ν)) times that at rest; in `f32`,
-    /// because it is drawn and powers are slow.
-    fn thickness(&self, rest_mm: f64, poisson_ratio: f64) -> Vec<f32> {
-        let exponent = thickness_exponent(poisson_ratio) as f32;
-        let mut values = vec![0.0; self.deformation.len()];
-        for k in self.deformation.inside() {
-            let area_stretch = self.deformation.area_stretch(k).max(LEAST_AREA_STRETCH) as f32;
-            values[k] = rest_mm as f32 * area_stretch.powf(exponent);
+    /// [`Stack::thickness_mm`]: that at rest times (λ₁λ₂)^(−ν/(1−ν)). In `f32` and by one logarithm
+    /// for all layers, because it is drawn and powers are slow.
+    fn thickness_mm(&self) -> Vec<Vec<f32>> {
+        let materials = self.layers.materials();
+        let logarithm = self.per_node(|k| {
+            let area_stretch = self.deformation.area_stretch(k).max(LEAST_AREA_STRETCH);
+            f64::from((area_stretch as f32).ln())
+        });
+        let mut thickness_mm: Vec<Vec<f32>> = Vec::with_capacity(materials.len());
+        for (k, first) in self.layers.first_alike().enumerate() {
+            let rest = materials[k].thickness_mm;
+            thickness_mm.push(if first < k {
+                let ratio = (rest / materials[first].thickness_mm) as f32;
+                thickness_mm[first].iter().map(|t| t * ratio).collect()
+            } else {
+                let exponent = thickness_exponent(materials[k].poisson_ratio) as f32;
+                let mut values = vec![0.0; logarithm.len()];
+                for node in self.deformation.inside() {
+                    values[node] = rest as f32 * (exponent * logarithm[node]).exp();
+                }
+                values
+            });
         }
-        values
+        thickness_mm
     }
 
     /// The contact of this shape, which `solver` must still hold.
