@@ -172,7 +172,9 @@ fn a_new_shape_keeps_the_triangulation_and_what_the_dome_does_not_move() {
     });
     assert_eq!((softer.solves, softer.measurements, softer.recoveries), (1, 1, 1));
     assert_eq!((softer.fields, softer.meshes), (1, 2));
-    assert_ne!(picture.meshes[0].vertices, before[0].vertices);
+    for moved in [0, 1] {
+        assert_ne!(picture.meshes[moved].vertices, before[moved].vertices);
+    }
     assert!(std::sync::Arc::ptr_eq(&picture.meshes[0].indices, &before[0].indices));
     assert!(std::sync::Arc::ptr_eq(&picture.meshes[2], &before[2]));
 }
