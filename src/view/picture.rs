@@ -33,11 +33,12 @@ pub struct Picture {
     tissue_indices: Arc<Vec<u32>>,
     /// The session's revision that the shape is of.
     shape_made: Option<u64>,
-    colors_made: Option<(Quantity, Vec<String>)>,
+    quantity_made: Option<Quantity>,
+    tissues_made: Vec<String>,
     section_made: Option<Section>,
     dome_made: Option<Dome>,
     wall_made: Option<f32>,
-    /// When the last shape was made, and how long that took \[s\].
+    /// When the last shape was begun, and how long it took with its colours and cut \[s\].
     last_shape: Option<(f64, f64)>,
 }
 
@@ -52,18 +53,17 @@ impl Picture {
         seconds: &dyn Fn() -> f64,
     ) -> bool {
         let layers = &session.scene().layers;
-        let tissues = || layers.iter().map(|layer| &layer.tissue);
-        let recolor =
-            self.colors_made.as_ref().is_none_or(|(q, t)| *q != quantity || !tissues().eq(t));
+        let tissues = layers.iter().map(|layer| &layer.tissue);
+        let rename = !tissues.clone().eq(&self.tissues_made);
+        let recolor = rename || self.quantity_made != Some(quantity);
         let stale = self.shape_made != Some(session.revision());
         // Values of the present shape fit no other one.
-        let wait = session.is_working() && !recolor && self.should_wait(seconds());
+        let start = seconds();
+        let wait = session.is_working() && !recolor && self.should_wait(start);
         let reshape = stale && !wait;
         let recut = self.section_made != Some(section);
         if reshape {
-            let start = seconds();
             self.make_shape(session);
-            self.last_shape = Some((start, seconds() - start));
         }
         if !(reshape || recolor || recut) {
             return !stale;
@@ -74,13 +74,21 @@ impl Picture {
             .collect();
         if reshape || recolor {
             self.make_colors(session, quantity, &colors);
-            self.colors_made = Some((quantity, tissues().cloned().collect()));
+            self.quantity_made = Some(quantity);
         }
         if reshape || recut {
             self.caps = section.caps(&self.body, 0);
             self.section_made = Some(section);
         }
-        self.set_mesh(session, 1, mesh::caps(&self.caps, &colors));
+        if reshape || recut || rename {
+            self.set_mesh(session, 1, mesh::caps(&self.caps, &colors));
+        }
+        if rename {
+            self.tissues_made = tissues.cloned().collect();
+        }
+        if reshape {
+            self.last_shape = Some((start, seconds() - start));
+        }
         !stale || reshape
     }
 
