@@ -120,8 +120,15 @@ impl Dome {
     /// The point moved along the ray from the ellipsoid's centre onto the surface.
     #[must_use]
     pub fn onto_surface(&self, point: DVec3) -> DVec3 {
+        self.onto_level(point, 0.0)
+    }
+
+    /// The point moved along the ray from the ellipsoid's centre to where [`Self::level`] has the given
+    /// value \[-\].
+    #[must_use]
+    pub fn onto_level(&self, point: DVec3, level: f64) -> DVec3 {
         let from_origin = point - self.origin();
-        let scale = self.scaled(point).length();
+        let scale = self.scaled(point).length() / (1.0 + level);
         if scale < 1e-12 { self.apex() } else { self.origin() + from_origin / scale }
     }
 

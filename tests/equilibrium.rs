@@ -35,7 +35,7 @@ fn scene_of(case: &Value, nodes: usize) -> Scene {
         "pocket_radius_mm": case["pocket_radius_mm"],
         "insertion": case["apex_height_mm"].as_f64().unwrap() / radius,
         "layers": layers,
-        "solver": { "nodes_per_side": nodes, "tolerance": 1e-5 },
+        "solver": { "nodes_per_side": nodes, "tolerance": 1e-6 },
     });
     Scene::from_json(&scene.to_string()).unwrap()
 }
@@ -67,16 +67,15 @@ fn near(got: Option<f64>, reference: &Value, relative: f64, what: &str) {
 }
 
 #[test]
-fn the_shape_converges_to_the_axisymmetric_reference_faster_than_first_order() {
+fn the_shape_converges_to_the_axisymmetric_reference_at_second_order() {
     for case in cases() {
-        let errors =
-            [33, 65, 129].map(|n| profile_error(&case, &simulate(&scene_of(&case, n)).unwrap()));
+        let errors = [33, 65, 129, 257]
+            .map(|n| profile_error(&case, &simulate(&scene_of(&case, n)).unwrap()));
         let name = &case["name"];
-        assert!(errors[2] < 0.000_2, "{name}: {errors:?}");
-        // Over two doublings, so that where the contact's edge falls between nodes averages out.
-        let order = (errors[0] / errors[2]).log2() / 2.0;
-        assert!(order > 1.3, "{name}: order {order:.2} from {errors:?}");
-        assert!(errors[1] < errors[0] && errors[2] < errors[1], "{name}: {errors:?}");
+        assert!(errors[1] < 2e-4 && errors[2] < 5e-5, "{name}: {errors:?}");
+        let order = (errors[0] / errors[3]).log2() / 3.0;
+        assert!(order > 1.8, "{name}: order {order:.2} from {errors:?}");
+        assert!(errors.is_sorted_by(|a, b| a > b), "{name}: {errors:?}");
     }
 }
 
@@ -210,8 +209,11 @@ fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_d
             }
             let distance = problem.dome.closest_point(x).0;
             assert!(distance > -1e-9 && x.z >= 0.0, "{x} {distance}");
-            // A node that touches nothing is in balance; one that touches is pressed, not glued.
-            if distance > 1e-3 && x.z > 1e-3 {
+            // A node that touches nothing is in balance; one that touches is pressed, not glued. The
+            // last ones that touch may stand a little off the dome.
+            let is_last = solver.lifted().iter().any(|(last, _)| *last == k);
+            assert!(!is_last || distance < 2e-3 * problem.dome.base_radius);
+            if distance > 1e-3 && x.z > 1e-3 && !is_last {
                 assert!(forces[k].length() < 1e-4 * scale, "{x}: {}", forces[k]);
             } else {
                 let along = forces[k].dot(problem.dome.normal(x));

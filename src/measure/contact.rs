@@ -37,7 +37,7 @@ impl Contact {
         let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
         let touch = TOUCH * dome.base_radius;
         let mut normal = vec![DVec3::ZERO; sheet.len()];
-        let touching: Vec<bool> = (0..sheet.len())
+        let mut touching: Vec<bool> = (0..sheet.len())
             .map(|k| {
                 if sheet.kinds()[k] != NodeKind::Free {
                     return false;
@@ -51,6 +51,11 @@ impl Contact {
                 touches
             })
             .collect();
+        // The last nodes before the contact's edge carry their share, on the dome or a little off it.
+        for &(k, _) in solver.lifted() {
+            touching[k] = true;
+            normal[k] = dome.normal(x[k]);
+        }
         let spring_force = layers.forces(solver, &touching);
         let mut force = vec![0.0; sheet.len()];
         for k in (0..sheet.len()).filter(|&k| touching[k]) {

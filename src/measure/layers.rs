@@ -107,7 +107,7 @@ impl Layers {
                 .collect();
             CoupledLaw::new(&layers)
         });
-        coupled_forces(&solver.problem().sheet, law, solver.positions(), wanted)
+        coupled_forces(&solver.problem().sheet, law, &solver.balanced(), wanted)
     }
 }
 

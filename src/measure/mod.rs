@@ -275,7 +275,7 @@ impl Outcome {
             layer.max_stress_kpa = Some(load.max_stress);
             layer.beyond_curve_data = load.is_beyond_data;
         }
-        self.profile = profile::along_x(sheet, x);
+        self.profile = profile::along_x(solver);
     }
 
     fn warn(&mut self, summary: &Summary<{ STRAIN_BANDS.len() }>) {

@@ -1,16 +1,22 @@
 //! The profile: the sheet along +x from the pocket's centre.
 
 use super::{PROFILE_POINTS, ProfilePoint};
-use crate::sheet::Sheet;
+use crate::sheet::NodeKind;
+use crate::solve::Solver;
 use glam::{DVec2, DVec3};
 
 /// 41 points, material radius 0 … pocket radius in equal steps. Positions by cubic interpolation
 /// between the nodes, stretches from central differences (second order).
-pub(super) fn along_x(sheet: &Sheet, x: &[DVec3]) -> Vec<ProfilePoint> {
+///
+/// The sheet's curvature jumps where contact ends: a point is interpolated from nodes of its own side,
+/// the outer of which see the last node that touches where the free sheet would go on to it.
+pub(super) fn along_x(solver: &Solver) -> Vec<ProfilePoint> {
+    let (sheet, x) = (&solver.problem().sheet, solver.positions());
     let n = sheet.nodes_per_side();
     let half = n / 2;
     let row = half * n;
     let (h, rest) = (sheet.spacing_mm(), sheet.rest());
+    let edges = edges(solver, row);
     // Stretch along and across the row at its i-th node.
     let stretches = |i: usize| {
         let k = row + i;
@@ -27,12 +33,31 @@ pub(super) fn along_x(sheet: &Sheet, x: &[DVec3]) -> Vec<ProfilePoint> {
         .map(|point| {
             let s = sheet.radius_mm() * point as f64 / (PROFILE_POINTS - 1) as f64;
             let place = s / h + half as f64;
-            let low = (place.floor() as usize).clamp(1, n - 3);
-            let (mut position, mut stretch) = (DVec3::ZERO, DVec2::ZERO);
-            for (k, weight) in (low - 1..=low + 2).zip(cubic(place - low as f64)) {
-                position += x[row + k] * weight;
+            let middle = (place.floor() as usize).clamp(1, n - 3);
+            let mut stretch = DVec2::ZERO;
+            for (k, weight) in (middle - 1..=middle + 2).zip(cubic(place - middle as f64)) {
                 let (along, across) = stretches(k);
                 stretch += DVec2::new(along, across) * weight;
+            }
+            let (mut low, mut seen) = (middle, None);
+            for edge in &edges {
+                let is_inside = (edge.place - place) * edge.outwards > 0.0;
+                // Nodes low − 1 … low + 2 on the point's side of the edge's node, it included.
+                let is_right = is_inside != (edge.outwards > 0.0);
+                if is_right && low < edge.node + 1 && low + 2 >= edge.node {
+                    low = edge.node + 1;
+                } else if !is_right && low + 2 > edge.node && low <= edge.node + 1 {
+                    low = edge.node - 2;
+                }
+                if !is_inside {
+                    seen = seen.or(Some(edge));
+                }
+            }
+            let low = low.clamp(1, n - 3);
+            let mut position = DVec3::ZERO;
+            for (k, weight) in (low - 1..=low + 2).zip(cubic(place - low as f64)) {
+                let own = edges.iter().find(|e| e.node == k && seen.is_some());
+                position += own.map_or(x[row + k], |e| e.balanced) * weight;
             }
             ProfilePoint {
                 s_mm: s,
@@ -43,6 +68,49 @@ pub(super) fn along_x(sheet: &Sheet, x: &[DVec3]) -> Vec<ProfilePoint> {
             }
         })
         .collect()
+}
+
+/// Where contact ends on a row of nodes.
+struct Edge {
+    /// The last node that touches.
+    node: usize,
+    /// Its place in the balance of forces \[mm\].
+    balanced: DVec3,
+    /// 1 if the free sheet is to the right of it, else −1.
+    outwards: f64,
+    /// Where contact ends, in columns.
+    place: f64,
+}
+
+fn edges(solver: &Solver, row: usize) -> Vec<Edge> {
+    let (sheet, dome, x) = (&solver.problem().sheet, &solver.problem().dome, solver.positions());
+    let n = sheet.nodes_per_side();
+    let lifted = |k: usize| solver.lifted().iter().find(|(node, _)| *node == k);
+    // Nodes that stand off the dome.
+    let is_off = |k: usize| {
+        sheet.kinds()[k] == NodeKind::Free && dome.level(x[k]) > 1e-9 && lifted(k).is_none()
+    };
+    let mut edges = Vec::new();
+    for &(k, balanced) in solver.lifted() {
+        if k / n != row / n {
+            continue;
+        }
+        for (outwards, next, second) in [(1.0, k + 1, k + 2), (-1.0, k - 1, k - 2)] {
+            if !(is_off(next) && is_off(second)) {
+                continue;
+            }
+            // The gap is own + slope·s + bend·s²/2 in front of the node: contact ends at its least.
+            let [own, near, far] = [balanced, x[next], x[second]].map(|p| dome.level(p));
+            let bend = far - 2.0 * near + own;
+            let slope = near - own - 0.5 * bend;
+            let node = k - row;
+            if bend > 0.0 && !edges.iter().any(|e: &Edge| e.node == node) {
+                let place = node as f64 - outwards * slope / bend;
+                edges.push(Edge { node, balanced, outwards, place });
+            }
+        }
+    }
+    edges
 }
 
 /// Lagrange weights of the nodes −1, 0, 1, 2 at t.

@@ -17,6 +17,7 @@ mod blocks;
 mod fas;
 mod guess;
 mod law;
+mod lift;
 mod multigrid;
 mod newton;
 mod transfer;
@@ -138,6 +139,7 @@ pub struct Solver {
     fell_back: bool,
     /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
     x: Vec<DVec3>,
+    lifted: Vec<(usize, DVec3)>,
     moves: u64,
     verdict: Verdict,
     progress: Progress,
@@ -163,6 +165,7 @@ impl Solver {
         let law = SheetLaw::new(problem.springs, &problem.materials);
         let mut solver = Self {
             x: at_rest(&problem.sheet),
+            lifted: Vec::new(),
             law,
             options,
             multigrid: None,
@@ -188,6 +191,7 @@ impl Solver {
         }
         if !same_grid {
             self.x = at_rest(&problem.sheet);
+            self.lifted.clear();
             self.newton = None;
         }
         let before = std::mem::replace(&mut self.problem, problem);
@@ -273,7 +277,7 @@ impl Solver {
         match state {
             fas::State::Working => {}
             fas::State::Converged => {
-                multigrid.write_positions(&self.problem.sheet, &mut self.x);
+                multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
                 self.moves += 1;
                 if !is_study && self.problem.tolerance < fas::LEAST_TOLERANCE {
                     self.stage = Stage::Newton;
@@ -298,7 +302,7 @@ impl Solver {
         let tolerance = self.problem.tolerance * dome.base_radius;
         let state = newton.step(self.problem.springs, &self.law, dome, tolerance);
         if newton.is_on_finest() && newton.finest().moves != moves {
-            self.x.copy_from_slice(&newton.finest().x);
+            newton.finest().write_positions(dome, &mut self.x, &mut self.lifted);
             self.moves += 1;
         }
         match state {
@@ -347,6 +351,14 @@ impl Solver {
         &self.x
     }
 
+    /// The last nodes that touch, and where they stand in the balance of forces \[mm\]: a little above
+    /// the dome, because contact ends between nodes. Where it ends beyond the node,
+    /// [`Self::positions`] has it on the dome.
+    #[must_use]
+    pub fn lifted(&self) -> &[(usize, DVec3)] {
+        &self.lifted
+    }
+
     /// Work of this solve, in units of one evaluation of all nodal forces on the finest grid (of
     /// those nodes that are solved for).
     #[must_use]
@@ -372,8 +384,18 @@ impl Solver {
     #[must_use]
     pub fn forces(&self) -> Vec<DVec3> {
         let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
-        assemble::forces(&self.problem.sheet, &self.law, self.positions(), &mut forces);
+        assemble::forces(&self.problem.sheet, &self.law, &self.balanced(), &mut forces);
         forces
+    }
+
+    /// The shape in which forces balance: [`Self::positions`] with the nodes of [`Self::lifted`].
+    #[must_use]
+    pub fn balanced(&self) -> Vec<DVec3> {
+        let mut x = self.x.clone();
+        for &(k, place) in &self.lifted {
+            x[k] = place;
+        }
+        x
     }
 
     /// Norm of the forces that no contact takes, relative to the forces they are the sum of \[-\].

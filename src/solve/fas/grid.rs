@@ -187,6 +187,13 @@ impl Layout {
         }
     }
 
+    /// Where the node of a stored row and column, or its mirror image, is stored if it is free.
+    pub(super) fn place(&self, i: isize, j: isize) -> Option<(usize, usize)> {
+        let within = |k: isize| if self.is_mirrored && k < 1 { 2 - k } else { k };
+        let (i, j) = (within(i), within(j));
+        self.is_free(i, j).then_some((i as usize, j as usize))
+    }
+
     fn is_free(&self, i: isize, j: isize) -> bool {
         // A ghost is free where its mirror image is.
         let across = |k: isize| if self.is_mirrored && k == 0 { 2 } else { k };

@@ -18,10 +18,12 @@ mod transfer;
 
 use super::Problem;
 use super::guess;
+use super::lift;
+use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::coupled::CoupledLaw;
 use force::CellLanes;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use grid::{Field, Layout};
 use law::LaneLaw;
 use smooth::{Contact, LaneDome, Pull};
@@ -59,6 +61,8 @@ const MAX_DOUBTS: u32 = 2;
 /// The lesser share holds more: slower, but it does not lift the sheet off a small contact. It is
 /// taken after a slow cycle.
 const HOLD_SHARES: [f32; 2] = [0.45, 0.15];
+/// A node whose level is below this is on the dome, up to rounding \[-\].
+const TOUCH: f64 = 3e-6;
 /// The least tolerance that f32 can promise \[share of the base radius\].
 pub(super) const LEAST_TOLERANCE: f64 = 2e-6;
 
@@ -76,6 +80,8 @@ pub(super) enum State {
 struct Level {
     layout: Layout,
     dome: LaneDome,
+    /// The same in f64.
+    exact_dome: Dome,
     u: Field,
     /// Forces, then residuals, then corrections.
     f: Field,
@@ -85,6 +91,8 @@ struct Level {
     tau: Field,
     inverse: [Vec<f32>; 6],
     hold: Vec<f32>,
+    /// Level of the dome at which a held node touches; negative where it is off the dome indeed.
+    lift: Vec<f32>,
     row: Vec<CellLanes>,
 }
 
@@ -95,12 +103,14 @@ impl Level {
         let zeros = || vec![0.0; length];
         Self {
             dome: LaneDome::default(),
+            exact_dome: Dome::new(DVec2::ZERO, 1.0, 1.0, 1.0),
             u: Field::new(length),
             f: Field::new(length),
             before: Field::new(length),
             tau: Field::new(if is_finest { 0 } else { length }),
             inverse: [zeros(), zeros(), zeros(), zeros(), zeros(), zeros()],
             hold: zeros(),
+            lift: zeros(),
             row: vec![CellLanes::default(); layout.pitch / 4 + 1],
             layout,
         }
@@ -137,6 +147,10 @@ pub(super) struct FullMultigrid {
     pub(super) cycles: u32,
     slow_cycles: u32,
     doubts: u32,
+    /// Have the lifts of the finest grid been found?
+    is_lifted: bool,
+    /// Error of leaving them out \[mm\].
+    missed: f64,
     last_change: f64,
     /// Slower, but sure where contact is small or the sheet nearly slack.
     is_wary: bool,
@@ -171,6 +185,8 @@ impl FullMultigrid {
             cycles: 0,
             slow_cycles: 0,
             doubts: 0,
+            is_lifted: false,
+            missed: 0.0,
             last_change: f64::INFINITY,
             is_wary: false,
             row: vec![0.0; nodes_per_side + 8],
@@ -205,7 +221,14 @@ impl FullMultigrid {
         self.tolerance = problem.tolerance.max(LEAST_TOLERANCE);
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
-            level.dome = LaneDome::new(dome, self.spacing * f64::from(1 << (finest - l)));
+            let per_spacing = 1.0 / (self.spacing * f64::from(1 << (finest - l)));
+            level.exact_dome = Dome {
+                center: dome.center * per_spacing,
+                base_radius: dome.base_radius * per_spacing,
+                projection: dome.projection * per_spacing,
+                base_height: dome.base_height * per_spacing,
+            };
+            level.dome = LaneDome::new(&level.exact_dome);
         }
         let coarsest = &mut self.levels[0];
         let layout = &coarsest.layout;
@@ -235,8 +258,11 @@ impl FullMultigrid {
         self.cycles = 0;
         self.slow_cycles = 0;
         self.doubts = 0;
+        self.is_lifted = false;
+        self.missed = 0.0;
         self.last_change = f64::INFINITY;
         self.error = f64::INFINITY;
+        self.levels[l].lift.fill(0.0);
         self.task = Task::Down(l, 0);
     }
 
@@ -266,10 +292,10 @@ impl FullMultigrid {
     fn solve_coarsest(&mut self) {
         let contact = self.contact(0);
         let level = &mut self.levels[0];
-        if contact == Contact::OneSided {
+        if self.current == 0 {
             level.before.copy_from(&level.u);
         }
-        if contact == Contact::OneSided || self.is_wary {
+        if self.current == 0 || self.is_wary {
             level.invert_blocks(&self.law);
         }
         for _ in 0..COARSEST_ROUNDS {
@@ -286,11 +312,11 @@ impl FullMultigrid {
         let (coarser, finer) = self.levels.split_at_mut(l);
         let (coarse, level) = (&mut coarser[l - 1], &mut finer[0]);
         if part == 0 {
-            if contact == Contact::OneSided {
+            if l == self.current {
                 level.before.copy_from(&level.u);
             }
             // A grid keeps its blocks for all cycles but its own first ones.
-            if contact == Contact::OneSided && self.cycles < BLOCK_CYCLES || self.is_wary {
+            if l == self.current && self.cycles < BLOCK_CYCLES || self.is_wary {
                 level.invert_blocks(&self.law);
                 self.count(l, 1.0);
             }
@@ -362,8 +388,23 @@ impl FullMultigrid {
             Some(cycles) => self.cycles >= cycles,
             None => self.error <= self.tolerance * self.base_radius,
         };
+        // Where contact ends between nodes matters once the nodes are in place.
+        let is_settled = match self.asked_cycles {
+            Some(cycles) => cycles > 1 && 2 * self.cycles >= cycles,
+            None => is_enough,
+        };
+        if is_settled && !self.is_lifted {
+            self.is_lifted = true;
+            if self.find_lifts() {
+                self.last_change = f64::INFINITY;
+                self.slow_cycles = 0;
+                self.task = Task::Down(l, 0);
+                return State::Working;
+            }
+        }
         if is_enough {
             self.find_relative_residual();
+            self.error += self.missed;
             if self.relative_residual <= MOST_RESIDUAL || self.asked_cycles.is_some() {
                 return State::Converged;
             }
@@ -380,6 +421,24 @@ impl FullMultigrid {
         }
         self.task = Task::Down(l, 0);
         State::Working
+    }
+
+    /// Finds where contact ends between nodes of the grid being solved; true if that changes its
+    /// equilibrium by what matters.
+    fn find_lifts(&mut self) -> bool {
+        let l = self.current;
+        let spacing = self.spacing * f64::from(1 << (self.levels.len() - 1 - l));
+        let level = &mut self.levels[l];
+        level.find_residual(&self.law, Contact::OneSided);
+        let greatest = level.find_lifts() * spacing / self.base_radius;
+        let share = lift::share(greatest, self.tolerance);
+        level.lift.iter_mut().for_each(|lift| *lift *= share as f32);
+        self.count(l, 1.0);
+        if share > 0.0 {
+            return true;
+        }
+        self.missed = lift::missed(greatest) * self.base_radius;
+        false
     }
 
     fn find_relative_residual(&mut self) {
@@ -408,18 +467,35 @@ impl FullMultigrid {
         self.begin_grid(self.current + 1);
     }
 
-    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ).
-    pub(super) fn write_positions(&self, sheet: &Sheet, x: &mut [DVec3]) {
+    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), the nodes that
+    /// touch on the dome itself, and where those stand that are lifted.
+    pub(super) fn write_positions(
+        &self,
+        problem: &Problem,
+        x: &mut [DVec3],
+        lifted: &mut Vec<(usize, DVec3)>,
+    ) {
+        let (sheet, dome) = (&problem.sheet, &problem.dome);
+        lifted.clear();
         let level = &self.levels[self.levels.len() - 1];
         let layout = &level.layout;
         let (n, center) = (layout.nodes_per_side, layout.nodes_per_side / 2);
         let first = center - layout.center();
         layout.free_rows(|j, from, to| {
             for i in from..to {
-                let [ux, uy, uz] = level.u.at(j * layout.pitch + i).map(f64::from);
+                let at = j * layout.pitch + i;
+                let [ux, uy, uz] = level.u.at(at).map(f64::from);
+                let (lift, is_held) = (level.lift[at], level.hold[at] > 0.0);
                 let mut set = |i: usize, j: usize, u: DVec3| {
                     let k = j * n + i;
                     x[k] = sheet.rest()[k].extend(0.0) + u * self.spacing;
+                    if lift != 0.0 && is_held {
+                        // Twice on an axis of symmetry, which does no harm.
+                        lifted.push((k, x[k]));
+                    }
+                    if lift > 0.0 && is_held || lift == 0.0 && dome.level(x[k]) < TOUCH {
+                        x[k] = dome.onto_surface(x[k]);
+                    }
                 };
                 let (i, j) = (i + first, j + first);
                 set(i, j, DVec3::new(ux, uy, uz));
@@ -435,6 +511,34 @@ impl FullMultigrid {
 }
 
 impl Level {
+    /// Finds where contact ends between nodes; gives the greatest lift \[grid spacings\].
+    fn find_lifts(&mut self) -> f64 {
+        let Self { layout, exact_dome: dome, u, hold, lift, .. } = self;
+        let layout = &*layout;
+        let center = layout.center() as f64;
+        let mut greatest = 0.0_f64;
+        lift.fill(0.0);
+        layout.free_rows(|j, from, to| {
+            for i in from..to {
+                let at = j * layout.pitch + i;
+                if hold[at] <= 0.0 {
+                    continue;
+                }
+                let gap = |di: isize, dj: isize| {
+                    let (i, j) = layout.place(i as isize + di, j as isize + dj)?;
+                    let k = j * layout.pitch + i;
+                    let [x, y, z] = u.at(k).map(f64::from);
+                    let rest = DVec3::new(i as f64 - center, j as f64 - center, 0.0);
+                    (hold[k] <= 0.0).then(|| dome.level(rest + DVec3::new(x, y, z)))
+                };
+                let level = lift::lift(gap);
+                greatest = greatest.max(level.abs());
+                lift[at] = level as f32;
+            }
+        });
+        greatest * dome.base_radius.max(dome.projection)
+    }
+
     fn invert_blocks(&mut self, law: &LaneLaw) {
         force::invert_blocks(&self.layout, law, &self.u, &mut self.inverse);
     }
@@ -445,16 +549,16 @@ impl Level {
 
     fn smooth(&mut self, law: &LaneLaw, contact: Contact, omega: f32) {
         self.forces(law);
-        let Self { layout, dome, u, f, tau, inverse, hold, .. } = self;
+        let Self { layout, dome, u, f, tau, inverse, hold, lift, .. } = self;
         let tau = (contact == Contact::Held).then_some(&*tau);
-        smooth::step(layout, dome, contact, omega, &Pull { inverse, f, tau, hold }, u);
+        smooth::step(layout, dome, contact, omega, &Pull { inverse, f, tau, hold, lift }, u);
     }
 
     fn find_residual(&mut self, law: &LaneLaw, contact: Contact) -> f64 {
         self.forces(law);
         let tau = (contact == Contact::Held).then_some(&self.tau);
-        let Self { layout, dome, u, hold, f, .. } = self;
-        smooth::residual(layout, dome, contact, u, tau, hold, f)
+        let Self { layout, dome, u, hold, f, lift, .. } = self;
+        smooth::residual(layout, dome, contact, u, tau, (lift, hold), f)
     }
 
     /// Takes shape, held nodes and residual of the finer grid; what is to be solved here is
@@ -478,8 +582,8 @@ impl Level {
     }
 
     fn add_correction(&mut self, coarse: &Self, row: &mut [f32]) {
-        let Self { layout, dome, u, hold, f, .. } = self;
+        let Self { layout, dome, u, hold, f, lift, .. } = self;
         transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
-        smooth::correct(layout, dome, f, hold, u);
+        smooth::correct(layout, dome, f, (lift, hold), u);
     }
 }

@@ -31,17 +31,19 @@ pub(super) struct LaneDome {
 pub(super) enum Contact {
     /// Those that would go into it.
     OneSided,
-    /// Those that the finer grid holds, whatever their force: a coarse grid corrects for a finer one.
+    /// On a coarse grid that corrects for a finer one: also those that the finer one holds, which stay
+    /// as near to the dome as they are.
     Held,
 }
 
 impl LaneDome {
-    pub(super) fn new(dome: &Dome, spacing: f64) -> Self {
+    /// Of a dome in grid spacings.
+    pub(super) fn new(dome: &Dome) -> Self {
         Self {
-            center: [(dome.center.x / spacing) as f32, (dome.center.y / spacing) as f32],
-            base_height: (dome.base_height / spacing) as f32,
-            per_radius: (spacing / dome.base_radius) as f32,
-            per_projection: (spacing / dome.projection) as f32,
+            center: [dome.center.x as f32, dome.center.y as f32],
+            base_height: dome.base_height as f32,
+            per_radius: (1.0 / dome.base_radius) as f32,
+            per_projection: (1.0 / dome.projection) as f32,
         }
     }
 
@@ -79,6 +81,8 @@ pub(super) struct Pull<'a> {
     pub(super) tau: Option<&'a Field>,
     /// Marks of the nodes that are held.
     pub(super) hold: &'a [f32],
+    /// Level at which each node touches.
+    pub(super) lift: &'a [f32],
 }
 
 /// One step of length `omega`: u += ω D⁻¹ (f + τ), under the constraints.
@@ -90,7 +94,7 @@ pub(super) fn step(
     pull: &Pull,
     u: &mut Field,
 ) {
-    let Pull { inverse, f, tau, hold } = *pull;
+    let Pull { inverse, f, tau, hold, lift } = *pull;
     let zero = f32x4::ZERO;
     layout.free_rows(|j, from, to| {
         let mut i = from;
@@ -120,16 +124,14 @@ pub(super) fn step(
             let (x, y) = rest(layout, i, j);
             let (p, length, g) = dome.level(x, y, at);
             let towards = dot(g, d);
-            let mut over = length - 1.0 + towards;
-            let mut level = f32x4::ONE;
-            let mut is_held = over.simd_lt(zero);
+            let mut level = load(lift, k).abs() + 1.0;
+            let mut is_held = f32x4::ZERO;
             if contact == Contact::Held {
-                // Held nodes stay as near to the dome as they are.
-                let is_given = load(hold, k).simd_gt(zero);
-                is_held |= is_given;
-                over = is_given.bitselect(towards, over);
-                level = is_given.bitselect(length, level);
+                is_held = load(hold, k).simd_gt(zero);
+                level = is_held.bitselect(length, level);
             }
+            let over = length - level + towards;
+            is_held |= over.simd_lt(zero);
             let is_movable = xx.simd_gt(zero);
             is_held &= is_movable;
             let mut to_u = [at[0] + d[0], at[1] + d[1], at[2] + d[2]];
@@ -177,7 +179,7 @@ pub(super) fn correct(
     layout: &Layout,
     dome: &LaneDome,
     correction: &Field,
-    hold: &[f32],
+    (lift, hold): (&[f32], &[f32]),
     u: &mut Field,
 ) {
     layout.free_rows(|j, from, to| {
@@ -198,7 +200,7 @@ pub(super) fn correct(
                 to_p[2] * dome.per_projection,
             ];
             let length = dot(scaled, scaled).sqrt();
-            let level = is_held.bitselect(before, f32x4::ONE);
+            let level = is_held.bitselect(before, load(lift, k).abs() + 1.0);
             let back = (level - length) / length.fast_max(f32x4::splat(1e-6));
             let is_put_back = is_held | back.simd_gt(f32x4::ZERO);
             let mut moved = [0, 1, 2]
@@ -220,7 +222,7 @@ pub(super) fn residual(
     contact: Contact,
     u: &Field,
     tau: Option<&Field>,
-    hold: &mut [f32],
+    (lift, hold): (&[f32], &mut [f32]),
     f: &mut Field,
 ) -> f64 {
     let zero = f32x4::ZERO;
@@ -245,7 +247,8 @@ pub(super) fn residual(
             let across = dot(r, g);
             let is_held = match contact {
                 Contact::OneSided => {
-                    let touches = (length - 1.0).simd_lt(f32x4::splat(TOUCH));
+                    let level = load(lift, k).abs() + (1.0 + TOUCH);
+                    let touches = length.simd_lt(level);
                     let is_held = touches & across.simd_lt(zero);
                     let marks = is_held.bitselect(f32x4::ONE, zero).to_array();
                     let count = (to - i).min(4);

@@ -11,10 +11,10 @@ pub(super) const ON_DOME: u8 = 1;
 /// Pressed by the wall; may be both.
 pub(super) const ON_WALL: u8 = 2;
 
-/// The nearest admissible point along simple paths: up to the wall, then out of the dome.
-pub(super) fn admissible(dome: &Dome, mut point: DVec3) -> DVec3 {
+/// The nearest admissible point along simple paths: up to the wall, then out of the dome's given level.
+pub(super) fn admissible(dome: &Dome, mut point: DVec3, level: f64) -> DVec3 {
     point.z = point.z.max(0.0);
-    if dome.level(point) < 0.0 { dome.onto_surface(point) } else { point }
+    if dome.level(point) < level { dome.onto_level(point, level) } else { point }
 }
 
 /// Second derivative of the dome's level \[1/mm²\].

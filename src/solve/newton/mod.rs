@@ -14,6 +14,7 @@ mod stability;
 use super::assemble::{self, Stiffness, Totals};
 use super::blocks::{Blocks, outer};
 use super::law::SheetLaw;
+use super::lift;
 use super::multigrid::{Finest, Hierarchy, safe_inverse};
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
@@ -110,6 +111,10 @@ pub(crate) struct Newton {
     projector: Vec<DMat3>,
     normal: Vec<DVec3>,
     gap: Vec<f64>,
+    /// Level of the dome at which each node touches \[-\]; negative where it is off the dome indeed.
+    lift: Vec<f64>,
+    /// Error of leaving lifts out \[mm\].
+    missed: f64,
     /// The step, and the step before the last correction.
     d: Vec<DVec3>,
     r: Vec<DVec3>,
@@ -156,6 +161,8 @@ impl Newton {
             projector: matrices(),
             normal: vectors(),
             gap: vec![0.0; size],
+            lift: vec![0.0; size],
+            missed: 0.0,
             d: vectors(),
             r: vectors(),
             z: vectors(),
@@ -185,12 +192,14 @@ impl Newton {
     pub(crate) fn start(&mut self, dome: &Dome) {
         for &k in &self.free {
             let k = k as usize;
-            self.x[k] = admissible(dome, self.x[k]);
+            self.lift[k] = 0.0;
+            self.x[k] = admissible(dome, self.x[k], 0.0);
         }
         self.phase = Phase::Linearize { row: 0 };
         self.moves += 1;
         self.iterations = 0;
         self.is_cautious = false;
+        self.missed = 0.0;
         self.last_step = f64::INFINITY;
         self.error = f64::INFINITY;
         self.relative_residual = f64::INFINITY;
@@ -258,7 +267,7 @@ impl Newton {
             let gradient = dome.level_gradient(self.x[k]);
             let steepness = gradient.length();
             self.normal[k] = gradient / steepness;
-            self.gap[k] = dome.level(self.x[k]) / steepness;
+            self.gap[k] = (dome.level(self.x[k]) - self.lift[k].abs()) / steepness;
             let pressing = -self.forces[k].dot(self.normal[k]);
             self.contact[k] = FREE;
             if self.gap[k] <= touch && pressing >= 0.0 {
@@ -474,9 +483,9 @@ impl Newton {
             let mut to = self.x[k] + self.d[k] * length;
             // A pressing node stays on the dome: its tangent step leads off the surface.
             if self.contact[k] & ON_DOME != 0 && halvings == 0 {
-                to = dome.onto_surface(to);
+                to = dome.onto_level(to, self.lift[k].abs());
             }
-            to = admissible(dome, to);
+            to = admissible(dome, to, self.lift[k].abs());
             let moved = to - self.x[k];
             largest = largest.max(moved.length_squared());
             expected += moved.dot(self.forces[k]);
@@ -514,6 +523,65 @@ impl Newton {
         if self.error <= tolerance { State::Converged } else { State::Working }
     }
 
+    /// Finds where contact ends between nodes. If that matters to `tolerance` \[mm\], begins the
+    /// iteration to the equilibrium with lifts; else false.
+    pub(crate) fn find_lifts(&mut self, dome: &Dome, tolerance: f64) -> bool {
+        let n = self.sheet.nodes_per_side();
+        let touches = |k: usize| self.contact[k] & ON_DOME != 0;
+        let mut greatest = 0.0_f64;
+        for &k in &self.free {
+            let k = k as usize;
+            if !touches(k) {
+                continue;
+            }
+            let gap = |i: isize, j: isize| {
+                let (i, j) = ((k % n).checked_add_signed(i)?, (k / n).checked_add_signed(j)?);
+                let at = j * n + i;
+                let is_off =
+                    i < n && j < n && self.sheet.kinds()[at] == NodeKind::Free && !touches(at);
+                is_off.then(|| dome.level(self.x[at]))
+            };
+            self.lift[k] = lift::lift(gap);
+            greatest = greatest.max(self.lift[k].abs() * dome.base_radius.max(dome.projection));
+        }
+        let radius = dome.base_radius;
+        let share = lift::share(greatest / radius, tolerance / radius);
+        self.lift.iter_mut().for_each(|lift| *lift *= share);
+        if share <= 0.0 {
+            self.missed = lift::missed(greatest / radius) * radius;
+            return false;
+        }
+        for &k in &self.free {
+            let k = k as usize;
+            self.x[k] = admissible(dome, self.x[k], self.lift[k].abs());
+        }
+        self.moves += 1;
+        self.phase = Phase::Linearize { row: 0 };
+        self.last_step = f64::INFINITY;
+        true
+    }
+
+    /// Writes the shape, the nodes that touch on the dome itself, and where those stand that are lifted.
+    pub(crate) fn write_positions(
+        &self,
+        dome: &Dome,
+        x: &mut [DVec3],
+        lifted: &mut Vec<(usize, DVec3)>,
+    ) {
+        x.copy_from_slice(&self.x);
+        lifted.clear();
+        for &k in &self.free {
+            let k = k as usize;
+            let lift = if self.contact[k] & ON_DOME != 0 { self.lift[k] } else { 0.0 };
+            if lift.abs() > 0.0 {
+                lifted.push((k, x[k]));
+            }
+            if lift > 0.0 {
+                x[k] = dome.onto_surface(x[k]);
+            }
+        }
+    }
+
     /// Forces, contact and residual at the present shape, for what is measured.
     pub(crate) fn finish(&mut self, law: &SheetLaw, dome: &Dome) {
         self.work_units += 1.0;
@@ -522,9 +590,11 @@ impl Newton {
         for &k in &self.free {
             let k = k as usize;
             self.normal[k] = dome.normal(self.x[k]);
-            let gap = dome.level(self.x[k]) / dome.level_gradient(self.x[k]).length();
+            let gap = (dome.level(self.x[k]) - self.lift[k].abs())
+                / dome.level_gradient(self.x[k]).length();
             self.contact[k] = FREE;
-            if gap <= touch && self.forces[k].dot(self.normal[k]) <= 0.0 {
+            let is_pressed = gap <= touch && self.forces[k].dot(self.normal[k]) <= 0.0;
+            if is_pressed {
                 self.contact[k] |= ON_DOME;
             }
             if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
@@ -532,6 +602,7 @@ impl Newton {
             }
         }
         self.relative_residual = self.residual(law);
+        self.error += self.missed;
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) struct NestedNewton {
     current: usize,
     is_warm: bool,
     is_probed: bool,
+    is_lifted: bool,
 }
 
 impl NestedNewton {
@@ -30,13 +31,14 @@ impl NestedNewton {
             sheets.push(coarser);
         }
         let levels = sheets.into_iter().rev().map(Newton::new).collect();
-        Self { levels, current: 0, is_warm: false, is_probed: false }
+        Self { levels, current: 0, is_warm: false, is_probed: false, is_lifted: false }
     }
 
     /// Starts from geometry alone on the coarsest grid.
     pub(crate) fn start_cold(&mut self, dome: &Dome) {
         self.is_warm = false;
         self.is_probed = false;
+        self.is_lifted = false;
         self.current = 0;
         let coarsest = &mut self.levels[0];
         coarsest.x = guess::tight_string(&coarsest.sheet, dome);
@@ -47,6 +49,7 @@ impl NestedNewton {
     pub(crate) fn start_from(&mut self, x: &[DVec3], dome: &Dome) {
         self.is_warm = true;
         self.is_probed = false;
+        self.is_lifted = false;
         self.current = self.levels.len() - 1;
         let finest = &mut self.levels[self.current];
         finest.x.copy_from_slice(x);
@@ -85,6 +88,14 @@ impl NestedNewton {
             {
                 self.is_probed = true;
                 self.levels[last].begin_stability(state);
+            }
+            State::Converged
+                if springs == Springs::Coupled && !std::mem::replace(&mut self.is_lifted, true) =>
+            {
+                if !self.levels[last].find_lifts(dome, tolerance) {
+                    self.levels[last].finish(law, dome);
+                    return state;
+                }
             }
             State::Stalled | State::Converged => {
                 self.levels[last].finish(law, dome);
