@@ -7,7 +7,7 @@
 
 use crate::measure::{Field, Fields, Layers, Outcome};
 use crate::scene::{Scene, SceneError};
-use crate::solve::{Progress, Solver};
+use crate::solve::{Options, Progress, Shown, Solver};
 use glam::DVec3;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
@@ -33,6 +33,9 @@ pub enum Command {
     Redo,
 }
 
+/// The position error within which a moving control is answered \[share of the base radius\].
+const DRAFT_TOLERANCE: f64 = 1e-3;
+
 /// Work done so far: what was skipped is not counted. For `stats()` and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counters {
@@ -50,6 +53,12 @@ pub struct Counters {
     pub fields: u64,
     /// Meshes made for the picture.
     pub meshes: u64,
+    /// Times that the spring law's tables were made.
+    pub tables: u64,
+    /// Times that the solver's nested grids were made.
+    pub grids: u64,
+    /// Shapes shown before they had converged: drafts and those of coarser grids.
+    pub previews: u64,
 }
 
 /// The scene, its history and its shape.
@@ -64,6 +73,7 @@ pub struct Session {
     layers: Rc<Layers>,
     fields: OnceCell<Rc<Fields>>,
     outcome: Option<Outcome>,
+    is_measured: bool,
     counters: Cell<Counters>,
 }
 
@@ -73,7 +83,8 @@ impl Session {
     /// # Errors
     /// If the scene is out of its limits.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
-        let solver = Solver::new(scene.problem()?);
+        let options = Options { draft_tolerance: Some(DRAFT_TOLERANCE), ..Options::default() };
+        let solver = Solver::with_options(scene.problem()?, options);
         Ok(Self {
             layers: Rc::new(Layers::new(solver.problem())),
             scene,
@@ -85,6 +96,7 @@ impl Session {
             revision: 1,
             fields: OnceCell::new(),
             outcome: None,
+            is_measured: true,
             counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
         })
     }
@@ -181,26 +193,44 @@ impl Session {
 
     /// Does a slice of solving, until `pause` says so or the solve ends; asks `pause` between
     /// steps of at most a few milliseconds. Returns whether there is more to do.
+    ///
+    /// A slice also ends when the shape is within 0.1 % of the base radius for the first time, so that
+    /// it can be shown and measured while a control is moving; the next one goes on from there.
     pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
+        let progress = self.solve(pause);
+        self.conclude();
+        progress
+    }
+
+    /// The solving of [`Self::advance`], to be followed by [`Self::conclude`].
+    pub fn solve(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         if !self.working {
             return Progress::Done;
         }
         let (work, moves) = (self.solver.work_units(), self.solver.moves());
         let progress = self.solver.advance(pause);
         let work = self.solver.work_units() - work;
+        let has_moved = self.solver.moves() != moves;
+        self.working = progress == Progress::Working;
         self.count(|c| {
             c.slices += 1;
             c.work_units += work;
+            c.previews += u64::from(has_moved && progress == Progress::Working);
         });
-        if self.solver.moves() != moves || progress == Progress::Done {
+        if has_moved || !self.working {
             self.reshaped();
+            self.is_measured = self.working && self.solver.shown() != Shown::Draft;
         }
-        if progress == Progress::Done {
-            self.working = false;
+        progress
+    }
+
+    /// Measures a new shape that is worth it: a draft or the end of a solve.
+    pub fn conclude(&mut self) {
+        if !self.is_measured {
+            self.is_measured = true;
             self.outcome = Some(self.scene.measure_fields(&self.solver, self.fields()));
             self.count(|c| c.measurements += 1);
         }
-        progress
     }
 
     fn reshaped(&mut self) {
@@ -265,8 +295,8 @@ impl Session {
         self.counters.set(counters);
     }
 
-    /// The result of the last finished solve; `None` before the first. While
-    /// [`Self::is_working`], it belongs to the scene before.
+    /// The last result; `None` before the first. While [`Self::is_working`], it belongs to the scene
+    /// before or, where [`Solver::shown`] says so, to a draft of this one.
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
         self.outcome.as_ref()
@@ -275,6 +305,10 @@ impl Session {
     /// Work done so far.
     #[must_use]
     pub fn counters(&self) -> Counters {
-        self.counters.get()
+        Counters {
+            tables: self.solver.tables_built(),
+            grids: self.solver.grids_built(),
+            ..self.counters.get()
+        }
     }
 }

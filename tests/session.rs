@@ -5,7 +5,7 @@
 use implant_preview::measure::{Field, Status};
 use implant_preview::scene::{Layer, Scene};
 use implant_preview::session::{Command, Counters, Session};
-use implant_preview::solve::Progress;
+use implant_preview::solve::{Method, Options, Progress, Shown, Solver};
 use implant_preview::view::color::Quantity;
 use implant_preview::view::picture::Picture;
 use implant_preview::view::section::{Opening, Section};
@@ -68,6 +68,9 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         recoveries: after.recoveries - before.recoveries,
         fields: after.fields - before.fields,
         meshes: after.meshes - before.meshes,
+        tables: after.tables - before.tables,
+        grids: after.grids - before.grids,
+        previews: after.previews - before.previews,
     }
 }
 
@@ -205,6 +208,117 @@ fn the_shape_does_not_depend_on_the_way_to_it() {
     let mut other = Session::new(at_once).unwrap();
     settle(&mut other);
     assert_eq!(session.shape(), other.shape());
+}
+
+/// Advances to the end and gives what that took.
+fn solving(session: &mut Session, change: impl FnOnce(&mut Scene)) -> Counters {
+    work(session, |session| {
+        edit(session, 7, change);
+        settle(session);
+    })
+}
+
+#[test]
+fn only_a_change_of_the_law_makes_tables_and_only_a_change_of_the_grid_makes_grids() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    let start = session.counters();
+    assert_eq!((start.tables, start.grids), (1, 1));
+    let moved = solving(&mut session, |scene| scene.insertion = 0.8);
+    assert_eq!((moved.solves, moved.tables, moved.grids), (1, 0, 0));
+    let wider = solving(&mut session, |scene| scene.pocket_radius_mm += 2.0);
+    assert_eq!((wider.solves, wider.tables, wider.grids), (1, 0, 0));
+    let softer = solving(&mut session, |scene| scene.layers[0].poisson_ratio = 0.3);
+    assert_eq!((softer.solves, softer.tables, softer.grids), (1, 1, 0));
+    let finer = solving(&mut session, |scene| scene.solver.nodes_per_side = 65);
+    assert_eq!((finer.solves, finer.tables, finer.grids), (1, 0, 1));
+    // Off the centre the whole sheet is needed.
+    let aside = solving(&mut session, |scene| scene.implant.center_mm = [1.0, 2.0]);
+    assert_eq!((aside.solves, aside.tables, aside.grids), (1, 0, 1));
+}
+
+#[test]
+fn a_centred_dome_takes_a_quarter_of_the_sheet_and_gives_the_same_shape() {
+    for nodes in [33, 65, 129] {
+        let mut scene = small();
+        scene.solver.nodes_per_side = nodes;
+        let [quarter, whole] = [true, false].map(|use_symmetry| {
+            let method = Method::Multigrid { cycles: 16 };
+            let options = Options { method, use_symmetry, ..Options::default() };
+            let mut solver = Solver::with_options(scene.problem().unwrap(), options);
+            solver.advance(&mut || false);
+            assert!(!solver.fell_back());
+            solver
+        });
+        assert!(3 * quarter.nodes_solved() <= whole.nodes_solved());
+        for (a, b) in quarter.positions().iter().zip(whole.positions()) {
+            let error = a.distance(*b) / scene.implant.base_radius_mm;
+            assert!(error < 1e-6, "{nodes}: {error:.1e}");
+        }
+    }
+}
+
+#[test]
+fn layers_of_equal_poisson_ratio_cost_as_much_as_one() {
+    let units = |ratios: &[f64]| {
+        let mut scene = small();
+        scene.layers = ratios
+            .iter()
+            .map(|&poisson_ratio| Layer { poisson_ratio, ..Layer::adipose() })
+            .collect();
+        let mut solver = Solver::new(scene.problem().unwrap());
+        solver.advance(&mut || false);
+        solver.tables()
+    };
+    assert_eq!(units(&[0.45]), 1);
+    assert_eq!(units(&[0.45; 8]), 1);
+    assert_eq!(units(&[0.45, 0.3, 0.45]), 2);
+}
+
+#[test]
+fn a_moving_control_is_answered_within_a_thousandth_and_then_to_the_tolerance() {
+    let mut scene = small();
+    scene.solver.nodes_per_side = 129;
+    scene.solver.tolerance = 1e-5;
+    let mut session = Session::new(scene).unwrap();
+    settle(&mut session);
+    edit(&mut session, 1, |scene| scene.insertion = 0.9);
+    // Without a pause, a slice ends at the draft.
+    assert_eq!(session.advance(&mut || false), Progress::Working);
+    assert_eq!(session.solver().shown(), Shown::Draft);
+    assert!(session.is_working());
+    let draft = session.shape().to_vec();
+    let measured = session.outcome().unwrap();
+    assert!((measured.projection_mm.unwrap() - 0.9 * 55.0).abs() < 0.055);
+    assert!(measured.solver.estimated_position_error <= 1e-3);
+    assert_eq!(session.advance(&mut || false), Progress::Done);
+    assert_eq!(session.outcome().unwrap().status, Status::Converged);
+    let moved = draft.iter().zip(session.shape()).map(|(a, b)| a.distance(*b));
+    let moved = moved.fold(0.0, f64::max) / 55.0;
+    assert!(moved > 0.0 && moved < 1e-3, "{moved:.1e}");
+}
+
+#[test]
+fn a_short_slice_shows_what_a_coarser_grid_has() {
+    let mut scene = small();
+    scene.solver.nodes_per_side = 129;
+    let mut session = Session::new(scene).unwrap();
+    let mut pieces = 0;
+    let mut pause = || {
+        pieces += 1;
+        pieces == 60
+    };
+    assert_eq!(session.advance(&mut pause), Progress::Working);
+    let Shown::Coarse { nodes_per_side } = session.solver().shown() else {
+        panic!("{:?}", session.solver().shown())
+    };
+    assert!(nodes_per_side < 129 && nodes_per_side >= 17, "{nodes_per_side}");
+    assert_eq!(session.counters().previews, 1);
+    let coarse = session.shape().to_vec();
+    settle(&mut session);
+    let moved = coarse.iter().zip(session.shape()).map(|(a, b)| a.distance(*b));
+    let moved = moved.fold(0.0, f64::max) / 55.0;
+    assert!(moved < 0.05, "{moved:.1e}");
 }
 
 #[test]

@@ -46,12 +46,20 @@ pub struct Stats {
     pub frame_ms_p95: f64,
     /// Time in the solver for the present scene \[ms\].
     pub solve_ms: f64,
+    /// Middle time in the solver of a frame that solved \[ms\].
+    pub solver_ms_p50: f64,
+    /// Time in the solver that 95 % of such frames stay below \[ms\].
+    pub solver_ms_p95: f64,
     /// Does the picture show the converged shape of the present scene?
     pub converged: bool,
     /// Solves started.
     pub solves: u64,
     /// Solver work so far, in evaluations of all nodal forces.
     pub work_units: f64,
+    /// Times that the spring law's tables were made.
+    pub tables: u64,
+    /// Times that a shape was measured.
+    pub measurements: u64,
 }
 
 /// A line to the user.
@@ -161,9 +169,13 @@ impl App {
             frame_ms_p50: self.timing.percentile(0.5),
             frame_ms_p95: self.timing.percentile(0.95),
             solve_ms: self.timing.solve_ms,
+            solver_ms_p50: self.timing.slices.percentile(0.5),
+            solver_ms_p95: self.timing.slices.percentile(0.95),
             converged: is_converged && !self.session.is_working(),
             solves: counters.solves,
             work_units: counters.work_units,
+            tables: counters.tables,
+            measurements: counters.measurements,
         }
     }
 
@@ -224,8 +236,9 @@ impl App {
         // Nothing can be used before the first shape is there.
         let slice = if self.session.outcome().is_none() { FIRST_SLICE } else { SLICE };
         let start = Instant::now();
-        let progress = self.session.advance(&mut || start.elapsed() >= slice);
-        self.timing.solve_ms += 1000.0 * start.elapsed().as_secs_f64();
+        let progress = self.session.solve(&mut || start.elapsed() >= slice);
+        self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64());
+        self.session.conclude();
         if progress == Progress::Done
             && self.session.outcome().is_some_and(|o| o.status == Status::Unstable)
         {

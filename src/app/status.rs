@@ -3,36 +3,61 @@
 use super::theme::{self, SPACE};
 use crate::measure::Status;
 use crate::session::Session;
+use crate::solve::Shown;
 use eframe::egui::{self, Color32, RichText, Ui};
+use std::collections::VecDeque;
 
 /// Times of the frames and solves so far \[ms\].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timing {
-    /// Times spent in the app's own frames, the newest last; at most [`FRAMES_KEPT`].
-    frames: std::collections::VecDeque<f64>,
+    /// Times spent in the app's own frames.
+    frames: Recent,
+    /// Times in the solver in the frames that solved.
+    pub(super) slices: Recent,
     /// Frames drawn since the start.
     pub(super) frame_count: u64,
     /// Time spent in the solver for the present scene.
     pub(super) solve_ms: f64,
 }
 
-const FRAMES_KEPT: usize = 240;
+/// The newest times \[ms\], at most [`TIMES_KEPT`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Recent(VecDeque<f64>);
+
+const TIMES_KEPT: usize = 240;
+
+impl Recent {
+    pub(super) fn add(&mut self, ms: f64) {
+        if self.0.len() == TIMES_KEPT {
+            self.0.pop_front();
+        }
+        self.0.push_back(ms);
+    }
+
+    /// The time that a share of them stays below.
+    pub(super) fn percentile(&self, share: f64) -> f64 {
+        let mut sorted: Vec<f64> = self.0.iter().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
+        sorted.get(place).copied().unwrap_or(0.0)
+    }
+}
 
 impl Timing {
     pub(super) fn add_frame(&mut self, ms: f64) {
         self.frame_count += 1;
-        if self.frames.len() == FRAMES_KEPT {
-            self.frames.pop_front();
-        }
-        self.frames.push_back(ms);
+        self.frames.add(ms);
+    }
+
+    /// A slice of solving.
+    pub(super) fn add_slice(&mut self, ms: f64) {
+        self.solve_ms += ms;
+        self.slices.add(ms);
     }
 
     /// The frame time that a share of the frames stays below \[ms\].
     pub(super) fn percentile(&self, share: f64) -> f64 {
-        let mut sorted: Vec<f64> = self.frames.iter().copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-        sorted.get(place).copied().unwrap_or(0.0)
+        self.frames.percentile(share)
     }
 }
 
@@ -40,7 +65,15 @@ impl Timing {
 pub(super) fn state(ui: &Ui, session: &Session) -> (String, Color32) {
     let palette = theme::palette(ui.visuals());
     if session.is_working() {
-        return ("Solving…".to_owned(), palette.caution);
+        let text = match session.solver().shown() {
+            Shown::Draft => "Following: within 0.1 % of the base radius".to_owned(),
+            Shown::Coarse { nodes_per_side } => format!(
+                "Following on a coarse grid: {nodes_per_side} of {} nodes a side",
+                session.solver().problem().sheet.nodes_per_side()
+            ),
+            Shown::Before | Shown::Latest => "Solving…".to_owned(),
+        };
+        return (text, palette.caution);
     }
     match session.outcome() {
         None => ("Solving…".to_owned(), palette.caution),

@@ -21,7 +21,7 @@ pub use fields::{Field, Fields, Stack, fields};
 pub use layers::Layers;
 pub use surface::{Surfaces, surfaces};
 
-use crate::solve::{Solver, Verdict};
+use crate::solve::{Method, Solver, Verdict};
 use deformation::Summary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -140,13 +140,30 @@ pub struct ProfilePoint {
     pub stretch_hoop: f64,
 }
 
+/// A method of solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SolverMethod {
+    /// Full multigrid, full approximation scheme, in f32.
+    Multigrid,
+    /// Newton's method on nested grids, in f64.
+    Newton,
+}
+
 /// What the solver did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SolverOutcome {
     /// Nodes per side after rounding.
     pub nodes_per_side: usize,
-    /// Free nodes of the finest level.
+    /// Free nodes of the finest level that were solved for: those of one quarter where a centred dome
+    /// allows it.
     pub nodes_solved: usize,
+    /// The method that the shape comes from.
+    pub method: SolverMethod,
+    /// Multigrid cycles of the finest level.
+    pub cycles: u32,
+    /// Did the slower, sure method take over because a cycle did not lead to the solution?
+    pub fell_back: bool,
     /// One unit = one evaluation of all nodal forces on the finest grid.
     pub work_units: f64,
     /// Wall-clock time \[ms\], where a clock was at hand.
@@ -200,7 +217,13 @@ pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome 
         profile: Vec::new(),
         solver: SolverOutcome {
             nodes_per_side: sheet.nodes_per_side(),
-            nodes_solved: sheet.free_nodes(),
+            nodes_solved: solver.nodes_solved(),
+            method: match solver.method() {
+                Method::Newton => SolverMethod::Newton,
+                _ => SolverMethod::Multigrid,
+            },
+            cycles: solver.cycles(),
+            fell_back: solver.fell_back(),
             work_units: solver.work_units(),
             time_ms: None,
             relative_residual: finite(solver.relative_residual()),

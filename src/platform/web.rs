@@ -1,6 +1,6 @@
 //! The page: starts the app on the canvas and gives it to JavaScript as `window.implantPreview`.
 
-use crate::app::{App, Stats};
+use crate::app::App;
 use crate::scene::Scene;
 use eframe::WebRunner;
 use std::cell::RefCell;
@@ -181,22 +181,26 @@ impl Handle {
         self.page(|app| app.outcome().and_then(|o| serde_json::to_string(&o).ok()))
     }
 
-    /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, converged, solves, work_units }`.
+    /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, converged, solves,
+    /// work_units, tables, measurements }`.
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn stats(&self) -> Result<JsValue, JsError> {
-        let Stats { frames, frame_ms_p50, frame_ms_p95, solve_ms, converged, solves, work_units } =
-            self.page(|app| app.stats())?;
+        let stats = self.page(|app| app.stats())?;
         let object = js_sys::Object::new();
         for (name, value) in [
-            ("frames", JsValue::from(frames as f64)),
-            ("frame_ms_p50", frame_ms_p50.into()),
-            ("frame_ms_p95", frame_ms_p95.into()),
-            ("solve_ms", solve_ms.into()),
-            ("converged", converged.into()),
-            ("solves", JsValue::from(solves as f64)),
-            ("work_units", work_units.into()),
+            ("frames", JsValue::from(stats.frames as f64)),
+            ("frame_ms_p50", stats.frame_ms_p50.into()),
+            ("frame_ms_p95", stats.frame_ms_p95.into()),
+            ("solve_ms", stats.solve_ms.into()),
+            ("solver_ms_p50", stats.solver_ms_p50.into()),
+            ("solver_ms_p95", stats.solver_ms_p95.into()),
+            ("converged", stats.converged.into()),
+            ("solves", JsValue::from(stats.solves as f64)),
+            ("work_units", stats.work_units.into()),
+            ("tables", JsValue::from(stats.tables as f64)),
+            ("measurements", JsValue::from(stats.measurements as f64)),
         ] {
             // Setting a field of a fresh object does not fail.
             let _ = js_sys::Reflect::set(&object, &name.into(), &value);

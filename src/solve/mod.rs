@@ -113,18 +113,37 @@ pub enum Method {
 }
 
 /// How a problem is to be solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The method.
     pub method: Method,
     /// Solve a centred dome on one quarter of the sheet.
     pub use_symmetry: bool,
+    /// A position error \[share of the base radius\] at which [`Solver::advance`] returns once with a
+    /// shape to show, if the tolerance is smaller. A pause before shows what a coarser grid has.
+    pub draft_tolerance: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { method: Method::Automatic, use_symmetry: true }
+        Self { method: Method::Automatic, use_symmetry: true, draft_tolerance: None }
     }
+}
+
+/// What [`Solver::positions`] shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// The shape of the problem before, or the sheet at rest.
+    Before,
+    /// The shape that a coarser grid has so far.
+    Coarse {
+        /// Nodes a side of that grid.
+        nodes_per_side: usize,
+    },
+    /// This problem's shape, with an estimated error below the draft tolerance.
+    Draft,
+    /// Newton's method at work, or the end of the solve.
+    Latest,
 }
 
 /// Finds the equilibrium of one problem after the other, in slices.
@@ -140,7 +159,10 @@ pub struct Solver {
     /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
     x: Vec<DVec3>,
     lifted: Vec<(usize, DVec3)>,
+    shown: Shown,
     moves: u64,
+    tables_built: u64,
+    grids_built: u64,
     verdict: Verdict,
     progress: Progress,
 }
@@ -172,7 +194,10 @@ impl Solver {
             newton: None,
             stage: Stage::Newton,
             fell_back: false,
+            shown: Shown::Before,
             moves: 0,
+            tables_built: 1,
+            grids_built: 0,
             verdict: Verdict::NotConverged,
             progress: Progress::Working,
             problem,
@@ -188,6 +213,7 @@ impl Solver {
         let same_grid = problem.sheet == self.problem.sheet;
         if !same_law {
             self.law = SheetLaw::new(problem.springs, &problem.materials);
+            self.tables_built += 1;
         }
         if !same_grid {
             self.x = at_rest(&problem.sheet);
@@ -215,6 +241,7 @@ impl Solver {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
         self.fell_back = false;
+        self.shown = Shown::Before;
         if let Some(newton) = &mut self.newton {
             newton.clear_work();
         }
@@ -233,6 +260,7 @@ impl Solver {
                     }
                     _ => {
                         let mut multigrid = FullMultigrid::new(n, is_mirrored);
+                        self.grids_built += 1;
                         multigrid.set_law(law, self.law.stiffness());
                         multigrid
                     }
@@ -242,7 +270,7 @@ impl Solver {
                     Method::Multigrid { cycles } => Some(cycles),
                     _ => None,
                 };
-                multigrid.start(&self.problem, cycles);
+                multigrid.start(&self.problem, cycles, self.options.draft_tolerance);
             }
             _ => self.start_newton(),
         }
@@ -260,25 +288,50 @@ impl Solver {
     pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         while self.progress == Progress::Working {
             match self.stage {
-                Stage::Multigrid => self.multigrid_piece(),
+                Stage::Multigrid => {
+                    if self.multigrid_piece() == fas::State::Draft {
+                        break;
+                    }
+                }
                 Stage::Newton => self.newton_piece(),
             }
             if pause() {
+                self.show_coarse();
                 break;
             }
         }
         self.progress
     }
 
-    fn multigrid_piece(&mut self) {
-        let Some(multigrid) = &mut self.multigrid else { return self.start_newton() };
+    /// Shows what a coarser grid has, where there is nothing better of this problem.
+    fn show_coarse(&mut self) {
+        let is_wanted = self.options.draft_tolerance.is_some()
+            && self.stage == Stage::Multigrid
+            && self.progress == Progress::Working
+            && self.shown != Shown::Draft;
+        if let (true, Some(multigrid)) = (is_wanted, &mut self.multigrid) {
+            let nodes_per_side = multigrid.preview();
+            multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
+            self.shown = Shown::Coarse { nodes_per_side };
+            self.moves += 1;
+        }
+    }
+
+    fn multigrid_piece(&mut self) -> fas::State {
+        let Some(multigrid) = &mut self.multigrid else {
+            self.start_newton();
+            return fas::State::Failed;
+        };
         let state = multigrid.step();
         let is_study = matches!(self.options.method, Method::Multigrid { .. });
+        if matches!(state, fas::State::Draft | fas::State::Converged) {
+            multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
+            self.moves += 1;
+            self.shown = Shown::Draft;
+        }
         match state {
-            fas::State::Working => {}
+            fas::State::Working | fas::State::Draft => {}
             fas::State::Converged => {
-                multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
-                self.moves += 1;
                 if !is_study && self.problem.tolerance < fas::LEAST_TOLERANCE {
                     self.stage = Stage::Newton;
                     let sheet = &self.problem.sheet;
@@ -293,6 +346,7 @@ impl Solver {
                 self.start_newton();
             }
         }
+        state
     }
 
     fn newton_piece(&mut self) {
@@ -304,6 +358,7 @@ impl Solver {
         if newton.is_on_finest() && newton.finest().moves != moves {
             newton.finest().write_positions(dome, &mut self.x, &mut self.lifted);
             self.moves += 1;
+            self.shown = Shown::Latest;
         }
         match state {
             State::Working => {}
@@ -316,6 +371,7 @@ impl Solver {
     fn end(&mut self, verdict: Verdict) {
         self.verdict = verdict;
         self.progress = Progress::Done;
+        self.shown = Shown::Latest;
     }
 
     /// The problem being solved.
@@ -330,10 +386,37 @@ impl Solver {
         self.verdict
     }
 
+    /// What [`Self::positions`] shows.
+    #[must_use]
+    pub fn shown(&self) -> Shown {
+        self.shown
+    }
+
+    /// Times that the law's tables were made since the solver was.
+    #[must_use]
+    pub fn tables_built(&self) -> u64 {
+        self.tables_built
+    }
+
+    /// Times that room for the nested grids was made since the solver was.
+    #[must_use]
+    pub fn grids_built(&self) -> u64 {
+        self.grids_built
+    }
+
     /// Did Newton's method take over because full multigrid did not get there?
     #[must_use]
     pub fn fell_back(&self) -> bool {
         self.fell_back
+    }
+
+    /// The method that the present shape comes from.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        match self.stage {
+            Stage::Multigrid => Method::Multigrid { cycles: self.cycles() },
+            Stage::Newton => Method::Newton,
+        }
     }
 
     /// Free nodes solved for: those of one quarter where a centred dome allows it.
@@ -418,6 +501,16 @@ impl Solver {
             _ => f64::INFINITY,
         };
         error / self.problem.dome.base_radius
+    }
+
+    /// Tables that one triangle (coupled springs) or spring reads: layers of equal Poisson ratio share
+    /// one.
+    #[must_use]
+    pub fn tables(&self) -> usize {
+        match &self.law {
+            SheetLaw::Coupled(law) => law.groups(),
+            SheetLaw::Paper(_) => 1,
+        }
     }
 
     /// The greatest error of the spring law's tables, relative to their peak stress \[-\].

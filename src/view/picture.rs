@@ -3,6 +3,7 @@
 use crate::implant::Dome;
 use crate::measure::{Fields, Status};
 use crate::session::Session;
+use crate::solve::Shown;
 use crate::view::body::Body;
 use crate::view::color::{self, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh};
@@ -59,7 +60,9 @@ impl Picture {
         let stale = self.shape_made != Some(session.revision());
         // Values of the present shape fit no other one.
         let start = seconds();
-        let wait = session.is_working() && !recolor && self.should_wait(start);
+        // A draft answers the hand: it is shown at once.
+        let is_unsettled = session.is_working() && session.solver().shown() != Shown::Draft;
+        let wait = is_unsettled && !recolor && self.should_wait(start);
         let reshape = stale && !wait;
         let recut = self.section_made != Some(section);
         if reshape {
@@ -150,6 +153,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
     use crate::session::Command;
+    use crate::solve::Progress;
     use std::cell::Cell;
 
     #[test]
@@ -157,7 +161,7 @@ mod tests {
         let mut scene = Scene::default();
         scene.solver.nodes_per_side = 33;
         let mut session = Session::new(scene.clone()).unwrap();
-        session.advance(&mut || false);
+        while session.advance(&mut || false) == Progress::Working {}
         let (mut picture, section) = (
             Picture::default(),
             Section {
@@ -184,7 +188,7 @@ mod tests {
         assert!(!update(&session, Quantity::Pressure), "too soon again");
         now.set(now.get() + 10.0);
         assert!(update(&session, Quantity::Pressure), "it has waited long enough");
-        session.advance(&mut || false);
+        while session.advance(&mut || false) == Progress::Working {}
         assert!(update(&session, Quantity::Pressure), "nothing is being solved any more");
     }
 }

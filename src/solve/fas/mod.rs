@@ -70,6 +70,8 @@ pub(super) const LEAST_TOLERANCE: f64 = 2e-6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
     Working,
+    /// The draft tolerance is met for the first time; there is more to do.
+    Draft,
     Converged,
     /// A cycle does not lead to the solution: another method has to take over.
     Failed,
@@ -140,6 +142,8 @@ pub(super) struct FullMultigrid {
     tolerance: f64,
     /// Cycles of the finest grid, where they are given.
     asked_cycles: Option<u32>,
+    /// An error at which the shape is worth to be shown \[share of the base radius\].
+    draft_tolerance: Option<f64>,
     /// The grid being solved.
     current: usize,
     task: Task,
@@ -180,6 +184,7 @@ impl FullMultigrid {
             spacing: 1.0,
             tolerance: 0.0,
             asked_cycles: None,
+            draft_tolerance: None,
             current: 0,
             task: Task::Judge,
             cycles: 0,
@@ -213,8 +218,14 @@ impl FullMultigrid {
     }
 
     /// Begins anew on the coarsest grid. `tolerance` is relative to the base radius.
-    pub(super) fn start(&mut self, problem: &Problem, cycles: Option<u32>) {
+    pub(super) fn start(
+        &mut self,
+        problem: &Problem,
+        cycles: Option<u32>,
+        draft_tolerance: Option<f64>,
+    ) {
         self.asked_cycles = cycles;
+        self.draft_tolerance = draft_tolerance;
         let dome = &problem.dome;
         self.base_radius = dome.base_radius;
         self.spacing = problem.sheet.spacing_mm();
@@ -420,6 +431,10 @@ impl FullMultigrid {
             return State::Failed;
         }
         self.task = Task::Down(l, 0);
+        if self.draft_tolerance.is_some_and(|draft| self.error <= draft * self.base_radius) {
+            self.draft_tolerance = None;
+            return State::Draft;
+        }
         State::Working
     }
 
@@ -453,18 +468,26 @@ impl FullMultigrid {
 
     /// Goes on to the next finer grid.
     fn refine(&mut self) {
-        let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
-        let (coarse, fine) = (&mut coarser[self.current], &mut finer[0]);
-        transfer::refine(
-            &coarse.layout,
-            &fine.layout,
-            &coarse.u,
-            &mut coarse.f,
-            &mut fine.u,
-            &mut self.row,
-        );
-        smooth::settle(&fine.layout, &fine.dome, &mut fine.u);
+        self.raise(self.current);
         self.begin_grid(self.current + 1);
+    }
+
+    /// Interpolates the shape of a grid to the next finer one.
+    fn raise(&mut self, l: usize) {
+        let (coarser, finer) = self.levels.split_at_mut(l + 1);
+        let (coarse, fine) = (&mut coarser[l], &mut finer[0]);
+        let Level { layout, u, f, .. } = coarse;
+        transfer::refine(layout, &fine.layout, u, f, &mut fine.u, &mut self.row);
+        smooth::settle(&fine.layout, &fine.dome, &mut fine.u);
+    }
+
+    /// Carries the shape of the grid being solved up to the finest one, to be shown; gives the nodes a
+    /// side of the grid that it comes from.
+    pub(super) fn preview(&mut self) -> usize {
+        for l in self.current..self.levels.len() - 1 {
+            self.raise(l);
+        }
+        self.levels[self.current].layout.nodes_per_side
     }
 
     /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), the nodes that
