@@ -312,7 +312,7 @@ fn a_short_slice_shows_what_a_coarser_grid_has() {
     let Shown::Coarse { nodes_per_side } = session.solver().shown() else {
         panic!("{:?}", session.solver().shown())
     };
-    assert!(nodes_per_side < 129 && nodes_per_side >= 17, "{nodes_per_side}");
+    assert!((17..129).contains(&nodes_per_side), "{nodes_per_side}");
     assert_eq!(session.counters().previews, 1);
     let coarse = session.shape().to_vec();
     settle(&mut session);
