@@ -128,6 +128,8 @@ pub(super) fn refine(
             scaled.z[k] = from.z[k] * scale;
         }
     });
+    // Ghosts first, which nodes beyond the border are extrapolated from; then theirs.
+    super::smooth::mirror(coarse, scaled);
     let mut next = 0;
     for &(k, count) in &coarse.extrapolated {
         let sources = &coarse.sources[next..next + count as usize];
