@@ -49,6 +49,8 @@ const MAX_COARSEST: u32 = 60;
 /// any cycle is.
 const FIRST_RATE: f64 = 0.5;
 const LEAST_RATE: f64 = 0.2;
+/// Rates grow a little from cycle to cycle: the estimate allows for this much.
+const SAFETY: f64 = 1.5;
 /// A cycle that changes more than this share of what the last one did is slow.
 const SLOW_RATE: f64 = 0.7;
 /// Slow cycles on the finest grid, one after the other, that end the scheme.
@@ -385,7 +387,7 @@ impl FullMultigrid {
             }
         }
         self.last_change = change;
-        self.error = change * rate / (1.0 - rate);
+        self.error = SAFETY * change * rate / (1.0 - rate);
         if l < finest {
             let most = if l == 0 { MAX_COARSEST } else { START_CYCLES };
             if self.error <= START_TOLERANCE * self.base_radius || self.cycles >= most {
