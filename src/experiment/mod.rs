@@ -1,8 +1,10 @@
-//! Experiments with the spring laws: the paper's stretching of a square sample.
+//! Experiments with the spring laws: the paper's stretching of a square sample, and the centred dome
+//! without a grid, as a reference.
 //!
-//! Uses the modules before it (`curve`, `springs`); no files, no clocks, no toolkit. Used by the
+//! Uses the modules before it (`curve` … `scene`); no files, no clocks, no toolkit. Used by the
 //! command line and the tests.
 
+pub mod axisymmetric;
 mod dense;
 pub mod sample;
 pub mod tension;
