@@ -40,14 +40,14 @@ const MAX_CYCLES: u32 = 16;
 /// Coarser grids are starts: the most cycles of each, and the error that is enough
 /// \[share of the base radius\].
 const START_CYCLES: u32 = 4;
-const START_TOLERANCE: f64 = 1e-3;
+const START_TOLERANCE: f64 = 3e-3;
 /// Cycles of a grid before which its nodal blocks are computed anew.
 const BLOCK_CYCLES: u32 = 2;
 /// The most rounds over the coarsest grid.
 const MAX_COARSEST: u32 = 60;
 /// The share of the error that the first cycle of a grid is taken to leave, and the least share that
 /// any cycle is.
-const FIRST_RATE: f64 = 0.5;
+const FIRST_RATE: f64 = 0.4;
 const LEAST_RATE: f64 = 0.2;
 /// Rates grow a little from cycle to cycle: the estimate allows for this much.
 const SAFETY: f64 = 1.5;
