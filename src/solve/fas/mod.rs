@@ -45,10 +45,9 @@ const START_TOLERANCE: f64 = 3e-3;
 const BLOCK_CYCLES: u32 = 2;
 /// The most rounds over the coarsest grid.
 const MAX_COARSEST: u32 = 60;
-/// The share of the error that the first cycle of a grid is taken to leave, and the least share that
-/// any cycle is.
-const FIRST_RATE: f64 = 0.4;
-const LEAST_RATE: f64 = 0.2;
+/// The least share of the error that a cycle is taken to leave: the first ones take out what is rough
+/// and promise more than the next will keep.
+const LEAST_RATE: f64 = 0.4;
 /// Rates grow a little from cycle to cycle: the estimate allows for this much.
 const SAFETY: f64 = 1.5;
 /// A cycle that changes more than this share of what the last one did is slow.
@@ -376,7 +375,7 @@ impl FullMultigrid {
         if !change.is_finite() {
             return State::Failed;
         }
-        let mut rate = FIRST_RATE;
+        let mut rate = LEAST_RATE;
         if self.last_change.is_finite() {
             rate = (change / self.last_change.max(f64::MIN_POSITIVE)).clamp(LEAST_RATE, 0.95);
             if change > SLOW_RATE * self.last_change {
