@@ -27,6 +27,7 @@ use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::Springs;
 use fas::FullMultigrid;
+pub use fas::kernels;
 use glam::{DVec2, DVec3};
 use law::SheetLaw;
 use newton::{NestedNewton, State};

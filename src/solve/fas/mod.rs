@@ -12,6 +12,7 @@
 
 mod force;
 mod grid;
+pub mod kernels;
 mod law;
 mod smooth;
 mod transfer;
