@@ -142,7 +142,7 @@ impl Kernels {
         let is_mirrored = problem.dome.center == glam::DVec2::ZERO;
         let mut scheme = FullMultigrid::new(problem.sheet.nodes_per_side(), is_mirrored);
         scheme.set_law(coupled, law.stiffness());
-        scheme.start(problem, None);
+        scheme.start(problem, None, None);
         let ended = loop {
             match scheme.step() {
                 State::Working => {}
