@@ -354,6 +354,28 @@ fn charts_draws_four_charts_with_tables_for_both_laws() {
 }
 
 #[test]
+fn bench_writes_a_table_and_a_picture() {
+    let folder = folder("bench");
+    let output = run_in(&folder, &["bench", "--out-dir", "made/here", "--quick"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let made = folder.join("made/here");
+    assert_eq!(names_in(&made), ["work_precision.csv", "work_precision.svg"]);
+    let rows = fs::read_to_string(made.join("work_precision.csv")).unwrap();
+    assert!(rows.starts_with("method,springs,scene,nodes_per_side,work_units,time_ms,"));
+    assert!(rows.lines().all(|line| line.split(',').count() == 9));
+    for method in ["explicit_paper", "explicit_critical", "gauss_seidel", "newton", "multigrid_8"] {
+        assert!(rows.contains(&format!("\n{method},coupled,default,65,")), "{method}");
+    }
+    let picture = fs::read_to_string(made.join("work_precision.svg")).unwrap();
+    assert!(picture.starts_with("<svg width=\"1240\"") && picture.contains("</svg>"));
+    for words in ["Run time against error", "65 nodes a side", "0.1 %", "full multigrid"] {
+        assert!(picture.contains(words), "the picture lacks {words}");
+    }
+    fs::write(folder.join("file"), "").unwrap();
+    assert_refused(&folder, &["bench", "--out-dir", "file"], "", &["file", "folder"]);
+}
+
+#[test]
 fn help_and_version_are_answers_not_errors() {
     let folder = folder("help");
     for (arguments, wanted) in [

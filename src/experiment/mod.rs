@@ -1,5 +1,5 @@
-//! Experiments with the spring laws: the paper's stretching of a square sample, and the centred dome
-//! without a grid, as a reference.
+//! Experiments: the paper's stretching of a square sample, the centred dome without a grid, as a
+//! reference, and the study of run time against error.
 //!
 //! Uses the modules before it (`curve` … `scene`); no files, no clocks, no toolkit. Used by the
 //! command line and the tests.
@@ -8,3 +8,4 @@ pub mod axisymmetric;
 mod dense;
 pub mod sample;
 pub mod tension;
+pub mod work_precision;

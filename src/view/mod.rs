@@ -12,3 +12,7 @@ pub mod mesh;
 pub mod pick;
 pub mod picture;
 pub mod section;
+#[cfg(feature = "drawing")]
+pub mod svg;
+#[cfg(feature = "drawing")]
+pub mod work_precision;

@@ -1,5 +1,6 @@
 //! Draws a chart: two panels side by side, the paper's springs and the coupled ones.
 
+use crate::view::svg::{Area, Drawn, FINE, GRID, TEXT, at, font, page, pen};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
@@ -52,18 +53,11 @@ pub(super) struct Chart {
 }
 
 type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 /// Size in the page \[px\].
 const SIZE: (u32, u32) = (1040, 520);
-/// The backend rounds to whole units: the picture is drawn this much larger and scaled down.
-const FINE: u32 = 8;
 const LEGEND_HEIGHT: u32 = 62;
 const TITLE_HEIGHT: u32 = 40;
-const FONT: &str = "sans-serif";
-const TEXT: RGBColor = RGBColor(0x2b, 0x2f, 0x36);
-const GRID: RGBColor = RGBColor(0xe3, 0xe6, 0xea);
 const CURVE: RGBColor = RGBColor(0xb8, 0xbe, 0xc6);
 const LOST: RGBColor = RGBColor(0xc6, 0x28, 0x28);
 /// From low to high ν; told apart also without red–green sight.
@@ -78,11 +72,7 @@ const COLOURS: [RGBColor; 6] = [
 
 /// The chart as SVG text.
 pub(super) fn draw(chart: &Chart) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let size = (FINE * SIZE.0, FINE * SIZE.1);
-        let whole = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        whole.fill(&WHITE)?;
+    page(SIZE, |whole| {
         let title = font(25).style(FontStyle::Bold).color(&TEXT);
         whole.draw_text(&chart.title, &title, at(24, 12))?;
         let (_, below) = whole.split_vertically(FINE * TITLE_HEIGHT);
@@ -91,31 +81,8 @@ pub(super) fn draw(chart: &Chart) -> Result<String, Box<dyn std::error::Error>> 
         for (area, (title, series)) in panels.split_evenly((1, 2)).iter().zip(&chart.panels) {
             draw_panel(area, chart, title, series)?;
         }
-        draw_legend(&legend, chart)?;
-        whole.present()?;
-    }
-    let (drawn, shown) = (FINE * SIZE.0, SIZE.0);
-    let (drawn_high, shown_high) = (FINE * SIZE.1, SIZE.1);
-    Ok(svg.replacen(
-        &format!("width=\"{drawn}\" height=\"{drawn_high}\""),
-        &format!("width=\"{shown}\" height=\"{shown_high}\""),
-        1,
-    ))
-}
-
-/// A font of the given size; the backend shows it at four fifths of that \[px\].
-fn font(size: u32) -> FontDesc<'static> {
-    (FONT, FINE * size).into_font()
-}
-
-/// A place in px, in the backend's units.
-fn at(x: i32, y: i32) -> (i32, i32) {
-    (FINE as i32 * x, FINE as i32 * y)
-}
-
-/// A line of the given width \[px\].
-fn pen(colour: RGBColor, width: u32) -> ShapeStyle {
-    colour.stroke_width(FINE * width)
+        draw_legend(&legend, chart)
+    })
 }
 
 fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Drawn {

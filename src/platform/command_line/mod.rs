@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `tension` and `charts`. Native only.
+//! The command line: `simulate`, `tension`, `charts` and `bench`. Native only.
 //!
 //! Exit codes: 0 fine; 2 bad input (one line on standard error: file, field, what is allowed, and
 //! nothing is written); 3 no converged answer (the result is written, with its status).
@@ -6,6 +6,7 @@
 //! Files are written under a temporary name beside their place and renamed, so that nobody ever
 //! meets half a file.
 
+mod bench;
 mod charts;
 mod drawing;
 mod mesh;
@@ -42,6 +43,8 @@ enum Command {
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
     Charts(charts::Arguments),
+    /// Measure run time against error of the solvers and of what they are compared with.
+    Bench(bench::Arguments),
 }
 
 /// How a command that understood its input ended.
@@ -77,6 +80,7 @@ pub fn run() -> Next {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(arguments) => charts::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
     })))
 }
 

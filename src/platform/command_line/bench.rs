@@ -1,0 +1,43 @@
+//! `bench`: run time against error of all methods, as a table and a picture.
+
+use super::output::{self, File};
+use super::{Answer, Refused};
+use crate::experiment::work_precision::{Case, Plan, Study, table};
+use crate::view::work_precision::draw;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// The folder for `work_precision.csv` and `.svg`; made if it is missing.
+    #[arg(long, value_name = "D")]
+    out_dir: PathBuf,
+    /// One scene on coarse grids: seconds instead of minutes.
+    #[arg(long)]
+    quick: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+    let folder = &arguments.out_dir;
+    if folder.exists() && !folder.is_dir() {
+        return Err(output::refuse(folder, "is a file; allowed: a folder"));
+    }
+    let plan = if arguments.quick { Plan::quick() } else { Plan::full() };
+    let mut study = Study::new(plan, None);
+    let start = Instant::now();
+    let mut clock = || 1e3 * start.elapsed().as_secs_f64();
+    let mut rows = Vec::new();
+    while let Some(more) =
+        study.advance(&mut clock).map_err(|error| output::refuse(Path::new("bench"), error))?
+    {
+        rows.extend(more);
+    }
+    let picture = draw(&rows, Case::Default).map_err(|error| output::refuse(folder, error))?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| output::refuse(folder, format!("cannot be made: {error}")))?;
+    output::write_all(&[
+        File::new(&folder.join("work_precision.csv"), table(&rows)),
+        File::new(&folder.join("work_precision.svg"), picture),
+    ])?;
+    Ok(Answer::Converged)
+}

@@ -1,0 +1,124 @@
+//! The study of run time against error: what its rows promise.
+
+use implant_preview::experiment::work_precision::{
+    Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, run, table, time_to,
+};
+use implant_preview::scene::Scene;
+use std::time::Instant;
+
+fn rows(plan: &Plan) -> Vec<Row> {
+    let start = Instant::now();
+    let mut clock = || 1e3 * start.elapsed().as_secs_f64();
+    run(plan, None, &mut clock).expect("grids that scenes allow")
+}
+
+fn coarse() -> Plan {
+    Plan { nodes_per_side: vec![17, 33], repeats: 1, budget_ms: 60_000.0, ..Plan::quick() }
+}
+
+#[test]
+fn every_method_comes_to_the_same_equilibrium() {
+    let rows = rows(&coarse());
+    for nodes in [17, 33] {
+        let of = |method: Method| -> Vec<Row> {
+            let wanted = |row: &&Row| row.method == method && row.nodes_per_side == nodes;
+            rows.iter().filter(wanted).copied().collect()
+        };
+        for method in [Method::ExplicitPaper, Method::ExplicitCritical, Method::GaussSeidel] {
+            let rows = of(method);
+            let (first, last) = (rows[0], rows[rows.len() - 1]);
+            assert!(rows.len() > 8, "{method:?} has points along its way");
+            assert_eq!(last.status, Status::Finished);
+            assert!(last.error_vs_own_grid <= GOAL, "{method:?}: {last:?}");
+            assert!(last.error_vs_own_grid < 0.01 * first.error_vs_own_grid);
+            assert!(rows[..rows.len() - 1].iter().all(|row| row.status == Status::Running));
+            assert!(rows.windows(2).all(|r| r[0].time_ms < r[1].time_ms));
+            assert!(rows.windows(2).all(|r| r[0].work_units < r[1].work_units));
+        }
+        let steps = of(Method::ExplicitPaper).last().map(|row| row.work_units);
+        assert_eq!(steps.map(|steps| steps as u32), Some(PAPER_STEPS));
+        let newton = of(Method::Newton);
+        for (row, tolerance) in newton.iter().zip([1e-3, 1e-5, 1e-7]) {
+            assert_eq!(row.status, Status::Finished);
+            assert!(row.error_vs_own_grid <= tolerance, "{row:?}");
+        }
+        let error = |method| of(method)[0].error_vs_own_grid;
+        assert!(error(Method::Multigrid8) < error(Method::Multigrid1));
+        assert!(error(Method::Multigrid8) < 1e-4);
+    }
+}
+
+#[test]
+fn a_run_that_is_out_of_time_says_so_and_spares_finer_grids() {
+    let plan = Plan { methods: vec![Method::ExplicitPaper], budget_ms: 5.0, ..coarse() };
+    // Every look at this clock takes a millisecond.
+    let mut now = 0.0;
+    let mut clock = || {
+        now += 1.0;
+        now
+    };
+    let rows = run(&plan, None, &mut clock).expect("grids that scenes allow");
+    let last = rows.last().expect("rows up to the end of the budget");
+    assert_eq!(last.status, Status::Budget);
+    assert!(last.work_units < f64::from(PAPER_STEPS));
+    assert!(rows.iter().all(|row| row.nodes_per_side == 17));
+}
+
+#[test]
+fn the_clock_stands_still_while_errors_are_measured() {
+    // A reference is asked for nothing but errors: what it costs must not be seen.
+    let reference = |scene: &Scene| -> Option<Profile> {
+        let scale = scene.pocket_radius_mm;
+        Some(Box::new(move |s| (s, scale - s)))
+    };
+    let plan = Plan { methods: vec![Method::Newton], nodes_per_side: vec![17], ..coarse() };
+    let mut clock = || 0.0;
+    let rows = run(&plan, Some(reference), &mut clock).expect("grids that scenes allow");
+    assert!(rows.iter().all(|row| row.error_vs_reference.is_some_and(|error| error > 0.01)));
+}
+
+#[test]
+fn the_table_has_every_column_in_every_row() {
+    let plan = Plan {
+        cases: Case::ALL.to_vec(),
+        nodes_per_side: vec![17],
+        methods: vec![Method::Multigrid2, Method::Newton],
+        repeats: 1,
+        budget_ms: 10_000.0,
+    };
+    let rows = rows(&plan);
+    assert_eq!(rows.len(), 5 * 4);
+    let csv = table(&rows);
+    let mut lines = csv.lines();
+    let header = "method,springs,scene,nodes_per_side,work_units,time_ms,error_vs_own_grid,error_vs_reference,status";
+    assert_eq!(lines.next(), Some(header));
+    for (line, row) in lines.zip(&rows) {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), 9, "{line}");
+        assert_eq!((fields[0], fields[1]), (row.method.name(), "coupled"));
+        assert_eq!((fields[2], fields[8]), (row.scene.name(), "finished"));
+        for (field, value) in [(3, 17.0), (4, row.work_units), (6, row.error_vs_own_grid)] {
+            let read: f64 = fields[field].parse().expect("a number");
+            assert!((read - value).abs() <= 1e-3 * value + 0.005 * f64::from(field == 4));
+        }
+        assert!(fields[7].is_empty());
+    }
+}
+
+#[test]
+fn the_time_to_an_error_is_when_it_stays_below() {
+    let row = |time_ms: f64, error: f64| Row {
+        method: Method::ExplicitCritical,
+        springs: Default::default(),
+        scene: Case::Default,
+        nodes_per_side: 65,
+        work_units: time_ms,
+        time_ms,
+        error_vs_own_grid: error,
+        error_vs_reference: None,
+        status: Status::Running,
+    };
+    let rows = [row(1.0, 0.1), row(2.0, 5e-4), row(3.0, 2e-3), row(4.0, 8e-4), row(5.0, 1e-5)];
+    assert_eq!(time_to(&rows, 1e-3), Some(4.0));
+    assert_eq!(time_to(&rows, 1e-6), None);
+}
