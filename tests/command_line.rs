@@ -364,7 +364,7 @@ fn bench_writes_a_table_and_a_picture() {
     assert!(rows.starts_with("method,springs,scene,nodes_per_side,work_units,time_ms,"));
     assert!(rows.lines().all(|line| line.split(',').count() == 9));
     for method in ["explicit_paper", "explicit_critical", "gauss_seidel", "newton", "multigrid_8"] {
-        assert!(rows.contains(&format!("\n{method},coupled,default,65,")), "{method}");
+        assert!(rows.contains(&format!("\n{method},coupled,default,17,")), "{method}");
     }
     let picture = fs::read_to_string(made.join("work_precision.svg")).unwrap();
     assert!(picture.starts_with("<svg width=\"1240\"") && picture.contains("</svg>"));

@@ -81,7 +81,7 @@ pub fn draw(rows: &[Row], case: Case) -> Result<String, Box<dyn std::error::Erro
     let rows: Vec<Row> = rows.iter().filter(|row| row.scene == case).copied().collect();
     let times = rows.iter().map(|row| row.time_ms.max(1e-3));
     let (least, most) = times.fold((1.0_f64, 100.0_f64), |(a, b), t| (a.min(t), b.max(t)));
-    let times = (0.7 * least, 2.0 * most);
+    let times = (0.7 * least, 4.0 * most);
     page(SIZE, |whole| {
         let title = font(25).style(FontStyle::Bold).color(&TEXT);
         whole.draw_text("Run time against error", &title, at(24, 10))?;

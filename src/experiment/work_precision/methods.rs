@@ -24,7 +24,7 @@ pub(super) struct Ground {
     nodes_per_side: usize,
     problem: Problem,
     law: Law,
-    /// The shape in which the grid's forces balance \[mm\], shape (nodes_per_side², ).
+    /// The grid's own equilibrium as it is shown \[mm\], shape (nodes_per_side², ).
     own: Vec<DVec3>,
     /// The last nodes that touch the dome, and at which of its levels: contact ends between nodes (see
     /// [`Solver::lifted`]). The baselines, which have no way to find them, are given these.
@@ -62,7 +62,7 @@ impl Ground {
         let shown = solver.positions();
         let is_lowered = |&(k, place): &(usize, DVec3)| (shown[k] != place).then_some(k);
         let lowered = solver.lifted().iter().filter_map(is_lowered).collect();
-        let own = solver.balanced();
+        let own = shown.to_vec();
         let kinds = problem.sheet.kinds();
         let free = (0..problem.sheet.len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
         Ok(Self {
@@ -84,17 +84,15 @@ impl Ground {
         self.case == case && self.nodes_per_side == nodes_per_side
     }
 
-    /// Greatest distances of the nodes of a shape in balance from the own equilibrium, and of the same
-    /// shape as it is shown from the reference \[share of the base radius\]; not a number where a
-    /// position is none.
-    fn errors(&self, balanced: &[DVec3], shown: &[DVec3]) -> (f64, Option<f64>) {
-        let farthest = |x: &[DVec3], answer: &[DVec3]| {
+    /// Greatest distances of the nodes from the own equilibrium and from the reference
+    /// \[share of the base radius\]; not a number where a position is none.
+    fn errors(&self, x: &[DVec3]) -> (f64, Option<f64>) {
+        let farthest = |answer: &[DVec3]| {
             let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
             let squares = self.free.iter().map(|&k| x[k].distance_squared(answer[k]));
             squares.fold(0.0, greater).sqrt() / self.problem.dome.base_radius
         };
-        let reference = self.reference.as_deref().map(|answer| farthest(shown, answer));
-        (farthest(balanced, &self.own), reference)
+        (farthest(&self.own), self.reference.as_deref().map(farthest))
     }
 
     /// Puts those nodes of a shape in balance onto the dome that are shown there.
@@ -173,7 +171,7 @@ fn baseline(
     let judge: Judge = &|x| {
         let mut shown = x.to_vec();
         ground.lower(&mut shown);
-        ground.errors(x, &shown)
+        ground.errors(&shown)
     };
     let rest: Vec<DVec3> = problem.sheet.rest().iter().map(|p| p.extend(0.0)).collect();
     let once = |clock: &mut dyn FnMut() -> f64| {
@@ -259,7 +257,7 @@ fn solved(
         }
     }
     let time_ms = median(times);
-    let (own_error, reference_error) = ground.errors(&solver.balanced(), solver.positions());
+    let (own_error, reference_error) = ground.errors(solver.positions());
     let status = match solver.verdict() {
         Verdict::Converged => Status::Finished,
         Verdict::NotConverged if time_ms >= plan.budget_ms => Status::Budget,

@@ -2,7 +2,7 @@
 
 use super::output::{self, File};
 use super::{Answer, Refused};
-use crate::experiment::work_precision::{Case, Plan, Study, table};
+use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric, table};
 use crate::view::work_precision::draw;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
         return Err(output::refuse(folder, "is a file; allowed: a folder"));
     }
     let plan = if arguments.quick { Plan::quick() } else { Plan::full() };
-    let mut study = Study::new(plan, None);
+    let mut study = Study::new(plan, Some(axisymmetric));
     let start = Instant::now();
     let mut clock = || 1e3 * start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
