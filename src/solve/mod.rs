@@ -78,25 +78,6 @@ pub enum Verdict {
     Unstable,
 }
 
-/// How one triangle of a sheet is deformed.
-#[derive(Clone, Copy, Debug)]
-pub struct TriangleGradient {
-    /// Rest area times the triangle's weight \[mm²\].
-    pub rest_area: f64,
-    /// Columns of the deformation gradient F, ∂x/∂X and ∂x/∂Y \[-\].
-    pub columns: [DVec3; 2],
-}
-
-impl TriangleGradient {
-    /// The gradient in a triangle of nodes under the positions `x` \[mm\] of all nodes.
-    #[must_use]
-    pub fn new(sheet: &Sheet, nodes: [usize; 3], weight: f64, x: &[DVec3]) -> Self {
-        let rest = assemble::Rest::new(nodes.map(|k| sheet.rest()[k]), weight);
-        let columns = assemble::Principal::columns(&rest, nodes.map(|k| x[k]));
-        Self { rest_area: rest.area, columns }
-    }
-}
-
 /// Which method is to find the equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
