@@ -4,20 +4,16 @@ use super::deformation::{Deformation, gradient, hat_gradients, is_square, square
 use crate::curve::Curve;
 use crate::sheet::{CellKind, Sheet};
 use crate::solve::{Material, Problem, Solver};
-use crate::springs::Springs;
-use crate::springs::coupled::{CoupledLaw, LawLayer, biot_stress, equivalent_strain};
+use crate::springs::coupled::{CoupledLaw, biot_stress, equivalent_strain};
 use glam::DVec3;
-use std::cell::OnceCell;
 
 /// Bins of the equivalent strain in the search for the most stressed node.
 const BINS: usize = 256;
 
-/// The layers that the shapes of a scene share; made once for the same layers and springs.
+/// The layers that the shapes of a scene share; made once for the same layers.
 #[derive(Debug)]
 pub struct Layers {
     materials: Vec<Material>,
-    springs: Springs,
-    law: OnceCell<CoupledLaw>,
 }
 
 /// How strongly a layer is loaded.
@@ -32,17 +28,13 @@ impl Layers {
     /// The layers of a problem.
     #[must_use]
     pub fn new(problem: &Problem) -> Self {
-        Self {
-            materials: problem.materials.clone(),
-            springs: problem.springs,
-            law: OnceCell::new(),
-        }
+        Self { materials: problem.materials.clone() }
     }
 
     /// Has the problem these layers?
     #[must_use]
     pub fn are_of(&self, problem: &Problem) -> bool {
-        self.springs == problem.springs && self.materials == problem.materials
+        self.materials == problem.materials
     }
 
     /// From the skin inwards.
@@ -92,21 +84,7 @@ impl Layers {
     /// Coupled springs in closed form from the metric of each triangle. The paper's springs have
     /// none: their sum is the solver's.
     pub(super) fn forces(&self, solver: &Solver, wanted: &[bool]) -> Vec<DVec3> {
-        if self.springs == Springs::Nikolaev {
-            return solver.forces();
-        }
-        let law = self.law.get_or_init(|| {
-            let layers: Vec<LawLayer> = self
-                .materials
-                .iter()
-                .map(|m| LawLayer {
-                    curve: &m.curve,
-                    poisson_ratio: m.poisson_ratio,
-                    thickness_mm: m.thickness_mm,
-                })
-                .collect();
-            CoupledLaw::new(&layers)
-        });
+        let Some(law) = solver.coupled_law() else { return solver.forces() };
         coupled_forces(&solver.problem().sheet, law, &solver.balanced(), wanted)
     }
 }

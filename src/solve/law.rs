@@ -27,22 +27,25 @@ pub(crate) struct PaperLaw {
     pub diagonal: Table,
 }
 
+/// The coupled springs' law of layers.
+pub(crate) fn coupled_law(materials: &[Material]) -> CoupledLaw {
+    let layers: Vec<LawLayer> = materials
+        .iter()
+        .map(|m| LawLayer {
+            curve: &m.curve,
+            poisson_ratio: m.poisson_ratio,
+            thickness_mm: m.thickness_mm,
+        })
+        .collect();
+    CoupledLaw::new(&layers)
+}
+
 impl SheetLaw {
     /// The law of the given springs and layers.
     #[must_use]
     pub(crate) fn new(springs: Springs, materials: &[Material]) -> Self {
         match springs {
-            Springs::Coupled => {
-                let layers: Vec<LawLayer> = materials
-                    .iter()
-                    .map(|m| LawLayer {
-                        curve: &m.curve,
-                        poisson_ratio: m.poisson_ratio,
-                        thickness_mm: m.thickness_mm,
-                    })
-                    .collect();
-                Self::Coupled(CoupledLaw::new(&layers))
-            }
+            Springs::Coupled => Self::Coupled(coupled_law(materials)),
             Springs::Nikolaev => Self::Paper(PaperLaw::new(materials)),
         }
     }

@@ -26,10 +26,12 @@ use crate::curve::Curve;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::Springs;
+use crate::springs::coupled::CoupledLaw;
 use fas::FullMultigrid;
 pub use fas::kernels;
 use glam::{DVec2, DVec3};
 use law::SheetLaw;
+pub(crate) use law::coupled_law;
 use newton::{NestedNewton, State};
 
 /// One layer as the solver needs it.
@@ -485,14 +487,20 @@ impl Solver {
         error / self.problem.dome.base_radius
     }
 
+    /// The coupled springs' law with its tables; `None` for the paper's springs.
+    #[must_use]
+    pub fn coupled_law(&self) -> Option<&CoupledLaw> {
+        match &self.law {
+            SheetLaw::Coupled(law) => Some(law),
+            SheetLaw::Paper(_) => None,
+        }
+    }
+
     /// Tables that one triangle (coupled springs) or spring reads: layers of equal Poisson ratio share
     /// one.
     #[must_use]
     pub fn tables(&self) -> usize {
-        match &self.law {
-            SheetLaw::Coupled(law) => law.groups(),
-            SheetLaw::Paper(_) => 1,
-        }
+        self.coupled_law().map_or(1, CoupledLaw::groups)
     }
 
     /// The greatest error of the spring law's tables, relative to their peak stress \[-\].

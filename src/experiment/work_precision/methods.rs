@@ -8,7 +8,6 @@ use super::{Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Reference, Row, Stat
 use crate::scene::SceneError;
 use crate::sheet::{NodeKind, Sheet};
 use crate::solve::{self, Options, Problem, Progress, Solver, Verdict};
-use crate::springs::coupled::{CoupledLaw, LawLayer};
 use glam::{DVec2, DVec3};
 
 /// The tolerance to which a grid's own equilibrium is found \[share of the base radius\].
@@ -45,16 +44,6 @@ impl Ground {
     ) -> Result<Self, SceneError> {
         let scene = case.scene(nodes_per_side, 1e-7);
         let problem = scene.problem()?;
-        let layers: Vec<LawLayer> = problem
-            .materials
-            .iter()
-            .map(|material| LawLayer {
-                curve: &material.curve,
-                poisson_ratio: material.poisson_ratio,
-                thickness_mm: material.thickness_mm,
-            })
-            .collect();
-        let law = Law::new(&CoupledLaw::new(&layers));
         let mut solver = newton(&problem, OWN_TOLERANCE);
         while solver.advance(&mut || false) == Progress::Working {}
         let dome = &problem.dome;
@@ -75,7 +64,7 @@ impl Ground {
                 .and_then(|reference| reference(&scene))
                 .map(|profile| revolved(&profile, &problem.sheet)),
             free,
-            law,
+            law: Law::new(&solve::coupled_law(&problem.materials)),
             problem,
         })
     }
