@@ -2,16 +2,17 @@
 //!
 //! A regular cell has four right-angled triangles on the edges B (bottom), T (top), L (left) and R
 //! (right); a triangle pulls at its edges e₁, e₂ with M₁₁e₁ + M₁₂e₂ and M₁₂e₁ + M₂₂e₂ (see
-//! [`super::law`]). Cells at the border, whose rest shapes differ, are a list of triangles.
+//! [`super::law`]). Cells at the border, whose rest shapes differ, are in [`super::border`].
 
+use super::border::BorderScratch;
 use super::grid::{Field, Layout, load, store};
 use super::law::{LaneLaw, LaneStiffness, Law};
 use wide::f32x4;
 
 /// Squared relative area below which a triangle counts as this much \[-\].
-const LEAST_AREA: f32 = 1e-10;
+pub(super) const LEAST_AREA: f32 = 1e-10;
 
-type Vec3 = [f32x4; 3];
+pub(super) type Vec3 = [f32x4; 3];
 
 #[inline(always)]
 pub(super) fn dot(a: Vec3, b: Vec3) -> f32x4 {
@@ -19,22 +20,22 @@ pub(super) fn dot(a: Vec3, b: Vec3) -> f32x4 {
 }
 
 #[inline(always)]
-fn sub(a: Vec3, b: Vec3) -> Vec3 {
+pub(super) fn sub(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-fn add(a: Vec3, b: Vec3) -> Vec3 {
+pub(super) fn add(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 #[inline(always)]
-fn scale(a: Vec3, s: f32x4) -> Vec3 {
+pub(super) fn scale(a: Vec3, s: f32x4) -> Vec3 {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
 #[inline(always)]
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
+pub(super) fn cross(a: Vec3, b: Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
@@ -136,6 +137,22 @@ fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
     columns.simd_ge(f32x4::splat(from as f32)) & columns.simd_lt(f32x4::splat(to as f32))
 }
 
+/// Room for what an evaluation of the forces computes on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch {
+    row: Vec<CellLanes>,
+    border: BorderScratch,
+}
+
+impl Scratch {
+    pub(super) fn new(layout: &Layout) -> Self {
+        Self {
+            row: vec![CellLanes::default(); layout.pitch / 4 + 1],
+            border: BorderScratch::new(&layout.border),
+        }
+    }
+}
+
 /// −∂E/∂u of every stored node, in units of the law's stiffness; what ghosts and clamped nodes get is
 /// of no use.
 pub(super) fn forces(
@@ -143,11 +160,11 @@ pub(super) fn forces(
     law: &LaneLaw,
     u: &Field,
     f: &mut Field,
-    row: &mut [CellLanes],
+    scratch: &mut Scratch,
 ) {
     match law.groups() {
-        [one] => all_forces(layout, one, u, f, row),
-        many => all_forces(layout, many, u, f, row),
+        [one] => all_forces(layout, one, u, f, scratch),
+        many => all_forces(layout, many, u, f, scratch),
     }
 }
 
@@ -156,7 +173,7 @@ fn all_forces<L: Law + ?Sized>(
     law: &L,
     u: &Field,
     f: &mut Field,
-    row: &mut [CellLanes],
+    Scratch { row, border }: &mut Scratch,
 ) {
     for part in [&mut f.x, &mut f.y, &mut f.z] {
         part.fill(0.0);
@@ -185,12 +202,12 @@ fn all_forces<L: Law + ?Sized>(
         let spare = 4 * first;
         pull_row(lower, upper, row, sums, (from - spare, to - spare));
     }
-    border_forces(layout, law, u, f);
+    layout.border.add_forces(law, u, f, border);
 }
 
 /// Four neighbouring cells on their way through the law.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CellLanes {
+struct CellLanes {
     /// B·B, T·T, L·L, R·R, B·L, B·R, T·L, T·R.
     dots: [f32x4; 8],
     /// I₁, s and t of the triangles at the four corners, then P and Q.
@@ -272,68 +289,45 @@ fn pull_row(
     f_upper.add(count, sub([f32x4::ZERO; 3], rest(before_upper)));
 }
 
-/// Mean square of a triangle's tension, times the number of triangles: what forces are measured
-/// against.
-pub(super) fn tension_squares(layout: &Layout, law: &LaneLaw, u: &Field) -> f64 {
+/// Sum of squares of what the sheet pulls at the two edges B and L of every cell: what residuals are
+/// measured against.
+pub(super) fn tension_squares(
+    layout: &Layout,
+    law: &LaneLaw,
+    u: &Field,
+    scratch: &mut Scratch,
+) -> f64 {
     let mut sum = 0.0;
     for (j, &(from, to)) in layout.regular.iter().enumerate() {
-        for i in from as usize..to as usize {
-            let k = j * layout.pitch + i;
-            let (a, b, d) = (u.at(k), u.at(k + 1), u.at(k + layout.pitch));
-            let e1 = [b[0] - a[0] + 1.0, b[1] - a[1], b[2] - a[2]];
-            let e2 = [d[0] - a[0], d[1] - a[1] + 1.0, d[2] - a[2]];
-            let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-            let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
-            let s = (g11 * g22 - g12 * g12).max(LEAST_AREA).sqrt();
-            sum += f64::from(law.squared_tension(g11, g12, g22, s));
+        if from >= to {
+            continue;
+        }
+        let (from, to) = (from as usize, to as usize);
+        let (first, last) = (from / 4, (to - 1) / 4);
+        let (start, count) = (j * layout.pitch + 4 * first, last - first + 1);
+        let row = &mut scratch.row[..count];
+        let lower = Row::new(u, start, count + 1);
+        measure_row(lower, Row::new(u, start + layout.pitch, count + 1), row);
+        for (b, cells) in row.iter().enumerate() {
+            let [g11, _, g22, _, g12, ..] = cells.dots;
+            let [i1, s, t] = cells.triangles[0];
+            let (p, q) = law.groups().tension(i1, s, t);
+            let (m11, m12, m22) = (p + q * g22, -q * g12, p + q * g11);
+            let squares = m11 * (m11 * g11 + m12 * g12 * 2.0)
+                + m22 * (m22 * g22 + m12 * g12 * 2.0)
+                + m12 * m12 * (g11 + g22);
+            let counted = squares & in_range(first + b, from, to);
+            sum += f64::from(counted.reduce_add());
         }
     }
     sum
 }
 
-#[inline(always)]
-fn gather(u: &Field, nodes: &[u32; 4]) -> Vec3 {
-    let pick = |values: &[f32]| f32x4::new(nodes.map(|k| values[k as usize]));
-    [pick(&u.x), pick(&u.y), pick(&u.z)]
-}
-
-#[inline(always)]
-pub(super) fn border_forces<L: Law + ?Sized>(layout: &Layout, law: &L, u: &Field, f: &mut Field) {
-    for four in &layout.border {
-        let [a, b, c] = [0, 1, 2].map(|corner| gather(u, &four.nodes[corner]));
-        let mut e1 = sub(b, a);
-        let mut e2 = sub(c, a);
-        e1[0] += four.edges[0];
-        e1[1] += four.edges[1];
-        e2[0] += four.edges[2];
-        e2[1] += four.edges[3];
-        let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
-        let [i11, i12, i22] = four.inverse_metric;
-        let det = (g11 * g22 - g12 * g12) * four.inverse_det;
-        let i1 = i11 * g11 + i12 * g12 * 2.0 + i22 * g22;
-        let s = det.fast_max(f32x4::splat(LEAST_AREA)).sqrt();
-        let (p, q) = law.tension(i1, s, (i1 + s + s).sqrt());
-        let (p, q) = (p * four.weight, q * four.weight * four.inverse_det);
-        let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
-        let p1 = add(scale(e1, m11), scale(e2, m12));
-        let p2 = add(scale(e1, m12), scale(e2, m22));
-        let p0 = add(p1, p2);
-        let lanes = |v: Vec3| v.map(f32x4::to_array);
-        let (p0, p1, p2) = (lanes(p0), lanes(p1), lanes(p2));
-        for lane in 0..4 {
-            let at = |corner: usize| four.nodes[corner][lane] as usize;
-            f.add(at(0), [p0[0][lane], p0[1][lane], p0[2][lane]]);
-            f.add(at(1), [-p1[0][lane], -p1[1][lane], -p1[2][lane]]);
-            f.add(at(2), [-p2[0][lane], -p2[1][lane], -p2[2][lane]]);
-        }
-    }
-}
-
 /// A symmetric 3×3 block: xx, xy, xz, yy, yz, zz.
-type Block = [f32x4; 6];
+pub(super) type Block = [f32x4; 6];
 
 #[inline(always)]
-fn add_outer(block: &mut Block, a: Vec3, b: Vec3) {
+pub(super) fn add_outer(block: &mut Block, a: Vec3, b: Vec3) {
     block[0] += a[0] * b[0];
     block[1] += a[0] * b[1];
     block[2] += a[0] * b[2];
@@ -344,7 +338,7 @@ fn add_outer(block: &mut Block, a: Vec3, b: Vec3) {
 
 /// Adds c_vv vvᵀ + c_vτ (vτᵀ + τvᵀ) + c_ττ ττᵀ.
 #[inline(always)]
-fn add_stretch(block: &mut Block, k: &LaneStiffness, v: Vec3, tau: Vec3) {
+pub(super) fn add_stretch(block: &mut Block, k: &LaneStiffness, v: Vec3, tau: Vec3) {
     // (c_vv v + c_vτ τ) vᵀ + (c_vτ v + c_ττ τ) τᵀ
     add_outer(block, add(scale(v, k.vv), scale(tau, k.v_tau)), v);
     add_outer(block, add(scale(v, k.v_tau), scale(tau, k.tau_tau)), tau);
@@ -358,6 +352,7 @@ pub(super) fn invert_blocks(
     law: &LaneLaw,
     u: &Field,
     inverse: &mut [Vec<f32>; 6],
+    scratch: &mut Scratch,
 ) {
     for part in inverse.iter_mut() {
         part.fill(0.0);
@@ -368,7 +363,7 @@ pub(super) fn invert_blocks(
             block_row(law, u, row, layout.pitch, (from as usize, to as usize), inverse);
         }
     }
-    border_blocks(layout, law, u, inverse);
+    layout.border.add_blocks(law, u, inverse, &mut scratch.border);
     let mut last = 0;
     layout.free_rows(|j, from, to| {
         let row = j * layout.pitch;
@@ -454,55 +449,6 @@ fn cell_block(law: &LaneLaw, cells: &Cells) -> Block {
     block[5] += all;
     // A regular triangle's share is in the law: a cell gives each corner twice its block.
     block.map(|part| part + part)
-}
-
-fn border_blocks(layout: &Layout, law: &LaneLaw, u: &Field, blocks: &mut [Vec<f32>; 6]) {
-    for four in &layout.border {
-        let [a, b, c] = [0, 1, 2].map(|corner| gather(u, &four.nodes[corner]));
-        let mut e1 = sub(b, a);
-        let mut e2 = sub(c, a);
-        e1[0] += four.edges[0];
-        e1[1] += four.edges[1];
-        e2[0] += four.edges[2];
-        e2[1] += four.edges[3];
-        let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
-        let [i11, i12, i22] = four.inverse_metric;
-        let det = ((g11 * g22 - g12 * g12) * four.inverse_det).fast_max(f32x4::splat(LEAST_AREA));
-        let s = det.sqrt();
-        let k = law.stiffness(i11 * g11 + i12 * g12 * 2.0 + i22 * g22, s);
-        let per_s = f32x4::ONE / s;
-        let per_t = f32x4::ONE / k.t;
-        let n = scale(cross(e1, e2), per_s * four.inverse_det.sqrt());
-        let corners = [
-            (f32x4::splat(-1.0), f32x4::splat(-1.0)),
-            (f32x4::ONE, f32x4::ZERO),
-            (f32x4::ZERO, f32x4::ONE),
-        ];
-        for (nodes, (m1, m2)) in four.nodes.iter().zip(corners) {
-            let rest = m1 * m1 * i11 + m1 * m2 * i12 * 2.0 + m2 * m2 * i22;
-            let area = (g22 * m1 * m1 - g12 * m1 * m2 * 2.0 + g11 * m2 * m2) * four.inverse_det;
-            let v = add(scale(e1, i11 * m1 + i12 * m2), scale(e2, i12 * m1 + i22 * m2));
-            let w = scale(
-                add(scale(e1, g22 * m1 - g12 * m2), scale(e2, g11 * m2 - g12 * m1)),
-                four.inverse_det,
-            );
-            let tau = scale(add(v, scale(w, per_s)), per_t);
-            let isotropic = k.p * rest;
-            let across = (k.beta_t * area * per_s).fast_max(k.least_normal * rest - isotropic);
-            let mut block = [f32x4::ZERO; 6];
-            add_outer(&mut block, scale(n, across), n);
-            add_stretch(&mut block, &k, v, tau);
-            block[0] += isotropic;
-            block[3] += isotropic;
-            block[5] += isotropic;
-            for (part, lanes) in blocks.iter_mut().zip(block) {
-                let lanes = (lanes * four.weight).to_array();
-                for (k, value) in nodes.iter().zip(lanes) {
-                    part[*k as usize] += value;
-                }
-            }
-        }
-    }
 }
 
 /// The inverse; where the block is not positive definite, that of its trace.

@@ -4,6 +4,7 @@
 //! digits. A mirrored grid holds one quarter of the sheet, x ≥ 0 and y ≥ 0, and one ghost column and
 //! row beyond the axes.
 
+use super::border::Border;
 use crate::sheet::{CellKind, NodeKind, Sheet};
 use wide::f32x4;
 
@@ -65,21 +66,6 @@ pub(super) fn store(values: &mut [f32], k: usize, lanes: f32x4) {
     values[k..k + 4].copy_from_slice(&lanes.to_array());
 }
 
-/// Four triangles at the border, whose rest shapes are not those of the grid.
-#[derive(Clone, Debug)]
-pub(super) struct BorderLanes {
-    /// Stored nodes of each triangle's three corners.
-    pub(super) nodes: [[u32; 4]; 3],
-    /// The two edges from the first corner at rest: x and y of one, x and y of the other.
-    pub(super) edges: [f32x4; 4],
-    /// G⁻¹: 11, 12, 22.
-    pub(super) inverse_metric: [f32x4; 3],
-    /// 1/det G.
-    pub(super) inverse_det: f32x4,
-    /// Rest area times weight, in those of a regular triangle; zero in unused lanes.
-    pub(super) weight: f32x4,
-}
-
 /// Where the stored nodes and cells of a grid lie and what they are. Depends on the number of nodes
 /// alone.
 #[derive(Clone, Debug)]
@@ -94,7 +80,7 @@ pub(super) struct Layout {
     pub(super) free: Vec<(u32, u32)>,
     /// Cells of each stored row with four free corners.
     pub(super) regular: Vec<(u32, u32)>,
-    pub(super) border: Vec<BorderLanes>,
+    pub(super) border: Border,
     /// Nodes that are not free but within two cells of one, in the order in which they can be
     /// extrapolated, each with how many of `sources` are its own.
     pub(super) extrapolated: Vec<(u32, u32)>,
@@ -116,7 +102,7 @@ impl Layout {
             is_mirrored,
             free: Vec::with_capacity(rows),
             regular: Vec::with_capacity(rows - 1),
-            border: Vec::new(),
+            border: Border::default(),
             extrapolated: Vec::new(),
             sources: Vec::new(),
         };
@@ -145,8 +131,7 @@ impl Layout {
             }
         }
         let stored = |k: usize| (k / nodes_per_side - first) * pitch + k % nodes_per_side - first;
-        layout.border =
-            triangles.chunks(4).map(|four| border_lanes(&sheet, four, stored)).collect();
+        layout.border = Border::new(&sheet, &triangles, stored);
         layout.find_extrapolation();
         layout
     }
@@ -159,6 +144,13 @@ impl Layout {
     /// Stored row or column of the grid's centre.
     pub(super) fn center(&self) -> usize {
         if self.is_mirrored { 1 } else { self.nodes_per_side / 2 }
+    }
+
+    /// Rest place of the node of a stored column and row, about the grid's centre.
+    #[inline(always)]
+    pub(super) fn rest(&self, i: usize, j: usize) -> [f32; 2] {
+        let center = self.center() as f32;
+        [i as f32 - center, j as f32 - center]
     }
 
     /// The first row and column that is not a ghost.
@@ -254,49 +246,5 @@ impl Layout {
                 }
             }
         }
-    }
-}
-
-fn border_lanes(
-    sheet: &Sheet,
-    triangles: &[([usize; 3], f64)],
-    stored: impl Fn(usize) -> usize,
-) -> BorderLanes {
-    let mut nodes = [[0_u32; 4]; 3];
-    let mut numbers = [[0.0_f32; 4]; 9];
-    for lane in 0..4 {
-        // Unused lanes repeat the last triangle without weight.
-        let (corners, weight) = triangles[lane.min(triangles.len() - 1)];
-        let weight = if lane < triangles.len() { weight } else { 0.0 };
-        let [a, b, c] = corners.map(|k| sheet.rest()[k]);
-        let (e1, e2) = (b - a, c - a);
-        let det = e1.perp_dot(e2).powi(2);
-        let (g11, g12, g22) = (e1.length_squared(), e1.dot(e2), e2.length_squared());
-        let all = [
-            e1.x,
-            e1.y,
-            e2.x,
-            e2.y,
-            g22 / det,
-            -g12 / det,
-            g11 / det,
-            1.0 / det,
-            // A regular triangle has half of half a cell.
-            4.0 * weight * sheet.rest_area(corners),
-        ];
-        for (place, value) in numbers.iter_mut().zip(all) {
-            place[lane] = value as f32;
-        }
-        for (place, k) in nodes.iter_mut().zip(corners) {
-            place[lane] = stored(k) as u32;
-        }
-    }
-    let n = numbers.map(f32x4::new);
-    BorderLanes {
-        nodes,
-        edges: [n[0], n[1], n[2], n[3]],
-        inverse_metric: [n[4], n[5], n[6]],
-        inverse_det: n[7],
-        weight: n[8],
     }
 }

@@ -6,7 +6,7 @@
 
 use super::grid::Field;
 use super::smooth::{self, Contact, Pull};
-use super::{FullMultigrid, Level, SMOOTHING, State, force, transfer};
+use super::{FullMultigrid, Level, SMOOTHING, State, transfer};
 use crate::solve::Problem;
 use crate::solve::law::SheetLaw;
 
@@ -242,7 +242,7 @@ impl Kernels {
         let FullMultigrid { levels, law, .. } = &mut self.scheme;
         let [.., fine] = levels.as_mut_slice() else { return f64::INFINITY };
         let squares = fine.find_residual(law, Contact::OneSided);
-        (squares / force::tension_squares(&fine.layout, law, &fine.u)).sqrt()
+        (squares / fine.tension_squares(law)).sqrt()
     }
 }
 

@@ -87,22 +87,6 @@ impl LaneLaw {
         &self.groups
     }
 
-    /// tr(SCSC)-like measure: the sum of squares of the two edge forces of a triangle with the metric
-    /// g and s = √det g.
-    pub(super) fn squared_tension(&self, g11: f32, g12: f32, g22: f32, s: f32) -> f32 {
-        let splat = f32x4::splat;
-        let (p, q) = self.groups.as_slice().tension(
-            splat(g11 + g22),
-            splat(s),
-            splat((g11 + g22 + 2.0 * s).sqrt()),
-        );
-        let (p, q) = (p.to_array()[0], q.to_array()[0]);
-        let (m11, m12, m22) = (p + q * g22, -q * g12, p + q * g11);
-        m11 * (m11 * g11 + 2.0 * m12 * g12)
-            + m22 * (m22 * g22 + 2.0 * m12 * g12)
-            + m12 * m12 * (g11 + g22)
-    }
-
     /// The coefficients of the second derivative of the energy by one node,
     /// P(mᵀG⁻¹m) I + (β/t)(mᵀadj(g)m)/(s det G) nnᵀ + c_vv vvᵀ + c_vτ (vτᵀ + τvᵀ) + c_ττ ττᵀ,
     /// with v = −½∂I₁/∂x and τ = −∂t/∂x. Negative tension is left out.

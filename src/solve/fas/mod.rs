@@ -8,8 +8,9 @@
 //! that is evaluated is the force. The finest grid decides which nodes the dome holds; coarser ones
 //! keep them on it.
 //!
-//! `grid` (what is stored) | `law` | `force` | `smooth` (with contact) | `transfer`.
+//! `grid` (what is stored) | `law` | `force` with `border` | `smooth` (with contact) | `transfer`.
 
+mod border;
 mod force;
 mod grid;
 pub mod kernels;
@@ -23,7 +24,7 @@ use super::lift;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::coupled::CoupledLaw;
-use force::CellLanes;
+use force::Scratch;
 use glam::{DVec2, DVec3};
 use grid::{Field, Layout};
 use law::LaneLaw;
@@ -97,7 +98,7 @@ struct Level {
     hold: Vec<f32>,
     /// Level of the dome at which a held node touches; negative where it is off the dome indeed.
     lift: Vec<f32>,
-    row: Vec<CellLanes>,
+    scratch: Scratch,
 }
 
 impl Level {
@@ -115,7 +116,7 @@ impl Level {
             inverse: [zeros(), zeros(), zeros(), zeros(), zeros(), zeros()],
             hold: zeros(),
             lift: zeros(),
-            row: vec![CellLanes::default(); layout.pitch / 4 + 1],
+            scratch: Scratch::new(&layout),
             layout,
         }
     }
@@ -157,6 +158,8 @@ pub(super) struct FullMultigrid {
     is_lifted: bool,
     /// Error of leaving them out \[mm\].
     missed: f64,
+    /// Sum of squares of the residual, where it was found with the lifts.
+    residual_squares: Option<f64>,
     last_change: f64,
     /// Slower, but sure where contact is small or the sheet nearly slack.
     is_wary: bool,
@@ -194,6 +197,7 @@ impl FullMultigrid {
             doubts: 0,
             is_lifted: false,
             missed: 0.0,
+            residual_squares: None,
             last_change: f64::INFINITY,
             is_wary: false,
             row: vec![0.0; nodes_per_side + 8],
@@ -273,6 +277,7 @@ impl FullMultigrid {
         self.doubts = 0;
         self.is_lifted = false;
         self.missed = 0.0;
+        self.residual_squares = None;
         self.last_change = f64::INFINITY;
         self.error = f64::INFINITY;
         self.levels[l].lift.fill(0.0);
@@ -311,12 +316,15 @@ impl FullMultigrid {
         if self.current == 0 || self.is_wary {
             level.invert_blocks(&self.law);
         }
-        for _ in 0..COARSEST_ROUNDS {
-            for omega in COARSEST {
-                level.smooth(&self.law, contact, omega);
+        for round in 0..COARSEST_ROUNDS {
+            for (part, omega) in COARSEST.into_iter().enumerate() {
+                if self.current == 0 || (round, part) != (0, 0) {
+                    level.forces(&self.law);
+                }
+                level.step(contact, omega);
             }
         }
-        self.count(0, (COARSEST_ROUNDS * COARSEST.len() + 1) as f64);
+        self.count(0, (COARSEST_ROUNDS * COARSEST.len()) as f64);
     }
 
     /// Smooths, then hands the residual to the next coarser grid.
@@ -334,8 +342,13 @@ impl FullMultigrid {
                 self.count(l, 1.0);
             }
         } else if part <= SMOOTHING.len() {
-            level.smooth(&self.law, contact, SMOOTHING[part - 1]);
-            self.count(l, 1.0);
+            // A coarse grid has just had its forces found, for its right-hand side.
+            let is_known = part == 1 && l != self.current;
+            if !is_known {
+                level.forces(&self.law);
+            }
+            level.step(contact, SMOOTHING[part - 1]);
+            self.count(l, f64::from(u8::from(!is_known)));
         } else {
             level.find_residual(&self.law, contact);
             coarse.take_over(&self.law, level, HOLD_SHARES[usize::from(self.is_wary)]);
@@ -354,7 +367,8 @@ impl FullMultigrid {
         if part == 0 {
             level.add_correction(coarse, &mut self.row);
         }
-        level.smooth(&self.law, contact, SMOOTHING[part]);
+        level.forces(&self.law);
+        level.step(contact, SMOOTHING[part]);
         self.count(l, 1.0);
         self.task = if part + 1 < SMOOTHING.len() {
             Task::Up(l, part + 1)
@@ -446,7 +460,7 @@ impl FullMultigrid {
         let l = self.current;
         let spacing = self.spacing * f64::from(1 << (self.levels.len() - 1 - l));
         let level = &mut self.levels[l];
-        level.find_residual(&self.law, Contact::OneSided);
+        let squares = level.find_residual(&self.law, Contact::OneSided);
         let greatest = level.find_lifts() * spacing / self.base_radius;
         let share = lift::share(greatest, self.tolerance);
         level.lift.iter_mut().for_each(|lift| *lift *= share as f32);
@@ -455,17 +469,20 @@ impl FullMultigrid {
             return true;
         }
         self.missed = lift::missed(greatest) * self.base_radius;
+        self.residual_squares = Some(squares);
         false
     }
 
     fn find_relative_residual(&mut self) {
         let l = self.current;
         let level = &mut self.levels[l];
-        let squares = level.find_residual(&self.law, Contact::OneSided);
-        let all = force::tension_squares(&level.layout, &self.law, &level.u);
+        // The search for lifts has it, if it found none.
+        let known = self.residual_squares.take();
+        let squares =
+            known.unwrap_or_else(|| level.find_residual(&self.law, Contact::OneSided));
         // A sheet at rest has no forces: rounding is not measured against rounding.
-        self.relative_residual = squares.sqrt() / all.sqrt().max(1e-9);
-        self.count(l, 2.0);
+        self.relative_residual = (squares / level.tension_squares(&self.law).max(1e-18)).sqrt();
+        self.count(l, if known.is_some() { 0.5 } else { 1.5 });
     }
 
     /// Goes on to the next finer grid.
@@ -511,6 +528,7 @@ impl FullMultigrid {
                 let at = j * layout.pitch + i;
                 let [ux, uy, uz] = level.u.at(at).map(f64::from);
                 let (lift, is_held) = (level.lift[at], level.hold[at] > 0.0);
+                let is_near = level.dome.is_near(layout.rest(i, j), level.u.at(at));
                 let mut set = |i: usize, j: usize, u: DVec3| {
                     let k = j * n + i;
                     x[k] = sheet.rest()[k].extend(0.0) + u * self.spacing;
@@ -518,7 +536,8 @@ impl FullMultigrid {
                         // Twice on an axis of symmetry, which does no harm.
                         lifted.push((k, x[k]));
                     }
-                    if lift > 0.0 && is_held || lift == 0.0 && dome.level(x[k]) < TOUCH {
+                    let is_on = || is_near && dome.level(x[k]) < TOUCH;
+                    if lift > 0.0 && is_held || lift == 0.0 && is_on() {
                         x[k] = dome.onto_surface(x[k]);
                     }
                 };
@@ -565,15 +584,15 @@ impl Level {
     }
 
     fn invert_blocks(&mut self, law: &LaneLaw) {
-        force::invert_blocks(&self.layout, law, &self.u, &mut self.inverse);
+        force::invert_blocks(&self.layout, law, &self.u, &mut self.inverse, &mut self.scratch);
     }
 
     fn forces(&mut self, law: &LaneLaw) {
-        force::forces(&self.layout, law, &self.u, &mut self.f, &mut self.row);
+        force::forces(&self.layout, law, &self.u, &mut self.f, &mut self.scratch);
     }
 
-    fn smooth(&mut self, law: &LaneLaw, contact: Contact, omega: f32) {
-        self.forces(law);
+    /// A damped step of the nodes by the forces found.
+    fn step(&mut self, contact: Contact, omega: f32) {
         let Self { layout, dome, u, f, tau, inverse, hold, lift, .. } = self;
         let tau = (contact == Contact::Held).then_some(&*tau);
         smooth::step(layout, dome, contact, omega, &Pull { inverse, f, tau, hold, lift }, u);
@@ -584,6 +603,10 @@ impl Level {
         let tau = (contact == Contact::Held).then_some(&self.tau);
         let Self { layout, dome, u, hold, f, lift, .. } = self;
         smooth::residual(layout, dome, contact, u, tau, (lift, hold), f)
+    }
+
+    fn tension_squares(&mut self, law: &LaneLaw) -> f64 {
+        force::tension_squares(&self.layout, law, &self.u, &mut self.scratch)
     }
 
     /// Takes shape, held nodes and residual of the finer grid; what is to be solved here is

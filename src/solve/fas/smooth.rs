@@ -47,6 +47,15 @@ impl LaneDome {
         }
     }
 
+    /// Might a node touch? Without roots and divisions.
+    #[inline(always)]
+    pub(super) fn is_near(&self, rest: [f32; 2], u: [f32; 3]) -> bool {
+        let x = (rest[0] + u[0] - self.center[0]) * self.per_radius;
+        let y = (rest[1] + u[1] - self.center[1]) * self.per_radius;
+        let z = (u[2] - self.base_height) * self.per_projection;
+        x * x + y * y + z * z < 1.0 + 1e-3
+    }
+
     /// The place relative to the ellipsoid's centre, the level plus one, and the level's gradient.
     #[inline(always)]
     fn level(&self, x: f32x4, y: f32x4, u: [f32x4; 3]) -> ([f32x4; 3], f32x4, [f32x4; 3]) {
@@ -66,9 +75,8 @@ impl LaneDome {
 /// Rest places of four neighbouring nodes, about the grid's centre.
 #[inline(always)]
 fn rest(layout: &Layout, i: usize, j: usize) -> (f32x4, f32x4) {
-    let center = layout.center() as f32;
-    let lanes = f32x4::new([0.0, 1.0, 2.0, 3.0]);
-    (lanes + (i as f32 - center), f32x4::splat(j as f32 - center))
+    let [x, y] = layout.rest(i, j);
+    (f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y))
 }
 
 /// What a step is made of.
