@@ -3,9 +3,7 @@
 //! They are few but scattered: their nodes are first brought together, one vector each, so that four
 //! triangles read and write whole vectors.
 
-use super::force::{
-    Block, LEAST_AREA, Vec3, add, add_outer, add_stretch, cross, dot, scale, sub,
-};
+use super::force::{Block, LEAST_AREA, Vec3, add, add_outer, add_stretch, cross, dot, scale, sub};
 use super::grid::Field;
 use super::law::{LaneLaw, Law};
 use crate::sheet::Sheet;

@@ -5,8 +5,9 @@
 //! numbers of the equilibrium and leaves the shape where it is, however often it is run.
 
 use super::grid::Field;
+use super::level::Level;
 use super::smooth::{self, Contact, Pull};
-use super::{FullMultigrid, Level, SMOOTHING, State, transfer};
+use super::{FullMultigrid, SMOOTHING, State, transfer};
 use crate::solve::Problem;
 use crate::solve::law::SheetLaw;
 

@@ -8,13 +8,15 @@
 //! that is evaluated is the force. The finest grid decides which nodes the dome holds; coarser ones
 //! keep them on it.
 //!
-//! `grid` (what is stored) | `law` | `force` with `border` | `smooth` (with contact) | `transfer`.
+//! `grid` (what is stored) | `law` | `force` with `border` | `smooth` (with contact) | `transfer` |
+//! `level` (one grid at work); here the order in which grids work.
 
 mod border;
 mod force;
 mod grid;
 pub mod kernels;
 mod law;
+mod level;
 mod smooth;
 mod transfer;
 
@@ -24,11 +26,11 @@ use super::lift;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use crate::springs::coupled::CoupledLaw;
-use force::Scratch;
-use glam::{DVec2, DVec3};
-use grid::{Field, Layout};
+use glam::DVec3;
+use grid::Field;
 use law::LaneLaw;
-use smooth::{Contact, LaneDome, Pull};
+use level::Level;
+use smooth::{Contact, LaneDome};
 
 /// Damped steps that take out the upper part of the spectrum of D⁻¹H: close to the inverse roots of a
 /// Chebyshev polynomial, the longest step first.
@@ -56,6 +58,8 @@ const SAFETY: f64 = 1.5;
 const SLOW_RATE: f64 = 0.7;
 /// Slow cycles on the finest grid, one after the other, that end the scheme.
 const MAX_SLOW: u32 = 3;
+/// A cycle that takes back more than this share of the last one's change swings.
+const SWING: f64 = -0.25;
 /// The greatest relative residual that a solution may have, and how often the scheme may come to rest
 /// above it.
 const MOST_RESIDUAL: f64 = 5e-3;
@@ -78,48 +82,6 @@ pub(super) enum State {
     Converged,
     /// A cycle does not lead to the solution: another method has to take over.
     Failed,
-}
-
-/// A grid with its shape and scratch.
-#[derive(Clone, Debug)]
-struct Level {
-    layout: Layout,
-    dome: LaneDome,
-    /// The same in f64.
-    exact_dome: Dome,
-    u: Field,
-    /// Forces, then residuals, then corrections.
-    f: Field,
-    /// The shape before the correction: at the start of a cycle, or as injected.
-    before: Field,
-    /// Right-hand side of a coarse grid.
-    tau: Field,
-    inverse: [Vec<f32>; 6],
-    hold: Vec<f32>,
-    /// Level of the dome at which a held node touches; negative where it is off the dome indeed.
-    lift: Vec<f32>,
-    scratch: Scratch,
-}
-
-impl Level {
-    fn new(nodes_per_side: usize, is_mirrored: bool, is_finest: bool) -> Self {
-        let layout = Layout::new(nodes_per_side, is_mirrored);
-        let length = layout.len();
-        let zeros = || vec![0.0; length];
-        Self {
-            dome: LaneDome::default(),
-            exact_dome: Dome::new(DVec2::ZERO, 1.0, 1.0, 1.0),
-            u: Field::new(length),
-            f: Field::new(length),
-            before: Field::new(length),
-            tau: Field::new(if is_finest { 0 } else { length }),
-            inverse: [zeros(), zeros(), zeros(), zeros(), zeros(), zeros()],
-            hold: zeros(),
-            lift: zeros(),
-            scratch: Scratch::new(&layout),
-            layout,
-        }
-    }
 }
 
 /// What is done next.
@@ -161,6 +123,9 @@ pub(super) struct FullMultigrid {
     /// Sum of squares of the residual, where it was found with the lifts.
     residual_squares: Option<f64>,
     last_change: f64,
+    /// What the last cycle of the finest grid changed, where it was left as it was.
+    last_step: Field,
+    has_last_step: bool,
     /// Slower, but sure where contact is small or the sheet nearly slack.
     is_wary: bool,
     row: Vec<f32>,
@@ -183,7 +148,6 @@ impl FullMultigrid {
         let levels: Vec<Level> =
             sides.iter().rev().map(|&n| Level::new(n, is_mirrored, n == nodes_per_side)).collect();
         Self {
-            levels,
             law: LaneLaw::default(),
             base_radius: 1.0,
             spacing: 1.0,
@@ -199,11 +163,14 @@ impl FullMultigrid {
             missed: 0.0,
             residual_squares: None,
             last_change: f64::INFINITY,
+            last_step: Field::new(levels[sides.len() - 1].layout.len()),
+            has_last_step: false,
             is_wary: false,
             row: vec![0.0; nodes_per_side + 8],
             error: f64::INFINITY,
             relative_residual: f64::INFINITY,
             work_units: 0.0,
+            levels,
         }
     }
 
@@ -279,6 +246,7 @@ impl FullMultigrid {
         self.missed = 0.0;
         self.residual_squares = None;
         self.last_change = f64::INFINITY;
+        self.has_last_step = false;
         self.error = f64::INFINITY;
         self.levels[l].lift.fill(0.0);
         self.task = Task::Down(l, 0);
@@ -424,6 +392,7 @@ impl FullMultigrid {
             self.is_lifted = true;
             if self.find_lifts() {
                 self.last_change = f64::INFINITY;
+                self.has_last_step = false;
                 self.slow_cycles = 0;
                 self.task = Task::Down(l, 0);
                 return State::Working;
@@ -446,12 +415,33 @@ impl FullMultigrid {
         {
             return State::Failed;
         }
+        self.accelerate();
         self.task = Task::Down(l, 0);
         if self.draft_tolerance.is_some_and(|draft| self.error <= draft * self.base_radius) {
             self.draft_tolerance = None;
             return State::Draft;
         }
         State::Working
+    }
+
+    /// Takes out of the last change what the one before says it will take back: coarse grids are a
+    /// little too soft where contact ends, so that the sheet there swings about its place (A. C. Aitken,
+    /// Proc. Roy. Soc. Edinburgh 46, 1926, for one vector).
+    fn accelerate(&mut self) {
+        let level = &mut self.levels[self.current];
+        let (product, square) =
+            smooth::products_of_steps(&level.layout, &level.u, &level.before, &self.last_step);
+        let rho = if self.has_last_step && square > 0.0 { product / square } else { 0.0 };
+        self.has_last_step = rho > SWING;
+        if self.has_last_step {
+            smooth::difference(&level.u, &level.before, &mut self.last_step);
+        } else {
+            let share = (rho / (rho - 1.0)) as f32;
+            smooth::blend(&level.before, share, &mut level.u);
+            smooth::settle(&level.layout, &level.dome, &mut level.u);
+            self.last_change = f64::INFINITY;
+            self.slow_cycles = 0;
+        }
     }
 
     /// Finds where contact ends between nodes of the grid being solved; true if that changes its
@@ -478,8 +468,7 @@ impl FullMultigrid {
         let level = &mut self.levels[l];
         // The search for lifts has it, if it found none.
         let known = self.residual_squares.take();
-        let squares =
-            known.unwrap_or_else(|| level.find_residual(&self.law, Contact::OneSided));
+        let squares = known.unwrap_or_else(|| level.find_residual(&self.law, Contact::OneSided));
         // A sheet at rest has no forces: rounding is not measured against rounding.
         self.relative_residual = (squares / level.tension_squares(&self.law).max(1e-18)).sqrt();
         self.count(l, if known.is_some() { 0.5 } else { 1.5 });
@@ -551,87 +540,5 @@ impl FullMultigrid {
                 }
             }
         });
-    }
-}
-
-impl Level {
-    /// Finds where contact ends between nodes; gives the greatest lift \[grid spacings\].
-    fn find_lifts(&mut self) -> f64 {
-        let Self { layout, exact_dome: dome, u, hold, lift, .. } = self;
-        let layout = &*layout;
-        let center = layout.center() as f64;
-        let mut greatest = 0.0_f64;
-        lift.fill(0.0);
-        layout.free_rows(|j, from, to| {
-            for i in from..to {
-                let at = j * layout.pitch + i;
-                if hold[at] <= 0.0 {
-                    continue;
-                }
-                let gap = |di: isize, dj: isize| {
-                    let (i, j) = layout.place(i as isize + di, j as isize + dj)?;
-                    let k = j * layout.pitch + i;
-                    let [x, y, z] = u.at(k).map(f64::from);
-                    let rest = DVec3::new(i as f64 - center, j as f64 - center, 0.0);
-                    (hold[k] <= 0.0).then(|| dome.level(rest + DVec3::new(x, y, z)))
-                };
-                let level = lift::lift(gap);
-                greatest = greatest.max(level.abs());
-                lift[at] = level as f32;
-            }
-        });
-        greatest * dome.base_radius.max(dome.projection)
-    }
-
-    fn invert_blocks(&mut self, law: &LaneLaw) {
-        force::invert_blocks(&self.layout, law, &self.u, &mut self.inverse, &mut self.scratch);
-    }
-
-    fn forces(&mut self, law: &LaneLaw) {
-        force::forces(&self.layout, law, &self.u, &mut self.f, &mut self.scratch);
-    }
-
-    /// A damped step of the nodes by the forces found.
-    fn step(&mut self, contact: Contact, omega: f32) {
-        let Self { layout, dome, u, f, tau, inverse, hold, lift, .. } = self;
-        let tau = (contact == Contact::Held).then_some(&*tau);
-        smooth::step(layout, dome, contact, omega, &Pull { inverse, f, tau, hold, lift }, u);
-    }
-
-    fn find_residual(&mut self, law: &LaneLaw, contact: Contact) -> f64 {
-        self.forces(law);
-        let tau = (contact == Contact::Held).then_some(&self.tau);
-        let Self { layout, dome, u, hold, f, lift, .. } = self;
-        smooth::residual(layout, dome, contact, u, tau, (lift, hold), f)
-    }
-
-    fn tension_squares(&mut self, law: &LaneLaw) -> f64 {
-        force::tension_squares(&self.layout, law, &self.u, &mut self.scratch)
-    }
-
-    /// Takes shape, held nodes and residual of the finer grid; what is to be solved here is
-    /// f(u) + τ = 0 with τ such that f + τ is the restricted residual at the shape taken.
-    fn take_over(&mut self, law: &LaneLaw, fine: &Self, hold_share: f32) {
-        let Self { layout, u, hold, tau, .. } = self;
-        transfer::inject(layout, &fine.layout, &fine.u, u);
-        transfer::inject_hold(layout, &fine.layout, &fine.hold, hold_share, hold);
-        smooth::mirror(layout, u);
-        transfer::restrict(layout, &fine.layout, &fine.f, tau);
-        self.before.copy_from(&self.u);
-        self.forces(law);
-        let Self { layout, tau, f, .. } = self;
-        layout.free_rows(|j, from, to| {
-            for k in j * layout.pitch + from..j * layout.pitch + to {
-                tau.x[k] -= f.x[k];
-                tau.y[k] -= f.y[k];
-                tau.z[k] -= f.z[k];
-            }
-        });
-    }
-
-    fn add_correction(&mut self, coarse: &Self, row: &mut [f32]) {
-        let Self { layout, dome, u, hold, f, lift, .. } = self;
-        transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
-        smooth::correct(layout, dome, f, (lift, hold), u);
     }
 }

@@ -300,6 +300,48 @@ pub(super) fn greatest_difference(layout: &Layout, a: &Field, b: &Field) -> f32 
     greatest.sqrt()
 }
 
+/// ⟨u − before, step⟩ and ⟨step, step⟩ over the free nodes.
+pub(super) fn products_of_steps(
+    layout: &Layout,
+    u: &Field,
+    before: &Field,
+    step: &Field,
+) -> (f64, f64) {
+    let (mut product, mut square) = (0.0, 0.0);
+    layout.free_rows(|j, from, to| {
+        let (mut row_product, mut row_square) = (0.0_f32, 0.0_f32);
+        for k in j * layout.pitch + from..j * layout.pitch + to {
+            let (p, q, s) = (u.at(k), before.at(k), step.at(k));
+            row_product += (p[0] - q[0]) * s[0] + (p[1] - q[1]) * s[1] + (p[2] - q[2]) * s[2];
+            row_square += s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+        }
+        product += f64::from(row_product);
+        square += f64::from(row_square);
+    });
+    (product, square)
+}
+
+/// u − before.
+pub(super) fn difference(u: &Field, before: &Field, to: &mut Field) {
+    let parts =
+        [(&u.x, &before.x, &mut to.x), (&u.y, &before.y, &mut to.y), (&u.z, &before.z, &mut to.z)];
+    for (u, before, to) in parts {
+        for ((to, u), before) in to.iter_mut().zip(u).zip(before) {
+            *to = u - before;
+        }
+    }
+}
+
+/// Moves u by a share of its way back to `before`.
+pub(super) fn blend(before: &Field, share: f32, u: &mut Field) {
+    let parts = [(&before.x, &mut u.x), (&before.y, &mut u.y), (&before.z, &mut u.z)];
+    for (before, u) in parts {
+        for (u, before) in u.iter_mut().zip(before) {
+            *u += share * (before - *u);
+        }
+    }
+}
+
 /// Stores the first `count` lanes.
 #[inline(always)]
 fn store_free(field: &mut Field, k: usize, count: usize, lanes: [f32x4; 3]) {
