@@ -261,6 +261,19 @@ fn a_centred_dome_takes_a_quarter_of_the_sheet_and_gives_the_same_shape() {
 }
 
 #[test]
+fn nodes_outside_of_the_pocket_cost_next_to_nothing() {
+    for center_mm in [[0.0, 0.0], [3.0, 2.0]] {
+        let mut scene = small();
+        scene.solver.nodes_per_side = 129;
+        scene.implant.center_mm = center_mm;
+        let mut solver = Solver::new(scene.problem().unwrap());
+        solver.advance(&mut || false);
+        let (solved, swept) = (solver.nodes_solved() as f64, solver.nodes_swept() as f64);
+        assert!(swept > solved && swept < 1.05 * solved, "{swept} for {solved}");
+    }
+}
+
+#[test]
 fn layers_of_equal_poisson_ratio_cost_as_much_as_one() {
     let units = |ratios: &[f64]| {
         let mut scene = small();

@@ -412,6 +412,16 @@ impl Solver {
         }
     }
 
+    /// Nodes that one pass over the finest grid computes: [`Self::nodes_solved`] and what fills rows up
+    /// to whole groups of four. Nodes outside of the pocket are not among them.
+    #[must_use]
+    pub fn nodes_swept(&self) -> usize {
+        match (self.stage, &self.multigrid) {
+            (Stage::Multigrid, Some(multigrid)) => multigrid.lanes(),
+            _ => self.problem.sheet.free_nodes(),
+        }
+    }
+
     /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
     #[must_use]
     pub fn positions(&self) -> &[DVec3] {

@@ -66,6 +66,17 @@ pub(super) fn store(values: &mut [f32], k: usize, lanes: f32x4) {
     values[k..k + 4].copy_from_slice(&lanes.to_array());
 }
 
+/// A node beyond the free ones, as a finer grid's interpolation needs it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extrapolated {
+    pub(super) node: u32,
+    /// How many of [`Layout::sources`] are its own.
+    pub(super) count: u32,
+    /// The mean of its sources; else that of the straight lines through each two of them, the near
+    /// one first.
+    pub(super) is_mean: bool,
+}
+
 /// Where the stored nodes and cells of a grid lie and what they are. Depends on the number of nodes
 /// alone.
 #[derive(Clone, Debug)]
@@ -82,10 +93,10 @@ pub(super) struct Layout {
     pub(super) regular: Vec<(u32, u32)>,
     pub(super) border: Border,
     /// Nodes that are not free but within two cells of one, in the order in which they can be
-    /// extrapolated, each with how many of `sources` are its own.
-    pub(super) extrapolated: Vec<(u32, u32)>,
-    /// Stored node and weight.
-    pub(super) sources: Vec<(u32, f32)>,
+    /// extrapolated; of grids alone that have a finer one.
+    pub(super) extrapolated: Vec<Extrapolated>,
+    /// The stored nodes that they are extrapolated from, one after the other.
+    pub(super) sources: Vec<u32>,
 }
 
 impl Layout {
@@ -132,7 +143,6 @@ impl Layout {
         }
         let stored = |k: usize| (k / nodes_per_side - first) * pitch + k % nodes_per_side - first;
         layout.border = Border::new(&sheet, &triangles, stored);
-        layout.find_extrapolation();
         layout
     }
 
@@ -168,6 +178,12 @@ impl Layout {
         self.free[self.ghost()..].iter().map(|(from, to)| (to - from) as usize).sum()
     }
 
+    /// The same, each row filled up to whole groups of four.
+    pub(super) fn lanes(&self) -> usize {
+        let groups = |&(from, to): &(u32, u32)| (to - from).next_multiple_of(4) as usize;
+        self.free[self.ghost()..].iter().map(groups).sum()
+    }
+
     /// Calls `visit(row, from, to)` for the free span of every stored row but the ghost.
     #[inline(always)]
     pub(super) fn free_rows(&self, mut visit: impl FnMut(usize, usize, usize)) {
@@ -197,7 +213,7 @@ impl Layout {
     }
 
     /// Two rings around the free nodes: straight on where two lie in a row, else the mean.
-    fn find_extrapolation(&mut self) {
+    pub(super) fn find_extrapolation(&mut self) {
         let (rows, first) = (self.rows as isize, self.ghost() as isize);
         let mut known = vec![false; (rows * rows) as usize];
         for j in 0..rows {
@@ -215,34 +231,28 @@ impl Layout {
                     if is_known(i, j) {
                         continue;
                     }
+                    let place = |i: isize, j: isize| (j * self.pitch as isize + i) as u32;
                     let (mut lines, mut means) = (Vec::new(), Vec::new());
                     for (di, dj) in
                         [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
                     {
                         if is_known(i + di, j + dj) {
-                            means.push((i + di, j + dj, 1.0));
+                            means.push(place(i + di, j + dj));
                             if is_known(i + 2 * di, j + 2 * dj) {
-                                lines.push((i + di, j + dj, 2.0));
-                                lines.push((i + 2 * di, j + 2 * dj, -1.0));
+                                lines.push(place(i + di, j + dj));
+                                lines.push(place(i + 2 * di, j + 2 * dj));
                             }
                         }
                     }
-                    let (sources, count) = if lines.is_empty() {
-                        let count = means.len();
-                        (means, count)
-                    } else {
-                        let count = lines.len() / 2;
-                        (lines, count)
-                    };
-                    if count == 0 {
+                    let is_mean = lines.is_empty();
+                    let sources = if is_mean { means } else { lines };
+                    if sources.is_empty() {
                         continue;
                     }
                     known[(j * rows + i) as usize] = true;
-                    let pitch = self.pitch as isize;
-                    self.extrapolated.push(((j * pitch + i) as u32, sources.len() as u32));
-                    self.sources.extend(
-                        sources.iter().map(|&(i, j, w)| ((j * pitch + i) as u32, w / count as f32)),
-                    );
+                    let (node, count) = (place(i, j), sources.len() as u32);
+                    self.extrapolated.push(Extrapolated { node, count, is_mean });
+                    self.sources.extend(sources);
                 }
             }
         }

@@ -32,7 +32,10 @@ pub(super) struct Level {
 
 impl Level {
     pub(super) fn new(nodes_per_side: usize, is_mirrored: bool, is_finest: bool) -> Self {
-        let layout = Layout::new(nodes_per_side, is_mirrored);
+        let mut layout = Layout::new(nodes_per_side, is_mirrored);
+        if !is_finest {
+            layout.find_extrapolation();
+        }
         let length = layout.len();
         let zeros = || vec![0.0; length];
         Self {

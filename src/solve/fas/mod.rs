@@ -185,6 +185,11 @@ impl FullMultigrid {
         self.levels[self.levels.len() - 1].layout.free_nodes()
     }
 
+    /// Lanes that a pass over the finest grid computes: whole groups of four, row by row.
+    pub(super) fn lanes(&self) -> usize {
+        self.levels[self.levels.len() - 1].layout.lanes()
+    }
+
     /// Reads the law's tables; needed once for every law.
     pub(super) fn set_law(&mut self, law: &CoupledLaw, stiffness: f64) {
         self.law = LaneLaw::new(law, stiffness);

@@ -1,6 +1,6 @@
 //! From grid to grid: residuals down, corrections up, shapes up.
 
-use super::grid::{Field, Layout};
+use super::grid::{Extrapolated, Field, Layout};
 
 /// Where a coarse stored index lies in the finer grid.
 #[inline(always)]
@@ -131,11 +131,18 @@ pub(super) fn refine(
     // Ghosts first, which nodes beyond the border are extrapolated from; then theirs.
     super::smooth::mirror(coarse, scaled);
     let mut next = 0;
-    for &(k, count) in &coarse.extrapolated {
+    for &Extrapolated { node, count, is_mean } in &coarse.extrapolated {
         let sources = &coarse.sources[next..next + count as usize];
         next += count as usize;
         for part in [&mut scaled.x, &mut scaled.y, &mut scaled.z] {
-            part[k as usize] = sources.iter().map(|&(from, w)| part[from as usize] * w).sum();
+            let at = |k: u32| part[k as usize];
+            part[node as usize] = if is_mean {
+                sources.iter().map(|&k| at(k)).sum::<f32>() / count as f32
+            } else {
+                let lines = sources.as_chunks::<2>().0;
+                let sum: f32 = lines.iter().map(|&[near, far]| 2.0 * at(near) - at(far)).sum();
+                sum / lines.len() as f32
+            };
         }
     }
     super::smooth::mirror(coarse, scaled);

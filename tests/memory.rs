@@ -1,0 +1,79 @@
+//! What a solve allocates, and when; how work and memory grow with the grid.
+//!
+//! One test: the profiler counts what the whole process allocates.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use dhat::HeapStats;
+use implant_preview::scene::Scene;
+use implant_preview::solve::{Problem, Progress, Solver};
+use serde_json::json;
+
+#[global_allocator]
+static ALLOCATOR: dhat::Alloc = dhat::Alloc;
+
+/// Of an off-centre dome, which takes the whole sheet.
+fn problem(nodes: usize) -> Problem {
+    let scene = json!({
+        "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
+        "pocket_radius_mm": 65, "insertion": 0.8,
+        "solver": { "nodes_per_side": nodes, "tolerance": 1e-4 },
+    });
+    Scene::from_json(&scene.to_string()).unwrap().problem().unwrap()
+}
+
+struct Use {
+    /// Bytes that a solver holds beside the sheet: all levels, the shape that it shows, and the law's
+    /// tables, whose size does not depend on the grid.
+    bytes: usize,
+    /// Node evaluations of a solve.
+    evaluations: f64,
+    nodes: usize,
+}
+
+fn measured(nodes: usize) -> Use {
+    let problem = problem(nodes);
+    let before = HeapStats::get().curr_bytes;
+    let mut solver = Solver::new(problem.clone());
+    while solver.advance(&mut || true) == Progress::Working {}
+    assert!(!solver.fell_back());
+    let held = HeapStats::get().curr_bytes - before;
+    let evaluations = solver.work_units() * solver.nodes_solved() as f64;
+
+    // Again, now that there is room for everything.
+    solver.restart(problem.clone());
+    let mut pieces = 0;
+    let before = HeapStats::get().total_blocks;
+    while solver.advance(&mut || true) == Progress::Working {
+        pieces += 1;
+    }
+    let allocated = HeapStats::get().total_blocks - before;
+    assert!(pieces > 10);
+    assert_eq!(allocated, 0, "{allocated} allocations in {pieces} pieces");
+    let before = HeapStats::get().curr_bytes;
+    let sheet = problem.sheet.clone();
+    let bytes = held - (HeapStats::get().curr_bytes - before);
+    Use { bytes, evaluations, nodes: sheet.free_nodes() }
+}
+
+#[test]
+fn memory_and_work_are_linear_and_a_cycle_allocates_nothing() {
+    let _profiler = dhat::Profiler::builder().testing().build();
+    let tables = measured(17).bytes;
+    let mut last: Option<Use> = None;
+    for nodes in [65, 129, 257, 513] {
+        let now = measured(nodes);
+        let per_node = (now.bytes - tables) as f64 / now.nodes as f64;
+        if nodes >= 129 {
+            assert!(per_node <= 200.0, "{per_node:.0} bytes a node at {nodes}");
+        }
+        if let Some(last) = last {
+            let memory = now.bytes as f64 / last.bytes as f64;
+            assert!(memory <= 4.4, "{memory:.2} times the memory of {nodes} / 2");
+            let work = now.evaluations / last.evaluations;
+            assert!(work <= 4.4, "{work:.2} times the work of {nodes} / 2");
+        }
+        println!("{nodes}: {per_node:.0} bytes a node, {:.1e} evaluations", now.evaluations);
+        last = Some(now);
+    }
+}
