@@ -5,7 +5,7 @@
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::scene::{Scene, simulate};
 use implant_preview::sheet::NodeKind;
-use implant_preview::solve::{Progress, Solver, Verdict};
+use implant_preview::solve::{Method, Options, Progress, Solver, Verdict};
 use serde_json::{Value, json};
 
 fn cases() -> Vec<Value> {
@@ -289,6 +289,72 @@ fn an_edited_scene_reaches_the_shape_of_a_fresh_one() {
             .map(|(a, b)| a.distance(*b))
             .fold(0.0, f64::max);
         assert!(error < 1e-5 * scene.implant.base_radius_mm, "{error}");
+    }
+}
+
+/// The paper's springs of one layer over a half ellipsoid.
+fn paper_scene(curve: &Value, poisson_ratio: f64, insertion: f64, center_mm: [f64; 2]) -> Scene {
+    let scene = json!({
+        "implant": { "base_radius_mm": 55, "projection_mm": 45, "center_mm": center_mm },
+        "pocket_radius_mm": 75, "insertion": insertion, "springs": "nikolaev",
+        "layers": [{ "tissue": "tissue", "thickness_mm": 2, "poisson_ratio": poisson_ratio,
+            "curve": curve }],
+    });
+    Scene::from_json(&scene.to_string()).unwrap()
+}
+
+#[test]
+fn the_papers_springs_over_a_dome_are_solved_by_the_same_cycles() {
+    let (skin, linear) =
+        (json!({ "kind": "skin" }), json!({ "kind": "linear", "modulus_kpa": 50 }));
+    for (curve, nu, insertion, center) in [
+        (&skin, 0.3, 1.0, [0.0, 0.0]),
+        (&skin, 0.45, 0.5, [6.0, 4.0]),
+        (&linear, 0.2, 1.0, [6.0, 4.0]),
+    ] {
+        let scene = paper_scene(curve, nu, insertion, center);
+        let found = solved(&scene, 65, 1e-4);
+        assert_eq!(found.verdict(), Verdict::Converged);
+        assert!(!found.fell_back() && (1..10).contains(&found.cycles()), "{}", found.cycles());
+        let [cycles, newton] = [Method::Multigrid { cycles: 14 }, Method::Newton].map(|method| {
+            let mut problem = scene.problem().unwrap();
+            problem.tolerance = 1e-8;
+            problem.sheet = found.problem().sheet.clone();
+            let mut solver =
+                Solver::with_options(problem, Options { method, ..Options::default() });
+            solver.advance(&mut || false);
+            solver
+        });
+        assert_eq!(newton.verdict(), Verdict::Converged);
+        for (a, b) in cycles.positions().iter().zip(newton.positions()) {
+            let error = a.distance(*b) / scene.implant.base_radius_mm;
+            assert!(error < 5e-6, "{curve} {nu}: {error:.1e}");
+        }
+    }
+}
+
+#[test]
+fn where_the_papers_springs_have_no_stable_shape_it_is_said_soon() {
+    let scene = paper_scene(&json!({ "kind": "adipose" }), 0.45, 1.0, [0.0, 0.0]);
+    for nodes in [33, 65] {
+        let solver = solved(&scene, nodes, 1e-4);
+        assert_eq!(solver.verdict(), Verdict::Unstable);
+        assert!(solver.work_units() < 2000.0, "{}", solver.work_units());
+    }
+}
+
+/// A dome for which the sheet swung about the edge of contact, cycle after cycle.
+#[test]
+fn a_swinging_contact_edge_is_calmed() {
+    let scene = json!({
+        "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
+        "pocket_radius_mm": 65, "insertion": 0.8,
+    });
+    let scene = Scene::from_json(&scene.to_string()).unwrap();
+    for nodes in [129, 257] {
+        let solver = solved(&scene, nodes, 1e-4);
+        assert_eq!(solver.verdict(), Verdict::Converged);
+        assert!(!solver.fell_back() && solver.cycles() <= 6, "{}", solver.cycles());
     }
 }
 

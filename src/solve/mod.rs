@@ -1,9 +1,9 @@
 //! The equilibrium: the minimum of the sheet's energy outside the dome and above the wall.
 //!
-//! Coupled springs are solved by full multigrid in f32 lanes (`fas`), a centred dome on one quarter
-//! of the sheet. Where a cycle does not lead to the solution, and for the paper's springs, whose
-//! energy has saddles, Newton's method on nested grids in f64 takes over (`newton`); it also refines a
-//! shape where f32 is not enough. Work is cut into pieces of a few passes over the grid, so that a
+//! Full multigrid in f32 lanes (`fas`) solves it, for a centred dome on one quarter of the sheet.
+//! Where a cycle does not lead to the solution, Newton's method on nested grids in f64 takes over
+//! (`newton`). It also refines a shape where f32 is not enough, and sees whether that of the paper's
+//! springs, whose energy has saddles, is stable. Work is cut into pieces of a few passes over the grid, so that a
 //! page can answer between them.
 //!
 //! The seam: [`Solver`] is what others see of it. `law` | `fas` (full multigrid) | `assemble` (energy,
@@ -83,11 +83,11 @@ pub enum Verdict {
 /// Which method is to find the equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Full multigrid where the springs allow it, Newton's method where it does not get there.
+    /// Full multigrid; Newton's method where that does not get there.
     #[default]
     Automatic,
     /// Full multigrid with this many V-cycles on the finest grid, whatever the tolerance: for
-    /// studies of run time against error (coupled springs only).
+    /// studies of run time against error. The paper's springs are not asked whether they are stable.
     Multigrid {
         /// V-cycles on the finest grid.
         cycles: u32,
@@ -229,8 +229,8 @@ impl Solver {
         if let Some(newton) = &mut self.newton {
             newton.clear_work();
         }
-        match (&self.law, self.options.method) {
-            (SheetLaw::Coupled(law), Method::Automatic | Method::Multigrid { .. }) => {
+        match self.options.method {
+            Method::Automatic | Method::Multigrid { .. } => {
                 self.stage = Stage::Multigrid;
                 let n = self.problem.sheet.nodes_per_side();
                 let is_mirrored =
@@ -238,14 +238,14 @@ impl Solver {
                 let multigrid = match self.multigrid.take() {
                     Some(mut multigrid) if multigrid.fits(n, is_mirrored) => {
                         if is_new_law {
-                            multigrid.set_law(law, self.law.stiffness());
+                            multigrid.set_law(&self.law);
                         }
                         multigrid
                     }
                     _ => {
                         let mut multigrid = FullMultigrid::new(n, is_mirrored);
                         self.grids_built += 1;
-                        multigrid.set_law(law, self.law.stiffness());
+                        multigrid.set_law(&self.law);
                         multigrid
                     }
                 };
@@ -256,7 +256,7 @@ impl Solver {
                 };
                 multigrid.start(&self.problem, cycles, self.options.draft_tolerance);
             }
-            _ => self.start_newton(),
+            Method::Newton => self.start_newton(),
         }
     }
 
@@ -316,7 +316,7 @@ impl Solver {
         match state {
             fas::State::Working | fas::State::Draft => {}
             fas::State::Converged => {
-                if !is_study && self.problem.tolerance < fas::LEAST_TOLERANCE {
+                if !is_study && self.needs_newton() {
                     self.stage = Stage::Newton;
                     let sheet = &self.problem.sheet;
                     let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
@@ -331,6 +331,12 @@ impl Solver {
             }
         }
         state
+    }
+
+    /// Is Newton's method to go on from what full multigrid found: below what f32 resolves, and for the
+    /// paper's springs, whose energy has saddles, to see whether it is stable.
+    fn needs_newton(&self) -> bool {
+        self.problem.tolerance < fas::LEAST_TOLERANCE || self.problem.springs == Springs::Nikolaev
     }
 
     fn newton_piece(&mut self) {

@@ -5,8 +5,10 @@
 
 use super::force::{Block, LEAST_AREA, Vec3, add, add_outer, add_stretch, cross, dot, scale, sub};
 use super::grid::Field;
-use super::law::{LaneLaw, Law};
+use super::law::{CoupledLanes, Law};
+use super::springs::{LaneSprings, Rest};
 use crate::sheet::Sheet;
+use crate::springs::paper::Spring;
 use wide::f32x4;
 
 /// All triangles at the border.
@@ -63,6 +65,16 @@ struct Stretched {
     t: f32x4,
 }
 
+#[inline(always)]
+fn gathered(u: &[f32x4], places: &[u32; 4]) -> Vec3 {
+    let [x, y, z, _] = f32x4::transpose(places.map(|k| u[k as usize]));
+    [x, y, z]
+}
+
+/// The paper's springs of a triangle, the right angle at its first corner.
+const TRIANGLE_SPRINGS: [(usize, usize, Spring); 3] =
+    [(0, 1, Spring::Edge), (0, 2, Spring::Edge), (1, 2, Spring::Diagonal)];
+
 impl Four {
     /// `triangles` has one to four; `place` gives the place of a node of the sheet.
     fn new(
@@ -112,10 +124,7 @@ impl Four {
     /// With the displacements of the border's nodes.
     #[inline(always)]
     fn stretched(&self, u: &[f32x4]) -> Stretched {
-        let [a, b, c] = self.corners.map(|corner| {
-            let [x, y, z, _] = f32x4::transpose(corner.map(|k| u[k as usize]));
-            [x, y, z]
-        });
+        let [a, b, c] = [0, 1, 2].map(|k| gathered(u, &self.corners[k]));
         let (mut e1, mut e2) = (sub(b, a), sub(c, a));
         e1[0] += self.edges[0];
         e1[1] += self.edges[1];
@@ -190,16 +199,88 @@ impl Border {
                 }
             }
         }
-        for (&k, pull) in self.nodes.iter().zip(&*pulls) {
+        self.scatter(pulls, f);
+    }
+
+    fn scatter(&self, pulls: &[f32x4], f: &mut Field) {
+        for (&k, pull) in self.nodes.iter().zip(pulls) {
             let [x, y, z, _] = pull.to_array();
             f.add(k as usize, [x, y, z]);
         }
     }
 
+    fn scatter_block(&self, places: &[u32; 4], block: Block, blocks: &mut [Vec<f32>; 6]) {
+        for (part, lanes) in blocks.iter_mut().zip(block) {
+            for (&place, value) in places.iter().zip(lanes.to_array()) {
+                part[self.nodes[place as usize] as usize] += value;
+            }
+        }
+    }
+
+    /// Calls `visit` with the three springs of each four triangles: their ends, as places of the border's
+    /// nodes, which of the paper's springs they are, their vectors at rest and now, their widths.
+    #[inline(always)]
+    fn springs(
+        &self,
+        u: &[f32x4],
+        mut visit: impl FnMut([&[u32; 4]; 2], Spring, [f32x4; 2], Vec3, f32x4),
+    ) {
+        for four in &self.fours {
+            let [x1, y1, x2, y2] = four.edges;
+            let rests = [[x1, y1], [x2, y2], [x2 - x1, y2 - y1]];
+            for ((a, b, spring), rest) in TRIANGLE_SPRINGS.into_iter().zip(rests) {
+                let [from, to] = [&four.corners[a], &four.corners[b]];
+                let mut now = sub(gathered(u, to), gathered(u, from));
+                now[0] += rest[0];
+                now[1] += rest[1];
+                visit([from, to], spring, rest, now, four.weight);
+            }
+        }
+    }
+
+    /// Adds what the paper's springs of the triangles pull at their nodes.
+    pub(super) fn add_spring_forces(
+        &self,
+        law: &LaneSprings,
+        u: &Field,
+        f: &mut Field,
+        scratch: &mut BorderScratch,
+    ) {
+        let BorderScratch { u: at, f: pulls, .. } = scratch;
+        self.gather(u, at);
+        pulls.fill(f32x4::ZERO);
+        self.springs(at, |[from, to], spring, rest, now, weight| {
+            let [x, y, z] = law.pull(spring, Rest::of_triangle(spring, rest, weight), now);
+            let lanes = f32x4::transpose([x, y, z, f32x4::ZERO]);
+            for ((&a, &b), pull) in from.iter().zip(to).zip(lanes) {
+                pulls[a as usize] += pull;
+                pulls[b as usize] -= pull;
+            }
+        });
+        self.scatter(pulls, f);
+    }
+
+    /// Adds the springs' shares of their nodes' blocks.
+    pub(super) fn add_spring_blocks(
+        &self,
+        law: &LaneSprings,
+        u: &Field,
+        blocks: &mut [Vec<f32>; 6],
+        scratch: &mut BorderScratch,
+    ) {
+        self.gather(u, &mut scratch.u);
+        self.springs(&scratch.u, |ends, spring, rest, now, weight| {
+            let block = law.block(spring, Rest::of_triangle(spring, rest, weight), now);
+            for places in ends {
+                self.scatter_block(places, block, blocks);
+            }
+        });
+    }
+
     /// Adds the triangles' shares of their nodes' blocks.
     pub(super) fn add_blocks(
         &self,
-        law: &LaneLaw,
+        law: &CoupledLanes,
         u: &Field,
         blocks: &mut [Vec<f32>; 6],
         scratch: &mut BorderScratch,
@@ -234,12 +315,7 @@ impl Border {
                 block[0] += isotropic;
                 block[3] += isotropic;
                 block[5] += isotropic;
-                for (part, lanes) in blocks.iter_mut().zip(block) {
-                    let lanes = (lanes * four.weight).to_array();
-                    for (&place, value) in places.iter().zip(lanes) {
-                        part[self.nodes[place as usize] as usize] += value;
-                    }
-                }
+                self.scatter_block(places, block.map(|part| part * four.weight), blocks);
             }
         }
     }

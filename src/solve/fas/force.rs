@@ -6,7 +6,7 @@
 
 use super::border::BorderScratch;
 use super::grid::{Field, Layout, load, store};
-use super::law::{LaneLaw, LaneStiffness, Law};
+use super::law::{CoupledLanes, LaneStiffness, Law};
 use wide::f32x4;
 
 /// Squared relative area below which a triangle counts as this much \[-\].
@@ -132,7 +132,7 @@ impl Cells {
 
 /// Lanes of the block `b` that lie in a half-open range of columns.
 #[inline(always)]
-fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
+pub(super) fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
     let columns = f32x4::new([0.0, 1.0, 2.0, 3.0]) + (4 * b) as f32;
     columns.simd_ge(f32x4::splat(from as f32)) & columns.simd_lt(f32x4::splat(to as f32))
 }
@@ -141,7 +141,7 @@ fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
     row: Vec<CellLanes>,
-    border: BorderScratch,
+    pub(super) border: BorderScratch,
 }
 
 impl Scratch {
@@ -157,7 +157,7 @@ impl Scratch {
 /// of no use.
 pub(super) fn forces(
     layout: &Layout,
-    law: &LaneLaw,
+    law: &CoupledLanes,
     u: &Field,
     f: &mut Field,
     scratch: &mut Scratch,
@@ -293,7 +293,7 @@ fn pull_row(
 /// measured against.
 pub(super) fn tension_squares(
     layout: &Layout,
-    law: &LaneLaw,
+    law: &CoupledLanes,
     u: &Field,
     scratch: &mut Scratch,
 ) -> f64 {
@@ -344,37 +344,41 @@ pub(super) fn add_stretch(block: &mut Block, k: &LaneStiffness, v: Vec3, tau: Ve
     add_outer(block, add(scale(v, k.v_tau), scale(tau, k.tau_tau)), tau);
 }
 
-/// Inverse diagonal blocks of the stiffness at every free node; zero elsewhere.
+/// The diagonal blocks of the stiffness; on nodes that are not free, something.
 ///
 /// The stiffness is taken at the middle of each cell: around a node the differences cancel.
-pub(super) fn invert_blocks(
+pub(super) fn add_blocks(
     layout: &Layout,
-    law: &LaneLaw,
+    law: &CoupledLanes,
     u: &Field,
-    inverse: &mut [Vec<f32>; 6],
+    blocks: &mut [Vec<f32>; 6],
     scratch: &mut Scratch,
 ) {
-    for part in inverse.iter_mut() {
+    for part in blocks.iter_mut() {
         part.fill(0.0);
     }
     for (j, &(from, to)) in layout.regular.iter().enumerate() {
         if from < to {
             let row = j * layout.pitch;
-            block_row(law, u, row, layout.pitch, (from as usize, to as usize), inverse);
+            block_row(law, u, row, layout.pitch, (from as usize, to as usize), blocks);
         }
     }
-    layout.border.add_blocks(law, u, inverse, &mut scratch.border);
+    layout.border.add_blocks(law, u, blocks, &mut scratch.border);
+}
+
+/// Inverts the block of every free node; the others get zero.
+pub(super) fn invert_blocks(layout: &Layout, blocks: &mut [Vec<f32>; 6]) {
     let mut last = 0;
     layout.free_rows(|j, from, to| {
         let row = j * layout.pitch;
-        for part in inverse.iter_mut() {
+        for part in blocks.iter_mut() {
             part[last..row + from].fill(0.0);
         }
         let mut i = row + from;
         while i < row + to {
             let count = (row + to - i).min(4);
-            let inverted = inverted([0, 1, 2, 3, 4, 5].map(|p| load(&inverse[p], i)));
-            for (part, lanes) in inverse.iter_mut().zip(inverted) {
+            let inverted = inverted([0, 1, 2, 3, 4, 5].map(|p| load(&blocks[p], i)));
+            for (part, lanes) in blocks.iter_mut().zip(inverted) {
                 if count == 4 {
                     store(part, i, lanes);
                 } else {
@@ -385,13 +389,13 @@ pub(super) fn invert_blocks(
         }
         last = row + to;
     });
-    for part in inverse.iter_mut() {
+    for part in blocks.iter_mut() {
         part[last..].fill(0.0);
     }
 }
 
 fn block_row(
-    law: &LaneLaw,
+    law: &CoupledLanes,
     u: &Field,
     row: usize,
     pitch: usize,
@@ -425,7 +429,7 @@ fn block_row(
 
 /// What four neighbouring cells add to the blocks of each of their corners.
 #[inline(always)]
-fn cell_block(law: &LaneLaw, cells: &Cells) -> Block {
+fn cell_block(law: &CoupledLanes, cells: &Cells) -> Block {
     let half = f32x4::HALF;
     let e1 = scale(add(cells.bottom, cells.top), half);
     let e2 = scale(add(cells.left, cells.right), half);

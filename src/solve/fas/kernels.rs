@@ -139,10 +139,12 @@ impl Kernels {
     #[must_use]
     pub fn new(problem: &Problem) -> Option<Self> {
         let law = SheetLaw::new(problem.springs, &problem.materials);
-        let SheetLaw::Coupled(coupled) = &law else { return None };
+        if !matches!(law, SheetLaw::Coupled(_)) {
+            return None;
+        }
         let is_mirrored = problem.dome.center == glam::DVec2::ZERO;
         let mut scheme = FullMultigrid::new(problem.sheet.nodes_per_side(), is_mirrored);
-        scheme.set_law(coupled, law.stiffness());
+        scheme.set_law(&law);
         scheme.start(problem, None, None);
         let ended = loop {
             match scheme.step() {

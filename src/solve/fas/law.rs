@@ -17,7 +17,7 @@ const LEAST_TENSION: f32 = 0.1;
 
 /// The law, scaled so that its stiffness at small strain is 1.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LaneLaw {
+pub(super) struct CoupledLanes {
     groups: Vec<LaneGroup>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct LaneGroup {
     shear: f32x4,
 }
 
-/// What the second derivative of a triangle's energy needs; see [`LaneLaw::stiffness`].
+/// What the second derivative of a triangle's energy needs; see [`CoupledLanes::stiffness`].
 pub(super) struct LaneStiffness {
     /// Isotropic part P ≥ 0.
     pub(super) p: f32x4,
@@ -53,7 +53,7 @@ pub(super) struct LaneStiffness {
     pub(super) tau_tau: f32x4,
 }
 
-impl LaneLaw {
+impl CoupledLanes {
     /// The lanes of a law whose stiffness at small strain is `stiffness` \[kPa·mm\].
     pub(super) fn new(law: &CoupledLaw, stiffness: f64) -> Self {
         let scale = TRIANGLE_SHARE / stiffness;

@@ -2,12 +2,36 @@
 
 use super::force::{self, Scratch};
 use super::grid::{Field, Layout};
-use super::law::LaneLaw;
+use super::law::CoupledLanes;
 use super::smooth::{self, Contact, LaneDome, Pull};
+use super::springs::{self, LaneSprings};
 use super::transfer;
 use crate::implant::Dome;
+use crate::solve::law::SheetLaw;
 use crate::solve::lift;
 use glam::{DVec2, DVec3};
+
+/// What carries the sheet, in lanes; its stiffness at small strain is 1.
+#[derive(Clone, Debug)]
+pub(super) enum LaneLaw {
+    Coupled(CoupledLanes),
+    Paper(LaneSprings),
+}
+
+impl LaneLaw {
+    pub(super) fn new(law: &SheetLaw) -> Self {
+        let stiffness = law.stiffness();
+        match law {
+            SheetLaw::Coupled(law) => Self::Coupled(CoupledLanes::new(law, stiffness)),
+            SheetLaw::Paper(law) => Self::Paper(LaneSprings::new(law, stiffness)),
+        }
+    }
+
+    /// Does contact end between nodes? The paper's does not.
+    pub(super) fn has_lifts(&self) -> bool {
+        matches!(self, Self::Coupled(_))
+    }
+}
 
 /// A grid with its shape and scratch.
 #[derive(Clone, Debug)]
@@ -84,11 +108,20 @@ impl Level {
     }
 
     pub(super) fn invert_blocks(&mut self, law: &LaneLaw) {
-        force::invert_blocks(&self.layout, law, &self.u, &mut self.inverse, &mut self.scratch);
+        let Self { layout, u, inverse, scratch, .. } = self;
+        match law {
+            LaneLaw::Coupled(law) => force::add_blocks(layout, law, u, inverse, scratch),
+            LaneLaw::Paper(law) => springs::add_blocks(layout, law, u, inverse, scratch),
+        }
+        force::invert_blocks(layout, inverse);
     }
 
     pub(super) fn forces(&mut self, law: &LaneLaw) {
-        force::forces(&self.layout, law, &self.u, &mut self.f, &mut self.scratch);
+        let Self { layout, u, f, scratch, .. } = self;
+        match law {
+            LaneLaw::Coupled(law) => force::forces(layout, law, u, f, scratch),
+            LaneLaw::Paper(law) => springs::forces(layout, law, u, f, scratch),
+        }
     }
 
     /// A damped step of the nodes by the forces found.
@@ -106,7 +139,11 @@ impl Level {
     }
 
     pub(super) fn tension_squares(&mut self, law: &LaneLaw) -> f64 {
-        force::tension_squares(&self.layout, law, &self.u, &mut self.scratch)
+        let Self { layout, u, scratch, .. } = self;
+        match law {
+            LaneLaw::Coupled(law) => force::tension_squares(layout, law, u, scratch),
+            LaneLaw::Paper(law) => springs::tension_squares(layout, law, u),
+        }
     }
 
     /// Takes shape, held nodes and residual of the finer grid; what is to be solved here is
@@ -133,5 +170,73 @@ impl Level {
         let Self { layout, dome, u, hold, f, lift, .. } = self;
         transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
         smooth::correct(layout, dome, f, (lift, hold), u);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{Curve, CurveSpec};
+    use crate::sheet::Sheet;
+    use crate::solve::{Material, assemble};
+    use crate::springs::Springs;
+
+    /// Forces and blocks in lanes of f32 are those of the assembly in f64.
+    #[test]
+    fn lanes_pull_as_the_assembly_does() {
+        let material = |spec: &CurveSpec, poisson_ratio| Material {
+            curve: Curve::new(spec).unwrap(),
+            poisson_ratio,
+            thickness_mm: 2.0,
+        };
+        let skin = || material(&CurveSpec::Skin {}, 0.3);
+        let stacks = [vec![skin()], vec![skin(), material(&CurveSpec::Adipose {}, 0.45)]];
+        for (springs, materials) in [Springs::Coupled, Springs::Nikolaev]
+            .into_iter()
+            .flat_map(|s| stacks.clone().map(|m| (s, m)))
+        {
+            for is_mirrored in [false, true] {
+                let n = 33;
+                let law = SheetLaw::new(springs, &materials);
+                let sheet = Sheet::new(n, (n / 2) as f64);
+                let mut level = Level::new(n, is_mirrored, true);
+                let first = n / 2 - level.layout.center();
+                // A bulge with ripples, symmetric about both axes.
+                let bulge = |p: DVec2| {
+                    let r = p.length() / 16.0;
+                    let z = 6.0 * (1.0 - r * r) + 0.2 * (0.9 * p.x).cos() * (0.7 * p.y).cos();
+                    DVec3::new(0.02 * p.x * (p.y * 0.5).cos(), -0.03 * p.y * (1.0 - r), z)
+                };
+                let Level { layout, u, .. } = &mut level;
+                let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+                layout.free_rows(|j, from, to| {
+                    for i in from..to {
+                        let k = (j + first) * n + i + first;
+                        let d = bulge(sheet.rest()[k]);
+                        let at = j * layout.pitch + i;
+                        (u.x[at], u.y[at], u.z[at]) = (d.x as f32, d.y as f32, d.z as f32);
+                    }
+                });
+                smooth::mirror(layout, u);
+                for (k, p) in sheet.rest().iter().enumerate() {
+                    if sheet.kinds()[k] == crate::sheet::NodeKind::Free {
+                        x[k] = p.extend(0.0) + bulge(*p);
+                    }
+                }
+                let mut exact = vec![DVec3::ZERO; sheet.len()];
+                assemble::forces(&sheet, &law, &x, &mut exact);
+                let greatest = exact.iter().map(|f| f.length()).fold(0.0, f64::max);
+                level.forces(&LaneLaw::new(&law));
+                let Level { layout, f, .. } = &level;
+                layout.free_rows(|j, from, to| {
+                    for i in from..to {
+                        let [x, y, z] = f.at(j * layout.pitch + i).map(f64::from);
+                        let force = DVec3::new(x, y, z) * law.stiffness();
+                        let error = force.distance(exact[(j + first) * n + i + first]);
+                        assert!(error < 1e-4 * greatest, "{springs:?} ({i}, {j}): {error:.1e}");
+                    }
+                });
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@
 //! that is evaluated is the force. The finest grid decides which nodes the dome holds; coarser ones
 //! keep them on it.
 //!
-//! `grid` (what is stored) | `law` | `force` with `border` | `smooth` (with contact) | `transfer` |
+//! `grid` (what is stored) | `law` | `force`, `border`, `springs` (the paper's) | `smooth` (with contact) | `transfer` |
 //! `level` (one grid at work); here the order in which grids work.
 
 mod border;
@@ -18,18 +18,19 @@ pub mod kernels;
 mod law;
 mod level;
 mod smooth;
+mod springs;
 mod transfer;
 
 use super::Problem;
 use super::guess;
+use super::law::SheetLaw;
 use super::lift;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
-use crate::springs::coupled::CoupledLaw;
 use glam::DVec3;
 use grid::Field;
-use law::LaneLaw;
-use level::Level;
+use law::CoupledLanes;
+use level::{LaneLaw, Level};
 use smooth::{Contact, LaneDome};
 
 /// Damped steps that take out the upper part of the spectrum of D⁻¹H: close to the inverse roots of a
@@ -148,7 +149,7 @@ impl FullMultigrid {
         let levels: Vec<Level> =
             sides.iter().rev().map(|&n| Level::new(n, is_mirrored, n == nodes_per_side)).collect();
         Self {
-            law: LaneLaw::default(),
+            law: LaneLaw::Coupled(CoupledLanes::default()),
             base_radius: 1.0,
             spacing: 1.0,
             tolerance: 0.0,
@@ -191,8 +192,8 @@ impl FullMultigrid {
     }
 
     /// Reads the law's tables; needed once for every law.
-    pub(super) fn set_law(&mut self, law: &CoupledLaw, stiffness: f64) {
-        self.law = LaneLaw::new(law, stiffness);
+    pub(super) fn set_law(&mut self, law: &SheetLaw) {
+        self.law = LaneLaw::new(law);
     }
 
     /// Begins anew on the coarsest grid. `tolerance` is relative to the base radius.
@@ -393,7 +394,7 @@ impl FullMultigrid {
             Some(cycles) => cycles > 1 && 2 * self.cycles >= cycles,
             None => is_enough,
         };
-        if is_settled && !self.is_lifted {
+        if is_settled && !self.is_lifted && self.law.has_lifts() {
             self.is_lifted = true;
             if self.find_lifts() {
                 self.last_change = f64::INFINITY;
