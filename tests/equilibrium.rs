@@ -8,36 +8,14 @@ use implant_preview::sheet::NodeKind;
 use implant_preview::solve::{Method, Options, Progress, Solver, Verdict};
 use serde_json::{Value, json};
 
-fn cases() -> Vec<Value> {
-    let file: Value = serde_json::from_str(include_str!("reference/membrane.json")).unwrap();
-    file.as_array().unwrap().clone()
-}
+#[path = "common/membrane.rs"]
+mod membrane;
+use membrane::cases;
 
 fn scene_of(case: &Value, nodes: usize) -> Scene {
-    let layers: Vec<Value> = case["layers"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|layer| {
-            let curve = match layer["curve"].as_str().unwrap() {
-                "linear10" => json!({ "kind": "linear", "modulus_kpa": 10.0 }),
-                kind => json!({ "kind": kind }),
-            };
-            json!({
-                "tissue": layer["tissue"], "thickness_mm": layer["thickness_mm"],
-                "poisson_ratio": layer["poisson"], "curve": curve,
-            })
-        })
-        .collect();
-    let radius = case["dome_radius_mm"].as_f64().unwrap();
-    let scene = json!({
-        "implant": { "base_radius_mm": radius },
-        "pocket_radius_mm": case["pocket_radius_mm"],
-        "insertion": case["apex_height_mm"].as_f64().unwrap() / radius,
-        "layers": layers,
-        "solver": { "nodes_per_side": nodes, "tolerance": 1e-6 },
-    });
-    Scene::from_json(&scene.to_string()).unwrap()
+    let mut scene = membrane::scene_of(case);
+    (scene.solver.nodes_per_side, scene.solver.tolerance) = (nodes, 1e-6);
+    scene
 }
 
 /// Greatest distance between the profiles, relative to the dome's radius.

@@ -28,8 +28,10 @@ mod watch;
 pub use cases::Case;
 pub use table::{Row, Status, table, time_to};
 
-use super::axisymmetric::Membrane;
+use super::axisymmetric;
 use crate::scene::{Scene, SceneError};
+use crate::solve::Problem;
+use crate::springs::Springs;
 use methods::Ground;
 use serde::Serialize;
 
@@ -141,11 +143,18 @@ pub type Profile = Box<dyn Fn(f64) -> (f64, f64)>;
 /// Finds what every grid should come to, where it is known.
 pub type Reference = fn(&Scene) -> Option<Profile>;
 
-/// The reference of a centred hemisphere; see [`super::axisymmetric`].
+/// The reference of a centred dome under coupled springs; see [`super::axisymmetric`].
 #[must_use]
 pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
-    let membrane = Membrane::solve(scene).ok()?;
-    Some(Box::new(move |s_mm| membrane.position(s_mm)))
+    let Problem { sheet, dome, materials, springs, .. } = scene.problem().ok()?;
+    if springs != Springs::Coupled {
+        return None;
+    }
+    let solution = axisymmetric::solve(&dome, sheet.radius_mm(), &materials).ok()?;
+    Some(Box::new(move |s_mm| {
+        let point = solution.point(s_mm);
+        (point.r_mm, point.z_mm)
+    }))
 }
 
 /// A study in pieces: one method on one grid in one scene after the other.
