@@ -262,22 +262,11 @@ impl Newton {
             return State::Unstable;
         }
         let touch = TOUCH * dome.base_radius;
-        for &k in &self.free {
-            let k = k as usize;
-            let gradient = dome.level_gradient(self.x[k]);
-            let steepness = gradient.length();
-            self.normal[k] = gradient / steepness;
-            self.gap[k] = (dome.level(self.x[k]) - self.lift[k].abs()) / steepness;
-            let pressing = -self.forces[k].dot(self.normal[k]);
-            self.contact[k] = FREE;
-            if self.gap[k] <= touch && pressing >= 0.0 {
-                self.contact[k] |= ON_DOME;
-                if !self.is_cautious {
-                    self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * (pressing / steepness);
-                }
-            }
-            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
-                self.contact[k] |= ON_WALL;
+        for k in 0..self.free.len() {
+            let k = self.free[k] as usize;
+            let pressing = self.find_contact(dome, k, touch);
+            if !self.is_cautious {
+                self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * pressing;
             }
             self.d[k] = DVec3::ZERO;
             self.inverse[k] = safe_inverse(self.hessian.diagonal[k]);
@@ -287,6 +276,21 @@ impl Newton {
         self.is_built = false;
         self.phase = Phase::Smooth;
         State::Working
+    }
+
+    /// Sees whether dome and wall press the node k, which touches what is nearer than `touch` \[mm\];
+    /// gives the dome's force per gradient of its level, zero where it does not press.
+    fn find_contact(&mut self, dome: &Dome, k: usize, touch: f64) -> f64 {
+        let gradient = dome.level_gradient(self.x[k]);
+        let steepness = gradient.length();
+        self.normal[k] = gradient / steepness;
+        self.gap[k] = (dome.level(self.x[k]) - self.lift[k].abs()) / steepness;
+        let pressing = -self.forces[k].dot(self.normal[k]);
+        let is_on_dome = self.gap[k] <= touch && pressing >= 0.0;
+        let is_on_wall = self.x[k].z <= touch && self.forces[k].z <= 0.0;
+        self.contact[k] =
+            if is_on_dome { ON_DOME } else { FREE } | if is_on_wall { ON_WALL } else { FREE };
+        if is_on_dome { pressing / steepness } else { 0.0 }
     }
 
     /// Norm of the forces that no contact takes, relative to the forces they are the sum of.
@@ -587,19 +591,9 @@ impl Newton {
         self.work_units += 1.0;
         self.totals = assemble::forces(&self.sheet, law, &self.x, &mut self.forces);
         let touch = 1e-6 * dome.base_radius;
-        for &k in &self.free {
-            let k = k as usize;
-            self.normal[k] = dome.normal(self.x[k]);
-            let gap = (dome.level(self.x[k]) - self.lift[k].abs())
-                / dome.level_gradient(self.x[k]).length();
-            self.contact[k] = FREE;
-            let is_pressed = gap <= touch && self.forces[k].dot(self.normal[k]) <= 0.0;
-            if is_pressed {
-                self.contact[k] |= ON_DOME;
-            }
-            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
-                self.contact[k] |= ON_WALL;
-            }
+        for k in 0..self.free.len() {
+            let k = self.free[k] as usize;
+            self.find_contact(dome, k, touch);
         }
         self.relative_residual = self.residual(law);
         self.error += self.missed;

@@ -1,6 +1,6 @@
 //! Is the shape a minimum or a saddle? The least eigenvalue of the true Hessian tells.
 
-use super::contact::{FREE, ON_DOME, ON_WALL, curvature, projector};
+use super::contact::{curvature, projector};
 use super::{CYCLE_UNITS, Newton, Phase, SWEEP_UNITS, State, Stiffness, TOUCH, apply, dot};
 use crate::implant::Dome;
 use crate::solve::law::SheetLaw;
@@ -28,20 +28,10 @@ impl Newton {
         }
         let touch = TOUCH * dome.base_radius;
         self.p.fill(DVec3::ZERO);
-        for &k in &self.free {
-            let k = k as usize;
-            let gradient = dome.level_gradient(self.x[k]);
-            self.normal[k] = gradient.normalize();
-            let pressing = -self.forces[k].dot(self.normal[k]);
-            self.contact[k] = FREE;
-            if dome.level(self.x[k]) <= touch * gradient.length() && pressing >= 0.0 {
-                self.contact[k] |= ON_DOME;
-                self.hessian.diagonal[k] -=
-                    curvature(dome, self.x[k]) * (pressing / gradient.length());
-            }
-            if self.x[k].z <= touch && self.forces[k].z <= 0.0 {
-                self.contact[k] |= ON_WALL;
-            }
+        for k in 0..self.free.len() {
+            let k = self.free[k] as usize;
+            let pressing = self.find_contact(dome, k, touch);
+            self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * pressing;
             self.projector[k] = projector(self.contact[k], self.normal[k]);
             // Any start will do that leaves no wave out.
             let t = k as f64;
