@@ -4,7 +4,7 @@
 //! A step that would lead into the dome is solved with the constraint inside it, H d = f + μn with
 //! n·d = −gap, and put back onto the surface: its fixed points are those of the contact problem.
 
-use super::force::dot;
+use super::force::{Vec3, add, dot};
 use super::grid::{Field, Layout, load};
 use crate::implant::Dome;
 use wide::f32x4;
@@ -56,11 +56,26 @@ impl LaneDome {
         x * x + y * y + z * z < 1.0 + 1e-3
     }
 
+    /// The place relative to the ellipsoid's centre in units of its axes.
+    #[inline(always)]
+    fn scaled(&self, p: Vec3) -> Vec3 {
+        [p[0] * self.per_radius, p[1] * self.per_radius, p[2] * self.per_projection]
+    }
+
+    /// What moves a place relative to the ellipsoid's centre along its ray to the given level plus
+    /// one: this share of the place.
+    #[inline(always)]
+    fn back(&self, p: Vec3, level: f32x4) -> f32x4 {
+        let s = self.scaled(p);
+        let length = dot(s, s).sqrt();
+        (level - length) / length.fast_max(f32x4::splat(1e-6))
+    }
+
     /// The place relative to the ellipsoid's centre, the level plus one, and the level's gradient.
     #[inline(always)]
-    fn level(&self, x: f32x4, y: f32x4, u: [f32x4; 3]) -> ([f32x4; 3], f32x4, [f32x4; 3]) {
+    fn level(&self, x: f32x4, y: f32x4, u: Vec3) -> (Vec3, f32x4, Vec3) {
         let p = [x + u[0] - self.center[0], y + u[1] - self.center[1], u[2] - self.base_height];
-        let s = [p[0] * self.per_radius, p[1] * self.per_radius, p[2] * self.per_projection];
+        let s = self.scaled(p);
         let length = dot(s, s).sqrt();
         let per = f32x4::ONE / length.fast_max(f32x4::splat(1e-6));
         let g = [
@@ -110,8 +125,7 @@ pub(super) fn step(
             let k = j * layout.pitch + i;
             let mut r = f.load(k);
             if let Some(tau) = tau {
-                let t = tau.load(k);
-                r = [r[0] + t[0], r[1] + t[1], r[2] + t[2]];
+                r = add(r, tau.load(k));
             }
             let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|p| load(&inverse[p], k));
             let times = |v: [f32x4; 3]| {
@@ -142,17 +156,15 @@ pub(super) fn step(
             is_held |= over.simd_lt(zero);
             let is_movable = xx.simd_gt(zero);
             is_held &= is_movable;
-            let mut to_u = [at[0] + d[0], at[1] + d[1], at[2] + d[2]];
+            let mut to_u = add(at, d);
             if is_held.any() {
                 let s = times(g);
                 let share = over / dot(g, s).fast_max(f32x4::splat(1e-30));
                 d = [0, 1, 2].map(|a| d[a] - s[a] * share);
-                let to = [p[0] + d[0], p[1] + d[1], p[2] + d[2]];
-                let scaled =
-                    [to[0] * dome.per_radius, to[1] * dome.per_radius, to[2] * dome.per_projection];
-                let length = dot(scaled, scaled).sqrt();
-                let back = (level - length) / length.fast_max(f32x4::splat(1e-6));
-                to_u = [0, 1, 2].map(|a| is_held.bitselect(at[a] + d[a] + to[a] * back, to_u[a]));
+                let place = add(p, d);
+                let back = dome.back(place, level);
+                to_u =
+                    [0, 1, 2].map(|a| is_held.bitselect(at[a] + d[a] + place[a] * back, to_u[a]));
             }
             to_u[2] = is_movable.bitselect(to_u[2].fast_max(zero), at[2]);
             u.store(k, to_u);
@@ -201,18 +213,12 @@ pub(super) fn correct(
             let is_held = load(hold, k).simd_gt(f32x4::ZERO);
             let normal_part = dot(c, g) / dot(g, g);
             c = [0, 1, 2].map(|a| is_held.bitselect(c[a] - g[a] * normal_part, c[a]));
-            let to_p = [p[0] + c[0], p[1] + c[1], p[2] + c[2]];
-            let scaled = [
-                to_p[0] * dome.per_radius,
-                to_p[1] * dome.per_radius,
-                to_p[2] * dome.per_projection,
-            ];
-            let length = dot(scaled, scaled).sqrt();
+            let place = add(p, c);
             let level = is_held.bitselect(before, load(lift, k).abs() + 1.0);
-            let back = (level - length) / length.fast_max(f32x4::splat(1e-6));
+            let back = dome.back(place, level);
             let is_put_back = is_held | back.simd_gt(f32x4::ZERO);
             let mut moved = [0, 1, 2]
-                .map(|a| at[a] + c[a] + is_put_back.bitselect(to_p[a] * back, f32x4::ZERO));
+                .map(|a| at[a] + c[a] + is_put_back.bitselect(place[a] * back, f32x4::ZERO));
             moved[2] = moved[2].fast_max(f32x4::ZERO);
             store_free(u, k, (to - i).min(4), moved);
             i += 4;
@@ -249,8 +255,7 @@ pub(super) fn residual(
             let (_, length, g) = dome.level(x, y, at);
             let mut r = f.load(k);
             if let Some(tau) = tau {
-                let t = tau.load(k);
-                r = [r[0] + t[0], r[1] + t[1], r[2] + t[2]];
+                r = add(r, tau.load(k));
             }
             let across = dot(r, g);
             let is_held = match contact {
