@@ -15,4 +15,6 @@ pub mod section;
 #[cfg(feature = "drawing")]
 pub mod svg;
 #[cfg(feature = "drawing")]
+pub mod svg_backend;
+#[cfg(feature = "drawing")]
 pub mod work_precision;

@@ -2,6 +2,7 @@
 //!
 //! The backend rounds to whole units: everything is drawn [`FINE`] times larger and scaled down.
 
+use super::svg_backend::SvgBackend;
 use plotters::prelude::*;
 
 /// How much larger the backend draws.
@@ -12,7 +13,7 @@ pub const TEXT: RGBColor = RGBColor(0x2b, 0x2f, 0x36);
 pub const GRID: RGBColor = RGBColor(0xe3, 0xe6, 0xea);
 
 /// What the backend draws on.
-pub type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+pub type Area<'a> = DrawingArea<SvgBackend<'a>, plotters::coord::Shift>;
 /// How drawing ends.
 pub type Drawn = Result<(), Box<dyn std::error::Error>>;
 
@@ -27,7 +28,7 @@ pub fn page(
     let mut svg = String::new();
     let drawn = (FINE * width, FINE * height);
     {
-        let whole = SVGBackend::with_string(&mut svg, drawn).into_drawing_area();
+        let whole = SvgBackend::new(&mut svg, drawn).into_drawing_area();
         whole.fill(&WHITE)?;
         draw(&whole)?;
         whole.present()?;

@@ -1,6 +1,7 @@
 //! The study of run time against error as a picture: a panel a grid, a line a method.
 
 use super::svg::{Area, Drawn, FINE, GRID, TEXT, at, font, page, pen};
+use super::svg_backend::SvgBackend;
 use crate::experiment::work_precision::{Case, Method, Row, Status, time_to};
 use plotters::coord::combinators::LogCoord;
 use plotters::element::DashedPathElement;
@@ -71,7 +72,7 @@ const LINES: [Line; 5] = [
     },
 ];
 
-type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+type Plane<'a, 'b> = ChartContext<'a, SvgBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 /// The rows of one scene as SVG text; three panels side by side.
 ///

@@ -1,6 +1,7 @@
 //! Draws a chart: two panels side by side, the paper's springs and the coupled ones.
 
 use crate::view::svg::{Area, Drawn, FINE, GRID, TEXT, at, font, page, pen};
+use crate::view::svg_backend::SvgBackend;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
@@ -52,7 +53,7 @@ pub(super) struct Chart {
     pub(super) panels: [(String, Vec<Series>); 2],
 }
 
-type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Plane<'a, 'b> = ChartContext<'a, SvgBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Size in the page \[px\].
 const SIZE: (u32, u32) = (1040, 520);
