@@ -15,6 +15,7 @@ use crate::solve::{Material, Problem, Progress, Solver};
 pub use crate::springs::Springs;
 use glam::DVec2;
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// The schema that this version reads and writes.
@@ -264,28 +265,7 @@ impl Scene {
     /// # Errors
     /// One line that names the field, what is wrong and what is allowed.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
-        if json.len() > MAX_SCENE_BYTES {
-            return Err(out_of_range("scene", format!("{} bytes long", json.len()), "to 10 MB"));
-        }
-        if json.trim_start().starts_with('[') {
-            return Err(SceneError::Json {
-                path: "scene".to_owned(),
-                problem: "is a list; allowed: one JSON object".to_owned(),
-            });
-        }
-        let mut reader = serde_json::Deserializer::from_str(json);
-        let file: SceneFile = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-            let path = match error.path().to_string() {
-                path if path == "." => "scene".to_owned(),
-                path => path,
-            };
-            SceneError::Json { path, problem: one_line(&error.into_inner().to_string()) }
-        })?;
-        reader.end().map_err(|error| SceneError::Json {
-            path: "scene".to_owned(),
-            problem: one_line(&error.to_string()),
-        })?;
-        file.try_into()
+        read_json::<SceneFile>(json, "scene")?.try_into()
     }
 
     /// The scene as JSON text, indented, with every field.
@@ -443,6 +423,30 @@ pub fn simulate(scene: &Scene) -> Result<Outcome, SceneError> {
 pub fn schema() -> String {
     let schema = schemars::schema_for!(Scene);
     serde_json::to_string_pretty(&schema).unwrap_or_default()
+}
+
+/// Reads one JSON object; `whole` is what messages call it.
+pub(crate) fn read_json<T: DeserializeOwned>(json: &str, whole: &str) -> Result<T, SceneError> {
+    let problem = |path: &str, problem: &str| SceneError::Json {
+        path: path.to_owned(),
+        problem: one_line(problem),
+    };
+    if json.len() > MAX_SCENE_BYTES {
+        return Err(out_of_range(whole, format!("{} bytes long", json.len()), "to 10 MB"));
+    }
+    if json.trim_start().starts_with('[') {
+        return Err(problem(whole, "is a list; allowed: one JSON object"));
+    }
+    let mut reader = serde_json::Deserializer::from_str(json);
+    let read = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let path = match error.path().to_string() {
+            path if path == "." || path == "?" => whole.to_owned(),
+            path => path,
+        };
+        problem(&path, &error.into_inner().to_string())
+    })?;
+    reader.end().map_err(|error| problem(whole, &error.to_string()))?;
+    Ok(read)
 }
 
 fn within(

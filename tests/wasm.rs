@@ -65,3 +65,27 @@ fn the_default_scene_the_schema_and_the_version_are_what_they_say() {
     assert!(schema["properties"]["implant"].is_object());
     assert_eq!(js::version(), env!("CARGO_PKG_VERSION"));
 }
+
+#[wasm_bindgen_test]
+fn the_benchmark_goes_on_piece_by_piece() {
+    let options =
+        r#"{"quick": true, "nodes_per_side": [17], "methods": ["newton", "multigrid_8"]}"#;
+    let mut benchmark = js::Benchmark::new(Some(options.to_owned())).ok().unwrap();
+    let progress: Value = serde_json::from_str(&benchmark.progress()).unwrap();
+    let next = serde_json::json!({"scene": "default", "nodes_per_side": 17, "method": "newton"});
+    assert_eq!(progress, serde_json::json!({"done": 0, "all": 2, "next": next}));
+    assert!(benchmark.advance().ok().unwrap());
+    assert!(benchmark.advance().ok().unwrap());
+    assert!(!benchmark.advance().ok().unwrap());
+    let progress: Value = serde_json::from_str(&benchmark.progress()).unwrap();
+    assert_eq!(progress, serde_json::json!({"done": 2, "all": 2, "next": null}));
+    assert_eq!(benchmark.csv().lines().count(), 1 + 3 + 1);
+    let times: Value = serde_json::from_str(&benchmark.times_to(1e-3)).unwrap();
+    assert_eq!(times[1]["method"], "multigrid_8");
+    assert!(times[1]["time_ms"].as_f64().unwrap() > 0.0);
+    assert!(benchmark.svg(None).ok().unwrap().contains("17 nodes a side"));
+    let text = message(benchmark.svg(Some("moon".to_owned())).err().unwrap());
+    assert!(text.starts_with("scene is \"moon\"; allowed: default, "), "{text}");
+    let text = message(js::Benchmark::new(Some("{".to_owned())).err().unwrap());
+    assert!(text.starts_with("options: ") && !text.contains('\n'), "{text}");
+}

@@ -106,6 +106,42 @@ fn the_table_has_every_column_in_every_row() {
 }
 
 #[test]
+fn a_plan_is_read_from_json_or_refused_in_one_line() {
+    let read = |json: &str| Plan::from_json(json).map_err(|error| error.to_string());
+    assert_eq!(read("{}"), Ok(Plan::full()));
+    assert_eq!(read(r#"{"quick": true}"#), Ok(Plan::quick()));
+    let chosen = r#"{"quick": true, "cases": ["skin-equator"], "nodes_per_side": [66, 17, 65],
+        "methods": ["newton", "multigrid_1", "newton"]}"#;
+    let expected = Plan {
+        cases: vec![Case::SkinEquator],
+        nodes_per_side: vec![17, 65],
+        methods: vec![Method::Newton, Method::Multigrid1],
+        ..Plan::quick()
+    };
+    assert_eq!(read(chosen), Ok(expected));
+    for (json, expected) in [
+        ("[]", "options: is a list; allowed: one JSON object"),
+        (r#"{"methods": ["magic"]}"#, "methods[0]: unknown variant `magic`, expected one of"),
+        (r#"{"nodes_per_side": [17, 5]}"#, "nodes_per_side[1] is 5; allowed: 17 to 1025"),
+        (r#"{"cases": []}"#, "cases is an empty list; allowed: one entry or more"),
+        (r#"{"speed": 1}"#, "unknown field `speed`"),
+    ] {
+        let error = read(json).expect_err(json);
+        assert!(error.contains(expected) && !error.contains('\n'), "{error}");
+    }
+}
+
+#[test]
+fn names_are_the_same_in_plans_and_tables() {
+    for method in Method::ALL {
+        assert_eq!(serde_json::to_value(method).ok(), Some(method.name().into()));
+    }
+    for case in Case::ALL {
+        assert_eq!(serde_json::to_value(case).ok(), Some(case.name().into()));
+    }
+}
+
+#[test]
 fn the_time_to_an_error_is_when_it_stays_below() {
     let row = |time_ms: f64, error: f64| Row {
         method: Method::ExplicitCritical,

@@ -2,7 +2,7 @@
 //! reference, and the study of run time against error.
 //!
 //! Uses the modules before it (`curve` … `scene`); no files, no clocks, no toolkit. Used by the
-//! command line and the tests.
+//! command line, the JavaScript API and the tests.
 
 pub mod axisymmetric;
 mod dense;

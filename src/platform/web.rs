@@ -10,9 +10,13 @@ use wasm_bindgen::prelude::*;
 /// The canvas that the page has for the app.
 const CANVAS: &str = "implant-preview-canvas";
 
-/// Starts the app. What goes wrong is shown by the page.
+/// Starts the app, where there is a page for it: a worker only calls the functions of the API. What
+/// goes wrong is shown by the page.
 pub fn run() {
     std::panic::set_hook(Box::new(|info| crashed(&info.to_string())));
+    if web_sys::window().is_none() {
+        return;
+    }
     wasm_bindgen_futures::spawn_local(async {
         if let Err(error) = start(Scene::default()).await {
             let text = error.as_string().unwrap_or_else(|| format!("{error:?}"));

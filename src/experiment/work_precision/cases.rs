@@ -2,10 +2,10 @@
 
 use crate::curve::CurveSpec;
 use crate::scene::{Implant, Layer, Scene, SolverSettings};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A scene of the study.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
     /// The scene that the app opens on: skin and adipose on a 55 mm hemisphere, pocket 70 mm.

@@ -16,6 +16,7 @@
 //! Uses `sheet`, `implant`, `solve`, `springs`, `scene`. Used by the command line and the page.
 
 mod cases;
+mod choice;
 mod explicit;
 mod gauss_seidel;
 mod guess;
@@ -33,7 +34,7 @@ use crate::scene::{Scene, SceneError};
 use crate::solve::Problem;
 use crate::springs::Springs;
 use methods::Ground;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Explicit steps of the paper.
 pub const PAPER_STEPS: u32 = 15_000;
@@ -41,7 +42,7 @@ pub const PAPER_STEPS: u32 = 15_000;
 pub const GOAL: f64 = 1e-5;
 
 /// How the equilibrium is sought.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// 15 000 damped explicit steps that each keep 95 % of the last one, from the sheet lifted
@@ -157,6 +158,25 @@ pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
     }))
 }
 
+/// A piece of a study: one method on one grid in one scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Piece {
+    /// The scene.
+    pub scene: Case,
+    /// Nodes a side.
+    pub nodes_per_side: usize,
+    /// The method.
+    pub method: Method,
+}
+
+impl Piece {
+    /// Was a row measured in this piece?
+    #[must_use]
+    pub fn has(self, row: &Row) -> bool {
+        self == Self { scene: row.scene, nodes_per_side: row.nodes_per_side, method: row.method }
+    }
+}
+
 /// A study in pieces: one method on one grid in one scene after the other.
 pub struct Study {
     plan: Plan,
@@ -183,6 +203,19 @@ impl Study {
         (self.done, plan.cases.len() * plan.nodes_per_side.len() * plan.methods.len())
     }
 
+    /// The piece that comes next; `None` when all is done.
+    #[must_use]
+    pub fn next_piece(&self) -> Option<Piece> {
+        let plan = &self.plan;
+        let (methods, grids) = (plan.methods.len(), plan.nodes_per_side.len());
+        let (done, all) = self.progress();
+        (done < all).then(|| Piece {
+            scene: plan.cases[done / (methods * grids)],
+            nodes_per_side: plan.nodes_per_side[done / methods % grids],
+            method: plan.methods[done % methods],
+        })
+    }
+
     /// Does the next piece and returns its rows; `None` when all is done. `clock` gives milliseconds
     /// since some moment.
     ///
@@ -192,16 +225,11 @@ impl Study {
         &mut self,
         clock: &mut dyn FnMut() -> f64,
     ) -> Result<Option<Vec<Row>>, SceneError> {
-        let (done, all) = self.progress();
-        if done >= all {
+        let Some(piece) = self.next_piece() else {
             return Ok(None);
-        }
+        };
         self.done += 1;
-        let plan = &self.plan;
-        let (methods, grids) = (plan.methods.len(), plan.nodes_per_side.len());
-        let method = plan.methods[done % methods];
-        let nodes = plan.nodes_per_side[done / methods % grids];
-        let case = plan.cases[done / (methods * grids)];
+        let Piece { scene: case, nodes_per_side: nodes, method } = piece;
         if self.exhausted.contains(&(case, method)) {
             return Ok(Some(Vec::new()));
         }
@@ -210,7 +238,7 @@ impl Study {
             _ => Ground::new(case, nodes, self.reference)?,
         };
         let ground = self.ground.insert(ground);
-        let rows = methods::measure(method, ground, plan, clock);
+        let rows = methods::measure(method, ground, &self.plan, clock);
         if rows.last().is_some_and(|row| row.status == Status::Budget) {
             self.exhausted.push((case, method));
         }
