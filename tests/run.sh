@@ -53,7 +53,7 @@ mkdir -p "$LOGS"
 
 # Quick ones first.
 check format cargo fmt --all -- --check
-check scripts bash -n web/tools.sh web/serve.sh tests/run.sh .ci/run
+check scripts bash -n web/tools.sh web/serve.sh web/name_module.sh tests/run.sh .ci/run
 check lint cargo clippy --locked --all-targets -- -D warnings
 check lint-core cargo clippy --locked --lib --no-default-features -- -D warnings
 check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -D warnings
@@ -64,7 +64,7 @@ suite wasm wasm-pack test --headless --chrome --chromedriver "$(command -v chrom
   --locked --no-default-features --features js-api --test wasm
 rm -rf dist # so that no older page is tested
 check page build_page
-suite browser node --test --test-reporter=tap --test-concurrency=1 tests/browser/page.test.mjs tests/browser/app.test.mjs
+suite browser node --test --test-reporter=tap --test-concurrency=1 tests/browser/*.test.mjs
 
 printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))
 printf '%d passed, %d failed\n' "$passed" "$failed"

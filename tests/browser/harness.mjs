@@ -1,9 +1,10 @@
 // What the browser tests stand on: a server of the built page, a browser, the native program.
 
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
+import { tmpdir } from "node:os";
 import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
@@ -100,6 +101,17 @@ export async function openPage(browser, address, { viewport, init, options } = {
 export function native(scene) {
   const text = execFileSync(NATIVE, ["simulate", "-"], { input: scene, encoding: "utf8" });
   return JSON.parse(text);
+}
+
+/** The table (CSV text) that the native program's quick benchmark writes. */
+export function nativeBenchmark() {
+  const folder = mkdtempSync(join(tmpdir(), "implant-preview-bench-"));
+  try {
+    execFileSync(NATIVE, ["bench", "--quick", "--out-dir", folder]);
+    return readFileSync(join(folder, "work_precision.csv"), "utf8");
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
 }
 
 /** A small picture for people to look at; not compared. */

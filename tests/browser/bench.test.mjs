@@ -1,0 +1,185 @@
+// The benchmark's page: the study of the command line, in a worker.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { after, before, describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+const HEADER =
+  "method,springs,scene,nodes_per_side,work_units,time_ms,error_vs_own_grid,error_vs_reference,status";
+// The colours of the methods' lines in the picture.
+const COLOURS = {
+  multigrid: "#0072B2",
+  newton: "#009E73",
+  gauss_seidel: "#E69F00",
+  explicit_critical: "#CC79A7",
+  explicit_paper: "#D55E00",
+};
+
+let site;
+let browser;
+before(async () => {
+  site = await harness.serve();
+  browser = await harness.startBrowser({ webgl: false });
+});
+after(async () => {
+  await browser?.close();
+  await site?.close();
+});
+
+const open = (query = "", options) =>
+  harness.openPage(browser, `${site.address}bench.html${query}`, options);
+
+const press = (page, name) => page.getByRole("button", { name }).click();
+
+const isDone = (page) => page.getByRole("status").getByText("Done in").waitFor();
+
+/** What a button saves: its name and text. */
+async function saved(page, name) {
+  const [download] = await Promise.all([page.waitForEvent("download"), press(page, name)]);
+  return { name: download.suggestedFilename(), text: await readFile(await download.path(), "utf8") };
+}
+
+/** The rows of a table, their numbers read. */
+function rows(csv) {
+  const [header, ...lines] = csv.trimEnd().split("\n");
+  assert.equal(header, HEADER);
+  const names = header.split(",");
+  const numbers = ["nodes_per_side", "work_units", "time_ms", "error_vs_own_grid", "error_vs_reference"];
+  return lines.map((line) => {
+    const row = Object.fromEntries(line.split(",").map((field, k) => [names[k], field]));
+    for (const name of numbers) row[name] = Number(row[name]);
+    return row;
+  });
+}
+
+/** How many lines of each colour the panels of the picture in the document have. */
+const lines = (page) =>
+  page.evaluate(
+    (colours) =>
+      colours.map((colour) => {
+        const all = document.querySelectorAll(`#picture polyline[stroke="${colour}"][opacity="1"]`);
+        // Those of the legend have two points.
+        const isLine = (line) => line.getAttribute("points").trim().split(" ").length !== 2;
+        return [...all].filter(isLine).length;
+      }),
+    Object.values(COLOURS),
+  );
+
+describe("the benchmark", { timeout: 6 * harness.PATIENCE }, () => {
+  test("measures in the browser what the command line measures", async () => {
+    const { page, problems, close } = await open("?nodes_per_side=17,33&cases=default");
+    await press(page, "Start");
+    await page.locator("#now").getByText("of 16: ").waitFor();
+    // The page answers while the study runs.
+    assert.equal(await page.getByRole("radio", { name: /^quick/ }).isDisabled(), true);
+    await isDone(page);
+
+    const { name, text } = await saved(page, "Download CSV");
+    assert.equal(name, "work_precision.csv");
+    const here = rows(text);
+    for (const row of here) {
+      assert.ok(row.method !== "multigrid_8" || row.error_vs_own_grid < 1e-3, JSON.stringify(row));
+    }
+    const natively = rows(harness.nativeBenchmark()).filter((row) => row.nodes_per_side <= 33);
+    assert.equal(here.length, natively.length);
+    here.forEach((row, k) => {
+      const other = natively[k];
+      for (const field of ["method", "springs", "scene", "nodes_per_side", "status"]) {
+        assert.equal(row[field], other[field]);
+      }
+      const work = Math.abs(row.work_units - other.work_units);
+      assert.ok(work <= 1e-5 * other.work_units, `${row.method}: ${work} units more or less`);
+      for (const field of ["error_vs_own_grid", "error_vs_reference"]) {
+        const difference = Math.abs(row[field] - other[field]);
+        assert.ok(difference < 1e-5, `${row.method}: ${field} differs by ${difference}`);
+      }
+    });
+
+    const picture = await saved(page, "Download SVG");
+    assert.equal(picture.name, "work_precision_default.svg");
+    assert.match(picture.text, /^<svg [^]*17 nodes a side[^]*33 nodes a side[^]*<\/svg>\s*$/);
+    assert.deepEqual(await lines(page), [2, 2, 2, 2, 2]);
+    assert.equal(await page.locator("#times tr").count(), 8);
+    const times = await page.locator("#times td").allTextContents();
+    assert.equal(times.length, 16);
+    // One cycle is not enough on the coarsest grid; all else gets there.
+    assert.equal(times[0], "–");
+    assert.ok(times.slice(1).every((time) => /^(< )?[\d.]+ m?s$/.test(time)), times.join());
+    await harness.screenshot(page, "benchmark");
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("shows one line for each method that was measured, scene by scene", async () => {
+    const { page, problems, close } = await open(
+      "?nodes_per_side=17&cases=default,skin-equator&methods=newton,multigrid_1",
+      { viewport: { width: 390, height: 844 } },
+    );
+    // By keyboard: the link, the choice, the button.
+    for (const key of ["Tab", "Tab", "Tab", "Enter"]) await page.keyboard.press(key);
+    await isDone(page);
+    assert.deepEqual(await lines(page), [1, 1, 0, 0, 0]);
+    await page.getByRole("combobox", { name: "Scene" }).selectOption("skin-equator");
+    assert.match(await page.locator("#picture").textContent(), /skin-equator/);
+    const { scrollWidth, clientWidth } = await page.evaluate(() => document.documentElement);
+    assert.equal(scrollWidth, clientWidth, "the page scrolls sideways");
+    await harness.screenshot(page, "benchmark-narrow");
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("stops at once, keeps what was measured and starts anew", async () => {
+    const { page, problems, close } = await open();
+    await page.getByRole("radio", { name: /^full/ }).check();
+    await press(page, "Start");
+    await page.locator("#times td").first().waitFor();
+    await press(page, "Stop");
+    assert.match(await page.getByRole("status").textContent(), /^Stopped; measured: \d+ of 240\.$/);
+    const measured = (await saved(page, "Download CSV")).text;
+    await page.waitForTimeout(500);
+    assert.equal((await saved(page, "Download CSV")).text, measured);
+    await page.getByRole("radio", { name: /^quick/ }).check();
+    await press(page, "Start");
+    await page.locator("#now").getByText("of 24: ").waitFor();
+    await press(page, "Stop");
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("a choice that is not possible is refused in one line", async () => {
+    for (const [query, expected] of [
+      ["?methods=magic", /methods\[0\]: unknown variant `magic`, expected one of `explicit_paper`/],
+      ["?nodes_per_side=5", /nodes_per_side\[0\] is 5; allowed: 17 to 1025/],
+      ["?nodes_per_side=many", /nodes_per_side\[0\]: invalid type/],
+    ]) {
+      const { page, problems, close } = await open(query);
+      await press(page, "Start");
+      const alert = page.getByRole("alert");
+      await alert.waitFor();
+      assert.match(await alert.textContent(), expected);
+      assert.equal(await page.getByRole("button", { name: "Start" }).isVisible(), true);
+      assert.deepEqual(problems, []);
+      await close();
+    }
+  });
+
+  test("a download that fails is shown, not swallowed", async () => {
+    for (const file of ["*.wasm", "implant-preview.mjs"]) {
+      const { page, close } = await open();
+      await page.context().route(`**/${file}`, (route) => route.fulfill({ status: 404 }));
+      await press(page, "Start");
+      const alert = page.getByRole("alert");
+      await alert.waitFor();
+      assert.match(await alert.textContent(), /^The benchmark stopped: \S/);
+      await close();
+    }
+  });
+
+  test("leads back to the preview", async () => {
+    const { page, close } = await open();
+    await page.getByRole("link", { name: /preview/ }).click();
+    await page.waitForURL(site.address);
+    await close();
+  });
+});
