@@ -103,8 +103,11 @@ describe("the benchmark", { timeout: 6 * harness.PATIENCE }, () => {
     assert.equal(await page.locator("#times tr").count(), 8);
     const times = await page.locator("#times td").allTextContents();
     assert.equal(times.length, 16);
-    // One cycle is not enough on the coarsest grid; all else gets there.
-    assert.equal(times[0], "–");
+    // One cycle may not be enough on the coarsest grid: the table says so.
+    const methods = await page.locator("#times th").allTextContents();
+    const [oneCycle] = here.filter((row) => row.method === "multigrid_1");
+    assert.match(methods[0], /1 cycle/);
+    assert.equal(times[0] === "–", oneCycle.error_vs_own_grid > 1e-3, times[0]);
     assert.ok(times.slice(1).every((time) => /^(< )?[\d.]+ m?s$/.test(time)), times.join());
     await harness.screenshot(page, "benchmark");
     assert.deepEqual(problems, []);

@@ -36,6 +36,8 @@ use smooth::{Contact, LaneDome};
 /// Damped steps that take out the upper part of the spectrum of D⁻¹H: close to the inverse roots of a
 /// Chebyshev polynomial, the longest step first.
 const SMOOTHING: [f32; 2] = [1.6, 0.5];
+/// In the first cycle of a grid, whose shape comes smooth from a coarser one, one is enough.
+const FIRST_SMOOTHING: [f32; 1] = [0.9];
 /// The same for the spectrum of the coarsest grid, and how often they are repeated there. Shorter than
 /// the spectrum of a small lift asks for: over a steep dome it reaches farther.
 const COARSEST: [f32; 4] = [2.9, 0.3, 0.82, 0.4];
@@ -277,6 +279,10 @@ impl FullMultigrid {
         if l == self.current { Contact::OneSided } else { Contact::Held }
     }
 
+    fn smoothing(&self, l: usize) -> &'static [f32] {
+        if l == self.current && self.cycles == 0 { &FIRST_SMOOTHING } else { &SMOOTHING }
+    }
+
     fn count(&mut self, l: usize, evaluations: f64) {
         let coarser = (self.levels.len() - 1 - l) as i32;
         self.work_units += evaluations * 0.25_f64.powi(coarser);
@@ -304,7 +310,7 @@ impl FullMultigrid {
 
     /// Smooths, then hands the residual to the next coarser grid.
     fn go_down(&mut self, l: usize, part: usize) {
-        let contact = self.contact(l);
+        let (contact, smoothing) = (self.contact(l), self.smoothing(l));
         let (coarser, finer) = self.levels.split_at_mut(l);
         let (coarse, level) = (&mut coarser[l - 1], &mut finer[0]);
         if part == 0 {
@@ -316,13 +322,13 @@ impl FullMultigrid {
                 level.invert_blocks(&self.law);
                 self.count(l, 1.0);
             }
-        } else if part <= SMOOTHING.len() {
+        } else if part <= smoothing.len() {
             // A coarse grid has just had its forces found, for its right-hand side.
             let is_known = part == 1 && l != self.current;
             if !is_known {
                 level.forces(&self.law);
             }
-            level.step(contact, SMOOTHING[part - 1]);
+            level.step(contact, smoothing[part - 1]);
             self.count(l, f64::from(u8::from(!is_known)));
         } else {
             level.find_residual(&self.law, contact);
@@ -336,16 +342,16 @@ impl FullMultigrid {
 
     /// Takes the correction of the next coarser grid, then smooths.
     fn go_up(&mut self, l: usize, part: usize) {
-        let contact = self.contact(l);
+        let (contact, smoothing) = (self.contact(l), self.smoothing(l));
         let (coarser, finer) = self.levels.split_at_mut(l);
         let (coarse, level) = (&coarser[l - 1], &mut finer[0]);
         if part == 0 {
             level.add_correction(coarse, &mut self.row);
         }
         level.forces(&self.law);
-        level.step(contact, SMOOTHING[part]);
+        level.step(contact, smoothing[part]);
         self.count(l, 1.0);
-        self.task = if part + 1 < SMOOTHING.len() {
+        self.task = if part + 1 < smoothing.len() {
             Task::Up(l, part + 1)
         } else if l == self.current {
             Task::Judge
