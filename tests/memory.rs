@@ -2,6 +2,7 @@
 //!
 //! One test: the profiler counts what the whole process allocates.
 
+#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use dhat::HeapStats;
