@@ -7,5 +7,6 @@
 pub mod axisymmetric;
 mod dense;
 pub mod sample;
+pub mod stress;
 pub mod tension;
 pub mod work_precision;

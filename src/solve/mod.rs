@@ -471,6 +471,24 @@ impl Solver {
         forces
     }
 
+    /// Stiffness of the sheet at small strain, of all layers together \[kPa·mm\].
+    #[must_use]
+    pub fn stiffness(&self) -> f64 {
+        self.law.stiffness()
+    }
+
+    /// Elastic energy \[kPa·mm³\] of a shape of this problem's sheet, shape (nodes_per_side², ).
+    #[must_use]
+    pub fn energy(&self, x: &[DVec3]) -> f64 {
+        assemble::energy(&self.problem.sheet, &self.law, x)
+    }
+
+    /// A shape of this problem's sheet \[mm\] that is made of geometry alone: where solving starts.
+    #[must_use]
+    pub fn start_shape(&self) -> Vec<DVec3> {
+        guess::tight_string(&self.problem.sheet, &self.problem.dome)
+    }
+
     /// The shape in which forces balance: [`Self::positions`] with the nodes of [`Self::lifted`].
     #[must_use]
     pub fn balanced(&self) -> Vec<DVec3> {

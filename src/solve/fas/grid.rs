@@ -105,7 +105,9 @@ impl Layout {
         let sheet = Sheet::new(nodes_per_side, half as f64);
         let first = if is_mirrored { half - 1 } else { 0 };
         let rows = nodes_per_side - first;
-        let pitch = (rows + 1).next_multiple_of(4);
+        // The last cell with free corners is two before the last row; its group of four takes the nodes
+        // of the next group too.
+        let pitch = (rows + 1).next_multiple_of(4).max(4 * ((rows - 3) / 4 + 2));
         let mut layout = Self {
             nodes_per_side,
             rows,

@@ -1,0 +1,132 @@
+//! What must hold for every shape that is shown, and for every one that is called converged.
+//!
+//! Each check starts from positions, dome and sheet alone; only energy and forces come from the
+//! solver's own (f64) assembly.
+
+use crate::sheet::{NodeKind, Sheet};
+use crate::solve::{Solver, Verdict};
+use crate::springs::Springs;
+use glam::DVec3;
+
+/// A check that failed: what was found and what is allowed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The name of the check.
+    pub check: &'static str,
+    /// What was found.
+    pub found: f64,
+    /// The most that is allowed.
+    pub allowed: f64,
+}
+
+/// Forces that nothing holds, as a share of those that dome, wall and border take \[-\].
+pub const RESIDUAL: f64 = 2e-2;
+/// Work of one solve \[evaluations of all forces on the finest grid\].
+pub const WORK_UNITS: f64 = 20_000.0;
+/// How much more energy than at its start a shape may have \[-\]: for rounding, where nothing was to do.
+const ENERGY_SLACK: f64 = 1e-6;
+/// How far a triangle may face away from the skin's side \[cosine\]: flat ones may by rounding.
+const FACING: f64 = 1e-3;
+
+/// Holds a value against what is allowed; what is not a number fails.
+pub(super) fn hold(findings: &mut Vec<Finding>, check: &'static str, found: f64, allowed: f64) {
+    if !(found <= allowed) {
+        findings.push(Finding { check, found, allowed });
+    }
+}
+
+/// What is wrong with the shape of a solve that has ended; empty if nothing is.
+#[must_use]
+pub fn check(solver: &Solver) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let problem = solver.problem();
+    let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
+    let broken = x.iter().filter(|x| !x.is_finite()).count();
+    hold(&mut findings, "nodes that are not finite", broken as f64, 0.0);
+    hold(&mut findings, "work units", solver.work_units(), WORK_UNITS);
+    if broken > 0 || solver.verdict() != Verdict::Converged {
+        return findings;
+    }
+    let tolerance = problem.tolerance * dome.base_radius;
+    hold(&mut findings, "depth in the dome, mm", depth_in_dome(solver), tolerance);
+    let depth = x.iter().map(|x| -x.z).fold(0.0, f64::max);
+    hold(&mut findings, "depth below the wall, mm", depth, tolerance);
+    hold(&mut findings, "facing inwards", faces_inwards(sheet, x), FACING);
+    let start: Vec<DVec3> = solver
+        .start_shape()
+        .into_iter()
+        .map(|x| if dome.contains(x) { dome.onto_surface(x) } else { x })
+        .collect();
+    let (before, now) = (solver.energy(&start), solver.energy(&solver.balanced()));
+    let slack = ENERGY_SLACK * before.abs();
+    hold(&mut findings, "energy above the start", now - before, slack);
+    hold(&mut findings, "forces out of balance", imbalance(solver), RESIDUAL);
+    findings
+}
+
+/// How deep a node lies in the dome \[mm\].
+fn depth_in_dome(solver: &Solver) -> f64 {
+    let dome = &solver.problem().dome;
+    let inside = solver.positions().iter().filter(|x| dome.contains(**x));
+    inside.map(|x| -dome.closest_point(*x).0).fold(0.0, f64::max)
+}
+
+/// How much the worst triangle faces away from the skin's side: minus the cosine of the angle between
+/// its normal and the way there from a point below the pocket's centre.
+///
+/// A sheet that is pulled over a dome is seen from there without a fold.
+#[must_use]
+pub fn faces_inwards(sheet: &Sheet, x: &[DVec3]) -> f64 {
+    let eye = DVec3::new(0.0, 0.0, -0.05 * sheet.radius_mm());
+    sheet
+        .triangles()
+        .map(|(nodes, _)| {
+            let [a, b, c] = nodes.map(|k| x[k]);
+            let normal = (b - a).cross(c - a);
+            let middle = (a + b + c) / 3.0 - eye;
+            -normal.dot(middle) / (normal.length() * middle.length()).max(f64::MIN_POSITIVE)
+        })
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Norm of the forces on free nodes that neither dome nor wall takes, relative to that of all that dome,
+/// wall and border take.
+fn imbalance(solver: &Solver) -> f64 {
+    let problem = solver.problem();
+    let (dome, x, forces) = (&problem.dome, solver.balanced(), solver.forces());
+    let touch = 1e-5 * dome.base_radius;
+    let mut is_lifted = vec![false; x.len()];
+    solver.lifted().iter().for_each(|&(k, _)| is_lifted[k] = true);
+    let (mut taken, mut left) = (0.0, 0.0);
+    for (k, kind) in problem.sheet.kinds().iter().enumerate() {
+        let force = forces[k];
+        if *kind != NodeKind::Free {
+            taken += force.length_squared();
+            continue;
+        }
+        let mut rest = force;
+        let normal = dome.normal(x[k]);
+        let is_on_dome = is_lifted[k] || dome.closest_point(x[k]).0 <= touch;
+        if is_on_dome && rest.dot(normal) < 0.0 {
+            rest -= normal * rest.dot(normal);
+        }
+        if x[k].z <= touch && rest.z < 0.0 {
+            rest.z = 0.0;
+        }
+        taken += (force - rest).length_squared();
+        left += rest.length_squared();
+    }
+    // A sheet at rest has no forces: rounding is not measured against rounding.
+    let least = 1e-6 * solver.stiffness() * problem.sheet.spacing_mm();
+    (left / taken.max(least * least)).sqrt()
+}
+
+/// Greatest distance between the nodes of two shapes \[mm\].
+pub(super) fn distance(x: &[DVec3], y: &[DVec3]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x.distance(*y)).fold(0.0, f64::max)
+}
+
+/// Is the scene's answer to be found by every path? (The paper's springs may have several.)
+pub(super) fn has_one_answer(solver: &Solver) -> bool {
+    solver.problem().springs == Springs::Coupled
+}
