@@ -7,7 +7,7 @@
 
 use crate::measure::{Field, Fields, Layers, Outcome};
 use crate::scene::{Scene, SceneError};
-use crate::solve::{Options, Progress, Shown, Solver};
+use crate::solve::{Fault, Options, Progress, Shown, Solver};
 use glam::DVec3;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
@@ -57,6 +57,8 @@ pub struct Counters {
     pub tables: u64,
     /// Times that the solver's nested grids were made.
     pub grids: u64,
+    /// Scenes taken back because their shape was not sound.
+    pub taken_back: u64,
     /// Shapes shown before they had converged: drafts and those of coarser grids.
     pub previews: u64,
 }
@@ -74,6 +76,9 @@ pub struct Session {
     fields: OnceCell<Rc<Fields>>,
     outcome: Option<Outcome>,
     is_measured: bool,
+    /// The last scene whose solve led to a sound shape.
+    sound: Scene,
+    taken_back: Option<Fault>,
     counters: Cell<Counters>,
 }
 
@@ -87,6 +92,8 @@ impl Session {
         let solver = Solver::with_options(scene.problem()?, options);
         Ok(Self {
             layers: Rc::new(Layers::new(solver.problem())),
+            sound: scene.clone(),
+            taken_back: None,
             scene,
             undo: Vec::new(),
             redo: Vec::new(),
@@ -217,11 +224,40 @@ impl Session {
             c.work_units += work;
             c.previews += u64::from(has_moved && progress == Progress::Working);
         });
+        if !self.working {
+            match self.solver.fault() {
+                Some(fault @ (Fault::NotFinite | Fault::InsideOut)) if self.take_back(fault) => {
+                    return Progress::Working;
+                }
+                Some(_) => {}
+                None => self.sound.clone_from(&self.scene),
+            }
+        }
         if has_moved || !self.working {
             self.reshaped();
             self.is_measured = self.working && self.solver.shown() != Shown::Draft;
         }
         progress
+    }
+
+    /// Goes back to the last scene with a sound shape, which is solved anew; the scene that had none can
+    /// be had by [`Command::Redo`]. False if there is no other scene to go back to.
+    fn take_back(&mut self, fault: Fault) -> bool {
+        if self.sound == self.scene {
+            return false;
+        }
+        let Ok(faulty) = self.show(self.sound.clone()) else { return false };
+        self.undo.pop_if(|scene| *scene == self.scene);
+        self.redo.push(faulty);
+        self.last_gesture = None;
+        self.taken_back = Some(fault);
+        self.count(|c| c.taken_back += 1);
+        true
+    }
+
+    /// Why the last scene was taken back, once after it was.
+    pub fn taken_back(&mut self) -> Option<Fault> {
+        self.taken_back.take()
     }
 
     /// Measures a new shape that is worth it: a draft or the end of a solve.
@@ -310,5 +346,47 @@ impl Session {
             grids: self.solver.grids_built(),
             ..self.counters.get()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_without_a_sound_shape_is_taken_back_and_can_be_tried_again() {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 17;
+        let mut session = Session::new(scene.clone()).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        let before = session.shape().to_vec();
+        let other = Scene { insertion: 0.5, ..scene.clone() };
+        for fault in [Fault::NotFinite, Fault::InsideOut] {
+            let edit = Command::Edit { scene: Box::new(other.clone()), gesture: 1 };
+            session.apply(edit).unwrap();
+            session.solver.end_with(fault);
+            assert_eq!(session.advance(&mut || false), Progress::Working);
+            assert_eq!(session.taken_back(), Some(fault));
+            assert_eq!(session.taken_back(), None);
+            while session.advance(&mut || false) == Progress::Working {}
+            assert_eq!((session.scene(), session.shape()), (&scene, before.as_slice()));
+            assert!(session.outcome().is_some_and(|o| o.projection_mm == Some(55.0)));
+            assert!(!session.can_undo() && session.can_redo());
+        }
+        // The app goes on, with the same scene too.
+        session.apply(Command::Redo).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        assert_eq!(session.scene(), &other);
+        assert_eq!(session.counters().taken_back, 2);
+    }
+
+    #[test]
+    fn a_first_scene_without_a_sound_shape_shows_none() {
+        let scene = Scene::default();
+        let mut session = Session::new(scene).unwrap();
+        session.solver.end_with(Fault::NotFinite);
+        assert_eq!(session.advance(&mut || false), Progress::Done);
+        let outcome = session.outcome().unwrap();
+        assert_eq!((outcome.projection_mm, outcome.warnings.len()), (None, 1));
     }
 }

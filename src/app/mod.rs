@@ -17,10 +17,10 @@ mod theme;
 mod toolbar;
 mod viewport;
 
-use crate::measure::{Outcome, Status};
+use crate::measure::{Outcome, Status, no_shape as no_shape_text};
 use crate::scene::{Scene, SceneError, Springs};
 use crate::session::{Command, Session};
-use crate::solve::Progress;
+use crate::solve::{Fault, Progress};
 use controls::{Control, name_it};
 use eframe::{egui, glow};
 use egui::{RichText, Ui};
@@ -189,7 +189,7 @@ impl App {
             value.map_or_else(|| "unknown".to_owned(), |v| format!("{v:.decimals$} {unit}"))
         };
         match outcome.status {
-            Status::Unstable => "These springs have no stable shape in this scene.".to_owned(),
+            Status::Unstable => no_shape_text(self.session.solver().fault()).to_owned(),
             status => format!(
                 "{}. Skin projection {}, area ratio {}, greatest strain {}, mean contact pressure {}.",
                 if status == Status::Converged { "Converged" } else { "Not converged" },
@@ -239,6 +239,14 @@ impl App {
         let progress = self.session.solve(&mut || start.elapsed() >= slice);
         self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64());
         self.session.conclude();
+        if let Some(fault) = self.session.taken_back() {
+            let text = format!(
+                "The last change was taken back: {} Redo tries it again.",
+                no_shape_text(Some(fault))
+            );
+            self.notice = Some(Notice { text, is_error: true });
+            self.is_playing = false;
+        }
         if progress == Progress::Done
             && self.session.outcome().is_some_and(|o| o.status == Status::Unstable)
         {
@@ -436,20 +444,7 @@ impl App {
         let is_unstable = !self.session.is_working()
             && self.session.outcome().is_some_and(|o| o.status == Status::Unstable);
         if is_unstable {
-            ui.centered_and_justified(|ui| {
-                ui.vertical_centered(|ui| {
-                    ui.add_space(0.3 * ui.available_height());
-                    ui.heading("No stable shape");
-                    ui.label(
-                        "The paper's springs lose stability at these strains and this Poisson \
-                         ratio: their energy has no lower bound, so that no shape can be shown.",
-                    );
-                    ui.add_space(theme::SPACE);
-                    if ui.button("Use the coupled springs").clicked() {
-                        scene.springs = Springs::Coupled;
-                    }
-                });
-            });
+            no_shape(ui, self.session.solver().fault(), scene);
             return;
         }
         let is_dark = ui.visuals().dark_mode;
@@ -477,6 +472,28 @@ impl App {
             self.notice = None;
         }
     }
+}
+
+/// Says why there is no shape, and what can be done.
+fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
+    ui.centered_and_justified(|ui| {
+        ui.vertical_centered(|ui| {
+            ui.add_space(0.3 * ui.available_height());
+            ui.heading("No stable shape");
+            if fault.is_some() {
+                ui.label(no_shape_text(fault));
+                return;
+            }
+            ui.label(
+                "The paper's springs lose stability at these strains and this Poisson ratio: \
+                 their energy has no lower bound, so that no shape can be shown.",
+            );
+            ui.add_space(theme::SPACE);
+            if ui.button("Use the coupled springs").clicked() {
+                scene.springs = Springs::Coupled;
+            }
+        });
+    });
 }
 
 fn is_hemisphere(scene: &Scene) -> bool {

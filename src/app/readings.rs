@@ -13,9 +13,7 @@ pub(super) fn show(ui: &mut Ui, outcome: Option<&Outcome>, is_working: bool) {
         return;
     };
     if outcome.status == Status::Unstable {
-        ui.label(
-            "These springs have no stable shape in this scene, so there is nothing to read off.",
-        );
+        ui.label("There is no stable shape in this scene, so there is nothing to read off.");
         return;
     }
     ui.scope(|ui| {

@@ -21,7 +21,7 @@ pub use fields::{Field, Fields, Stack, fields};
 pub use layers::Layers;
 pub use surface::{Surfaces, surfaces};
 
-use crate::solve::{Method, Solver, Verdict};
+use crate::solve::{Fault, Method, Solver, Verdict};
 use deformation::Summary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,8 @@ pub enum Status {
     Converged,
     /// It is not: the figures are the best so far.
     NotConverged,
-    /// The springs have no stable shape here (the paper's springs only); no shape is shown.
+    /// The springs have no stable shape here (the paper's springs), or the implant sticks out of the
+    /// sheet between its nodes; no shape is shown.
     Unstable,
 }
 
@@ -231,18 +232,32 @@ pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome 
         },
         warnings: Vec::new(),
     };
-    if outcome.status == Status::Unstable {
-        outcome.warnings.push(
-            "These springs have no stable shape in this scene; no shape is given. The coupled \
-             springs have one."
-                .to_owned(),
-        );
+    if outcome.status == Status::Unstable || solver.fault().is_some() {
+        outcome.warnings.push(no_shape(solver.fault()).to_owned());
         return outcome;
     }
     let summary = fields.deformation().summary(sheet, STRAIN_BANDS);
     outcome.measure_shape(solver, fields, &summary, area_before);
     outcome.warn(&summary);
     outcome
+}
+
+/// Why no shape is given.
+#[must_use]
+pub fn no_shape(fault: Option<Fault>) -> &'static str {
+    match fault {
+        None => {
+            "These springs have no stable shape in this scene; no shape is given. The coupled \
+             springs have one."
+        }
+        Some(Fault::Pierced) => {
+            "The implant sticks out of the sheet between its nodes: the grid is too coarse for it, or \
+             the tissue gives way under its tip. No shape is given; take more nodes a side, a flatter \
+             implant or tissue whose stress rises with strain."
+        }
+        Some(Fault::InsideOut) => "The sheet came out folded over; no shape is given.",
+        Some(Fault::NotFinite) => "A node's place came out as not a number; no shape is given.",
+    }
 }
 
 /// JSON has no infinity: the greatest number stands for "no estimate".

@@ -8,7 +8,7 @@
 //!
 //! The seam: [`Solver`] is what others see of it. `law` | `fas` (full multigrid) | `assemble` (energy,
 //! forces, Hessian) | `newton` (one grid, contact) | `multigrid` (its linear systems) | `transfer`
-//! (grid to grid).
+//! (grid to grid) | `soundness` (what may be shown).
 //!
 //! Uses `curve`, `springs`, `sheet`, `implant`. Used by `measure` and all to its right.
 
@@ -20,6 +20,7 @@ mod law;
 mod lift;
 mod multigrid;
 mod newton;
+mod soundness;
 mod transfer;
 
 use crate::curve::Curve;
@@ -33,6 +34,7 @@ use glam::{DVec2, DVec3};
 use law::SheetLaw;
 pub(crate) use law::coupled_law;
 use newton::{NestedNewton, State};
+pub use soundness::Fault;
 
 /// One layer as the solver needs it.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,6 +145,7 @@ pub struct Solver {
     /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
     x: Vec<DVec3>,
     lifted: Vec<(usize, DVec3)>,
+    fault: Option<Fault>,
     shown: Shown,
     moves: u64,
     tables_built: u64,
@@ -154,9 +157,14 @@ pub struct Solver {
 /// Which method is at work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
+    /// Nothing to do: the dome is not in.
+    Rest,
     Multigrid,
     Newton,
 }
+
+/// A dome whose apex is no higher than this share of the tolerated error moves nothing that matters.
+const REST_SHARE: f64 = 0.5;
 
 impl Solver {
     /// A solver at rest, with everything to do.
@@ -172,6 +180,7 @@ impl Solver {
         let mut solver = Self {
             x: at_rest(&problem.sheet),
             lifted: Vec::new(),
+            fault: None,
             law,
             options,
             multigrid: None,
@@ -225,11 +234,23 @@ impl Solver {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
         self.fell_back = false;
+        self.fault = None;
         self.shown = Shown::Before;
         if let Some(newton) = &mut self.newton {
             newton.clear_work();
         }
         match self.options.method {
+            Method::Automatic if self.error_at_rest() <= REST_SHARE * self.problem.tolerance => {
+                self.stage = Stage::Rest;
+                let Problem { sheet, dome, .. } = &self.problem;
+                let (n, rest) = (sheet.nodes_per_side(), sheet.rest());
+                self.fault = soundness::fault(sheet, dome, 0, |i, j| rest[j * n + i].extend(0.0));
+                self.x = at_rest(sheet);
+                self.lifted.clear();
+                self.moves += 1;
+                let is_sound = self.fault.is_none();
+                self.end(if is_sound { Verdict::Converged } else { Verdict::Unstable });
+            }
             Method::Automatic | Method::Multigrid { .. } => {
                 self.stage = Stage::Multigrid;
                 let n = self.problem.sheet.nodes_per_side();
@@ -260,6 +281,15 @@ impl Solver {
         }
     }
 
+    /// How far the sheet at rest is from the grid's equilibrium at most, relative to the base radius \[-\]:
+    /// no node comes to lie above the dome's apex; none moves where the dome touches none.
+    fn error_at_rest(&self) -> f64 {
+        let Problem { sheet, dome, .. } = &self.problem;
+        let is_touched = dome.wall_radius() > sheet.spacing_mm()
+            || sheet.rest().iter().any(|p| dome.contains(p.extend(0.0)));
+        if is_touched { dome.apex().z.max(0.0) / dome.base_radius } else { 0.0 }
+    }
+
     fn start_newton(&mut self) {
         self.stage = Stage::Newton;
         let sheet = &self.problem.sheet;
@@ -272,6 +302,7 @@ impl Solver {
     pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         while self.progress == Progress::Working {
             match self.stage {
+                Stage::Rest => {}
                 Stage::Multigrid => {
                     if self.multigrid_piece() == fas::State::Draft {
                         break;
@@ -295,10 +326,24 @@ impl Solver {
             && self.shown != Shown::Draft;
         if let (true, Some(multigrid)) = (is_wanted, &mut self.multigrid) {
             let nodes_per_side = multigrid.preview();
-            multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
-            self.shown = Shown::Coarse { nodes_per_side };
+            self.take_multigrid(Shown::Coarse { nodes_per_side });
+        }
+    }
+
+    /// Shows what full multigrid has if it is sound, and tells so; else leaves what is shown.
+    fn take_multigrid(&mut self, shown: Shown) -> bool {
+        let is_sound = self.multigrid.as_ref().is_some_and(|multigrid| {
+            let is_sound = multigrid.fault(&self.problem).is_none();
+            if is_sound {
+                multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
+            }
+            is_sound
+        });
+        if is_sound {
+            self.shown = shown;
             self.moves += 1;
         }
+        is_sound
     }
 
     fn multigrid_piece(&mut self) -> fas::State {
@@ -306,12 +351,15 @@ impl Solver {
             self.start_newton();
             return fas::State::Failed;
         };
-        let state = multigrid.step();
+        let mut state = multigrid.step();
         let is_study = matches!(self.options.method, Method::Multigrid { .. });
         if matches!(state, fas::State::Draft | fas::State::Converged) {
-            multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
-            self.moves += 1;
-            self.shown = Shown::Draft;
+            let is_sound = self.take_multigrid(Shown::Draft);
+            state = match state {
+                _ if is_sound => state,
+                fas::State::Draft => fas::State::Working,
+                _ => fas::State::Failed,
+            };
         }
         match state {
             fas::State::Working | fas::State::Draft => {}
@@ -346,15 +394,18 @@ impl Solver {
         let tolerance = self.problem.tolerance * dome.base_radius;
         let state = newton.step(self.problem.springs, &self.law, dome, tolerance);
         if newton.is_on_finest() && newton.finest().moves != moves {
-            newton.finest().write_positions(dome, &mut self.x, &mut self.lifted);
-            self.moves += 1;
-            self.shown = Shown::Latest;
+            self.fault = newton.finest().fault(dome);
+            if self.fault.is_none() {
+                newton.finest().write_positions(dome, &mut self.x, &mut self.lifted);
+                self.moves += 1;
+                self.shown = Shown::Latest;
+            }
         }
-        match state {
-            State::Working => {}
-            State::Converged => self.end(Verdict::Converged),
-            State::Stalled => self.end(Verdict::NotConverged),
-            State::Unstable => self.end(Verdict::Unstable),
+        match (state, self.fault) {
+            (State::Working, _) => {}
+            (State::Unstable, _) | (_, Some(Fault::Pierced)) => self.end(Verdict::Unstable),
+            (State::Converged, None) => self.end(Verdict::Converged),
+            (State::Converged | State::Stalled, _) => self.end(Verdict::NotConverged),
         }
     }
 
@@ -362,6 +413,13 @@ impl Solver {
         self.verdict = verdict;
         self.progress = Progress::Done;
         self.shown = Shown::Latest;
+    }
+
+    /// Ends the solve as if it had led to a faulty shape.
+    #[cfg(test)]
+    pub(crate) fn end_with(&mut self, fault: Fault) {
+        self.fault = Some(fault);
+        self.end(Verdict::NotConverged);
     }
 
     /// The problem being solved.
@@ -374,6 +432,12 @@ impl Solver {
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         self.verdict
+    }
+
+    /// What was wrong with the shape that the solve led to; [`Self::positions`] is the last sound one.
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
     }
 
     /// What [`Self::positions`] shows.
@@ -404,6 +468,7 @@ impl Solver {
     #[must_use]
     pub fn method(&self) -> Method {
         match self.stage {
+            Stage::Rest => Method::Multigrid { cycles: 0 },
             Stage::Multigrid => Method::Multigrid { cycles: self.cycles() },
             Stage::Newton => Method::Newton,
         }
@@ -446,6 +511,9 @@ impl Solver {
     /// those nodes that are solved for).
     #[must_use]
     pub fn work_units(&self) -> f64 {
+        if self.stage == Stage::Rest {
+            return 0.0;
+        }
         self.multigrid.as_ref().map_or(0.0, |m| m.work_units)
             + self.newton.as_ref().map_or(0.0, NestedNewton::work_units)
     }
@@ -453,7 +521,10 @@ impl Solver {
     /// V-cycles of the finest grid.
     #[must_use]
     pub fn cycles(&self) -> u32 {
-        self.multigrid.as_ref().map_or(0, |m| m.cycles)
+        match (self.stage, &self.multigrid) {
+            (Stage::Rest, _) | (_, None) => 0,
+            (_, Some(multigrid)) => multigrid.cycles,
+        }
     }
 
     /// Counts the changes of [`Self::positions`].
@@ -466,9 +537,17 @@ impl Solver {
     /// is not zero is taken by the dome, the wall or the border.
     #[must_use]
     pub fn forces(&self) -> Vec<DVec3> {
+        self.forces_and_scale().0
+    }
+
+    /// The same with the root of the sum of squares of all that single triangles pull with: what is left
+    /// of forces that should balance is measured against it.
+    #[must_use]
+    pub fn forces_and_scale(&self) -> (Vec<DVec3>, f64) {
         let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
-        assemble::forces(&self.problem.sheet, &self.law, &self.balanced(), &mut forces);
-        forces
+        let x = self.balanced();
+        let totals = assemble::forces(&self.problem.sheet, &self.law, &x, &mut forces);
+        (forces, totals.force_scale())
     }
 
     /// Stiffness of the sheet at small strain, of all layers together \[kPa·mm\].
@@ -503,6 +582,7 @@ impl Solver {
     #[must_use]
     pub fn relative_residual(&self) -> f64 {
         match (self.stage, &self.multigrid, &self.newton) {
+            (Stage::Rest, ..) => 0.0,
             (Stage::Multigrid, Some(multigrid), _) => multigrid.relative_residual,
             (_, _, Some(newton)) => newton.finest().relative_residual,
             _ => f64::INFINITY,
@@ -514,6 +594,7 @@ impl Solver {
     #[must_use]
     pub fn estimated_position_error(&self) -> f64 {
         let error = match (self.stage, &self.multigrid, &self.newton) {
+            (Stage::Rest, ..) => return self.error_at_rest(),
             (Stage::Multigrid, Some(multigrid), _) => multigrid.error,
             (_, _, Some(newton)) => newton.finest().error,
             _ => f64::INFINITY,

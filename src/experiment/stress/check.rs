@@ -19,14 +19,16 @@ pub struct Finding {
     pub allowed: f64,
 }
 
-/// Forces that nothing holds, as a share of those that dome, wall and border take \[-\].
+/// Forces that nothing holds, as a share of those of all triangles \[-\].
 pub const RESIDUAL: f64 = 2e-2;
 /// Work of one solve \[evaluations of all forces on the finest grid\].
 pub const WORK_UNITS: f64 = 20_000.0;
-/// How much more energy than at its start a shape may have \[-\]: for rounding, where nothing was to do.
+/// How much more energy than at its start a shape may have, for rounding \[-\], and for a position error
+/// of the tolerance \[times stiffness × error²\]: there may be nothing to do.
 const ENERGY_SLACK: f64 = 1e-6;
-/// How far a triangle may face away from the skin's side \[cosine\]: flat ones may by rounding.
-const FACING: f64 = 1e-3;
+const ENERGY_OF_ERROR: f64 = 10.0;
+/// How far a triangle may face away from the skin's side \[cosine\]: a slack sheet is not flat.
+const FACING: f64 = 0.3;
 
 /// Holds a value against what is allowed; what is not a number fails.
 pub(super) fn hold(findings: &mut Vec<Finding>, check: &'static str, found: f64, allowed: f64) {
@@ -58,7 +60,8 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
         .map(|x| if dome.contains(x) { dome.onto_surface(x) } else { x })
         .collect();
     let (before, now) = (solver.energy(&start), solver.energy(&solver.balanced()));
-    let slack = ENERGY_SLACK * before.abs();
+    let slack =
+        ENERGY_SLACK * before.abs() + ENERGY_OF_ERROR * solver.stiffness() * tolerance * tolerance;
     hold(&mut findings, "energy above the start", now - before, slack);
     hold(&mut findings, "forces out of balance", imbalance(solver), RESIDUAL);
     findings
@@ -89,22 +92,19 @@ pub fn faces_inwards(sheet: &Sheet, x: &[DVec3]) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Norm of the forces on free nodes that neither dome nor wall takes, relative to that of all that dome,
-/// wall and border take.
+/// Norm of the forces on free nodes that neither dome nor wall takes, relative to those of all triangles.
 fn imbalance(solver: &Solver) -> f64 {
     let problem = solver.problem();
-    let (dome, x, forces) = (&problem.dome, solver.balanced(), solver.forces());
+    let (dome, x, (forces, scale)) = (&problem.dome, solver.balanced(), solver.forces_and_scale());
     let touch = 1e-5 * dome.base_radius;
     let mut is_lifted = vec![false; x.len()];
     solver.lifted().iter().for_each(|&(k, _)| is_lifted[k] = true);
-    let (mut taken, mut left) = (0.0, 0.0);
+    let mut left = 0.0;
     for (k, kind) in problem.sheet.kinds().iter().enumerate() {
-        let force = forces[k];
         if *kind != NodeKind::Free {
-            taken += force.length_squared();
             continue;
         }
-        let mut rest = force;
+        let mut rest = forces[k];
         let normal = dome.normal(x[k]);
         let is_on_dome = is_lifted[k] || dome.closest_point(x[k]).0 <= touch;
         if is_on_dome && rest.dot(normal) < 0.0 {
@@ -113,12 +113,11 @@ fn imbalance(solver: &Solver) -> f64 {
         if x[k].z <= touch && rest.z < 0.0 {
             rest.z = 0.0;
         }
-        taken += (force - rest).length_squared();
         left += rest.length_squared();
     }
     // A sheet at rest has no forces: rounding is not measured against rounding.
     let least = 1e-6 * solver.stiffness() * problem.sheet.spacing_mm();
-    (left / taken.max(least * least)).sqrt()
+    left.sqrt() / scale.max(least)
 }
 
 /// Greatest distance between the nodes of two shapes \[mm\].

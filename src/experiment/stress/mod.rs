@@ -6,8 +6,8 @@
 pub mod check;
 mod scenes;
 
-use fastrand::Rng;
 use crate::scene::Scene;
+use fastrand::Rng;
 
 /// The random scene of a number.
 #[must_use]

@@ -146,9 +146,7 @@ fn sections(rng: &mut Rng, modulus: f64) -> CurveSpec {
             let slope = modulus * log_uniform(rng, (0.1, 10.0));
             match rng.u8(0..5) {
                 0 => Section::Linear { from, to, modulus_kpa: slope },
-                1 => {
-                    Section::Polynomial { from, to, coefficients_kpa: vec![slope, slope, slope] }
-                }
+                1 => Section::Polynomial { from, to, coefficients_kpa: vec![slope, slope, slope] },
                 2 => Section::Arctangent { from, to, scale_kpa: slope / 5.0, rate: 5.0 },
                 3 => Section::Sine { from, to, scale_kpa: slope / 2.0, rate: 2.0 },
                 _ => Section::Exponential { from, to, scale_kpa: slope / 3.0, rate: 3.0 },

@@ -25,6 +25,7 @@ use super::Problem;
 use super::guess;
 use super::law::SheetLaw;
 use super::lift;
+use super::soundness::{self, Fault};
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use glam::DVec3;
@@ -513,6 +514,19 @@ impl FullMultigrid {
             self.raise(l);
         }
         self.levels[self.current].layout.nodes_per_side
+    }
+
+    /// What is wrong with the finest grid's shape, if anything is.
+    pub(super) fn fault(&self, problem: &Problem) -> Option<Fault> {
+        let Level { layout, u, .. } = &self.levels[self.levels.len() - 1];
+        let n = layout.nodes_per_side;
+        let stored = n / 2 - layout.center();
+        let first = if layout.is_mirrored { n / 2 } else { 0 };
+        let rest = problem.sheet.rest();
+        soundness::fault(&problem.sheet, &problem.dome, first, |i, j| {
+            let moved = u.at((j - stored) * layout.pitch + i - stored).map(f64::from);
+            rest[j * n + i].extend(0.0) + DVec3::from(moved) * self.spacing
+        })
     }
 
     /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), the nodes that

@@ -16,6 +16,7 @@ use super::blocks::{Blocks, outer};
 use super::law::SheetLaw;
 use super::lift;
 use super::multigrid::{Finest, Hierarchy, safe_inverse};
+use super::soundness::{self, Fault};
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
 use contact::{
@@ -25,7 +26,7 @@ use glam::{DMat3, DVec3};
 pub(crate) use nested::NestedNewton;
 
 /// Newton iterations before a grid is given up.
-const MAX_ITERATIONS: u32 = 60;
+const MAX_ITERATIONS: u32 = 150;
 /// Force evaluations times nodes before a grid is given up, a few seconds; on fine grids the least
 /// number of force evaluations that is allowed all the same.
 const MAX_NODE_WORK: f64 = 6e7;
@@ -40,6 +41,12 @@ const CG_DROP: f64 = 0.3;
 const ROUND_SHARE: f64 = 0.1;
 /// Halvings of a step before the grid is given up.
 const MAX_HALVINGS: u32 = 12;
+/// The greatest share of a step that the next one is taken to leave.
+const MOST_RATE: f64 = 0.95;
+/// Iterations for which the dome's curvature stays out of the model where it made it indefinite.
+const CARE: u32 = 4;
+/// The greatest relative residual before the last step.
+const MOST_RESIDUAL: f64 = 0.05;
 /// A node this close to the dome counts as touching it \[share of the base radius\].
 const TOUCH: f64 = 1e-9;
 
@@ -132,6 +139,8 @@ pub(crate) struct Newton {
     is_built: bool,
     /// Leaves the dome's curvature out of the model: slower, but every step leads downhill.
     is_cautious: bool,
+    /// The iteration up to which it stays so.
+    cautious_to: u32,
     changed: usize,
     totals: Totals,
     last_step: f64,
@@ -178,6 +187,7 @@ impl Newton {
             rounds: 0,
             is_built: false,
             is_cautious: false,
+            cautious_to: 0,
             changed: 0,
             totals: Totals::default(),
             last_step: f64::INFINITY,
@@ -426,7 +436,11 @@ impl Newton {
         apply(&self.hessian, &self.projector, &self.free, &self.p, &mut self.z);
         let bend = dot(&self.free, &self.p, &self.z);
         if !(bend > 0.0 && rho > 0.0) {
-            self.phase = Phase::Correct;
+            if self.is_cautious {
+                self.phase = Phase::Correct;
+            } else {
+                self.take_care();
+            }
             return;
         }
         let alpha = rho / bend;
@@ -504,9 +518,7 @@ impl Newton {
                 if self.is_cautious {
                     return State::Stalled;
                 }
-                self.is_cautious = true;
-                self.last_step = f64::INFINITY;
-                self.phase = Phase::Linearize { row: 0 };
+                self.take_care();
                 return State::Working;
             }
             self.phase = Phase::Search { length: 0.5 * length, halvings: halvings + 1 };
@@ -514,17 +526,29 @@ impl Newton {
         }
         std::mem::swap(&mut self.x, &mut self.trial);
         self.moves += 1;
-        self.is_cautious = false;
-        // Newton's steps shrink at least geometrically: what is left is the next one.
-        let rate = if self.last_step.is_finite() { largest / self.last_step } else { 1.0 };
-        self.error = if halvings == 0 {
-            largest * rate.clamp(0.0, 1.0) + self.last_round.min(largest)
+        self.is_cautious &= self.iterations < self.cautious_to;
+        // Steps shrink at least geometrically: what is left is the sum of the next ones.
+        let rate = (largest / self.last_step).clamp(0.0, MOST_RATE);
+        self.error = if halvings == 0 && self.last_step.is_finite() {
+            largest * rate / (1.0 - rate) + self.last_round.min(largest)
         } else {
             f64::INFINITY
         };
         self.last_step = if halvings == 0 { largest } else { f64::INFINITY };
         self.phase = Phase::Linearize { row: 0 };
-        if self.error <= tolerance { State::Converged } else { State::Working }
+        // The residual is that before the step: a step that small may also be one that was held up.
+        let is_balanced = self.relative_residual <= MOST_RESIDUAL;
+        // One quick step proves little: where the sheet is nearly slack, slow ones may follow it.
+        let is_near = self.error.max(largest) <= tolerance;
+        if is_near && is_balanced { State::Converged } else { State::Working }
+    }
+
+    /// Does the iteration again without the dome's curvature, and keeps to that for a while.
+    fn take_care(&mut self) {
+        self.is_cautious = true;
+        self.cautious_to = self.iterations + CARE;
+        self.last_step = f64::INFINITY;
+        self.phase = Phase::Linearize { row: 0 };
     }
 
     /// Finds where contact ends between nodes. If that matters to `tolerance` \[mm\], begins the
@@ -563,6 +587,25 @@ impl Newton {
         self.phase = Phase::Linearize { row: 0 };
         self.last_step = f64::INFINITY;
         true
+    }
+
+    /// Goes on without lifts; false if there are none.
+    pub(crate) fn drop_lifts(&mut self, dome: &Dome) -> bool {
+        let greatest = self.lift.iter().fold(0.0_f64, |most, lift| most.max(lift.abs()));
+        if greatest <= 0.0 {
+            return false;
+        }
+        let iterations = self.iterations;
+        self.start(dome);
+        self.iterations = iterations.min(MAX_ITERATIONS / 2);
+        self.missed = greatest * dome.base_radius.max(dome.projection);
+        true
+    }
+
+    /// What is wrong with the shape, if anything is.
+    pub(crate) fn fault(&self, dome: &Dome) -> Option<Fault> {
+        let n = self.sheet.nodes_per_side();
+        soundness::fault(&self.sheet, dome, 0, |i, j| self.x[j * n + i])
     }
 
     /// Writes the shape, the nodes that touch on the dome itself, and where those stand that are lifted.

@@ -97,6 +97,8 @@ impl NestedNewton {
                     return state;
                 }
             }
+            // Lifts are of the shape without them: where it cannot be had with them, it is taken as it was.
+            State::Stalled if self.levels[last].drop_lifts(dome) => {}
             State::Stalled | State::Converged => {
                 self.levels[last].finish(law, dome);
                 return state;

@@ -1,0 +1,100 @@
+//! May a shape be shown? What no equilibrium of a sheet over a dome looks like.
+
+use crate::implant::Dome;
+use crate::sheet::{CellKind, Sheet};
+use glam::DVec3;
+
+/// What is wrong with a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// A node's place is not a number.
+    NotFinite,
+    /// The dome sticks out between nodes: the grid is too coarse for it, or tissue whose stress hardly
+    /// rises with strain gives way under its tip.
+    Pierced,
+    /// Part of the sheet is turned over: its skin's side faces the implant.
+    InsideOut,
+}
+
+/// How deep the middle of a cell may lie in the dome \[share of the dome's half axes\]: chords of a
+/// sphere lie this deep where they are 0.6 radii long.
+const PIERCED: f64 = 0.05;
+/// How far a cell may face away from the skin's side \[cosine\].
+const TURNED: f64 = 0.3;
+/// The skin's side is where the sheet is seen to from this far below the pocket's centre
+/// \[share of the pocket's radius\]: a sheet that is pulled over a dome has no fold from there.
+const EYE: f64 = 0.05;
+
+/// The gravest fault of a shape, if it has one. `at` gives the place \[mm\] of the node of a column and
+/// row, from the column and row `first` on: a mirrored shape need be seen but once.
+pub(crate) fn fault(
+    sheet: &Sheet,
+    dome: &Dome,
+    first: usize,
+    at: impl Fn(usize, usize) -> DVec3,
+) -> Option<Fault> {
+    let n = sheet.nodes_per_side();
+    let eye = DVec3::new(0.0, 0.0, -EYE * sheet.radius_mm());
+    let scale = DVec3::new(dome.base_radius, dome.base_radius, dome.projection).recip();
+    let origin = dome.origin();
+    let inside = (1.0 - PIERCED) * (1.0 - PIERCED);
+    let (mut is_pierced, mut is_turned) = (false, false);
+    for j in first..n - 1 {
+        let (from, to) = sheet.row_spans()[j];
+        for i in from.max(first)..to.min(n - 1) {
+            if sheet.cell(i, j) != CellKind::Whole {
+                continue;
+            }
+            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+            let middle = 0.25 * ((a + c) + (b + d));
+            if !middle.is_finite() {
+                return Some(Fault::NotFinite);
+            }
+            is_pierced |= ((middle - origin) * scale).length_squared() < inside
+                && middle.z >= dome.base_height;
+            let (normal, sight) = ((c - a).cross(d - b), middle - eye);
+            let cosine = normal.dot(sight);
+            is_turned |= cosine < 0.0
+                && cosine * cosine
+                    > TURNED * TURNED * normal.length_squared() * sight.length_squared();
+        }
+    }
+    if is_pierced { Some(Fault::Pierced) } else { is_turned.then_some(Fault::InsideOut) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::guess;
+    use glam::DVec2;
+
+    #[test]
+    fn a_shape_is_sound_until_it_is_broken_folded_or_pierced() {
+        let sheet = Sheet::new(33, 70.0);
+        let n = 33;
+        let middle = 16 * n + 16;
+        for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(9.0, -4.0), 0.6), (DVec2::ZERO, 0.0)] {
+            let dome = Dome::new(center, 55.0, 40.0, t);
+            let sound = guess::tight_string(&sheet, &dome);
+            let fault_of =
+                |x: &[DVec3], first: usize| fault(&sheet, &dome, first, |i, j| x[j * n + i]);
+            assert_eq!(fault_of(&sound, 0), None);
+            assert_eq!(fault_of(&sound, n / 2), None);
+            let mut broken = sound.clone();
+            broken[middle].y = f64::NAN;
+            assert_eq!(fault_of(&broken, 0), Some(Fault::NotFinite));
+            assert_eq!(fault_of(&broken, n / 2), Some(Fault::NotFinite));
+            // One node carried over its neighbours.
+            let mut folded = sound.clone();
+            folded[middle] = sound[middle + 3] + DVec3::new(0.0, 0.0, 0.5);
+            assert_eq!(fault_of(&folded, 0), Some(Fault::InsideOut));
+            if t > 0.0 {
+                let mut pierced = sound.clone();
+                for k in [0, 1, n, n + 1] {
+                    pierced[middle + k].z *= 0.7;
+                }
+                assert_eq!(fault_of(&pierced, 0), Some(Fault::Pierced));
+            }
+        }
+    }
+}
