@@ -12,8 +12,10 @@
 //!   it is), and [`Curve::is_beyond_data`] tells so;
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
+mod read;
 mod spec;
 
+pub(crate) use read::{List, Pair, number};
 pub use spec::{CurveError, CurveSpec, Interpolation, Section};
 
 use std::f64::consts::FRAC_PI_2;
@@ -23,6 +25,9 @@ pub const FULL_STRAIN: f64 = 1.0;
 
 /// The most marked points or sections that a curve may have.
 pub const MAX_POINTS: usize = 100_000;
+
+/// The most coefficients of a polynomial section.
+pub const MAX_COEFFICIENTS: usize = 8;
 
 /// A checked stress–strain curve: continuous, zero at zero, strictly increasing, odd.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +110,7 @@ impl Shape {
                 let half = (0.5 * rate * x).sin();
                 2.0 * scale * half * half / rate
             }
-            Self::Exponential { scale, rate } => scale * ((rate * x).exp_m1() / rate - x),
+            Self::Exponential { scale, rate } => scale * exp_m1_minus(rate * x) / rate,
         }
     }
 
@@ -116,7 +121,8 @@ impl Shape {
                 // The slope is a quadratic: its least value is at an end or at its vertex.
                 let [b, d] = [1, 2].map(|k| c.get(k).copied().unwrap_or(0.0));
                 let vertex = if d > 0.0 { -b / (3.0 * d) } else { 0.0 };
-                let tiny = -1e-12 * c.iter().map(|c| c.abs()).sum::<f64>();
+                let terms = [1.0, 2.0 * length, 3.0 * length * length];
+                let tiny = -1e-12 * c.iter().zip(terms).map(|(c, x)| c.abs() * x).sum::<f64>();
                 [0.0, length, vertex.clamp(0.0, length)].iter().all(|&x| self.slope(x) >= tiny)
             }
             Self::Polynomial(_) => {
@@ -125,6 +131,15 @@ impl Shape {
             Self::Sine { rate, .. } => rate * length <= FRAC_PI_2,
             Self::Arctangent { .. } | Self::Exponential { .. } => true,
         }
+    }
+}
+
+/// exp(y) − 1 − y; as a series where the difference would be lost in rounding.
+fn exp_m1_minus(y: f64) -> f64 {
+    if y < 0.01 {
+        0.5 * y * y * (1.0 + y / 3.0 * (1.0 + y / 4.0 * (1.0 + y / 5.0 * (1.0 + y / 6.0))))
+    } else {
+        y.exp_m1() - y
     }
 }
 
@@ -232,13 +247,23 @@ impl Curve {
             let (from, to) = section.interval();
             if !(from.is_finite() && to.is_finite() && to > from && to <= MAX_STRAIN) {
                 return Err(refuse(format!(
-                    "goes from {from} to {to}; allowed: finite, to > from, at most {MAX_STRAIN}"
+                    "goes from {} to {}; allowed: finite, to > from, at most {MAX_STRAIN}",
+                    number(from),
+                    number(to)
                 )));
             }
             if (from - end).abs() > 1e-9 {
+                let (from, end) = (number(from), number(end));
                 return Err(refuse(format!("starts at strain {from}; it must start at {end}")));
             }
-            let length = to - from;
+            // From where the section before ended, so that nothing is left out between them.
+            let length = to - end;
+            if length < LEAST_STEP {
+                let length = number(length);
+                return Err(refuse(format!(
+                    "is {length} long; allowed: strains 1e-9 apart or more"
+                )));
+            }
             let shape = section
                 .shape(length, base, slope)
                 .map_err(|problem| refuse(problem.to_string()))?;
@@ -248,9 +273,10 @@ impl Curve {
                 ));
             }
             let rise = shape.stress(length);
-            if !(rise.is_finite() && rise > 0.0) {
+            if !(rise.is_finite() && rise >= LEAST_SLOPE * length) {
                 return Err(refuse(
-                    "does not increase; Ef must rise over every section".to_owned(),
+                    "does not increase by a slope of 1e-9 kPa or more; Ef must rise over every section"
+                        .to_owned(),
                 ));
             }
             slope = shape.slope(length);
@@ -339,6 +365,10 @@ const SLOPE: Range = (0.0, 1e9, "0 to 1e9 kPa");
 const COEFFICIENT: Range = (-1e9, 1e9, "-1e9 to 1e9 kPa");
 const RATE: Range = (1e-3, 100.0, "0.001 to 100");
 const MAX_STRAIN: f64 = 10.0;
+/// The least width of a piece \[-\], and the least mean slope of one \[kPa\]: below, differences and
+/// quotients of strains and stresses are lost in rounding.
+const LEAST_STEP: f64 = 1e-9;
+const LEAST_SLOPE: f64 = 1e-9;
 
 fn checked(field: &str, value: f64, (least, most, allowed): Range) -> Result<f64, CurveError> {
     if (least..=most).contains(&value) {
@@ -359,34 +389,37 @@ fn check_points(points: &[[f64; 2]]) -> Result<(), CurveError> {
     let refuse =
         |index: usize, problem: String| Err(CurveError::Entry { field: "points", index, problem });
     for (index, &[strain, stress]) in points.iter().enumerate() {
-        let given = format!("is [{strain}, {stress}]");
+        let given = || format!("is [{}, {}]", number(strain), number(stress));
         if !(strain.is_finite() && stress.is_finite()) {
-            return refuse(index, format!("{given}; allowed: finite numbers"));
+            return refuse(index, format!("{}; allowed: finite numbers", given()));
         }
         if index == 0 {
             if strain != 0.0 || stress != 0.0 {
-                return refuse(index, format!("{given}; the first point must be [0, 0]"));
+                return refuse(index, format!("{}; the first point must be [0, 0]", given()));
             }
             continue;
         }
         let [before, stress_before] = points[index - 1];
+        let after = || format!("{} after [{}, {}]", given(), number(before), number(stress_before));
         if strain <= before || stress <= stress_before {
-            return refuse(
-                index,
-                format!(
-                    "{given} after [{before}, {stress_before}]; strain and stress must both increase"
-                ),
-            );
+            return refuse(index, format!("{}; strain and stress must both increase", after()));
         }
         if strain > MAX_STRAIN || stress > STRESS_SCALE.1 {
             return refuse(
                 index,
-                format!("{given}; allowed: strain to {MAX_STRAIN}, stress to 1e7 kPa"),
+                format!("{}; allowed: strain to {MAX_STRAIN}, stress to 1e7 kPa", given()),
             );
         }
-        let slope = (stress - stress_before) / (strain - before);
-        if slope > SLOPE.1 {
-            return refuse(index, format!("{given}: slope {slope:e}; allowed: to 1e9 kPa"));
+        let step = strain - before;
+        if step < LEAST_STEP {
+            return refuse(index, format!("{}; allowed: strains 1e-9 apart or more", after()));
+        }
+        let slope = (stress - stress_before) / step;
+        if !(LEAST_SLOPE..=SLOPE.1).contains(&slope) {
+            return refuse(
+                index,
+                format!("{}: slope {slope:e}; allowed: 1e-9 to 1e9 kPa", after()),
+            );
         }
     }
     Ok(())

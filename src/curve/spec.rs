@@ -1,11 +1,12 @@
 //! A curve as it stands in a scene file, and why one is refused.
 
-use super::{COEFFICIENT, RATE, SLOPE, STRESS_SCALE, Shape, checked, hermite};
+use super::read::number;
+use super::{COEFFICIENT, MAX_COEFFICIENTS, RATE, SLOPE, STRESS_SCALE, Shape, checked, hermite};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A stress–strain curve as written in a scene file. Stresses in kPa, strains without unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum CurveSpec {
     /// Skin preset: slope 100 kPa up to 0.4, cubic to (0.7; 205 kPa), slope 1000 kPa beyond.
@@ -58,7 +59,7 @@ pub enum Interpolation {
 }
 
 /// One section of a curve; `x = ε − from` is the strain counted from its start.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Section {
     /// Adds `modulus_kpa · x`.
@@ -129,7 +130,7 @@ pub enum Section {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// A parameter is not a number in its range.
-    #[error("{field} is {value}; allowed: {allowed}")]
+    #[error("{field} is {}; allowed: {allowed}", number(*value))]
     Parameter {
         /// The field's name inside the curve.
         field: String,
@@ -189,7 +190,7 @@ impl Section {
                 hermite(length, end - start, start_slope, slope)
             }
             Self::Polynomial { coefficients_kpa, .. } => {
-                if !(1..=8).contains(&coefficients_kpa.len()) {
+                if !(1..=MAX_COEFFICIENTS).contains(&coefficients_kpa.len()) {
                     return Err(CurveError::Count {
                         field: "coefficients_kpa",
                         count: coefficients_kpa.len(),

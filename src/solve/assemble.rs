@@ -499,6 +499,90 @@ mod tests {
     }
 
     #[test]
+    fn the_hessian_is_symmetric() {
+        let n = 17;
+        let sheet = Sheet::new(n, 1.0);
+        let free = |k: &usize| sheet.kinds()[*k] == crate::sheet::NodeKind::Free;
+        let wave = |f: f64| -> Vec<DVec3> {
+            let at = |k: usize| DVec3::new(k as f64, 0.3, 1.7 * k as f64) * f;
+            let at = |k: usize| {
+                if free(&k) { at(k).to_array().map(f64::sin).into() } else { DVec3::ZERO }
+            };
+            (0..sheet.len()).map(at).collect()
+        };
+        let (u, v) = (wave(5.1), wave(3.3));
+        for law in both() {
+            for stiffness in [Stiffness::True, Stiffness::Positive] {
+                let mut f = vec![DVec3::ZERO; sheet.len()];
+                let mut hessian = Blocks::new(n);
+                let mut totals = Totals::default();
+                let to = (f.as_mut_slice(), &mut hessian);
+                linearize_rows(&sheet, &law, &bumpy(&sheet), 0..n - 1, stiffness, to, &mut totals);
+                let bend = |u: &[DVec3], v: &[DVec3]| -> f64 {
+                    let nodes = (0..sheet.len()).filter(free);
+                    nodes.map(|k| u[k].dot(hessian.row(k, v))).sum()
+                };
+                let scale = (bend(&u, &u) * bend(&v, &v)).abs().sqrt();
+                let difference = (bend(&u, &v) - bend(&v, &u)).abs();
+                assert!(difference < 1e-12 * scale, "{stiffness:?}: {difference} of {scale}");
+            }
+        }
+    }
+
+    /// The patch test, border cells included: coupled springs keep an evenly stretched sheet in balance
+    /// at every free node, and the virial −Σ f⊗X/A of all nodes is Ef(ε) along a uniaxial pull and
+    /// nothing across.
+    #[test]
+    fn an_evenly_pulled_sheet_is_balanced_and_shows_the_curve_in_every_direction() {
+        let sheet = Sheet::new(21, 1.0);
+        let area: f64 = sheet.triangles().map(|(t, w)| w * sheet.rest_area(t)).sum();
+        let irregular = sheet.triangles().filter(|(t, _)| {
+            t.iter().any(|k| sheet.kinds()[*k] == crate::sheet::NodeKind::Clamped)
+        });
+        assert!(irregular.count() > 50);
+        for (spec, nu) in [(CurveSpec::Skin {}, 0.45), (CurveSpec::Adipose {}, 0.2)] {
+            let curve = Curve::new(&spec).unwrap();
+            let material = Material { curve: curve.clone(), poisson_ratio: nu, thickness_mm: 1.0 };
+            let law = SheetLaw::new(Springs::Coupled, &[material]);
+            for degrees in (0..180).step_by(7) {
+                for strain in [0.01, 0.3, 0.8] {
+                    let along = DVec2::from_angle(f64::from(degrees).to_radians());
+                    let across = along.perp();
+                    let pulled = |p: &DVec2| {
+                        let [a, b] = [p.dot(along), p.dot(across)];
+                        (along * (a * (1.0 + strain)) + across * (b * (1.0 - nu * strain)))
+                            .extend(0.0)
+                    };
+                    let x: Vec<DVec3> = sheet.rest().iter().map(pulled).collect();
+                    let mut f = vec![DVec3::ZERO; sheet.len()];
+                    forces(&sheet, &law, &x, &mut f);
+                    let stress = curve.stress(strain);
+                    let mut virial = [0.0; 3];
+                    for (k, f) in f.iter().enumerate() {
+                        if sheet.kinds()[k] == crate::sheet::NodeKind::Free {
+                            let error = f.length();
+                            assert!(error < 1e-13 * stress, "{degrees}° {strain}: {error}");
+                        }
+                        let (f, p) = (f.truncate(), sheet.rest()[k]);
+                        virial[0] -= f.dot(along) * p.dot(along) / area;
+                        virial[1] -= f.dot(across) * p.dot(across) / area;
+                        virial[2] -= f.dot(across) * p.dot(along) / area;
+                    }
+                    // The law's table is good to 1e-5 of its peak.
+                    let tolerance = 1e-5 * curve.stress(curve.line_start());
+                    let wanted = [stress, 0.0, 0.0];
+                    for (found, wanted) in virial.iter().zip(wanted) {
+                        assert!(
+                            (found - wanted).abs() < tolerance,
+                            "{degrees}° {strain}: {virial:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn forces_sum_to_zero_and_give_no_torque() {
         let sheet = Sheet::new(17, 1.0);
         for law in both() {

@@ -24,7 +24,7 @@ impl Plan {
     /// # Errors
     /// One line that names the field, what is wrong and what is allowed.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
-        let choice: Choice = scene::read_json(json, "options")?;
+        let choice: Choice = scene::read::json(json, "options")?;
         let mut plan = if choice.quick { Self::quick() } else { Self::full() };
         if let Some(cases) = choice.cases {
             plan.cases = distinct("cases", cases)?;

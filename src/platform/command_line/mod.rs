@@ -9,6 +9,7 @@
 mod bench;
 mod charts;
 mod drawing;
+mod input;
 mod mesh;
 mod mesh_formats;
 mod output;

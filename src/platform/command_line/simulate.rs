@@ -3,12 +3,11 @@
 use super::mesh::Surface;
 use super::mesh_formats::Format;
 use super::output::{self, File, number};
-use super::{Answer, Refused};
+use super::{Answer, Refused, input};
 use crate::measure::{Outcome, Status, fields, surfaces};
-use crate::scene::Scene;
+use crate::scene::{Scene, read};
 use crate::solve::{Progress, Solver};
 use rayon::prelude::*;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -74,39 +73,10 @@ fn check_places(arguments: &Arguments) -> Result<(), Refused> {
 
 /// Reads a scene, or one scene a line.
 fn read_scenes(path: &Path) -> Result<Vec<Scene>, Refused> {
-    let mut bytes = Vec::new();
-    let read = if output::is_standard(path) {
-        std::io::stdin().read_to_end(&mut bytes)
-    } else {
-        std::fs::File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
-    };
-    read.map_err(|error| output::refuse(path, format!("cannot be read: {error}")))?;
-    let text = std::str::from_utf8(&bytes)
-        .map_err(|error| output::refuse(path, format!("{error}; allowed: JSON in UTF-8")))?;
-    // An editor's byte-order mark is no part of the scene.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if !is_json_lines(path, text) {
-        return Ok(vec![Scene::from_json(text).map_err(|error| output::refuse(path, error))?]);
-    }
-    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let scenes: Vec<Scene> = lines
-        .map(|(k, line)| {
-            Scene::from_json(line)
-                .map_err(|error| output::refuse(path, format!("line {}: {error}", k + 1)))
-        })
-        .collect::<Result<_, _>>()?;
-    if scenes.is_empty() {
-        return Err(output::refuse(path, "holds no scene; allowed: one scene a line"));
-    }
-    Ok(scenes)
-}
-
-/// JSON lines: by the file's name, or when its first line is a whole value and more follow.
-fn is_json_lines(path: &Path, text: &str) -> bool {
-    let named = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
-    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
-    let whole = |line: &str| serde_json::from_str::<serde::de::IgnoredAny>(line).is_ok();
-    named || (lines.next().is_some_and(whole) && lines.next().is_some())
+    let bytes = input::read(path, read::MAX_LINES_BYTES)?;
+    // JSON lines by the file's name; `read` also knows them by their first line.
+    let is_lines = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
+    read::scenes(&bytes, is_lines).map_err(|error| output::refuse(path, error))
 }
 
 fn solve(scene: &Scene, wants_surface: bool) -> Result<(Outcome, Option<Surface>), Refused> {

@@ -1,9 +1,10 @@
 //! `tension`: the paper's stretching experiment as a table.
 
 use super::output::{self, File, number, quoted};
-use super::{Answer, Refused};
+use super::{Answer, Refused, input};
 use crate::curve::{Curve, CurveSpec};
 use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as pull};
+use crate::scene::read;
 use crate::springs::Springs;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
@@ -88,18 +89,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
 }
 
 fn read_curve(name: &str) -> Result<Curve, Refused> {
-    let spec = match name {
+    let preset = match name {
         "skin" => CurveSpec::Skin {},
         "adipose" => CurveSpec::Adipose {},
         _ => {
             let path = Path::new(name);
-            let text = std::fs::read_to_string(path).map_err(|error| {
-                output::refuse(path, format!("{error}; allowed: skin, adipose or a curve file"))
+            let bytes = input::read(path, read::MAX_SCENE_BYTES).map_err(|refused| {
+                Refused(format!("{refused}; allowed: skin, adipose or a curve file"))
             })?;
-            serde_json::from_str(&text).map_err(|error| output::refuse(path, error))?
+            return read::curve(&bytes).map_err(|error| output::refuse(path, error));
         }
     };
-    Curve::new(&spec).map_err(|error| output::refuse(Path::new(name), error))
+    Curve::new(&preset).map_err(|error| output::refuse(Path::new(name), error))
 }
 
 /// The rows of a report under [`COLUMNS`]; a row without a stable shape measures nothing.

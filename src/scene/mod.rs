@@ -7,22 +7,21 @@
 //! Uses `curve`, `springs`, `sheet`, `implant`, `solve`, `measure`. Used by `experiment`,
 //! `session` and the platforms.
 
-use crate::curve::{Curve, CurveError, CurveSpec};
+pub mod read;
+
+use crate::curve::{Curve, CurveError, CurveSpec, List, Pair, number};
 use crate::implant::Dome;
 use crate::measure::{self, Fields, Outcome};
 use crate::sheet::{Sheet, rounded_nodes_per_side};
 use crate::solve::{Material, Problem, Progress, Solver};
 pub use crate::springs::Springs;
 use glam::DVec2;
+pub use read::MAX_SCENE_BYTES;
 use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// The schema that this version reads and writes.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
-
-/// The most bytes that a scene file may have.
-pub const MAX_SCENE_BYTES: usize = 10_000_000;
 
 /// Allowed ranges, as inclusive bounds \[mm, unless said otherwise\].
 pub mod limits {
@@ -122,7 +121,7 @@ struct SceneFile {
     pocket_radius_mm: Option<f64>,
     #[serde(default = "full_insertion")]
     insertion: f64,
-    #[serde(default = "default_layers")]
+    #[serde(default = "default_layers", deserialize_with = "layers")]
     layers: Vec<Layer>,
     #[serde(default)]
     springs: Springs,
@@ -138,7 +137,12 @@ struct ImplantFile {
     /// Default: the base radius (a hemisphere).
     projection_mm: Option<f64>,
     #[serde(default)]
-    center_mm: [f64; 2],
+    #[schemars(with = "[f64; 2]")]
+    center_mm: Pair,
+}
+
+fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<Layer>, D::Error> {
+    List::<Layer, { limits::LAYERS.1 }>::deserialize(reader).map(|list| list.0)
 }
 
 fn scene_schema() -> String {
@@ -216,6 +220,17 @@ pub enum SceneError {
         /// What is wrong with the curve.
         source: CurveError,
     },
+    /// A curve in a file of its own is refused.
+    #[error("{0}")]
+    CurveFile(CurveError),
+    /// A scene in a file of several is refused.
+    #[error("line {line}: {source}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        source: Box<SceneError>,
+    },
 }
 
 impl TryFrom<SceneFile> for Scene {
@@ -223,13 +238,14 @@ impl TryFrom<SceneFile> for Scene {
 
     fn try_from(file: SceneFile) -> Result<Self, SceneError> {
         let radius = file.implant.base_radius_mm;
-        let [x, y] = file.implant.center_mm;
+        let center_mm = file.implant.center_mm.0;
+        let [x, y] = center_mm;
         let scene = Self {
             schema: file.schema,
             implant: Implant {
                 base_radius_mm: radius,
                 projection_mm: file.implant.projection_mm.unwrap_or(radius),
-                center_mm: file.implant.center_mm,
+                center_mm,
             },
             pocket_radius_mm: file
                 .pocket_radius_mm
@@ -265,7 +281,7 @@ impl Scene {
     /// # Errors
     /// One line that names the field, what is wrong and what is allowed.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
-        read_json::<SceneFile>(json, "scene")?.try_into()
+        read::scene(json)
     }
 
     /// The scene as JSON text, indented, with every field.
@@ -280,7 +296,7 @@ impl Scene {
     /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SceneError> {
         if self.schema != SCENE_SCHEMA {
-            return Err(out_of_range("schema", format!("{:?}", self.schema), SCENE_SCHEMA));
+            return Err(out_of_range("schema", one_line(&self.schema, 40), SCENE_SCHEMA));
         }
         let implant = &self.implant;
         within("implant.base_radius_mm", implant.base_radius_mm, limits::BASE_RADIUS_MM, " mm")?;
@@ -293,8 +309,11 @@ impl Scene {
         if !(self.pocket_radius_mm >= least * (1.0 - 1e-9) && self.pocket_radius_mm <= most) {
             return Err(out_of_range(
                 "pocket_radius_mm",
-                self.pocket_radius_mm.to_string(),
-                &format!("{least} (base radius + distance of the implant's centre) to {most} mm"),
+                number(self.pocket_radius_mm),
+                &format!(
+                    "{} (base radius + distance of the implant's centre) to {most} mm",
+                    number(least)
+                ),
             ));
         }
         within("insertion", self.insertion, (0.0, 1.0), "")?;
@@ -315,6 +334,13 @@ impl Scene {
                     &field("tissue"),
                     format!("{} bytes long", layer.tissue.len()),
                     "to 100 bytes",
+                ));
+            }
+            if layer.tissue.contains(char::is_control) {
+                return Err(out_of_range(
+                    &field("tissue"),
+                    one_line(&layer.tissue, 40),
+                    "text without line ends and other control characters",
                 ));
             }
             Curve::new(&layer.curve).map_err(|source| SceneError::Curve { layer: k, source })?;
@@ -425,30 +451,6 @@ pub fn schema() -> String {
     serde_json::to_string_pretty(&schema).unwrap_or_default()
 }
 
-/// Reads one JSON object; `whole` is what messages call it.
-pub(crate) fn read_json<T: DeserializeOwned>(json: &str, whole: &str) -> Result<T, SceneError> {
-    let problem = |path: &str, problem: &str| SceneError::Json {
-        path: path.to_owned(),
-        problem: one_line(problem),
-    };
-    if json.len() > MAX_SCENE_BYTES {
-        return Err(out_of_range(whole, format!("{} bytes long", json.len()), "to 10 MB"));
-    }
-    if json.trim_start().starts_with('[') {
-        return Err(problem(whole, "is a list; allowed: one JSON object"));
-    }
-    let mut reader = serde_json::Deserializer::from_str(json);
-    let read = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let path = match error.path().to_string() {
-            path if path == "." || path == "?" => whole.to_owned(),
-            path => path,
-        };
-        problem(&path, &error.into_inner().to_string())
-    })?;
-    reader.end().map_err(|error| problem(whole, &error.to_string()))?;
-    Ok(read)
-}
-
 fn within(
     field: &str,
     value: f64,
@@ -463,19 +465,24 @@ fn within(
     }
 }
 
-/// A number in few characters: 1e308 rather than 309 digits.
-fn number(value: f64) -> String {
-    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
-        format!("{value:e}")
-    } else {
-        value.to_string()
-    }
-}
-
 fn out_of_range(field: &str, value: String, allowed: &str) -> SceneError {
     SceneError::OutOfRange { field: field.to_owned(), value, allowed: allowed.to_owned() }
 }
 
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+fn problem(path: &str, problem: &str) -> SceneError {
+    SceneError::Json { path: one_line(path, 30), problem: one_line(problem, 90) }
+}
+
+/// One line without control characters; where it is long, its first `start` characters and its end.
+fn one_line(text: &str, start: usize) -> String {
+    let is_blank = |c: char| c.is_whitespace() || c.is_control();
+    let words: Vec<&str> = text.split(is_blank).filter(|word| !word.is_empty()).collect();
+    let line = words.join(" ");
+    let (count, end) = (line.chars().count(), start + start / 3);
+    if count <= start + end {
+        return line;
+    }
+    let first: String = line.chars().take(start).collect();
+    let last: String = line.chars().skip(count - end).collect();
+    format!("{first} … {last}")
 }

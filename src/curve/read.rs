@@ -1,0 +1,215 @@
+//! Curves as they are read. Not as tagged enums, which serde would first copy as a whole, some thirty
+//! times as large as the text, and in which it could not say where an error is.
+
+use super::{CurveSpec, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, Section};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A curve with the fields of all kinds.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+struct CurveFile {
+    kind: Kind,
+    modulus_kpa: Option<f64>,
+    scale_kpa: Option<f64>,
+    rate: Option<f64>,
+    points: Option<List<Pair, MAX_POINTS>>,
+    interpolation: Option<Interpolation>,
+    sections: Option<List<Section, MAX_POINTS>>,
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Skin,
+    Adipose,
+    Linear,
+    Arctangent,
+    Exponential,
+    Points,
+    Sections,
+}
+
+/// A section with the fields of all kinds.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+struct SectionFile {
+    kind: SectionKind,
+    from: f64,
+    to: f64,
+    modulus_kpa: Option<f64>,
+    end_stress_kpa: Option<f64>,
+    end_slope_kpa: Option<f64>,
+    coefficients_kpa: Option<List<f64, MAX_COEFFICIENTS>>,
+    scale_kpa: Option<f64>,
+    rate: Option<f64>,
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SectionKind {
+    Linear,
+    Cubic,
+    Polynomial,
+    Arctangent,
+    Sine,
+    Exponential,
+}
+
+impl<'de> Deserialize<'de> for CurveSpec {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let mut file = CurveFile::deserialize(reader)?;
+        let spec = match file.kind {
+            Kind::Skin => Self::Skin {},
+            Kind::Adipose => Self::Adipose {},
+            Kind::Linear => {
+                Self::Linear { modulus_kpa: take(&mut file.modulus_kpa, "modulus_kpa")? }
+            }
+            Kind::Arctangent => Self::Arctangent {
+                scale_kpa: take(&mut file.scale_kpa, "scale_kpa")?,
+                rate: take(&mut file.rate, "rate")?,
+            },
+            Kind::Exponential => Self::Exponential {
+                scale_kpa: take(&mut file.scale_kpa, "scale_kpa")?,
+                rate: take(&mut file.rate, "rate")?,
+            },
+            Kind::Points => Self::Points {
+                points: take(&mut file.points, "points")?.0.into_iter().map(|p| p.0).collect(),
+                interpolation: file.interpolation.take().unwrap_or_default(),
+            },
+            Kind::Sections => Self::Sections { sections: take(&mut file.sections, "sections")?.0 },
+        };
+        refuse_rest(&[
+            ("modulus_kpa", file.modulus_kpa.is_some()),
+            ("scale_kpa", file.scale_kpa.is_some()),
+            ("rate", file.rate.is_some()),
+            ("points", file.points.is_some()),
+            ("interpolation", file.interpolation.is_some()),
+            ("sections", file.sections.is_some()),
+        ])?;
+        Ok(spec)
+    }
+}
+
+impl<'de> Deserialize<'de> for Section {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let mut file = SectionFile::deserialize(reader)?;
+        let (from, to) = (file.from, file.to);
+        let section = match file.kind {
+            SectionKind::Linear => {
+                let modulus_kpa = take(&mut file.modulus_kpa, "modulus_kpa")?;
+                Self::Linear { from, to, modulus_kpa }
+            }
+            SectionKind::Cubic => {
+                let end_stress_kpa = take(&mut file.end_stress_kpa, "end_stress_kpa")?;
+                let end_slope_kpa = take(&mut file.end_slope_kpa, "end_slope_kpa")?;
+                Self::Cubic { from, to, end_stress_kpa, end_slope_kpa }
+            }
+            SectionKind::Polynomial => {
+                let coefficients_kpa = take(&mut file.coefficients_kpa, "coefficients_kpa")?.0;
+                Self::Polynomial { from, to, coefficients_kpa }
+            }
+            kind => {
+                let scale_kpa = take(&mut file.scale_kpa, "scale_kpa")?;
+                let rate = take(&mut file.rate, "rate")?;
+                match kind {
+                    SectionKind::Sine => Self::Sine { from, to, scale_kpa, rate },
+                    SectionKind::Arctangent => Self::Arctangent { from, to, scale_kpa, rate },
+                    _ => Self::Exponential { from, to, scale_kpa, rate },
+                }
+            }
+        };
+        refuse_rest(&[
+            ("modulus_kpa", file.modulus_kpa.is_some()),
+            ("end_stress_kpa", file.end_stress_kpa.is_some()),
+            ("end_slope_kpa", file.end_slope_kpa.is_some()),
+            ("coefficients_kpa", file.coefficients_kpa.is_some()),
+            ("scale_kpa", file.scale_kpa.is_some()),
+            ("rate", file.rate.is_some()),
+        ])?;
+        Ok(section)
+    }
+}
+
+fn take<T, E: Error>(field: &mut Option<T>, name: &'static str) -> Result<T, E> {
+    field.take().ok_or_else(|| E::missing_field(name))
+}
+
+/// Refuses fields that are left over.
+fn refuse_rest<E: Error>(fields: &[(&str, bool)]) -> Result<(), E> {
+    match fields.iter().find(|(_, is_left)| *is_left) {
+        Some((name, _)) => Err(E::custom(format_args!("field `{name}` is none of this kind's"))),
+        None => Ok(()),
+    }
+}
+
+/// A list that is read no farther than to its allowed length.
+pub(crate) struct List<T, const MOST: usize>(pub(crate) Vec<T>);
+
+impl<'de, T: Deserialize<'de>, const MOST: usize> Deserialize<'de> for List<T, MOST> {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        struct Reader<T, const MOST: usize>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>, const MOST: usize> Visitor<'de> for Reader<T, MOST> {
+            type Value = Vec<T>;
+
+            fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+                write!(text, "a list of at most {MOST} entries")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+                let mut read = Vec::new();
+                while read.len() < MOST {
+                    match list.next_element()? {
+                        Some(entry) => read.push(entry),
+                        None => return Ok(read),
+                    }
+                }
+                match list.next_element::<IgnoredAny>()? {
+                    Some(_) => Err(A::Error::invalid_length(MOST + 1, &self)),
+                    None => Ok(read),
+                }
+            }
+        }
+        reader.deserialize_seq(Reader::<T, MOST>(PhantomData)).map(Self)
+    }
+}
+
+/// Two numbers.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Pair(pub(crate) [f64; 2]);
+
+impl<'de> Deserialize<'de> for Pair {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Pair;
+
+            fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+                text.write_str("a list of 2 numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Pair, A::Error> {
+                let mut pair = [0.0; 2];
+                for (k, number) in pair.iter_mut().enumerate() {
+                    let entry = list.next_element()?;
+                    *number = entry.ok_or_else(|| A::Error::invalid_length(k, &self))?;
+                }
+                match list.next_element::<IgnoredAny>()? {
+                    Some(_) => Err(A::Error::invalid_length(3, &self)),
+                    None => Ok(Pair(pair)),
+                }
+            }
+        }
+        reader.deserialize_seq(Reader)
+    }
+}
+
+/// A number in few characters: 1e308 rather than 309 digits.
+pub(crate) fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}

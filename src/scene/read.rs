@@ -1,0 +1,91 @@
+//! From bytes to scenes and curves: text, JSON, JSON lines. What is refused is told in one short line,
+//! however long or odd the input, and lists are not read beyond what is allowed.
+
+use super::{Scene, SceneError, SceneFile, out_of_range, problem};
+use crate::curve::{Curve, CurveSpec};
+use serde::de::{DeserializeOwned, IgnoredAny};
+
+/// The most bytes that a scene or a curve may have.
+pub const MAX_SCENE_BYTES: usize = 10_000_000;
+
+/// The most bytes that a file of one scene a line may have.
+pub const MAX_LINES_BYTES: usize = 100_000_000;
+
+/// The most scenes that a file of one scene a line may have.
+pub const MAX_SCENES: usize = 100_000;
+
+/// Reads a file that holds one scene or, where it `is_lines` or its first line is a whole value and
+/// more follow, one scene a line.
+///
+/// # Errors
+/// One line that names the line, the field, what is wrong and what is allowed.
+pub fn scenes(bytes: &[u8], is_lines: bool) -> Result<Vec<Scene>, SceneError> {
+    if bytes.len() > MAX_LINES_BYTES {
+        return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "to 100 MB"));
+    }
+    let text = utf8(bytes)?;
+    if !is_lines && !starts_with_a_value(text) {
+        return Ok(vec![Scene::from_json(text)?]);
+    }
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let mut scenes = Vec::new();
+    for (k, line) in lines {
+        let at_line = |error| SceneError::Line { line: k + 1, source: Box::new(error) };
+        if scenes.len() == MAX_SCENES {
+            let allowed = format!("to {MAX_SCENES}");
+            return Err(at_line(out_of_range("file", "one scene more".to_owned(), &allowed)));
+        }
+        scenes.push(Scene::from_json(line).map_err(at_line)?);
+    }
+    if scenes.is_empty() {
+        return Err(out_of_range("file", "empty".to_owned(), "one scene a line"));
+    }
+    Ok(scenes)
+}
+
+/// Reads a file that holds a curve as it stands in a scene.
+///
+/// # Errors
+/// One line that names the field, what is wrong and what is allowed.
+pub fn curve(bytes: &[u8]) -> Result<Curve, SceneError> {
+    let spec: CurveSpec = json(utf8(bytes)?, "curve")?;
+    Curve::new(&spec).map_err(SceneError::CurveFile)
+}
+
+/// Is the first line with something on it a whole value, with more below?
+fn starts_with_a_value(text: &str) -> bool {
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+    let whole = |line: &str| serde_json::from_str::<IgnoredAny>(line).is_ok();
+    lines.next().is_some_and(whole) && lines.next().is_some()
+}
+
+fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
+    std::str::from_utf8(bytes)
+        .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
+}
+
+pub(super) fn scene(text: &str) -> Result<Scene, SceneError> {
+    json::<SceneFile>(text, "scene")?.try_into()
+}
+
+/// Reads one JSON object; `whole` is what messages call it.
+pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneError> {
+    // An editor's byte-order mark is no part of the text.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.len() > MAX_SCENE_BYTES {
+        return Err(out_of_range(whole, format!("{} bytes long", text.len()), "to 10 MB"));
+    }
+    if text.trim_start().starts_with('[') {
+        return Err(problem(whole, "is a list; allowed: one JSON object"));
+    }
+    let mut reader = serde_json::Deserializer::from_str(text);
+    let read = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let path = match error.path().to_string() {
+            path if path == "." || path == "?" => whole.to_owned(),
+            path => path,
+        };
+        problem(&path, &error.into_inner().to_string())
+    })?;
+    reader.end().map_err(|error| problem(whole, &error.to_string()))?;
+    Ok(read)
+}

@@ -1,0 +1,279 @@
+//! What holds of any input, however hostile: shared by the property tests and the fuzz targets.
+
+use implant_preview::curve::{Curve, CurveSpec, Interpolation, Section};
+use implant_preview::scene::{Scene, SceneError, read};
+use serde_json::{Value, json};
+
+/// The most characters of a message.
+pub(crate) const MESSAGE: usize = 300;
+
+/// One line, short, printable.
+pub(crate) fn check_message(error: &SceneError) {
+    let line = error.to_string();
+    assert!(line.chars().count() < MESSAGE, "{} characters: {line:.500}", line.chars().count());
+    assert!(!line.chars().any(char::is_control), "{line:?}");
+    assert!(line.len() > 5, "{line:?} says nothing");
+}
+
+/// A scene is refused in one line, or it is within its limits, writes itself down and is a problem.
+pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
+    let scene = match read {
+        Ok(scene) => scene,
+        Err(error) => return check_message(error),
+    };
+    scene.validate().expect("what was read is within its limits");
+    let again = Scene::from_json(&scene.to_json()).expect("what was written can be read");
+    assert_eq!(&again, scene);
+    assert!(scene.same_physics(&again));
+    for layer in &scene.layers {
+        check_curve(&Curve::new(&layer.curve).expect("checked before"));
+    }
+    // A sheet of a million nodes says no more than a small one.
+    let mut small = scene.clone();
+    small.solver.nodes_per_side = 17;
+    let problem = small.problem().expect("checked before");
+    assert!(problem.sheet.free_nodes() > 0);
+    assert_eq!(problem.materials.len(), scene.layers.len());
+    assert!(problem.sheet.radius_mm() >= problem.dome.base_radius * (1.0 - 1e-6));
+}
+
+/// A curve as a file of its own.
+pub(crate) fn check_curve_file(bytes: &[u8]) {
+    match read::curve(bytes) {
+        Ok(curve) => check_curve(&curve),
+        Err(error) => check_message(&error),
+    }
+}
+
+/// A curve from its parts; `true` if it was accepted.
+pub(crate) fn check_spec(spec: &CurveSpec) -> bool {
+    let read = Curve::new(spec);
+    match &read {
+        Ok(curve) => {
+            check_curve(curve);
+            let json = serde_json::to_string(spec).expect("JSON");
+            let again: CurveSpec =
+                serde_json::from_str(&json).expect("what was written can be read");
+            assert_eq!(&again, spec);
+        }
+        Err(error) => check_message(&SceneError::CurveFile(error.clone())),
+    }
+    read.is_ok()
+}
+
+/// Scenes in a file, one or one a line.
+pub(crate) fn check_lines(bytes: &[u8]) {
+    for is_lines in [false, true] {
+        match read::scenes(bytes, is_lines) {
+            Ok(scenes) => {
+                assert!(!scenes.is_empty());
+                for scene in scenes {
+                    check_scene(&Ok(scene));
+                }
+            }
+            Err(error) => check_message(&error),
+        }
+    }
+}
+
+/// Ef(0) = 0, odd, increasing, finite; its energy is between the areas below and above each step.
+pub(crate) fn check_curve(curve: &Curve) {
+    assert!(curve.stress(0.0).abs() <= 0.0 && curve.energy(0.0).abs() <= 0.0);
+    assert!(curve.data_end() > 0.0 && curve.line_start() >= curve.data_end());
+    let mut strains: Vec<f64> = (0..=60).map(|k| 0.02 * f64::from(k) * curve.data_end()).collect();
+    strains
+        .extend(curve.breaks().take(200).flat_map(|b| [b * (1.0 - 1e-12), b, b * (1.0 + 1e-12)]));
+    strains.extend([1e-12, 1e-6, 0.3, 1.0, 3.0, 9.9, 10.0, 11.0, 1e3, 1e6]);
+    strains.sort_by(f64::total_cmp);
+    // Pieces are sums: they are exact to rounding of their greatest term.
+    let peak = curve.stress(curve.line_start());
+    let (mut before, mut stress_before, mut energy_before) = (0.0, 0.0, 0.0);
+    for &strain in &strains {
+        let (stress, slope, energy) =
+            (curve.stress(strain), curve.slope(strain), curve.energy(strain));
+        assert!(stress.is_finite() && slope.is_finite() && energy.is_finite(), "at {strain}");
+        assert!(curve.secant(strain).is_finite());
+        let odd = [curve.stress(-strain) + stress, curve.energy(-strain) - energy];
+        assert!(odd.iter().all(|difference| difference.abs() <= 0.0), "odd at {strain}");
+        let noise = 1e-9 * stress.max(peak);
+        assert!(stress >= stress_before - noise, "falls at {strain}: {stress_before} to {stress}");
+        assert!(slope >= -noise / curve.data_end(), "slope {slope} at {strain}");
+        let (step, rise) = (strain - before, energy - energy_before);
+        let noise = noise * step + 1e-9 * energy.abs();
+        assert!(
+            rise >= step * stress_before - noise && rise <= step * stress + noise,
+            "energy at {strain}: {rise} over {step} between {stress_before} and {stress}"
+        );
+        (before, stress_before, energy_before) = (strain, stress, energy);
+    }
+}
+
+/// Choices out of bytes, so that a fuzzer and a property test steer the same scenes; zeros follow.
+pub(crate) struct Choices<'a>(pub(crate) &'a [u8]);
+
+impl Choices<'_> {
+    fn byte(&mut self) -> u8 {
+        match self.0 {
+            [first, rest @ ..] => {
+                self.0 = rest;
+                *first
+            }
+            [] => 0,
+        }
+    }
+
+    fn below(&mut self, count: u8) -> u8 {
+        self.byte() % count
+    }
+
+    fn share(&mut self) -> f64 {
+        f64::from(u16::from_le_bytes([self.byte(), self.byte()])) / 65535.0
+    }
+
+    /// Mostly a number in the range, sometimes its ends, sometimes anything.
+    pub(crate) fn number(&mut self, least: f64, most: f64) -> f64 {
+        const ODD: [f64; 12] = [
+            0.0,
+            -0.0,
+            -1.0,
+            1e9,
+            1e308,
+            -1e308,
+            5e-324,
+            1e-300,
+            f64::MAX,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+        ];
+        match self.byte() {
+            0..=199 => least + (most - least) * self.share(),
+            200..=214 => least,
+            215..=229 => most,
+            230..=239 => most + (most - least) * self.share(),
+            240..=246 => ODD[usize::from(self.below(12))],
+            247..=251 => 10.0_f64.powf(24.0 * self.share() - 12.0),
+            _ => f64::from_bits(u64::from_le_bytes([0; 8].map(|_: u8| self.byte()))),
+        }
+    }
+
+    /// A positive number of any order of magnitude in the range; sometimes anything.
+    fn magnitude(&mut self, least: f64, most: f64) -> f64 {
+        if self.byte() < 240 {
+            least * (most / least).powf(self.share())
+        } else {
+            self.number(least, most)
+        }
+    }
+
+    /// A curve of any kind.
+    pub(crate) fn curve(&mut self) -> CurveSpec {
+        match self.below(8) {
+            0 => CurveSpec::Skin {},
+            1 => CurveSpec::Adipose {},
+            2 => CurveSpec::Linear { modulus_kpa: self.magnitude(1e-6, 1e7) },
+            3 => CurveSpec::Arctangent {
+                scale_kpa: self.magnitude(1e-6, 1e7),
+                rate: self.magnitude(1e-3, 100.0),
+            },
+            4 => CurveSpec::Exponential {
+                scale_kpa: self.magnitude(1e-6, 1e6),
+                rate: self.magnitude(1e-3, 100.0),
+            },
+            5 | 6 => {
+                let interpolation =
+                    [Interpolation::Line, Interpolation::Spline][usize::from(self.below(2))];
+                CurveSpec::Points { points: self.points(), interpolation }
+            }
+            _ => CurveSpec::Sections { sections: self.sections() },
+        }
+    }
+
+    /// From [0, 0] in steps of any size; near-vertical ones and plateaus among them.
+    fn points(&mut self) -> Vec<[f64; 2]> {
+        let mut points = vec![[0.0, 0.0]];
+        for _ in 0..self.below(12) {
+            let [strain, stress] = points[points.len() - 1];
+            let step = [self.magnitude(1e-10, 0.5), self.magnitude(1e-9, 1e3)];
+            points.push([strain + step[0], stress + step[1]]);
+        }
+        if self.byte() == 255 {
+            let k = usize::from(self.byte()) % points.len();
+            points[k][usize::from(self.below(2))] = self.number(0.0, 1.0);
+        }
+        points
+    }
+
+    fn sections(&mut self) -> Vec<Section> {
+        let mut sections = Vec::new();
+        let mut end = 0.0;
+        for _ in 0..self.below(6) {
+            let from = if self.byte() < 250 { end } else { self.number(0.0, 1.0) };
+            let to = from + self.magnitude(1e-8, 0.5);
+            end = to;
+            sections.push(match self.below(6) {
+                0 => Section::Linear { from, to, modulus_kpa: self.magnitude(1e-6, 1e7) },
+                1 => Section::Cubic {
+                    from,
+                    to,
+                    end_stress_kpa: self.magnitude(1e-6, 1e7),
+                    end_slope_kpa: self.magnitude(1e-6, 1e9),
+                },
+                2 => {
+                    let count = self.below(9);
+                    let term = |c: &mut Self| {
+                        let size = c.magnitude(1e-6, 1e6);
+                        if c.byte() < 200 { size } else { -size }
+                    };
+                    let coefficients_kpa = (0..count).map(|_| term(self)).collect();
+                    Section::Polynomial { from, to, coefficients_kpa }
+                }
+                kind => {
+                    let (scale_kpa, rate) =
+                        (self.magnitude(1e-6, 1e4), self.magnitude(1e-3, 100.0));
+                    match kind {
+                        3 => Section::Arctangent { from, to, scale_kpa, rate },
+                        4 => Section::Sine { from, to, scale_kpa, rate },
+                        _ => Section::Exponential { from, to, scale_kpa, rate },
+                    }
+                }
+            });
+        }
+        sections
+    }
+
+    /// A scene with all fields, as JSON text.
+    pub(crate) fn scene(&mut self) -> String {
+        const TISSUES: [&str; 7] = ["skin", "adipose", "", "Kapsel", "\u{1b}[2J", "\n", "💧"];
+        const SPRINGS: [&str; 3] = ["coupled", "coupled", "nikolaev"];
+        let radius = self.number(10.0, 120.0);
+        let center = [self.number(-20.0, 20.0), self.number(-20.0, 20.0)];
+        let least = radius + center[0].hypot(center[1]);
+        let layers: Vec<Value> = (0..=self.below(9))
+            .map(|_| {
+                let tissue = usize::from(self.below(7));
+                json!({
+                    "tissue": TISSUES[tissue],
+                    "thickness_mm": self.number(0.2, 60.0),
+                    "poisson_ratio": self.number(0.0, 0.5),
+                    "curve": self.curve(),
+                })
+            })
+            .collect();
+        let springs = usize::from(self.below(3));
+        let mut scene = json!({
+            "implant": { "base_radius_mm": radius, "projection_mm": self.number(2.0, 120.0),
+                "center_mm": center },
+            "pocket_radius_mm": self.number(least, 200.0),
+            "insertion": self.number(0.0, 1.0),
+            "layers": layers,
+            "springs": SPRINGS[springs],
+            "solver": { "nodes_per_side": 17 + usize::from(self.byte()),
+                "tolerance": self.magnitude(1e-7, 1e-2) },
+        });
+        if self.byte() == 255 {
+            scene["schema"] = json!("implant-preview/scene/2");
+        }
+        scene.to_string()
+    }
+}
