@@ -6,12 +6,11 @@
 use dhat::{HeapStats, Profiler};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::experiment::work_precision::Plan;
-use implant_preview::measure::{Outcome, Status};
+use implant_preview::measure::Status;
 use implant_preview::scene::{Scene, SceneError, read, simulate};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use serde_json::json;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -177,6 +176,10 @@ fn hostile_scenes_are_refused_in_one_line_that_names_the_field() {
         ),
         (with(r#""solver":{"tolerance":0}"#), &["solver.tolerance is 0", "1e-7 to 0.01"]),
         (with(r#""solver":[]"#), &["solver", "one JSON object"]),
+        (r#"{"implant":[50,50,[0,0]]}"#.to_owned(), &["implant", "one JSON object"]),
+        (with(r#""solver":[65,1e-4]"#), &["solver", "one JSON object"]),
+        (with(r#""layers":[["skin",1.5,0.4,{"kind":"skin"}]]"#), &["layers[0]", "one JSON object"]),
+        (with_curve(r#"["linear",1]"#), &["layers[0].curve", "one JSON object"]),
         (with(r#""layers":{}"#), &["layers", "list of at most 8"]),
         (with(r#""layers":[[]]"#), &["layers[0]", "one JSON object"]),
         (with(&format!(r#""layers":[{}{{}}]"#, "{},".repeat(8))), &["layers", "at most 8"]),
@@ -368,4 +371,32 @@ fn files_of_very_many_scenes_are_refused() {
     refused("100001 scenes", &["line 100001", "to 100000"], || read::scenes(many.as_bytes(), true));
     let long = " ".repeat(read::MAX_LINES_BYTES + 1);
     refused("100 MB", &["file is 100000001 bytes long"], || read::scenes(long.as_bytes(), true));
+}
+
+/// What is accepted is solved, or the result says that it is not: with numbers, and with an end to it.
+#[test]
+fn accepted_scenes_of_any_numbers_come_to_an_end() {
+    let counts = std::cell::RefCell::new([0_u32; 3]);
+    check(4000, &vec(any::<u8>(), 20..200), |bytes| {
+        let Ok(mut scene) = Scene::from_json(&Choices(&bytes).scene()) else { return };
+        if counts.borrow().iter().sum::<u32>() >= 150 {
+            return;
+        }
+        scene.solver.nodes_per_side = 17;
+        scene.solver.tolerance = scene.solver.tolerance.max(1e-5);
+        let json = scene.to_json();
+        let start = Instant::now();
+        let outcome = simulate(&scene).unwrap();
+        let time = start.elapsed();
+        assert!(time < 5 * SOON, "{time:?} for {json}");
+        counts.borrow_mut()[outcome.status as usize] += 1;
+        if outcome.status == Status::Converged {
+            assert!(outcome.area_ratio.is_some_and(|ratio| ratio > 0.999), "{json}");
+            assert!(outcome.solver.estimated_position_error <= scene.solver.tolerance, "{json}");
+            assert!(!format!("{outcome:?}").contains("inf"), "{json}");
+        }
+        assert!(!format!("{outcome:?}").contains("NaN"), "{json}");
+    });
+    println!("converged, not converged, unstable: {counts:?}");
+    assert!(counts.borrow()[0] > 100, "{counts:?}");
 }

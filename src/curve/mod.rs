@@ -15,7 +15,7 @@
 mod read;
 mod spec;
 
-pub(crate) use read::{List, Pair, number};
+pub(crate) use read::{List, Pair, number, object};
 pub use spec::{CurveError, CurveSpec, Interpolation, Section};
 
 use std::f64::consts::FRAC_PI_2;

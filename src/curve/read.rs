@@ -2,13 +2,14 @@
 //! times as large as the text, and in which it could not say where an error is.
 
 use super::{CurveSpec, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, Section};
-use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
 
 /// A curve with the fields of all kinds.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[serde(deny_unknown_fields)]
 struct CurveFile {
     kind: Kind,
     modulus_kpa: Option<f64>,
@@ -33,7 +34,7 @@ enum Kind {
 
 /// A section with the fields of all kinds.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[serde(deny_unknown_fields)]
 struct SectionFile {
     kind: SectionKind,
     from: f64,
@@ -59,7 +60,7 @@ enum SectionKind {
 
 impl<'de> Deserialize<'de> for CurveSpec {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
-        let mut file = CurveFile::deserialize(reader)?;
+        let mut file: CurveFile = object(reader)?;
         let spec = match file.kind {
             Kind::Skin => Self::Skin {},
             Kind::Adipose => Self::Adipose {},
@@ -94,7 +95,7 @@ impl<'de> Deserialize<'de> for CurveSpec {
 
 impl<'de> Deserialize<'de> for Section {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
-        let mut file = SectionFile::deserialize(reader)?;
+        let mut file: SectionFile = object(reader)?;
         let (from, to) = (file.from, file.to);
         let section = match file.kind {
             SectionKind::Linear => {
@@ -142,6 +143,25 @@ fn refuse_rest<E: Error>(fields: &[(&str, bool)]) -> Result<(), E> {
         Some((name, _)) => Err(E::custom(format_args!("field `{name}` is none of this kind's"))),
         None => Ok(()),
     }
+}
+
+/// A structure as an object with names; serde would also take a list of its fields in their order.
+pub(crate) fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<T, D::Error> {
+    struct Reader<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Reader<T> {
+        type Value = T;
+
+        fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+            text.write_str("one JSON object")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, fields: A) -> Result<T, A::Error> {
+            T::deserialize(MapAccessDeserializer::new(fields))
+        }
+    }
+    reader.deserialize_map(Reader(PhantomData))
 }
 
 /// A list that is read no farther than to its allowed length.

@@ -9,7 +9,7 @@
 
 pub mod read;
 
-use crate::curve::{Curve, CurveError, CurveSpec, List, Pair, number};
+use crate::curve::{Curve, CurveError, CurveSpec, List, Pair, number, object};
 use crate::implant::Dome;
 use crate::measure::{self, Fields, Outcome};
 use crate::sheet::{Sheet, rounded_nodes_per_side};
@@ -116,6 +116,7 @@ impl Default for SolverSettings {
 struct SceneFile {
     #[serde(default = "scene_schema")]
     schema: String,
+    #[serde(deserialize_with = "object")]
     implant: ImplantFile,
     /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
     pocket_radius_mm: Option<f64>,
@@ -125,7 +126,7 @@ struct SceneFile {
     layers: Vec<Layer>,
     #[serde(default)]
     springs: Springs,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "object")]
     solver: SolverSettings,
 }
 
@@ -142,7 +143,10 @@ struct ImplantFile {
 }
 
 fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<Layer>, D::Error> {
-    List::<Layer, { limits::LAYERS.1 }>::deserialize(reader).map(|list| list.0)
+    #[derive(Deserialize)]
+    struct Entry(#[serde(deserialize_with = "object")] Layer);
+    let list = List::<Entry, { limits::LAYERS.1 }>::deserialize(reader)?;
+    Ok(list.0.into_iter().map(|entry| entry.0).collect())
 }
 
 fn scene_schema() -> String {

@@ -19,6 +19,8 @@ mod law;
 mod level;
 mod smooth;
 mod springs;
+#[cfg(test)]
+mod tests;
 mod transfer;
 
 use super::Problem;
