@@ -171,7 +171,7 @@ fn every_step_of_newtons_method_lowers_the_energy() {
                 energies.push(energy(&solver));
             }
         }
-        assert!(energies.len() >= 3, "{energies:?}");
+        assert!(energies.len() >= 2, "{energies:?}");
         for pair in energies.windows(2) {
             assert!(pair[1] <= pair[0] * (1.0 + 1e-12), "{energies:?}");
         }
@@ -220,7 +220,7 @@ fn ten_scenes() -> Vec<Scene> {
 fn digest(scene: &Scene) -> u64 {
     let mut solver = Solver::new(scene.problem().unwrap());
     while solver.advance(&mut || true) == Progress::Working {}
-    let coordinates = solver.positions().iter().flat_map(|x| x.to_array());
+    let coordinates = solver.positions().iter().flat_map(glam::DVec3::to_array);
     coordinates.flat_map(|c| c.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
