@@ -2,7 +2,7 @@
 #![cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -373,6 +373,23 @@ fn bench_writes_a_table_and_a_picture() {
     }
     fs::write(folder.join("file"), "").unwrap();
     assert_refused(&folder, &["bench", "--out-dir", "file"], "", &["file", "folder"]);
+}
+
+#[test]
+fn stress_counts_how_random_scenes_end_the_same_on_every_run() {
+    let folder = folder("stress");
+    let arguments = ["stress", "--cases", "20", "--seed", "3", "--most-nodes", "25"];
+    let first = run_in(&folder, &arguments, "");
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let summary: Value = serde_json::from_slice(&first.stdout).unwrap();
+    let cases = |springs: &str| summary[springs]["cases"].as_u64().unwrap();
+    assert_eq!(cases("coupled") + cases("nikolaev"), 20);
+    assert_eq!((&summary["failures"], &summary["sessions"]), (&json!([]), &json!(2)));
+    let to_file = [&arguments[..], &["--out", "summary.json"]].concat();
+    assert!(run_in(&folder, &to_file, "").status.success());
+    assert_eq!(fs::read(folder.join("summary.json")).unwrap(), first.stdout);
+    assert_refused(&folder, &["stress", "--most-nodes", "9"], "", &["--most-nodes", "17 to 513"]);
+    assert_refused(&folder, &["stress", "--out", "no/where.json"], "", &["no/where.json", "no"]);
 }
 
 #[test]

@@ -71,6 +71,7 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         tables: after.tables - before.tables,
         grids: after.grids - before.grids,
         previews: after.previews - before.previews,
+        taken_back: after.taken_back - before.taken_back,
     }
 }
 

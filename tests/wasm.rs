@@ -89,3 +89,12 @@ fn the_benchmark_goes_on_piece_by_piece() {
     let text = message(js::Benchmark::new(Some("{".to_owned())).err().unwrap());
     assert!(text.starts_with("options: ") && !text.contains('\n'), "{text}");
 }
+
+#[wasm_bindgen_test]
+fn five_hundred_random_scenes_end_soundly() {
+    use implant_preview::experiment::stress::{Ending, run};
+    for number in 0..500 {
+        let case = run(5, number, 25);
+        assert!(case.ending != Ending::Failed, "{case:?}");
+    }
+}

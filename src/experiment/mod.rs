@@ -1,7 +1,7 @@
 //! Experiments: the paper's stretching of a square sample, the centred dome without a grid, as a
-//! reference, and the study of run time against error.
+//! reference, the study of run time against error, and stress runs.
 //!
-//! Uses the modules before it (`curve` … `scene`); no files, no clocks, no toolkit. Used by the
+//! Uses the modules before it (`curve` … `scene`), stress runs `session` too; no files, no clocks, no toolkit. Used by the
 //! command line, the JavaScript API and the tests.
 
 pub mod axisymmetric;

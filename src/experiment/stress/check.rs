@@ -5,11 +5,11 @@
 
 use crate::sheet::{NodeKind, Sheet};
 use crate::solve::{Solver, Verdict};
-use crate::springs::Springs;
 use glam::DVec3;
+use serde::Serialize;
 
 /// A check that failed: what was found and what is allowed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// The name of the check.
     pub check: &'static str,
@@ -32,7 +32,7 @@ const FACING: f64 = 0.3;
 
 /// Holds a value against what is allowed; what is not a number fails.
 pub(super) fn hold(findings: &mut Vec<Finding>, check: &'static str, found: f64, allowed: f64) {
-    if !(found <= allowed) {
+    if found.is_nan() || found > allowed {
         findings.push(Finding { check, found, allowed });
     }
 }
@@ -104,28 +104,35 @@ fn imbalance(solver: &Solver) -> f64 {
         if *kind != NodeKind::Free {
             continue;
         }
-        let mut rest = forces[k];
         let normal = dome.normal(x[k]);
         let is_on_dome = is_lifted[k] || dome.closest_point(x[k]).0 <= touch;
-        if is_on_dome && rest.dot(normal) < 0.0 {
-            rest -= normal * rest.dot(normal);
-        }
-        if x[k].z <= touch && rest.z < 0.0 {
-            rest.z = 0.0;
-        }
-        left += rest.length_squared();
+        left += unheld(forces[k], is_on_dome.then_some(normal), x[k].z <= touch).length_squared();
     }
     // A sheet at rest has no forces: rounding is not measured against rounding.
     let least = 1e-6 * solver.stiffness() * problem.sheet.spacing_mm();
     left.sqrt() / scale.max(least)
 }
 
+/// What is left of a force where the dome (its normal), the wall or both can push against it.
+fn unheld(force: DVec3, dome: Option<DVec3>, is_on_wall: bool) -> DVec3 {
+    let without = |normal: DVec3| force - normal * force.dot(normal).min(0.0);
+    let wall = if is_on_wall { without(DVec3::Z) } else { force };
+    let Some(normal) = dome else { return wall };
+    let mut least = without(normal);
+    if is_on_wall {
+        // Both: what is along the edge between them, if each pushes.
+        let (f, z) = (force.dot(normal), normal.z);
+        let edge = normal.cross(DVec3::Z).normalize_or_zero();
+        if z * force.z >= f && z * f >= force.z && edge != DVec3::ZERO {
+            least = edge * force.dot(edge);
+        } else if wall.length() < least.length() {
+            least = wall;
+        }
+    }
+    least
+}
+
 /// Greatest distance between the nodes of two shapes \[mm\].
 pub(super) fn distance(x: &[DVec3], y: &[DVec3]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x.distance(*y)).fold(0.0, f64::max)
-}
-
-/// Is the scene's answer to be found by every path? (The paper's springs may have several.)
-pub(super) fn has_one_answer(solver: &Solver) -> bool {
-    solver.problem().springs == Springs::Coupled
 }

@@ -112,7 +112,7 @@ fn curve(rng: &mut Rng) -> CurveSpec {
         }
         5 => {
             let rate = log_uniform(rng, (0.1, 12.0));
-            CurveSpec::Exponential { scale_kpa: (modulus / rate).min(50.0).max(1e-6), rate }
+            CurveSpec::Exponential { scale_kpa: (modulus / rate).clamp(1e-6, 50.0), rate }
         }
         6 | 7 => points(rng, modulus),
         _ => sections(rng, modulus),

@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `tension`, `charts` and `bench`. Native only.
+//! The command line: `simulate`, `tension`, `charts`, `bench` and `stress`. Native only.
 //!
 //! Exit codes: 0 fine; 2 bad input (one line on standard error: file, field, what is allowed, and
 //! nothing is written); 3 no converged answer (the result is written, with its status).
@@ -14,6 +14,7 @@ mod mesh;
 mod mesh_formats;
 mod output;
 mod simulate;
+mod stress;
 mod tension;
 
 use clap::{Parser, Subcommand};
@@ -46,6 +47,8 @@ enum Command {
     Charts(charts::Arguments),
     /// Measure run time against error of the solvers and of what they are compared with.
     Bench(bench::Arguments),
+    /// Solve random scenes and hold every shape against what must always be true.
+    Stress(stress::Arguments),
 }
 
 /// How a command that understood its input ended.
@@ -82,6 +85,7 @@ pub fn run() -> Next {
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(arguments) => charts::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
     })))
 }
 

@@ -54,6 +54,15 @@ pub(super) fn corner_step(normal: DVec3, gap: f64, height: f64) -> DVec3 {
     (across * share).extend(-height)
 }
 
+/// What dome and wall take of a force where both touch, if both press: force + d n + w z is along the
+/// edge between them then.
+pub(super) fn shares(force: DVec3, normal: DVec3) -> Option<[f64; 2]> {
+    let (f, z) = (force.dot(normal), normal.z);
+    let spread = 1.0 - z * z;
+    let shares = [(z * force.z - f) / spread, (z * f - force.z) / spread];
+    (spread > 1e-12 && shares.iter().all(|share| *share >= 0.0)).then_some(shares)
+}
+
 /// The inverse of a block restricted to the plane across `normal`.
 pub(super) fn without(inverse: DMat3, normal: DVec3) -> DMat3 {
     let s = inverse * normal;

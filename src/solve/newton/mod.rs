@@ -45,8 +45,9 @@ const MAX_HALVINGS: u32 = 12;
 const MOST_RATE: f64 = 0.95;
 /// Iterations for which the dome's curvature stays out of the model where it made it indefinite.
 const CARE: u32 = 4;
-/// The greatest relative residual before the last step.
+/// The greatest relative residual before the last step and after it.
 const MOST_RESIDUAL: f64 = 0.05;
+const MOST_RESIDUAL_LEFT: f64 = 0.01;
 /// A node this close to the dome counts as touching it \[share of the base radius\].
 const TOUCH: f64 = 1e-9;
 
@@ -295,9 +296,17 @@ impl Newton {
         let steepness = gradient.length();
         self.normal[k] = gradient / steepness;
         self.gap[k] = (dome.level(self.x[k]) - self.lift[k].abs()) / steepness;
-        let pressing = -self.forces[k].dot(self.normal[k]);
-        let is_on_dome = self.gap[k] <= touch && pressing >= 0.0;
-        let is_on_wall = self.x[k].z <= touch && self.forces[k].z <= 0.0;
+        let (force, normal) = (self.forces[k], self.normal[k]);
+        let mut pressing = -force.dot(normal);
+        let (by_dome, by_wall) = (self.gap[k] <= touch, self.x[k].z <= touch);
+        let mut is_on_dome = by_dome && pressing >= 0.0;
+        let mut is_on_wall = by_wall && force.z <= 0.0;
+        if by_dome
+            && by_wall
+            && let Some([dome, wall]) = contact::shares(force, normal)
+        {
+            (pressing, is_on_dome, is_on_wall) = (dome, dome >= 0.0, wall >= 0.0);
+        }
         self.contact[k] =
             if is_on_dome { ON_DOME } else { FREE } | if is_on_wall { ON_WALL } else { FREE };
         if is_on_dome { pressing / steepness } else { 0.0 }
@@ -629,8 +638,9 @@ impl Newton {
         }
     }
 
-    /// Forces, contact and residual at the present shape, for what is measured.
-    pub(crate) fn finish(&mut self, law: &SheetLaw, dome: &Dome) {
+    /// Forces, contact and residual at the present shape, for what is measured; gives how the iteration
+    /// ended: a shape that stays where it is without a balance of forces is none to go by.
+    pub(crate) fn finish(&mut self, law: &SheetLaw, dome: &Dome, state: State) -> State {
         self.work_units += 1.0;
         self.totals = assemble::forces(&self.sheet, law, &self.x, &mut self.forces);
         let touch = 1e-6 * dome.base_radius;
@@ -640,6 +650,11 @@ impl Newton {
         }
         self.relative_residual = self.residual(law);
         self.error += self.missed;
+        if state == State::Converged && self.relative_residual > MOST_RESIDUAL_LEFT {
+            self.error = f64::INFINITY;
+            return State::Stalled;
+        }
+        state
     }
 }
 

@@ -93,15 +93,13 @@ impl NestedNewton {
                 if springs == Springs::Coupled && !std::mem::replace(&mut self.is_lifted, true) =>
             {
                 if !self.levels[last].find_lifts(dome, tolerance) {
-                    self.levels[last].finish(law, dome);
-                    return state;
+                    return self.levels[last].finish(law, dome, state);
                 }
             }
             // Lifts are of the shape without them: where it cannot be had with them, it is taken as it was.
             State::Stalled if self.levels[last].drop_lifts(dome) => {}
             State::Stalled | State::Converged => {
-                self.levels[last].finish(law, dome);
-                return state;
+                return self.levels[last].finish(law, dome, state);
             }
         }
         State::Working

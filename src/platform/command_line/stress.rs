@@ -1,0 +1,41 @@
+//! `stress`: random scenes and sessions, and what came of them.
+
+use super::output::{self, File, STANDARD};
+use super::{Answer, Refused};
+use crate::experiment::stress::{Case, Summary, run as run_case};
+use crate::scene::limits;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// How many random scenes; every tenth comes with a session of random edits.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    cases: u64,
+    /// The seed: the same one gives the same scenes everywhere.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// The most nodes a side, 17 to 513.
+    #[arg(long, value_name = "N", default_value_t = MOST_NODES)]
+    most_nodes: usize,
+    /// The file for the summary (JSON); `-`: standard output.
+    #[arg(long, value_name = "F", default_value = STANDARD)]
+    out: PathBuf,
+}
+
+const MOST_NODES: usize = 513;
+
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+    let &Arguments { cases, seed, most_nodes, ref out } = arguments;
+    if !(limits::NODES_PER_SIDE.0..=MOST_NODES).contains(&most_nodes) {
+        return Err(Refused(format!("--most-nodes is {most_nodes}; allowed: 17 to {MOST_NODES}")));
+    }
+    output::check_place(out)?;
+    let cases: Vec<Case> =
+        (0..cases).into_par_iter().map(|case| run_case(seed, case, most_nodes)).collect();
+    let summary = Summary::new(seed, &cases);
+    let text = serde_json::to_string_pretty(&summary)
+        .map_err(|error| output::refuse(Path::new("stress"), error))?;
+    output::write_all(&[File::new(out, text + "\n")])?;
+    Ok(if summary.failures.is_empty() { Answer::Converged } else { Answer::NotConverged })
+}

@@ -1,0 +1,87 @@
+//! Random scenes and sessions, and the scenes that once failed.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::experiment::stress::{Ending, Summary, check, examine, run};
+use implant_preview::scene::Scene;
+use implant_preview::solve::Solver;
+
+/// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
+const ONCE_FAILED: [(&str, &str, Ending); 12] = [
+    (
+        "a grid whose rows are not whole lanes",
+        include_str!("stress/grid-of-41-nodes.json"),
+        Ending::Converged,
+    ),
+    ("nearly slack tissue", include_str!("stress/slack-beside-the-dome.json"), Ending::Converged),
+    (
+        "nearly slack tissue, a dome at the rim",
+        include_str!("stress/slack-beside-a-dome-at-the-rim.json"),
+        Ending::Converged,
+    ),
+    (
+        "tissue that gives way on a needle",
+        include_str!("stress/soft-tissue-on-a-needle.json"),
+        Ending::Pierced,
+    ),
+    ("a cap between nodes", include_str!("stress/cap-between-nodes.json"), Ending::Converged),
+    ("a dome that is not in", include_str!("stress/not-in-at-all.json"), Ending::Converged),
+    ("a dome that is hardly in", include_str!("stress/hardly-in.json"), Ending::Converged),
+    (
+        "a dome as wide as a cell",
+        include_str!("stress/dome-as-wide-as-a-cell.json"),
+        Ending::Converged,
+    ),
+    ("slow steps at last", include_str!("stress/slow-steps-at-last.json"), Ending::Converged),
+    (
+        "a shallow dome under a stiff toe",
+        include_str!("stress/shallow-dome-stiff-toe.json"),
+        Ending::Converged,
+    ),
+    (
+        "a node that just touches",
+        include_str!("stress/node-that-just-touches.json"),
+        Ending::Converged,
+    ),
+    (
+        "a node held on a needle's tip",
+        include_str!("stress/held-on-a-needles-tip.json"),
+        Ending::NotConverged,
+    ),
+];
+
+#[test]
+fn scenes_that_once_failed_end_as_they_should() {
+    for (name, json, ending) in ONCE_FAILED {
+        let case = examine(Scene::from_json(json).unwrap());
+        assert_eq!(case.ending, ending, "{name}: {:?}", case.findings);
+    }
+}
+
+#[test]
+fn random_scenes_and_sessions_end_soundly() {
+    let cases: Vec<_> = (0..100).map(|case| run(11, case, 33)).collect();
+    let summary = Summary::new(11, &cases);
+    assert_eq!(summary.failures, []);
+    assert_eq!(summary.sessions, 10);
+    let coupled = summary.coupled;
+    assert_eq!(coupled.cases + summary.nikolaev.cases, 100);
+    assert!(coupled.converged > 60, "{coupled:?}");
+    assert!(summary.coupled_converged_share >= 0.98, "{coupled:?}");
+}
+
+#[test]
+fn the_checks_see_what_is_wrong() {
+    let mut scene = Scene::default();
+    scene.solver.nodes_per_side = 33;
+    let solver = Solver::new(scene.problem().unwrap());
+    let (sheet, dome) = (&solver.problem().sheet, &solver.problem().dome);
+    // A sheet over the dome faces outwards, one turned over does not.
+    let mut x = solver.start_shape();
+    assert!(check::faces_inwards(sheet, &x) < 0.0);
+    x.iter_mut().for_each(|x| x.x = -x.x);
+    assert!(check::faces_inwards(sheet, &x) > 0.5);
+    // A solve that has not begun is not called converged; its flat sheet lies in the dome.
+    assert!(check::check(&solver).is_empty());
+    assert!(solver.positions().iter().any(|x| dome.contains(*x)));
+}
