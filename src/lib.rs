@@ -4,7 +4,7 @@
 //! surgeon reads off it. One way through the house, each module using only those before it:
 //!
 //! `curve` → `springs` → `sheet` → `implant` → `solve` → `measure` → `scene` →
-//! `experiment` | `session` → `view` → `app` → `platform`
+//! `experiment` → `session` → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 

@@ -5,9 +5,11 @@
 //!
 //! Uses everything to its left. Used by `view`, `app` and `platform`.
 
+use crate::experiment::stability::Limits;
 use crate::measure::{Field, Fields, Layers, Outcome};
 use crate::scene::{Scene, SceneError};
 use crate::solve::{Fault, Options, Progress, Shown, Solver};
+use crate::springs::Springs;
 use glam::DVec3;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
@@ -59,6 +61,8 @@ pub struct Counters {
     pub grids: u64,
     /// Scenes taken back because their shape was not sound.
     pub taken_back: u64,
+    /// Stacks of layers that were asked at which strains the paper's springs lose their stability.
+    pub stability_limits: u64,
     /// Shapes shown before they had converged: drafts and those of coarser grids.
     pub previews: u64,
 }
@@ -74,6 +78,8 @@ pub struct Session {
     revision: u64,
     layers: Rc<Layers>,
     fields: OnceCell<Rc<Fields>>,
+    /// Of the present layers under the paper's springs.
+    stability_limits: OnceCell<Limits>,
     outcome: Option<Outcome>,
     is_measured: bool,
     /// The last scene whose solve led to a sound shape.
@@ -102,6 +108,7 @@ impl Session {
             working: true,
             revision: 1,
             fields: OnceCell::new(),
+            stability_limits: OnceCell::new(),
             outcome: None,
             is_measured: true,
             counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
@@ -190,6 +197,7 @@ impl Session {
         let problem = scene.problem()?;
         if !self.layers.are_of(&problem) {
             self.layers = Rc::new(Layers::new(&problem));
+            self.stability_limits.take();
         }
         self.solver.restart(problem);
         self.reshaped();
@@ -318,6 +326,26 @@ impl Session {
         let values = fields.values(field, &self.solver);
         self.count(|c| c.fields += fields.computed() - before);
         values
+    }
+
+    /// At which strains an evenly stretched sheet of the present layers has no stable shape under the
+    /// paper's springs; `None` while others are chosen. Found when first asked for, before and without
+    /// solving.
+    #[must_use]
+    pub fn stability_limits(&self) -> Option<&Limits> {
+        (self.scene.springs == Springs::Nikolaev).then(|| {
+            self.stability_limits.get_or_init(|| {
+                self.count(|c| c.stability_limits += 1);
+                Limits::new(Springs::Nikolaev, &self.solver.problem().materials)
+            })
+        })
+    }
+
+    /// The greatest principal strain of the last result \[-\], if it has a shape.
+    #[must_use]
+    pub fn greatest_strain(&self) -> Option<f64> {
+        let strain = self.outcome.as_ref()?.strain.as_ref()?;
+        Some(strain.max_principal.max(0.0))
     }
 
     /// Counts a mesh that a view made of the present shape.

@@ -354,6 +354,68 @@ fn charts_draws_four_charts_with_tables_for_both_laws() {
 }
 
 #[test]
+fn stability_maps_every_curve_and_tells_the_papers_springs_from_the_coupled_ones() {
+    let folder = folder("stability");
+    let output = run_in(&folder, &["stability", "--out-dir", "made/here"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let made = folder.join("made/here");
+    let curves = ["adipose", "exponential", "linear", "skin"];
+    let mut names = curves.map(|curve| format!("stability-{curve}.svg")).to_vec();
+    names.push("stability.csv".to_owned());
+    assert_eq!(names_in(&made), names);
+    for curve in curves {
+        let picture = fs::read_to_string(made.join(format!("stability-{curve}.svg"))).unwrap();
+        assert!(picture.starts_with("<svg width=\"1040\"") && picture.contains("</svg>"));
+        assert!(picture.len() < 100_000, "{curve}: {} bytes", picture.len());
+        for words in [curve, "strain ε", "Poisson ratio ν", "Pulled one way", "Pulled both ways"]
+        {
+            assert!(picture.contains(words), "{curve} lacks {words}");
+        }
+        assert!(picture.contains("Coupled springs: stable at every point"), "{curve}");
+    }
+    let table = fs::read_to_string(made.join("stability.csv")).unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let columns = lines.next().unwrap();
+    assert_eq!(
+        columns.join(","),
+        "springs,curve,load,poisson_ratio,strain,transverse_strain,least_eigenvalue_sheet,\
+         least_eigenvalue_waves,wave_x,wave_y,wave_angle_deg,polarisation_deg,\
+         least_eigenvalue_out_of_plane,status"
+    );
+    let rows: Vec<Vec<&str>> = lines.collect();
+    assert_eq!(rows.len(), 2 * 4 * 2 * 52 * 101);
+    for row in &rows {
+        let least: f64 = row[7].parse().unwrap();
+        let status = row[13];
+        assert!(row.len() == 14 && (row[0] == "nikolaev" || status == "stable"), "{row:?}");
+        match status {
+            "stable" => assert!(least >= 0.0, "{row:?}"),
+            "neutral" => assert!(least.abs() < 1e-9 && row[3] == "0", "{row:?}"),
+            // What fails is always the zigzag along the pull.
+            _ => assert!(least <= 0.0 && row[8..12] == ["3.1416", "3.1416", "45", "0"], "{row:?}"),
+        }
+    }
+    for (curve, load, nu, strain, wanted) in [
+        ("adipose", "uniaxial", "0.3", "0.15", "stable"),
+        ("adipose", "uniaxial", "0.3", "0.16", "unstable"),
+        ("skin", "uniaxial", "0.45", "0.26", "stable"),
+        ("skin", "uniaxial", "0.45", "0.3", "unstable"),
+        ("skin", "uniaxial", "0.45", "0.45", "stable"),
+        ("skin", "equibiaxial", "0.45", "0.3", "stable"),
+        ("linear", "equibiaxial", "0.4", "0.47", "unstable"),
+        ("exponential", "uniaxial", "0.5", "1", "stable"),
+        ("linear", "uniaxial", "0", "0.5", "neutral"),
+    ] {
+        let is_here = |row: &&Vec<&str>| row[..5] == ["nikolaev", curve, load, nu, strain];
+        let row = rows.iter().find(is_here).unwrap();
+        assert_eq!(row[13], wanted, "{row:?}");
+    }
+    fs::write(folder.join("file"), "").unwrap();
+    assert_refused(&folder, &["stability", "--out-dir", "file"], "", &["file", "folder"]);
+    assert_refused(&folder, &["stability"], "", &["--out-dir"]);
+}
+
+#[test]
 fn bench_writes_a_table_and_a_picture() {
     let folder = folder("bench");
     let output = run_in(&folder, &["bench", "--out-dir", "made/here", "--quick"], "");

@@ -224,6 +224,56 @@ fn springs_without_a_stable_shape_are_said_so_and_coupled_ones_offered() {
 }
 
 #[test]
+fn the_papers_springs_are_marked_before_they_are_solved() {
+    // A grid too fine for the first frame: nothing is solved when it is drawn.
+    let mut scene = Scene { springs: Springs::Nikolaev, ..Scene::default() };
+    scene.solver.nodes_per_side = 1025;
+    let app = App::new(&egui::Context::default(), None, scene).unwrap();
+    let mut harness = Harness::builder()
+        .with_size(WIDE)
+        .with_max_steps(1)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    assert!(harness.state().session().is_working(), "solved already: the test shows nothing");
+    harness.get_by_label("No stable even shape, first at 23 % strain");
+    harness.get_by_label("Stretched one way: no stable shape at 23–42 %");
+    harness.get_by_label("Stretched both ways: no stable shape at 33–41 %");
+    harness.get_by_role_and_label(Role::Button, "Switch to coupled springs").click();
+    for _ in 0..4 {
+        harness.step();
+    }
+    assert_eq!(harness.state().session().scene().springs, Springs::Coupled);
+    assert_eq!(harness.query_all_by_label_contains("No stable even shape").count(), 0);
+}
+
+#[test]
+fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
+    let mut harness = app(WIDE, |scene| scene.springs = Springs::Nikolaev);
+    let asked =
+        |harness: &Harness<'static, App>| harness.state().session().counters().stability_limits;
+    assert_eq!(asked(&harness), 1);
+    harness.key_press(egui::Key::OpenBracket);
+    settle(&mut harness);
+    assert_eq!(asked(&harness), 1);
+    harness.get_by_role_and_label(Role::Button, "Remove layer 1").click();
+    settle(&mut harness);
+    assert_eq!(asked(&harness), 2);
+    harness.get_by_label("Stretched one way: no stable shape from 11 % on");
+}
+
+#[test]
+fn layers_that_stay_stable_under_the_papers_springs_are_said_so() {
+    let harness = app(WIDE, |scene| {
+        scene.springs = Springs::Nikolaev;
+        scene.insertion = 0.2;
+        scene.layers.truncate(1);
+        scene.layers[0].poisson_ratio = 0.3;
+    });
+    harness.get_by_label_contains("stable at every strain to 100 %");
+    let offers = harness.query_all_by_label("Switch to coupled springs");
+    assert_eq!(offers.count(), 0);
+}
+
+#[test]
 fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
     let mut harness = app(PHONE, |_| {});
     harness.get_by_role_and_label(Role::Slider, "Insertion (%)");

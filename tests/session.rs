@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::measure::{Field, Status};
-use implant_preview::scene::{Layer, Scene};
+use implant_preview::scene::{Layer, Scene, Springs};
 use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::{Method, Options, Progress, Shown, Solver};
 use implant_preview::view::color::Quantity;
@@ -70,9 +70,32 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         meshes: after.meshes - before.meshes,
         tables: after.tables - before.tables,
         grids: after.grids - before.grids,
+        taken_back: after.taken_back - before.taken_back,
+        stability_limits: after.stability_limits - before.stability_limits,
         previews: after.previews - before.previews,
         taken_back: after.taken_back - before.taken_back,
     }
+}
+
+#[test]
+fn stability_is_asked_once_for_each_stack_of_layers_and_only_for_the_papers_springs() {
+    let mut session = Session::new(small()).unwrap();
+    let asked = |session: &Session| {
+        (session.stability_limits().is_some(), session.counters().stability_limits)
+    };
+    assert_eq!(asked(&session), (false, 0));
+    let springs = |springs| move |scene: &mut Scene| scene.springs = springs;
+    edit(&mut session, 1, springs(Springs::Nikolaev));
+    assert_eq!((asked(&session), asked(&session)), ((true, 1), (true, 1)));
+    edit(&mut session, 2, |scene| scene.insertion = 0.5);
+    edit(&mut session, 3, springs(Springs::Coupled));
+    assert_eq!(asked(&session), (false, 1));
+    edit(&mut session, 4, springs(Springs::Nikolaev));
+    assert_eq!(asked(&session), (true, 1));
+    let before = session.stability_limits().cloned();
+    edit(&mut session, 5, |scene| scene.layers[0].poisson_ratio = 0.3);
+    assert_eq!(asked(&session), (true, 2));
+    assert_ne!(session.stability_limits().cloned(), before);
 }
 
 /// What a frame does: the picture brought up to date.

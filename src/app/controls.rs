@@ -2,8 +2,10 @@
 //! what changed into a command.
 
 use super::curve_editor;
+use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
 use crate::scene::{Implant, Layer, Scene, Springs, limits};
+use crate::session::Session;
 use eframe::egui::{self, Response, RichText, Ui};
 use std::ops::RangeInclusive;
 
@@ -246,7 +248,7 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
 }
 
 /// Spring law and resolution.
-pub(super) fn method(ui: &mut Ui, scene: &mut Scene) {
+pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
     group(ui, "Method", |ui| {
         let label = ui.label(RichText::new("Springs").color(ui.visuals().weak_text_color()));
         let name = |springs: Springs| match springs {
@@ -268,6 +270,9 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene) {
                  direction. The paper's springs are for comparison: with large strains and Poisson \
                  ratios they have no stable shape.",
             );
+        if let Some(limits) = session.stability_limits() {
+            stability::show(ui, scene, limits, session.greatest_strain());
+        }
         ui.add_space(SPACE_SMALL);
         let label = ui.label(RichText::new("Resolution").color(ui.visuals().weak_text_color()));
         let nodes = &mut scene.solver.nodes_per_side;

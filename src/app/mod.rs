@@ -12,6 +12,7 @@ mod files;
 mod keys;
 mod plots;
 mod readings;
+mod stability;
 mod status;
 mod theme;
 mod toolbar;
@@ -350,7 +351,7 @@ impl App {
                     controls::implant(ui, scene, &mut self.is_hemisphere);
                     controls::layers(ui, scene);
                     ui.add_space(theme::SPACE);
-                    controls::method(ui, scene);
+                    controls::method(ui, scene, &self.session);
                 });
             },
         );
@@ -397,7 +398,7 @@ impl App {
                     }
                     Sheet::Tissue => {
                         controls::layers(ui, scene);
-                        controls::method(ui, scene);
+                        controls::method(ui, scene, &self.session);
                     }
                     Sheet::Results => {
                         readings::show(ui, self.session.outcome(), self.session.is_working());

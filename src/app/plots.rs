@@ -12,10 +12,7 @@ const SAMPLES: i32 = 160;
 
 /// Curves of all layers up to strain 1, the used part drawn strong.
 pub(super) fn curves(ui: &mut Ui, session: &Session) {
-    let used = session
-        .outcome()
-        .and_then(|outcome| outcome.strain.as_ref())
-        .map_or(0.0, |strain| strain.max_principal.max(0.0));
+    let used = session.greatest_strain().unwrap_or(0.0);
     let colors = theme::palette(ui.visuals()).curves;
     group(ui, "Stress–strain curves", |ui| {
         Plot::new("curves")

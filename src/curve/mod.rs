@@ -329,6 +329,13 @@ impl Curve {
         if strain.abs() < 1e-9 { self.slope(0.0) } else { self.stress(strain) / strain }
     }
 
+    /// The modulus at small strain Ef′(0) \[kPa\], that stiffnesses are compared with. A curve that
+    /// starts flat has none: then a thousandth of its secant at strain 0.01 stands in.
+    #[must_use]
+    pub fn small_strain_modulus(&self) -> f64 {
+        self.slope(0.0).max(1e-3 * self.secant(0.01))
+    }
+
     /// The strain where the data ends \[-\]: the last point or section, 1 for a formula.
     #[must_use]
     pub fn data_end(&self) -> f64 {

@@ -64,6 +64,65 @@ impl Matrix {
         true
     }
 
+    /// The least eigenvalue of the symmetric matrix, to rounding: Householder reflections make it
+    /// tridiagonal, Sturm's count of negative pivots then bisects (G. H. Golub and C. F. Van Loan,
+    /// *Matrix Computations*, 4th ed., 2013, sections 8.3.1 and 8.4.1).
+    pub(super) fn least_eigenvalue(mut self) -> f64 {
+        let bound = self.greatest_row_sum();
+        let n = self.n;
+        let (mut diagonal, mut beside) = (vec![0.0; n], vec![0.0; n]);
+        for k in 0..n {
+            diagonal[k] = self.get(k, k);
+            if k + 1 == n {
+                break;
+            }
+            // The reflection that leaves of row k, beyond the diagonal, only its first entry.
+            let mut v: Vec<f64> = (k + 1..n).map(|column| self.get(k, column)).collect();
+            let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            beside[k] = length;
+            v[0] += length.copysign(v[0]);
+            let squared: f64 = v.iter().map(|v| v * v).sum();
+            if squared <= 0.0 {
+                continue;
+            }
+            let factor = 2.0 / squared;
+            let mut image: Vec<f64> = (k + 1..n)
+                .map(|row| {
+                    let row = &self.rows[row * n + k + 1..(row + 1) * n];
+                    factor * row.iter().zip(&v).map(|(a, v)| a * v).sum::<f64>()
+                })
+                .collect();
+            let overlap: f64 = image.iter().zip(&v).map(|(p, v)| p * v).sum();
+            for (p, v) in image.iter_mut().zip(&v) {
+                *p -= 0.5 * factor * overlap * v;
+            }
+            for (i, (v_i, p_i)) in v.iter().zip(&image).enumerate() {
+                let start = (k + 1 + i) * n + k + 1;
+                for ((a, v_j), p_j) in
+                    self.rows[start..start + v.len()].iter_mut().zip(&v).zip(&image)
+                {
+                    *a -= v_i * p_j + p_i * v_j;
+                }
+            }
+        }
+        let has_eigenvalue_below = |shift: f64| {
+            let mut pivot = diagonal[0] - shift;
+            for k in 1..n {
+                if pivot < 0.0 {
+                    return true;
+                }
+                pivot = diagonal[k] - shift - beside[k - 1] * beside[k - 1] / pivot.max(1e-300);
+            }
+            pivot < 0.0
+        };
+        let (mut below, mut above) = (-bound, bound);
+        while above - below > 1e-14 * bound {
+            let middle = 0.5 * (below + above);
+            if has_eigenvalue_below(middle) { above = middle } else { below = middle }
+        }
+        0.5 * (below + above)
+    }
+
     /// Solves A x = b by elimination with row pivoting; `None` if A is singular.
     pub(super) fn solve(mut self, mut b: Vec<f64>) -> Option<Vec<f64>> {
         let n = self.n;
@@ -124,6 +183,29 @@ mod tests {
             assert!((product - b[row]).abs() < 1e-12);
         }
         assert!(Matrix::zeros(3).solve(vec![1.0; 3]).is_none());
+    }
+
+    #[test]
+    fn least_eigenvalue_is_that_of_known_matrices() {
+        let known = 2.0 - 2.0 * (std::f64::consts::PI / 7.0).cos();
+        for shift in [0.0, -1.0, 3.0] {
+            assert!((example(shift).least_eigenvalue() - known - shift).abs() < 1e-13);
+        }
+        // Full, with its eigenvectors known: reflections of a diagonal matrix.
+        let values = [4.0, -0.25, 7.0, 1.5, 0.0, 9.0];
+        let v: Vec<f64> = (0..6).map(|k| 0.3 + (1.7 * f64::from(k)).sin()).collect();
+        let squared: f64 = v.iter().map(|v| v * v).sum();
+        let reflection =
+            |i: usize, k: usize| f64::from(u8::from(i == k)) - 2.0 * v[i] * v[k] / squared;
+        let mut full = Matrix::zeros(6);
+        for row in 0..6 {
+            for column in 0..6 {
+                let sum = |k: usize| reflection(row, k) * values[k] * reflection(k, column);
+                full.add(row, column, (0..6).map(sum).sum());
+            }
+        }
+        assert!((full.least_eigenvalue() + 0.25).abs() < 1e-13);
+        assert!(Matrix::zeros(3).least_eigenvalue().abs() < 1e-300);
     }
 
     #[test]

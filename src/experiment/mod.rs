@@ -1,12 +1,13 @@
-//! Experiments: the paper's stretching of a square sample, the centred dome without a grid, as a
-//! reference, the study of run time against error, and stress runs.
+//! Experiments: the paper's stretching of a square sample, where an evenly stretched sheet is stable,
+//! the centred dome without a grid, as a reference, the study of run time against error, stress runs.
 //!
-//! Uses the modules before it (`curve` … `scene`), stress runs `session` too; no files, no clocks, no toolkit. Used by the
-//! command line, the JavaScript API and the tests.
+//! Uses the modules before it (`curve` … `scene`); stress runs use `session`, which uses stability. No
+//! files, no clocks, no toolkit. Used by the command line, the JavaScript API and the tests.
 
 pub mod axisymmetric;
 mod dense;
 pub mod sample;
+pub mod stability;
 pub mod stress;
 pub mod tension;
 pub mod work_precision;

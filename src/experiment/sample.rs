@@ -130,8 +130,7 @@ impl Sample {
     /// The small-strain stiffness Ef′(0)·h of an edge between two cells \[kPa·mm\].
     #[must_use]
     pub fn edge_stiffness(&self) -> f64 {
-        // A curve that starts flat has none: then its secant at small strain stands in.
-        self.curve.slope(0.0).max(self.curve.secant(0.01) * 1e-3) * THICKNESS_MM
+        self.curve.small_strain_modulus() * THICKNESS_MM
     }
 
     /// Dead loads \[mN\] of the homogeneous nominal stress P \[kPa\]: every border edge of a cell hands
@@ -302,13 +301,25 @@ impl Sample {
         if self.is_outside_domain(x) {
             return false;
         }
-        let stiffness = self.edge_stiffness();
-        let mut matrix = self.hessian(x);
-        matrix.add_diagonal(STABILITY_THRESHOLD * stiffness);
-        for mode in rigid_modes(x) {
-            matrix.add_outer(1e6 * stiffness, &mode);
-        }
+        let mut matrix = self.hessian_without_rigid_motions(x);
+        matrix.add_diagonal(STABILITY_THRESHOLD * self.edge_stiffness());
         matrix.has_cholesky_factor()
+    }
+
+    /// The least eigenvalue of the Hessian, rigid motions set aside, relative to the small-strain
+    /// edge stiffness \[-\]; for shapes inside the law's domain.
+    #[must_use]
+    pub fn least_eigenvalue(&self, x: &[DVec2]) -> f64 {
+        self.hessian_without_rigid_motions(x).least_eigenvalue() / self.edge_stiffness()
+    }
+
+    /// The Hessian with the rigid motions made so stiff that they do not count.
+    fn hessian_without_rigid_motions(&self, x: &[DVec2]) -> Matrix {
+        let mut matrix = self.hessian(x);
+        for mode in rigid_modes(x) {
+            matrix.add_outer(1e6 * self.edge_stiffness(), &mode);
+        }
+        matrix
     }
 }
 

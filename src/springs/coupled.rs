@@ -34,6 +34,38 @@ pub fn biot_stress(curve: &Curve, poisson_ratio: f64, strain: [f64; 2]) -> [f64;
     [modulus * (a + nu * b), modulus * (b + nu * a)]
 }
 
+/// Stresses \[kPa\] of the principal Biot strains and their derivatives, from the curve itself: what
+/// [`CoupledLaw::response`] reads off its tables, for one layer of thickness 1.
+#[must_use]
+pub fn principal_response(
+    curve: &Curve,
+    poisson_ratio: f64,
+    strain: [f64; 2],
+) -> PrincipalResponse {
+    let [a, b] = strain;
+    let nu = poisson_ratio;
+    let plane = 1.0 / (1.0 - nu * nu);
+    let equivalent = equivalent_strain(strain, nu);
+    let secant = curve.secant(equivalent);
+    let t = [(a + nu * b) * plane, (b + nu * a) * plane];
+    // The secant's slope over ē; what it is multiplied with vanishes as ē².
+    let bend = if equivalent > 1e-9 {
+        (curve.slope(equivalent) - secant) / (equivalent * equivalent)
+    } else {
+        0.0
+    };
+    PrincipalResponse {
+        energy: curve.energy(equivalent),
+        tension: t.map(|t| secant * t),
+        stiffness: [
+            secant * plane + bend * t[0] * t[0],
+            secant * plane * nu + bend * t[0] * t[1],
+            secant * plane + bend * t[1] * t[1],
+        ],
+        shear: secant / (1.0 + nu),
+    }
+}
+
 /// A layer as the law needs it.
 #[derive(Clone, Copy, Debug)]
 pub struct LawLayer<'a> {

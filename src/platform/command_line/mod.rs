@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `tension`, `charts`, `bench` and `stress`. Native only.
+//! The command line: `simulate`, `tension`, `charts`, `stability`, `bench` and `stress`. Native only.
 //!
 //! Exit codes: 0 fine; 2 bad input (one line on standard error: file, field, what is allowed, and
 //! nothing is written); 3 no converged answer (the result is written, with its status).
@@ -14,6 +14,7 @@ mod mesh;
 mod mesh_formats;
 mod output;
 mod simulate;
+mod stability;
 mod stress;
 mod tension;
 
@@ -45,6 +46,8 @@ enum Command {
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
     Charts(charts::Arguments),
+    /// Map where an evenly stretched sheet is stable, over strain and Poisson ratio.
+    Stability(stability::Arguments),
     /// Measure run time against error of the solvers and of what they are compared with.
     Bench(bench::Arguments),
     /// Solve random scenes and hold every shape against what must always be true.
@@ -84,6 +87,7 @@ pub fn run() -> Next {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(arguments) => charts::run(&arguments),
+        Command::Stability(arguments) => stability::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
     })))

@@ -1,0 +1,140 @@
+//! The mark at the paper's springs: at which strains a sheet of the chosen layers has no stable even
+//! shape, before anything is solved, and the way out.
+
+use super::controls::name_it;
+use super::theme::{self, SPACE, SPACE_SMALL};
+use crate::experiment::stability::{Limits, Load};
+use crate::scene::{Scene, Springs};
+use eframe::egui::{self, Align2, RichText, Ui, pos2, vec2};
+
+/// Height of a strip \[points\], and of its stable part.
+const HEIGHT: f32 = 12.0;
+const STABLE_HEIGHT: f32 = 4.0;
+/// Width of the names left of the strips \[points\].
+const NAME_WIDTH: f32 = 68.0;
+
+/// Words, strips and the button. `used`: the greatest strain of the shape that is shown \[-\].
+pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, used: Option<f64>) {
+    let palette = theme::palette(ui.visuals());
+    let first = Load::ALL.iter().filter_map(|&load| limits.first_loss(load)).reduce(f64::min);
+    let Some(first) = first else {
+        ui.small("An evenly stretched sheet of these layers is stable at every strain to 100 %.");
+        return;
+    };
+    ui.add_space(SPACE_SMALL);
+    let words = format!("No stable even shape, first at {:.0} % strain", 100.0 * first);
+    ui.label(RichText::new(words).strong().color(palette.caution));
+    ui.small(
+        "Evenly stretched, these layers give way under these springs at the strains marked below. \
+         An implant that stretches much of the tissue so far may get no result.",
+    );
+    for load in Load::ALL {
+        strip(ui, load, limits.of(load), used);
+    }
+    axis(ui);
+    ui.horizontal_wrapped(|ui| {
+        for (words, color) in
+            [("thin: stable", palette.accent), ("thick: no stable shape", palette.bad)]
+        {
+            ui.label(RichText::new(words).small().color(color));
+        }
+    });
+    // The row is always there, so that nothing moves under the pointer when a result comes.
+    ui.small(used.map_or_else(
+        || "upright line: greatest strain, once there is a shape".to_owned(),
+        |used| format!("upright line: greatest strain now, {:.0} %", 100.0 * used),
+    ));
+    let button = ui.button("Switch to coupled springs");
+    if button.on_hover_text("They are stable at every strain, with the same curves").clicked() {
+        scene.springs = Springs::Coupled;
+    }
+    ui.add_space(SPACE_SMALL);
+}
+
+/// What a strip says, in words.
+fn words(load: Load, stretches: &[[f64; 2]]) -> String {
+    let how = match load {
+        Load::Uniaxial => "Stretched one way",
+        Load::Equibiaxial => "Stretched both ways",
+    };
+    if stretches.is_empty() {
+        return format!("{how}: stable at every strain to 100 %");
+    }
+    let percent = |[from, to]: &[f64; 2]| {
+        if *to < 1.0 {
+            format!("at {:.0}–{:.0} %", 100.0 * from, 100.0 * to)
+        } else {
+            format!("from {:.0} % on", 100.0 * from)
+        }
+    };
+    let list: Vec<String> = stretches.iter().map(percent).collect();
+    format!("{how}: no stable shape {}", list.join(" and "))
+}
+
+/// Strain 0 to 100 % from left to right.
+fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], used: Option<f64>) {
+    let palette = theme::palette(ui.visuals());
+    let (rect, response) = row(ui, HEIGHT);
+    let name = match load {
+        Load::Uniaxial => "One way",
+        Load::Equibiaxial => "Both ways",
+    };
+    let painter = ui.painter();
+    let (font, quiet) =
+        (egui::TextStyle::Small.resolve(ui.style()), ui.visuals().weak_text_color());
+    let left = pos2(rect.left() - NAME_WIDTH, rect.center().y);
+    painter.text(left, Align2::LEFT_CENTER, name, font, quiet);
+    let thin = egui::Rect::from_center_size(rect.center(), vec2(rect.width(), STABLE_HEIGHT));
+    painter.rect_filled(thin, 1.0, palette.accent);
+    let at = |strain: f64| rect.left() + rect.width() * strain as f32;
+    for &[from, to] in stretches {
+        let thick = egui::Rect::from_x_y_ranges(at(from)..=at(to), rect.y_range());
+        painter.rect_filled(thick, 1.0, palette.bad);
+    }
+    if let Some(used) = used {
+        let line = egui::Stroke::new(1.5, ui.visuals().text_color());
+        painter.vline(at(used.clamp(0.0, 1.0)), rect.y_range().expand(2.0), line);
+    }
+    let words = words(load, stretches);
+    name_it(&response, egui::Role::Label, &words);
+    response.on_hover_text(words);
+}
+
+fn axis(ui: &mut Ui) {
+    let (rect, _) = row(ui, HEIGHT);
+    let (font, quiet) =
+        (egui::TextStyle::Small.resolve(ui.style()), ui.visuals().weak_text_color());
+    for (share, align, text) in [
+        (0.0, Align2::LEFT_CENTER, "0"),
+        (0.5, Align2::CENTER_CENTER, "50"),
+        (1.0, Align2::RIGHT_CENTER, "100 % strain"),
+    ] {
+        let x = rect.left() + share * rect.width();
+        ui.painter().text(pos2(x, rect.center().y), align, text, font.clone(), quiet);
+    }
+}
+
+/// A row of the given height, right of the names.
+fn row(ui: &mut Ui, height: f32) -> (egui::Rect, egui::Response) {
+    let size = vec2(ui.available_width() - SPACE, height);
+    let (mut rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    rect.min.x += NAME_WIDTH;
+    (rect, response)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_are_told_in_words() {
+        assert_eq!(
+            words(Load::Uniaxial, &[[0.224, 0.421], [0.97, 1.0]]),
+            "Stretched one way: no stable shape at 22–42 % and from 97 % on"
+        );
+        assert_eq!(
+            words(Load::Equibiaxial, &[]),
+            "Stretched both ways: stable at every strain to 100 %"
+        );
+    }
+}

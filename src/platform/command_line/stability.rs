@@ -1,0 +1,146 @@
+//! `stability`: where an evenly stretched sheet is stable, as a table and a map for each curve.
+
+use super::output::{self, File, number};
+use super::{Answer, Refused};
+use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
+use crate::experiment::stability::{Load, Point, row};
+use crate::scene::limits;
+use crate::springs::Springs;
+use crate::view::stability_map::{Map, draw};
+use rayon::prelude::*;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+const COLUMNS: &str = "springs,curve,load,poisson_ratio,strain,transverse_strain,\
+    least_eigenvalue_sheet,least_eigenvalue_waves,wave_x,wave_y,wave_angle_deg,polarisation_deg,\
+    least_eigenvalue_out_of_plane,status\n";
+
+/// Steps of the strain from 0 to 1, and of the Poisson ratio from 0 to 0.5.
+const STRAINS: u32 = 100;
+const POISSON_RATIOS: u32 = 50;
+
+/// The curves: both presets, a line, and an exponential that rises to 55 times its first slope.
+const CURVES: [(&str, CurveSpec); 4] = [
+    ("skin", CurveSpec::Skin {}),
+    ("adipose", CurveSpec::Adipose {}),
+    ("linear", CurveSpec::Linear { modulus_kpa: 100.0 }),
+    ("exponential", CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 }),
+];
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// The folder for `stability.csv` and the maps; made if it is missing.
+    #[arg(long, value_name = "D")]
+    out_dir: PathBuf,
+}
+
+/// The map of one curve, law and load: row by row, Poisson ratios rising.
+struct Mapped {
+    springs: Springs,
+    curve: &'static str,
+    load: Load,
+    points: Vec<Point>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+    let folder = &arguments.out_dir;
+    if folder.exists() && !folder.is_dir() {
+        return Err(output::refuse(folder, "is a file; allowed: a folder"));
+    }
+    let steps = |count: u32, end: f64| -> Vec<f64> {
+        (0..=count).map(|k| end * f64::from(k) / f64::from(count)).collect()
+    };
+    let strains = steps(STRAINS, FULL_STRAIN);
+    let mut poisson_ratios = steps(POISSON_RATIOS, limits::POISSON_RATIO.1);
+    // At ν = 0 every state is neutral, and close to it stiffnesses bend: one row more.
+    poisson_ratios.insert(1, 0.5 * poisson_ratios[1]);
+    let mapped = map_all(&strains, &poisson_ratios)?;
+    let mut files = vec![File::new(&folder.join("stability.csv"), table(&mapped))];
+    for (curve, _) in CURVES {
+        let of = |springs: Springs, load: Load| -> Vec<Point> {
+            let is_wanted = |m: &&Mapped| (m.springs, m.curve, m.load) == (springs, curve, load);
+            mapped.iter().filter(is_wanted).flat_map(|m| m.points.iter().copied()).collect()
+        };
+        let map = Map {
+            title: format!("Where the paper's springs are stable: {curve}"),
+            strains: &strains,
+            poisson_ratios: &poisson_ratios,
+            panels: Load::ALL.map(|load| (load, of(Springs::Nikolaev, load))),
+            note: coupled_note(&Load::ALL.map(|load| of(Springs::Coupled, load)).concat()),
+        };
+        let picture = draw(&map).map_err(|error| output::refuse(folder, error))?;
+        files.push(File::new(&folder.join(format!("stability-{curve}.svg")), picture));
+    }
+    std::fs::create_dir_all(folder)
+        .map_err(|error| output::refuse(folder, format!("cannot be made: {error}")))?;
+    output::write_all(&files)?;
+    Ok(Answer::Converged)
+}
+
+fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, Refused> {
+    let mut maps = Vec::new();
+    for springs in [Springs::Nikolaev, Springs::Coupled] {
+        for (name, spec) in &CURVES {
+            let curve = Curve::new(spec).map_err(|error| output::refuse(Path::new(name), error))?;
+            maps.extend(Load::ALL.map(|load| (springs, *name, curve.clone(), load)));
+        }
+    }
+    let map = |(springs, name, curve, load): &(Springs, &'static str, Curve, Load)| {
+        let rows = poisson_ratios.par_iter().map(|&nu| row(*springs, curve, nu, *load, strains));
+        let points = rows.collect::<Vec<_>>().concat();
+        Mapped { springs: *springs, curve: name, load: *load, points }
+    };
+    Ok(maps.par_iter().map(map).collect())
+}
+
+/// What the coupled springs do where the paper's are shown.
+fn coupled_note(points: &[Point]) -> String {
+    let least = points.iter().map(|p| p.wave.stiffness).fold(f64::INFINITY, f64::min);
+    let unstable = points.iter().filter(|p| p.wave.stiffness < 0.0).count();
+    if unstable == 0 {
+        format!(
+            "Coupled springs: stable at every point of both maps ({}), least stiffness {least:.2}.",
+            points.len()
+        )
+    } else {
+        format!(
+            "Coupled springs: unstable at {unstable} of the {} points of both maps.",
+            points.len()
+        )
+    }
+}
+
+fn table(mapped: &[Mapped]) -> String {
+    let rounded = |value: f64, unit: f64| number((value / unit).round() * unit);
+    let mut table = COLUMNS.to_owned();
+    for Mapped { springs, curve, load, points } in mapped {
+        let springs = match springs {
+            Springs::Coupled => "coupled",
+            Springs::Nikolaev => "nikolaev",
+        };
+        let load = load.name();
+        for point in points {
+            let status = match point.wave.stiffness {
+                least if least > 0.0 => "stable",
+                least if least < 0.0 => "unstable",
+                _ => "neutral",
+            };
+            // Writing to a String cannot fail.
+            let _ = writeln!(
+                table,
+                "{springs},{curve},{load},{},{},{},{},{},{},{},{},{},{},{status}",
+                number(point.poisson_ratio),
+                number(point.strain),
+                number(point.transverse_strain),
+                rounded(point.sheet, 1e-6),
+                rounded(point.wave.stiffness, 1e-6),
+                rounded(point.wave.vector[0], 1e-4),
+                rounded(point.wave.vector[1], 1e-4),
+                rounded(point.wave.angle.to_degrees(), 0.01),
+                rounded(point.wave.polarisation.to_degrees(), 0.01),
+                rounded(point.least_out_of_plane(), 1e-6),
+            );
+        }
+    }
+    table
+}
