@@ -70,7 +70,6 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         meshes: after.meshes - before.meshes,
         tables: after.tables - before.tables,
         grids: after.grids - before.grids,
-        taken_back: after.taken_back - before.taken_back,
         stability_limits: after.stability_limits - before.stability_limits,
         previews: after.previews - before.previews,
         taken_back: after.taken_back - before.taken_back,
