@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 12] = [
+const ONCE_FAILED: [(&str, &str, Ending); 13] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -36,6 +36,11 @@ const ONCE_FAILED: [(&str, &str, Ending); 12] = [
     (
         "a shallow dome under a stiff toe",
         include_str!("stress/shallow-dome-stiff-toe.json"),
+        Ending::Converged,
+    ),
+    (
+        "soft tissue that slides on a steep dome",
+        include_str!("stress/soft-on-a-steep-dome.json"),
         Ending::Converged,
     ),
     (

@@ -523,7 +523,7 @@ impl Solver {
     pub fn cycles(&self) -> u32 {
         match (self.stage, &self.multigrid) {
             (Stage::Rest, _) | (_, None) => 0,
-            (_, Some(multigrid)) => multigrid.cycles,
+            (_, Some(multigrid)) => multigrid.finest_cycles(),
         }
     }
 

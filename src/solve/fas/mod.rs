@@ -120,7 +120,7 @@ pub(super) struct FullMultigrid {
     current: usize,
     task: Task,
     /// Cycles of the grid being solved.
-    pub(super) cycles: u32,
+    cycles: u32,
     slow_cycles: u32,
     doubts: u32,
     /// Have the lifts of the finest grid been found?
@@ -185,6 +185,11 @@ impl FullMultigrid {
     pub(super) fn fits(&self, nodes_per_side: usize, is_mirrored: bool) -> bool {
         let layout = &self.levels[self.levels.len() - 1].layout;
         layout.nodes_per_side == nodes_per_side && layout.is_mirrored == is_mirrored
+    }
+
+    /// Cycles of the finest grid so far.
+    pub(super) fn finest_cycles(&self) -> u32 {
+        if self.current + 1 == self.levels.len() { self.cycles } else { 0 }
     }
 
     /// Free nodes of the finest grid that are solved for.
@@ -387,8 +392,13 @@ impl FullMultigrid {
         self.last_change = change;
         self.error = SAFETY * change * rate / (1.0 - rate);
         if l < finest {
+            let is_start = self.error <= START_TOLERANCE * self.base_radius;
             let most = if l == 0 { MAX_COARSEST } else { START_CYCLES };
-            if self.error <= START_TOLERANCE * self.base_radius || self.cycles >= most {
+            if l == 0 && self.cycles >= most && !is_start {
+                // What is slow even there, cycles will not find: tissue that slides on a steep dome.
+                return State::Failed;
+            }
+            if is_start || self.cycles >= most {
                 self.refine();
             } else {
                 self.task = Task::Down(l, 0);
