@@ -145,6 +145,43 @@ fn each_press_of_a_slow_frame_counts() {
 }
 
 #[test]
+fn play_goes_on_after_a_rest_without_a_jump() {
+    let insertion = |harness: &Harness<'static, App>| harness.state().session().scene().insertion;
+    // The step of the first frame after five seconds without any.
+    let step = |is_rested: bool| {
+        let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
+        harness.key_press(egui::Key::Space);
+        let mut time = 100.0;
+        while insertion(&harness) < 0.52 || harness.state().session().is_working() {
+            time += 0.02;
+            harness.input_mut().time = Some(time);
+            harness.step();
+        }
+        let before = insertion(&harness);
+        if is_rested {
+            harness.state_mut().rested();
+        }
+        harness.input_mut().time = Some(time + 5.0);
+        harness.step();
+        insertion(&harness) - before
+    };
+    assert!((step(false) - 0.04).abs() < 1e-9, "a slow frame's step is {}", step(false));
+    let rested = step(true);
+    assert!(0.0 < rested && rested < 0.005, "the step after a rest is {rested}");
+}
+
+#[test]
+fn a_message_is_there_until_it_is_closed() {
+    let mut harness = app(WIDE, |_| {});
+    harness.state_mut().tell("This is the scene that was open.");
+    harness.run();
+    harness.get_by_label("This is the scene that was open.");
+    harness.get_by_role_and_label(Role::Button, "Close message").click();
+    harness.run();
+    assert!(harness.query_by_label("This is the scene that was open.").is_none());
+}
+
+#[test]
 fn layers_are_added_exchanged_and_removed() {
     let mut harness = app(WIDE, |_| {});
     let tissues = |harness: &Harness<'static, App>| -> Vec<String> {

@@ -170,9 +170,9 @@ function start() {
 }
 
 function save(text, type, name) {
+  // The address stays: some browsers read what is behind it only after the click.
   const address = URL.createObjectURL(new Blob([text], { type }));
   makeElement("a", "", { href: address, download: name }).click();
-  URL.revokeObjectURL(address);
 }
 
 element("form").onsubmit = (event) => {

@@ -1,6 +1,8 @@
 // Starts the app: checks what it needs, downloads it with progress, shows what went wrong.
 // The app removes #loading once its first frame is painted.
 
+import "./crash.mjs";
+
 const element = (id) => document.getElementById(id);
 
 // The smallest module with a SIMD instruction: (func (drop (v128.const i32x4 0 0 0 0))).
@@ -23,17 +25,6 @@ function showMissing(text) {
   element("missing-text").textContent = text;
   element("missing").hidden = false;
 }
-
-// The app's panic hook calls this, and so does a start that failed. The first message is the
-// cause: what comes after it is its consequence.
-globalThis.implantPreviewCrashed = (message) => {
-  if (!element("crashed").hidden) return;
-  element("loading")?.remove();
-  element("crashed-text").textContent = String(message);
-  element("crashed-reload").onclick = () => location.reload();
-  element("crashed").hidden = false;
-  element("crashed-reload").focus();
-};
 
 const megabytes = (bytes) => (bytes / 1e6).toFixed(1);
 
@@ -63,19 +54,26 @@ async function download(address) {
   return new Response(response.body.pipeThrough(counter), response);
 }
 
-/** Starts the app: `init` is what wasm-bindgen made, `address` that of the wasm file. */
-export async function start(init, address) {
+/** Starts the app from the files that the page names. */
+async function start() {
   const missing = missingFeature();
   if (missing) {
     showMissing(missing);
     return;
   }
   try {
-    const response = await download(address);
-    await init({ module_or_path: response });
+    const { program, wasm } = document.querySelector("script[data-wasm]").dataset;
+    const [api, response] = await Promise.all([
+      import(new URL(program, document.baseURI)),
+      download(wasm),
+    ]);
+    globalThis.implantPreviewApi = api;
+    await api.default({ module_or_path: response });
     const text = element("loading-text");
     if (text) text.textContent = "Starting…";
   } catch (error) {
     globalThis.implantPreviewCrashed(error?.message ?? error);
   }
 }
+
+await start();

@@ -42,6 +42,7 @@ impl Files {
     }
 
     /// Asks where to save a text.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn save(&self, ctx: &Context, suggestion: &str, text: String) {
         let dialog = rfd::AsyncFileDialog::new()
             .add_filter("JSON", &["json"])
@@ -55,6 +56,19 @@ impl Files {
                 Err(error) => FileEvent::Failed(format!("{name}: not saved: {error}")),
             })
         });
+    }
+
+    /// Hands a text to the browser's downloads, which know where to save it. A dialog in the page could
+    /// only say that there was something to download, not that it was.
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn save(&self, _: &Context, name: &str, text: String) {
+        let name = name.to_owned();
+        let event = match download(&name, &text) {
+            Ok(()) => FileEvent::Saved(name),
+            Err(error) => FileEvent::Failed(format!("{name}: not saved: {error:?}")),
+        };
+        // The receiver is in this very struct.
+        let _ = self.sender.send(event);
     }
 
     /// Reads a file that was dropped on the window.
@@ -94,6 +108,21 @@ impl Files {
             }
         });
     }
+}
+
+#[cfg(target_arch = "wasm32")]
+fn download(name: &str, text: &str) -> Result<(), wasm_bindgen::JsValue> {
+    use wasm_bindgen::{JsCast as _, JsValue};
+    let document = web_sys::window().and_then(|w| w.document()).ok_or("there is no document")?;
+    let parts = js_sys::Array::of1(&JsValue::from_str(text));
+    let address =
+        web_sys::Url::create_object_url_with_blob(&web_sys::Blob::new_with_str_sequence(&parts)?)?;
+    let link: web_sys::HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
+    link.set_href(&address);
+    link.set_download(name);
+    link.click();
+    // The address stays: some browsers read what is behind it only after the click.
+    Ok(())
 }
 
 fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {

@@ -77,7 +77,8 @@ impl App {
         if !self.is_playing || self.session.is_working() {
             return;
         }
-        let seconds = f64::from(ctx.input(|input| input.stable_dt)).clamp(0.01, 0.2);
+        let since = if self.is_rested { 0.0 } else { ctx.input(|input| input.stable_dt) };
+        let seconds = f64::from(since).clamp(0.01, 0.2);
         scene.insertion = if scene.insertion >= 1.0 {
             0.0
         } else {

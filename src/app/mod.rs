@@ -51,6 +51,8 @@ pub struct Stats {
     pub solver_ms_p50: f64,
     /// Time in the solver that 95 % of such frames stay below \[ms\].
     pub solver_ms_p95: f64,
+    /// Greatest time in the solver of a frame since the opening scene was solved \[ms\].
+    pub solver_ms_max: f64,
     /// Does the picture show the converged shape of the present scene?
     pub converged: bool,
     /// Solves started.
@@ -93,6 +95,8 @@ pub struct App {
     is_replaced: bool,
     is_hemisphere: bool,
     is_playing: bool,
+    /// Has the app been kept from drawing since the frame before?
+    is_rested: bool,
     gesture: u64,
     sheet: Sheet,
     show_left: bool,
@@ -124,12 +128,35 @@ impl App {
             is_replaced: false,
             is_hemisphere,
             is_playing: false,
+            is_rested: false,
             gesture: 0,
             sheet: Sheet::Implant,
             show_left: true,
             show_right: true,
             show_about: false,
         })
+    }
+
+    /// Goes on in another window system, when the one before has lost its graphics: with its scene,
+    /// history, camera and everything that was chosen or opened.
+    pub fn move_to(&mut self, ctx: &egui::Context, gl: Option<&Arc<glow::Context>>) {
+        // The theme chosen, widths of panels, what is scrolled where.
+        let memory = self.ctx.memory(Clone::clone);
+        ctx.memory_mut(|own| *own = memory);
+        self.ctx = ctx.clone();
+        self.viewport.move_to(gl);
+        self.rested();
+    }
+
+    /// Tells that nothing could be drawn since the frame before, in a hidden tab say: the time that
+    /// has passed does not count for what moves by itself.
+    pub fn rested(&mut self) {
+        self.is_rested = true;
+    }
+
+    /// A line to the user.
+    pub fn tell(&mut self, text: &str) {
+        self.notice = Some(Notice { text: text.to_owned(), is_error: false });
     }
 
     /// The scene, its history and its shape.
@@ -172,6 +199,7 @@ impl App {
             solve_ms: self.timing.solve_ms,
             solver_ms_p50: self.timing.slices.percentile(0.5),
             solver_ms_p95: self.timing.slices.percentile(0.95),
+            solver_ms_max: self.timing.slice_max,
             converged: is_converged && !self.session.is_working(),
             solves: counters.solves,
             work_units: counters.work_units,
@@ -223,6 +251,7 @@ impl App {
         self.about(&ctx);
         self.edited(&ctx, &mut scene);
         self.draft = Some(scene);
+        self.is_rested = false;
         if self.session.is_working() || self.is_playing {
             ctx.request_repaint();
         }
@@ -235,10 +264,11 @@ impl App {
             return;
         }
         // Nothing can be used before the first shape is there.
-        let slice = if self.session.outcome().is_none() { FIRST_SLICE } else { SLICE };
+        let is_opening = self.session.outcome().is_none();
+        let slice = if is_opening { FIRST_SLICE } else { SLICE };
         let start = Instant::now();
         let progress = self.session.solve(&mut || start.elapsed() >= slice);
-        self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64());
+        self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64(), is_opening);
         self.session.conclude();
         if let Some(fault) = self.session.taken_back() {
             let text = format!(
@@ -458,17 +488,15 @@ impl App {
         let palette = theme::palette(ui.visuals());
         let color = if notice.is_error { palette.bad } else { palette.good };
         let mut is_closed = false;
-        egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill).show(
-            ui,
-            |ui| {
-                ui.horizontal(|ui| {
-                    let close = ui.button("×");
-                    name_it(&close, egui::Role::Button, "Close message");
-                    is_closed = close.clicked();
-                    ui.add(egui::Label::new(RichText::new(&notice.text).color(color)).wrap());
-                });
-            },
-        );
+        let line = egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill);
+        egui::Panel::top("notice").frame(line).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let close = ui.button("×");
+                name_it(&close, egui::Role::Button, "Close message");
+                is_closed = close.clicked();
+                ui.add(egui::Label::new(RichText::new(&notice.text).color(color)).wrap());
+            });
+        });
         if is_closed {
             self.notice = None;
         }

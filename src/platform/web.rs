@@ -1,10 +1,13 @@
-//! The page: starts the app on the canvas and gives it to JavaScript as `window.implantPreview`.
+//! The page: starts the app on the canvas, keeps it when the WebGL context is lost, lets it rest while
+//! the tab is hidden, and gives it to JavaScript as `window.implantPreview`.
+//!
+//! What remains when the app itself has stopped is JavaScript: `web/crash.mjs`. It is told of every new
+//! scene and of every panic.
 
 use crate::app::App;
 use crate::scene::Scene;
 use eframe::WebRunner;
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::cell::{Cell, RefCell, RefMut};
 use wasm_bindgen::prelude::*;
 
 /// The canvas that the page has for the app.
@@ -13,25 +16,41 @@ const CANVAS: &str = "implant-preview-canvas";
 /// Starts the app, where there is a page for it: a worker only calls the functions of the API. What
 /// goes wrong is shown by the page.
 pub fn run() {
-    std::panic::set_hook(Box::new(|info| crashed(&info.to_string())));
+    std::panic::set_hook(Box::new(|info| {
+        let message = info.payload_as_str().unwrap_or("panic");
+        let place = info.location().map(|at| format!(" ({}:{})", short(at.file()), at.line()));
+        call("implantPreviewCrashed", &format!("{message}{}", place.unwrap_or_default()));
+    }));
     if web_sys::window().is_none() {
         return;
     }
     wasm_bindgen_futures::spawn_local(async {
-        if let Err(error) = start(Scene::default()).await {
-            let text = error.as_string().unwrap_or_else(|| format!("{error:?}"));
-            crashed(&text);
+        match Stage::new() {
+            Ok(stage) => stage.start().await,
+            Err(error) => stopped(&error),
         }
     });
 }
 
+/// The end of a source file's path, without the folders of the machine it was compiled on.
+fn short(path: &str) -> &str {
+    path.rsplit_once("/registry/src/")
+        .and_then(|(_, path)| path.split_once('/'))
+        .map_or(path, |(_, path)| path)
+}
+
+/// Calls a function of the page, if there is such a page; nothing is left to tell it to if that fails.
+fn call(function: &str, text: &str) -> JsValue {
+    js_sys::Reflect::get(&js_sys::global(), &function.into())
+        .and_then(JsCast::dyn_into::<js_sys::Function>)
+        .and_then(|function| function.call1(&JsValue::NULL, &text.into()))
+        .unwrap_or_default()
+}
+
 /// Shows the page's crash message.
-fn crashed(message: &str) {
-    let hook = js_sys::Reflect::get(&js_sys::global(), &"implantPreviewCrashed".into());
-    if let Ok(Ok(hook)) = hook.map(JsCast::dyn_into::<js_sys::Function>) {
-        // Nothing is left to tell it to if this fails too.
-        let _ = hook.call1(&JsValue::NULL, &message.into());
-    }
+fn stopped(error: &JsValue) {
+    let text = error.as_string().unwrap_or_else(|| format!("{error:?}"));
+    call("implantPreviewCrashed", &text);
 }
 
 fn document() -> Result<web_sys::Document, JsValue> {
@@ -40,82 +59,145 @@ fn document() -> Result<web_sys::Document, JsValue> {
         .ok_or_else(|| JsValue::from_str("there is no document"))
 }
 
-async fn start(scene: Scene) -> Result<(), JsValue> {
-    let canvas: web_sys::HtmlCanvasElement = document()?
-        .get_element_by_id(CANVAS)
-        .ok_or_else(|| JsValue::from_str("the page has no canvas"))?
-        .dyn_into()?;
-    let runner = WebRunner::new();
-    // The runner installs a hook of its own: ours comes after it.
-    std::panic::set_hook(Box::new(|info| crashed(&info.to_string())));
-    let options = eframe::WebOptions {
-        renderer: eframe::Renderer::Glow,
-        depth_buffer: 24,
-        ..Default::default()
-    };
-    let create: eframe::AppCreator<'static> = Box::new(move |cc| {
-        Ok(Box::new(Page {
-            app: App::new(&cc.egui_ctx, cc.gl.as_ref(), scene)?,
-            summary: String::new(),
-            is_loading: true,
-        }))
-    });
-    runner.start(canvas.clone(), options, create).await?;
-    restart_on_context_loss(&canvas, &runner)?;
-    let handle = Handle { runner };
-    js_sys::Reflect::set(&js_sys::global(), &"implantPreview".into(), &handle.into())?;
-    Ok(())
+/// What is there as long as the page: the app outlives the runner, which ends with its WebGL context.
+struct Stage {
+    canvas: web_sys::HtmlCanvasElement,
+    runner: WebRunner,
+    app: RefCell<Option<App>>,
+    /// Held while the tab is hidden: the runner finds its app taken, draws nothing and sets no timer.
+    rest: RefCell<Option<RefMut<'static, Page>>>,
+    /// Is the WebGL context lost? Then there is no runner.
+    is_lost: Cell<bool>,
 }
 
-/// A lost WebGL context takes the picture with it; when it is back, the app starts again on the
-/// scene it had.
-fn restart_on_context_loss(
-    canvas: &web_sys::HtmlCanvasElement,
-    runner: &WebRunner,
-) -> Result<(), JsValue> {
-    let kept: Rc<RefCell<Option<Scene>>> = Rc::default();
-    let (keep, lost_runner) = (Rc::clone(&kept), runner.clone());
-    let lost = Closure::<dyn FnMut(web_sys::Event)>::new(move |event: web_sys::Event| {
+impl Stage {
+    fn new() -> Result<&'static Self, JsValue> {
+        let canvas = document()?
+            .get_element_by_id(CANVAS)
+            .ok_or_else(|| JsValue::from_str("the page has no canvas"))?
+            .dyn_into()?;
+        let stage: &Self = Box::leak(Box::new(Self {
+            canvas,
+            runner: WebRunner::new(),
+            app: RefCell::default(),
+            rest: RefCell::default(),
+            is_lost: Cell::default(),
+        }));
+        let listen =
+            |target: &web_sys::EventTarget, name, hear: fn(&'static Self, web_sys::Event)| {
+                let closure = Closure::<dyn FnMut(_)>::new(move |event| hear(stage, event));
+                let hear = closure.into_js_value();
+                target.add_event_listener_with_callback(name, hear.unchecked_ref())
+            };
+        listen(&stage.canvas, "webglcontextlost", Self::lost)?;
+        listen(&stage.canvas, "webglcontextrestored", Self::restored)?;
+        let window = web_sys::window().ok_or("there is no window")?;
+        // The runner listens on the document. It must see the tab hidden before its app is taken, and
+        // the tab shown when the app is back: the window hears first and last.
+        listen(&window, "visibilitychange", |stage, _| stage.attend())?;
+        let closure = Closure::<dyn FnMut()>::new(move || drop(stage.rest.take()));
+        let hear = closure.into_js_value();
+        window.add_event_listener_with_callback_and_bool(
+            "visibilitychange",
+            hear.unchecked_ref(),
+            true,
+        )?;
+        Ok(stage)
+    }
+
+    /// Starts the runner: on the scene of before a crash or the default one, or with the app that has
+    /// lost its context.
+    async fn start(&'static self) {
+        let options = eframe::WebOptions {
+            renderer: eframe::Renderer::Glow,
+            depth_buffer: 24,
+            ..Default::default()
+        };
+        let create: eframe::AppCreator<'static> = Box::new(move |cc| {
+            let mut app = self.app.borrow_mut();
+            if let Some(app) = &mut *app {
+                app.move_to(&cc.egui_ctx, cc.gl.as_ref());
+            } else {
+                let kept = call("implantPreviewKept", "").as_string();
+                // One of an older version may be refused.
+                let kept = kept.and_then(|json| Scene::from_json(&json).ok());
+                let is_kept = kept.is_some();
+                let new = App::new(&cc.egui_ctx, cc.gl.as_ref(), kept.unwrap_or_default())?;
+                let new = app.insert(new);
+                if is_kept {
+                    new.tell("The preview had stopped. This is the scene that was open.");
+                }
+            }
+            Ok(Box::new(Page {
+                stage: self,
+                summary: String::new(),
+                scene: None,
+                is_loading: true,
+            }))
+        });
+        if let Err(error) = self.runner.start(self.canvas.clone(), options, create).await {
+            stopped(&error);
+            return;
+        }
+        self.attend();
+        let handle = JsValue::from(Handle { stage: self });
+        // Setting a field of the global object does not fail.
+        let _ = js_sys::Reflect::set(&js_sys::global(), &"implantPreview".into(), &handle);
+    }
+
+    fn lost(&'static self, event: web_sys::Event) {
         // Without this the browser does not give a new context.
         event.prevent_default();
-        let scene = lost_runner.app_mut::<Page>().map(|page| page.app.session().scene().clone());
-        if let Some(scene) = scene {
-            keep.replace(Some(scene));
+        self.is_lost.set(true);
+        self.rest.take();
+        self.runner.destroy();
+    }
+
+    fn restored(&'static self, _: web_sys::Event) {
+        self.is_lost.set(false);
+        wasm_bindgen_futures::spawn_local(self.start());
+    }
+
+    /// Lets the app rest while the tab is hidden.
+    fn attend(&'static self) {
+        self.rest.take();
+        if document().is_ok_and(|document| document.hidden()) && !self.is_lost.get() {
+            *self.rest.borrow_mut() = self.runner.app_mut::<Page>();
+            if let Ok(mut app) = self.app.try_borrow_mut()
+                && let Some(app) = &mut *app
+            {
+                app.rested();
+            }
         }
-        lost_runner.destroy();
-    });
-    let restored = Closure::<dyn FnMut()>::new(move || {
-        if let Some(scene) = kept.take() {
-            wasm_bindgen_futures::spawn_local(async move {
-                if let Err(error) = start(scene).await {
-                    crashed(&format!("{error:?}"));
-                }
-            });
-        }
-    });
-    canvas.add_event_listener_with_callback("webglcontextlost", lost.as_ref().unchecked_ref())?;
-    canvas.add_event_listener_with_callback(
-        "webglcontextrestored",
-        restored.as_ref().unchecked_ref(),
-    )?;
-    // They live as long as the page.
-    lost.forget();
-    restored.forget();
-    Ok(())
+    }
+
+    /// The app, unless it was stopped in the middle of something.
+    fn app(&self) -> Result<RefMut<'_, App>, JsError> {
+        let has_runner = self.is_lost.get()
+            || self.rest.borrow().is_some()
+            || self.runner.app_mut::<Page>().is_some();
+        let app = self.app.try_borrow_mut().ok().filter(|_| has_runner);
+        app.and_then(|app| RefMut::filter_map(app, Option::as_mut).ok())
+            .ok_or_else(|| JsError::new("the app is not running"))
+    }
 }
 
-/// The app and what the page around it shows.
+/// The app in its runner, and what the page around it shows.
 struct Page {
-    app: App,
+    stage: &'static Stage,
     summary: String,
+    /// The scene that the page was told of last.
+    scene: Option<Scene>,
     is_loading: bool,
 }
 
 impl eframe::App for Page {
     fn ui(&mut self, ui: &mut eframe::egui::Ui, frame: &mut eframe::Frame) {
-        self.app.ui(ui, frame);
+        let mut app = self.stage.app.borrow_mut();
+        let Some(app) = &mut *app else { return };
+        app.ui(ui, frame);
         // The second frame proves that the first one was painted.
-        if self.is_loading && self.app.stats().frames > 1 {
+        if self.is_loading && app.stats().frames > 1 {
             self.is_loading = false;
             if let Some(loading) = document().ok().and_then(|d| d.get_element_by_id("loading")) {
                 loading.remove();
@@ -123,7 +205,13 @@ impl eframe::App for Page {
         } else if self.is_loading {
             ui.ctx().request_repaint();
         }
-        let summary = self.app.summary();
+        // After the frame: a scene that stops the app in its first frame is not kept.
+        let scene = app.session().scene();
+        if self.scene.as_ref() != Some(scene) {
+            call("implantPreviewKeep", &scene.to_json());
+            self.scene = Some(scene.clone());
+        }
+        let summary = app.summary();
         if summary != self.summary
             && let Some(element) =
                 document().ok().and_then(|d| d.get_element_by_id("implant-preview-summary"))
@@ -131,10 +219,6 @@ impl eframe::App for Page {
             element.set_text_content(Some(&summary));
             self.summary = summary;
         }
-    }
-
-    fn on_exit(&mut self, gl: Option<&eframe::glow::Context>) {
-        self.app.on_exit(gl);
     }
 
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
@@ -145,23 +229,17 @@ impl eframe::App for Page {
 /// `window.implantPreview`: the running app, for scripts and tests.
 #[wasm_bindgen]
 pub struct Handle {
-    runner: WebRunner,
+    stage: &'static Stage,
 }
 
 #[wasm_bindgen]
 impl Handle {
-    fn page<T>(&self, read: impl FnOnce(&mut App) -> T) -> Result<T, JsError> {
-        let mut page =
-            self.runner.app_mut::<Page>().ok_or_else(|| JsError::new("the app is not running"))?;
-        Ok(read(&mut page.app))
-    }
-
     /// The scene on the table (JSON text).
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn scene(&self) -> Result<String, JsError> {
-        self.page(|app| app.session().scene().to_json())
+        Ok(self.stage.app()?.session().scene().to_json())
     }
 
     /// Puts a scene (JSON text) on the table.
@@ -170,10 +248,9 @@ impl Handle {
     /// Throws an `Error` with one line that names the field; the scene is then as before.
     #[wasm_bindgen(js_name = setScene)]
     pub fn set_scene(&self, json: String) -> Result<(), JsError> {
-        self.page(|app| app.open(json))??;
-        if let Some(page) = self.runner.app_mut::<Page>() {
-            page.app.wake();
-        }
+        let mut app = self.stage.app()?;
+        app.open(json)?;
+        app.wake();
         Ok(())
     }
 
@@ -182,16 +259,16 @@ impl Handle {
     /// # Errors
     /// Throws if the app is not running.
     pub fn result(&self) -> Result<Option<String>, JsError> {
-        self.page(|app| app.outcome().and_then(|o| serde_json::to_string(&o).ok()))
+        Ok(self.stage.app()?.outcome().and_then(|o| serde_json::to_string(&o).ok()))
     }
 
-    /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, converged, solves,
-    /// work_units, tables, measurements }`.
+    /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, solver_ms_max,
+    /// converged, solves, work_units, tables, measurements }`.
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn stats(&self) -> Result<JsValue, JsError> {
-        let stats = self.page(|app| app.stats())?;
+        let stats = self.stage.app()?.stats();
         let object = js_sys::Object::new();
         for (name, value) in [
             ("frames", JsValue::from(stats.frames as f64)),
@@ -200,6 +277,7 @@ impl Handle {
             ("solve_ms", stats.solve_ms.into()),
             ("solver_ms_p50", stats.solver_ms_p50.into()),
             ("solver_ms_p95", stats.solver_ms_p95.into()),
+            ("solver_ms_max", stats.solver_ms_max.into()),
             ("converged", stats.converged.into()),
             ("solves", JsValue::from(stats.solves as f64)),
             ("work_units", stats.work_units.into()),

@@ -15,13 +15,7 @@ after(async () => {
   await site?.close();
 });
 
-/** Opens the app and waits until its scene is solved. */
-async function openApp(options) {
-  const opened = await harness.openPage(browser, site.address, options);
-  await opened.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-  await opened.page.locator("#loading").waitFor({ state: "detached" });
-  return opened;
-}
+const openApp = (options) => harness.openApp(browser, site, options);
 
 const stats = (page) => page.evaluate(() => implantPreview.stats());
 
@@ -48,17 +42,7 @@ function assertSameAsNative({ text, scene, result }) {
   assert.ok(Math.abs(ratio - 1) < 1e-3, `area ratio ${ratio} times the native one`);
 }
 
-/** Waits until nothing is drawn any more; the frames drawn so far. */
-async function settled(page) {
-  let frames = -1;
-  for (let tries = 0; tries < 60; tries += 1) {
-    const now = (await stats(page)).frames;
-    if (now === frames) return frames;
-    frames = now;
-    await page.waitForTimeout(700);
-  }
-  throw new Error(`still drawing after ${frames} frames`);
-}
+const { settled } = harness;
 
 describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
   test("opens on the default scene, solved as natively, in one download, and then rests", async () => {
@@ -162,37 +146,6 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.equal(layers[0].poisson_ratio, asked.layers[0].poisson_ratio);
     assertSameAsNative(after);
     assert.deepEqual(problems, []);
-    await close();
-  });
-
-  test("a lost WebGL context comes back with the scene it had", async () => {
-    const { page, close } = await openApp();
-    await page.keyboard.press("[");
-    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion < 1);
-    const before = await solved(page);
-    await page.evaluate(async () => {
-      const canvas = document.getElementById("implant-preview-canvas");
-      const loss = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
-      const seen = (name) => new Promise((resolve) => canvas.addEventListener(name, resolve, { once: true }));
-      const lost = seen("webglcontextlost");
-      loss.loseContext();
-      await lost;
-      await new Promise((resolve) => setTimeout(resolve, 500));
-      const restored = seen("webglcontextrestored");
-      loss.restoreContext();
-      await restored;
-    });
-    await page.waitForFunction(() => {
-      try {
-        return implantPreview.stats().converged;
-      } catch {
-        return false; // between the two runs
-      }
-    });
-    await settled(page);
-    assert.deepEqual((await solved(page)).scene, before.scene);
-    assert.equal(await page.locator("#crashed").isVisible(), false);
-    assert.ok((await harness.colours(page)) > 200, "the picture is blank");
     await close();
   });
 

@@ -123,7 +123,9 @@ export async function screenshot(page, name) {
 /** How many colours the page shows, as 4 bits a channel. */
 export async function colours(page) {
   const picture = (await page.screenshot()).toString("base64");
-  return page.evaluate(async (data) => {
+  // The page's own policy allows no picture from a script.
+  const blank = await page.context().newPage();
+  const count = await blank.evaluate(async (data) => {
     const image = new Image();
     image.src = `data:image/png;base64,${data}`;
     await image.decode();
@@ -137,7 +139,86 @@ export async function colours(page) {
     }
     return seen.size;
   }, picture);
+  await blank.close();
+  return count;
 }
+
+/** Waits until nothing is drawn any more; the frames drawn so far. */
+export async function settled(page) {
+  let frames = -1;
+  for (let tries = 0; tries < 60; tries += 1) {
+    const now = await page.evaluate(() => implantPreview.stats().frames);
+    if (now === frames) return frames;
+    frames = now;
+    await page.waitForTimeout(700);
+  }
+  throw new Error(`still drawing after ${frames} frames`);
+}
+
+/** Opens the app and waits until its scene is solved. */
+export async function openApp(browser, site, options) {
+  const opened = await openPage(browser, site.address, options);
+  await opened.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+  await opened.page.locator("#loading").waitFor({ state: "detached" });
+  return opened;
+}
+
+/**
+ * A tab that really is hidden while another one is in front: playwright keeps its own pages visible.
+ * `init` is a script that runs before those of the page.
+ */
+export async function openTab(browser, { init } = {}) {
+  const root = await browser.newBrowserCDPSession();
+  const { targetId } = await root.send("Target.createTarget", { url: "about:blank" });
+  const { sessionId } = await root.send("Target.attachToTarget", { targetId, flatten: false });
+  const waiting = new Map();
+  root.on("Target.receivedMessageFromTarget", ({ message }) => {
+    const { id, ...answer } = JSON.parse(message);
+    waiting.get(id)?.(answer);
+    waiting.delete(id);
+  });
+  let sent = 0;
+  const send = (method, params = {}) =>
+    new Promise((resolve, reject) => {
+      sent += 1;
+      waiting.set(sent, ({ result, error }) => (error ? reject(new Error(error.message)) : resolve(result)));
+      const message = JSON.stringify({ id: sent, method, params });
+      root.send("Target.sendMessageToTarget", { sessionId, message }).catch(reject);
+    });
+  const evaluate = async (expression) => {
+    const { result, exceptionDetails } = await send("Runtime.evaluate", {
+      expression,
+      awaitPromise: true,
+      returnByValue: true,
+    });
+    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+    return result.value;
+  };
+  const waitFor = async (expression) => {
+    for (const start = Date.now(); Date.now() - start < PATIENCE; await pause(100)) {
+      if (await evaluate(expression)) return;
+    }
+    throw new Error(`never true: ${expression}`);
+  };
+  if (init) {
+    await send("Page.enable");
+    await send("Page.addScriptToEvaluateOnNewDocument", { source: init });
+  }
+  return {
+    evaluate,
+    waitFor,
+    open: (url) => send("Page.navigate", { url }),
+    press: async (key, text) => {
+      for (const type of ["keyDown", "keyUp"]) {
+        await send("Input.dispatchKeyEvent", { type, key, code: key === " " ? "Space" : key, text });
+      }
+    },
+    show: () => root.send("Target.activateTarget", { targetId }),
+    close: () => root.send("Target.closeTarget", { targetId }),
+  };
+}
+
+export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /**
  * The app is one canvas: where a control is can only be found by trying. Goes up from the bottom and

@@ -74,14 +74,9 @@ impl Viewport {
     /// A viewport that draws with the given context, or says why it cannot.
     #[must_use]
     pub(crate) fn new(gl: Option<&Arc<glow::Context>>) -> Self {
-        let (renderer, problem) = match gl.map(|gl| Renderer::new(gl)) {
-            Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
-            Some(Err(problem)) => (None, Some(problem)),
-            None => (None, Some("no OpenGL or WebGL2".to_owned())),
-        };
-        Self {
-            renderer,
-            problem,
+        let mut viewport = Self {
+            renderer: None,
+            problem: None,
             camera: Camera::new(90.0, 1.4),
             fitted: None,
             placed: false,
@@ -90,7 +85,18 @@ impl Viewport {
             focused_by_hand: false,
             picture: Picture::default(),
             start: Instant::now(),
-        }
+        };
+        viewport.move_to(gl);
+        viewport
+    }
+
+    /// Goes on drawing with another context; what the one before held went with it.
+    pub(crate) fn move_to(&mut self, gl: Option<&Arc<glow::Context>>) {
+        (self.renderer, self.problem) = match gl.map(|gl| Renderer::new(gl)) {
+            Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
+            Some(Err(problem)) => (None, Some(problem)),
+            None => (None, Some("no OpenGL or WebGL2".to_owned())),
+        };
     }
 
     /// Its widget, once shown: the one that has the focus after a click on the picture.

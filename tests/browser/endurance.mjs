@@ -1,0 +1,146 @@
+// Drags the controls of the built page back and forth, changes colours, takes back and does again, and
+// watches what must not grow: memory, the solver's share of a frame, errors.
+//
+// node tests/browser/endurance.mjs [MINUTES]: on its own, for 10 minutes unless told otherwise.
+
+import assert from "node:assert/strict";
+import { fileURLToPath } from "node:url";
+import * as harness from "./harness.mjs";
+
+const WANTED = [
+  "implant.base_radius_mm",
+  "implant.center_mm.0",
+  "implant.center_mm.1",
+  "pocket_radius_mm",
+  "layers.0.poisson_ratio",
+];
+const INSERTION = "insertion";
+
+// The picture is drawn in software: a small one leaves time for what is tested.
+export const VIEWPORT = { width: 900, height: 720 };
+
+/** The leaves of a scene by their path. */
+function leaves(value, path = "") {
+  if (value === null || typeof value !== "object") return [[path, value]];
+  return Object.entries(value).flatMap(([name, inner]) => leaves(inner, path ? `${path}.${name}` : name));
+}
+
+const sceneOf = async (page) => new Map(leaves(JSON.parse(await page.evaluate(() => implantPreview.scene()))));
+
+/** The first of the wanted fields that a drag from there changes; a click would fold and tick. */
+async function fieldAt(page, { x, y }, wanted) {
+  const before = await sceneOf(page);
+  await page.mouse.move(x, y);
+  await page.waitForTimeout(50);
+  await page.mouse.down();
+  await page.waitForTimeout(50);
+  await page.mouse.move(x + 20, y, { steps: 2 });
+  await page.waitForTimeout(50);
+  await page.mouse.up();
+  await page.waitForTimeout(80);
+  const after = await sceneOf(page);
+  return wanted.find((name) => after.get(name) !== before.get(name));
+}
+
+/** Where the sliders are: the app is one canvas, and so it can only be found by trying. */
+async function findSliders(page) {
+  const { width, height } = page.viewportSize();
+  const sliders = new Map();
+  const missing = () => WANTED.filter((name) => !sliders.has(name));
+  for (let y = 100; y < height - 60 && missing().length; y += 12) {
+    const field = await fieldAt(page, { x: 60, y }, missing());
+    if (field) sliders.set(field, { from: { x: 20, y }, to: { x: 180, y } });
+  }
+  for (let y = height - 8; y > height / 2 && !sliders.has(INSERTION); y -= 8) {
+    const field = await fieldAt(page, { x: 0.5 * width, y }, [INSERTION]);
+    if (field) sliders.set(field, { from: { x: 0.48 * width, y }, to: { x: 0.58 * width, y } });
+  }
+  assert.deepEqual([...missing(), ...[INSERTION].filter((name) => !sliders.has(name))], [], "sliders not found");
+  return sliders;
+}
+
+/** Drags a slider from one end to the other and back; the values seen. */
+async function drag(page, name, { from, to }) {
+  const seen = new Set();
+  const at = (share) => [from.x + share * (to.x - from.x), from.y];
+  await page.mouse.move(...at(0.5));
+  await page.waitForTimeout(60);
+  await page.mouse.down();
+  for (let step = 0; step <= 16; step += 1) {
+    await page.mouse.move(...at(0.5 + 0.5 * Math.sin((2 * Math.PI * step) / 16)));
+    await page.waitForTimeout(20);
+    if (step % 4 === 2) seen.add((await sceneOf(page)).get(name));
+  }
+  await page.mouse.up();
+  return seen;
+}
+
+/** What there is of memory [bytes], after what is not used was collected. */
+async function memory(page, cdp) {
+  await cdp.send("HeapProfiler.collectGarbage");
+  const { metrics } = await cdp.send("Performance.getMetrics");
+  return {
+    wasm: await page.evaluate(async () => (await implantPreviewApi.default()).memory.buffer.byteLength),
+    script: metrics.find((metric) => metric.name === "JSHeapUsedSize").value,
+  };
+}
+
+/**
+ * Drags one slider after the other, each once to warm up and then for some seconds. Gives what there was
+ * after the warm-up and after each drag from then on: memory [bytes] and the app's figures.
+ */
+export async function endure(page, seconds, tell = () => {}) {
+  const cdp = await page.context().newCDPSession(page);
+  await cdp.send("Performance.enable");
+  const opening = await page.evaluate(() => implantPreview.scene());
+  // The insertion first: what warns of other scenes moves it.
+  const sliders = [...(await findSliders(page))].sort(([name]) => (name === INSERTION ? -1 : 0));
+  const samples = [];
+  let start = Date.now();
+  for (let drags = 0; drags <= sliders.length || Date.now() - start < 1000 * seconds; drags += 1) {
+    if (drags % sliders.length === 0) {
+      await page.evaluate((scene) => implantPreview.setScene(scene), opening);
+      await page.waitForFunction(() => implantPreview.stats().converged);
+    }
+    const [name, slider] = sliders[drags % sliders.length];
+    const seen = await drag(page, name, slider);
+    assert.ok(seen.size >= 2, `${name} does not move: ${[...seen]}`);
+    for (const key of ["Control+z", "Control+z", "Control+Shift+z", "1", "2", "3", "4", "5"]) {
+      await page.keyboard.press(key);
+      await page.waitForTimeout(20);
+    }
+    await page.waitForFunction(() => implantPreview.stats().converged);
+    if (drags + 1 === sliders.length) start = Date.now();
+    if (drags + 1 < sliders.length) continue;
+    const stats = await page.evaluate(() => implantPreview.stats());
+    samples.push({ name, seconds: (Date.now() - start) / 1000, ...(await memory(page, cdp)), ...stats });
+    tell(samples.at(-1));
+  }
+  await cdp.detach();
+  return samples;
+}
+
+/** How far values reach from the first of them, as a share of it. */
+export const growth = (values) => Math.max(...values.map((value) => Math.abs(value / values[0] - 1)));
+
+async function main(minutes) {
+  const site = await harness.serve();
+  const browser = await harness.startBrowser();
+  const { page, problems } = await harness.openApp(browser, site, { viewport: VIEWPORT });
+  const samples = await endure(page, 60 * minutes, (sample) => console.log(JSON.stringify(sample)));
+  await browser.close();
+  await site.close();
+  const wasm = growth(samples.map((sample) => sample.wasm));
+  const script = growth(samples.map((sample) => sample.script));
+  const longest = samples.at(-1).solver_ms_max;
+  const percent = (share) => `${(100 * share).toFixed(2)} %`;
+  console.log(`${samples.length - 1} drags in ${minutes} minutes, ${samples.at(-1).solves} solves`);
+  console.log(`memory of the program ± ${percent(wasm)}, of scripts ± ${percent(script)}`);
+  console.log(`greatest time in the solver of a frame ${longest.toFixed(1)} ms`);
+  assert.deepEqual(problems, []);
+  assert.ok(wasm <= 0.02, "the program's memory grows");
+  assert.ok(script <= 0.02, "the scripts' memory grows");
+  assert.ok(longest <= 100, "a frame took too long in the solver");
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) await main(Number(process.argv[2] ?? 10));

@@ -1,0 +1,535 @@
+// What the page promises when something goes wrong, each tried in the real browser: what is entered
+// stays here, a lost picture or a crash costs no work, a hidden tab rests.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { after, before, describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+let site;
+let browser;
+before(async () => {
+  site = await harness.serve();
+  browser = await harness.startBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await site?.close();
+});
+
+const openApp = (options) => harness.openApp(browser, site, options);
+
+const sceneOf = (page) => page.evaluate(() => implantPreview.scene());
+
+/** Records what the page's policy forbids, in `violations`. */
+function watchPolicy() {
+  globalThis.violations = [];
+  addEventListener("securitypolicyviolation", (event) => {
+    violations.push(`${event.effectiveDirective} ${event.blockedURI}`);
+  });
+}
+
+/** Tries what a script from elsewhere would; returns what of it was done. */
+async function attack() {
+  globalThis.done = [];
+  const attempts = {
+    script: () => {
+      const script = document.createElement("script");
+      script.textContent = "done.push('an inline script')";
+      document.head.append(script);
+    },
+    "a script with the fixed nonce of old": () => {
+      const script = document.createElement("script");
+      script.nonce = "implant-preview";
+      script.textContent = "done.push('a script with a nonce')";
+      document.head.append(script);
+    },
+    handler: () => {
+      const button = document.createElement("button");
+      button.setAttribute("onclick", "done.push('an inline handler')");
+      document.body.append(button);
+      button.click();
+      button.remove();
+    },
+    // Not at once: what the driver of the test runs may use it.
+    eval: () => setTimeout(() => eval("done.push('eval')")),
+    style: () => {
+      const block = document.createElement("div");
+      block.setAttribute("style", "position: fixed");
+      document.body.append(block);
+      if (getComputedStyle(block).position === "fixed") done.push("an inline style");
+      block.remove();
+    },
+    image: () =>
+      new Promise((resolve) => {
+        const image = new Image();
+        image.onload = () => resolve(done.push("an image"));
+        image.onerror = resolve;
+        image.src = "data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=";
+      }),
+    request: () => fetch("http://localhost:9/").then(() => done.push("a request")),
+    beacon: () => navigator.sendBeacon("http://localhost:9/", "scene"),
+    worker: () =>
+      new Promise((resolve, reject) => {
+        const source = new Blob(["postMessage(1)"], { type: "text/javascript" });
+        const worker = new Worker(URL.createObjectURL(source));
+        worker.onmessage = () => resolve(done.push("a worker"));
+        worker.onerror = reject;
+      }),
+  };
+  for (const attempt of Object.values(attempts)) {
+    try {
+      await attempt();
+    } catch {
+      // It was refused.
+    }
+  }
+  await new Promise((resolve) => setTimeout(resolve, 200));
+  return { done, blocked: [...new Set(violations.map((violation) => violation.split(" ")[0]))].sort() };
+}
+
+const BLOCKED = [
+  "connect-src",
+  "img-src",
+  "script-src",
+  "script-src-attr",
+  "script-src-elem",
+  "style-src-attr",
+  "worker-src",
+];
+
+describe("the policy of the page", { timeout: 6 * harness.PATIENCE }, () => {
+  test("is kept while scenes are opened, solved and saved; all comes from the page's own place", async () => {
+    const { page, problems, close } = await openApp({ init: watchPolicy });
+    const opened = JSON.parse(await sceneOf(page));
+    opened.insertion = 0.5;
+    const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.keyboard.press("Control+o")]);
+    // The dialog's own style sheet is let through.
+    const dialog = page.locator("#rfd-overlay");
+    assert.equal(await dialog.evaluate((element) => getComputedStyle(element).position), "fixed");
+    await chooser.setFiles({
+      name: "half.json",
+      mimeType: "application/json",
+      buffer: Buffer.from(JSON.stringify(opened)),
+    });
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.5);
+    await page.keyboard.press("4");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Control+s")]);
+    assert.equal(download.suggestedFilename(), "scene.json");
+    assert.equal(JSON.parse(await readFile(await download.path(), "utf8")).insertion, 0.5);
+    await page.waitForFunction(() => implantPreview.stats().converged);
+    const names = await page.evaluate(() => performance.getEntriesByType("resource").map((r) => r.name));
+    assert.ok(names.some((name) => name.endsWith(".wasm")), names.join());
+    assert.deepEqual(names.filter((name) => !name.startsWith(site.address) && !name.startsWith("blob:")), []);
+    assert.deepEqual(await page.evaluate(() => violations), []);
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  for (const [name, path] of [
+    ["app", ""],
+    ["benchmark", "bench.html"],
+  ]) {
+    test(`stops foreign scripts, styles and requests in the ${name}'s page`, async () => {
+      const { page, close } = await harness.openPage(browser, site.address + path, { init: watchPolicy });
+      assert.equal(await page.locator("script:not([src]), style, [onclick]").count(), 0);
+      const { done, blocked } = await page.evaluate(attack);
+      assert.deepEqual(done, []);
+      assert.deepEqual(blocked, BLOCKED);
+      await close();
+    });
+  }
+});
+
+describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
+  const lose = (page) =>
+    page.evaluate(async () => {
+      const canvas = document.getElementById("implant-preview-canvas");
+      globalThis.loss = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+      const lost = new Promise((resolve) => canvas.addEventListener("webglcontextlost", resolve, { once: true }));
+      loss.loseContext();
+      await lost;
+    });
+  const restore = (page) =>
+    page.evaluate(async () => {
+      const canvas = document.getElementById("implant-preview-canvas");
+      const restored = new Promise((resolve) =>
+        canvas.addEventListener("webglcontextrestored", resolve, { once: true }),
+      );
+      loss.restoreContext();
+      await restored;
+    });
+  // Without the line that says how long a frame took.
+  const picture = async (page) => {
+    await page.mouse.move(640, 790);
+    await harness.settled(page);
+    return page.screenshot({ clip: { x: 0, y: 0, width: 1280, height: 750 } });
+  };
+  const drag = async (page, [x, y], [toX, toY]) => {
+    await page.mouse.move(x, y);
+    await harness.settled(page);
+    await page.mouse.down();
+    await page.waitForTimeout(200);
+    await page.mouse.move(toX, toY, { steps: 4 });
+    await page.waitForTimeout(200);
+    await page.mouse.up();
+  };
+
+  test("gives back the same picture: scene, history, camera, colours, panels; nothing is solved anew", async () => {
+    const { page, problems, close } = await openApp();
+    const seen = [await picture(page)];
+    // Each of these must show in the picture, or the test would prove nothing.
+    const change = async (name, act) => {
+      await act();
+      const now = await picture(page);
+      assert.ok(seen.every((before) => !before.equals(now)), `${name} does not show`);
+      seen.push(now);
+    };
+    await change("the insertion", () => page.keyboard.press("["));
+    await change("another insertion", () => page.keyboard.press("["));
+    await change("the colours", () => page.keyboard.press("3"));
+    await change("a turn", () => drag(page, [600, 400], [520, 360]));
+    await change("a move", async () => {
+      await page.keyboard.down("Shift");
+      await drag(page, [600, 400], [640, 430]);
+      await page.keyboard.up("Shift");
+    });
+    await change("a zoom", async () => {
+      await page.mouse.move(600, 400);
+      await page.mouse.wheel(0, -300);
+    });
+    await change("what is folded", () => page.mouse.click(60, 89));
+    await change("the section", () => page.mouse.click(466, 18));
+    const before = { scene: await sceneOf(page), stats: await page.evaluate(() => implantPreview.stats()) };
+    for (let times = 0; times < 2; times += 1) {
+      await lose(page);
+      await page.waitForTimeout(1200);
+      assert.equal(await page.locator("#lost").isVisible(), true);
+      await harness.screenshot(page, "lost");
+      // Scripts find the scene meanwhile.
+      assert.equal(await sceneOf(page), before.scene);
+      await restore(page);
+      await page.waitForFunction((frames) => implantPreview.stats().frames > frames, before.stats.frames);
+      assert.equal(await page.locator("#lost").isVisible(), false);
+      const after = await picture(page);
+      await harness.screenshot(page, "restored");
+      assert.ok(after.equals(seen.at(-1)), "the picture is another one");
+      assert.equal(await sceneOf(page), before.scene);
+      const { solves, work_units } = await page.evaluate(() => implantPreview.stats());
+      assert.deepEqual([solves, work_units], [before.stats.solves, before.stats.work_units]);
+    }
+    await page.keyboard.press("Control+z");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.98);
+    await page.keyboard.press("Control+z");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 1);
+    assert.equal(await page.locator("#crashed").isVisible(), false);
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("that does not come back keeps the scene for a reload", async () => {
+    const { page, close } = await openApp({ viewport: { width: 390, height: 844 }, options: { colorScheme: "dark" } });
+    await page.keyboard.press("[");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.98);
+    const scene = await sceneOf(page);
+    await lose(page);
+    await page.locator("#lost").waitFor({ state: "visible" });
+    await harness.screenshot(page, "lost-phone");
+    await Promise.all([page.waitForEvent("load"), page.getByRole("button", { name: "Reload" }).click()]);
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.equal(await sceneOf(page), scene);
+    await close();
+  });
+});
+
+describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
+  // Counts what the page asks the browser to call later.
+  const init = `
+    globalThis.asked = 0;
+    for (const name of ["setTimeout", "setInterval", "requestAnimationFrame", "requestIdleCallback"]) {
+      const original = globalThis[name];
+      globalThis[name] = (...all) => { asked += 1; return original(...all); };
+    }`;
+  const state = (tab) =>
+    tab.evaluate(`(() => {
+      const { frames, work_units, solves } = implantPreview.stats();
+      const { insertion } = JSON.parse(implantPreview.scene());
+      return { visibility: document.visibilityState, frames, work_units, solves, insertion, asked };
+    })()`);
+
+  test("draws, solves and asks for nothing; play goes on from where it was", async () => {
+    const tab = await harness.openTab(browser, { init });
+    await tab.open(site.address);
+    await tab.waitFor("globalThis.implantPreview?.stats().converged");
+    await tab.evaluate(`(() => {
+      const scene = JSON.parse(implantPreview.scene());
+      scene.insertion = 0.1;
+      implantPreview.setScene(JSON.stringify(scene));
+    })()`);
+    await tab.waitFor("implantPreview.stats().converged");
+    await tab.press(" ", " ");
+    await tab.waitFor("JSON.parse(implantPreview.scene()).insertion > 0.15");
+
+    const other = await harness.openTab(browser);
+    await tab.waitFor("document.hidden");
+    await harness.pause(300);
+    const before = await state(tab);
+    assert.equal(before.visibility, "hidden");
+    await harness.pause(4000);
+    const after = await state(tab);
+    assert.deepEqual(after, before);
+    assert.ok(before.insertion > 0.1 && before.insertion < 1);
+    // A script is answered meanwhile; what it asks for waits.
+    await tab.evaluate("implantPreview.setScene(implantPreview.scene())");
+    await harness.pause(1500);
+    assert.deepEqual(await state(tab), before);
+
+    // The first step after the pause is an ordinary one, of at most 0.2 s, however long the pause was.
+    await tab.evaluate(`(() => {
+      globalThis.steps = [];
+      const watch = () => {
+        const { insertion } = JSON.parse(implantPreview.scene());
+        if (steps.at(-1) !== insertion) steps.push(insertion);
+        requestAnimationFrame(watch);
+      };
+      requestAnimationFrame(watch);
+    })()`);
+    await tab.show();
+    await tab.waitFor("steps.length > 3");
+    const steps = await tab.evaluate("steps");
+    const first = steps.find((insertion) => insertion !== before.insertion) - before.insertion;
+    assert.ok(first > 0 && first < 0.0401, `the first step is ${first}: ${steps.slice(0, 4)}`);
+    assert.equal((await state(tab)).visibility, "visible");
+    await other.close();
+    await tab.close();
+  });
+
+  test("that was opened behind another one starts when it is shown", async () => {
+    const tab = await harness.openTab(browser, { init });
+    const other = await harness.openTab(browser);
+    await tab.open(site.address);
+    await tab.waitFor("globalThis.implantPreview");
+    await harness.pause(2000);
+    const before = await state(tab);
+    assert.deepEqual([before.visibility, before.frames, before.work_units], ["hidden", 0, 0]);
+    await harness.pause(2000);
+    assert.deepEqual(await state(tab), before);
+    await tab.show();
+    await tab.waitFor("implantPreview.stats().converged && !document.getElementById('loading')");
+    assert.equal(await tab.evaluate("document.getElementById('implant-preview-canvas').width > 300"), true);
+    await other.close();
+    await tab.close();
+  });
+});
+
+describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
+  // Rust's panic: the window's clock, which must be there, is not.
+  const panic = () => {
+    Object.defineProperty(window, "performance", { configurable: true, get: () => undefined });
+  };
+  // An exception of the browser in the middle of a frame, of which Rust hears nothing.
+  const throwInside = () => {
+    performance.now = () => {
+      throw new Error("no clock today");
+    };
+  };
+  // All memory that WebAssembly can have is taken; then a scene asks for more.
+  const exhaustMemory = async () => {
+    const { memory } = await implantPreviewApi.default();
+    for (let pages = 4096; pages >= 1; ) {
+      try {
+        memory.grow(pages);
+      } catch {
+        pages /= 2;
+      }
+    }
+    const scene = JSON.parse(implantPreview.scene());
+    scene.solver.nodes_per_side = 1025;
+    setTimeout(() => implantPreview.setScene(JSON.stringify(scene)));
+  };
+  const crash = async (page, how) => {
+    await page.evaluate(how);
+    // Something must happen, for at rest nothing is drawn.
+    await page.mouse.move(600, 300);
+    await page.locator("#crashed").waitFor({ state: "visible" });
+  };
+  const reload = async (page) => {
+    await Promise.all([page.waitForEvent("load"), page.getByRole("button", { name: "Reload" }).click()]);
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    await page.locator("#loading").waitFor({ state: "detached" });
+    assert.equal(await page.locator("#crashed").isVisible(), false);
+  };
+  /** The opened app with a scene of its own. */
+  const openChanged = async (options) => {
+    const opened = await openApp(options);
+    await opened.page.evaluate(() => {
+      const scene = JSON.parse(implantPreview.scene());
+      scene.insertion = 0.8765;
+      scene.implant.center_mm = [3, -2];
+      implantPreview.setScene(JSON.stringify(scene));
+    });
+    await opened.page.waitForFunction(() => implantPreview.stats().converged);
+    await harness.settled(opened.page);
+    return { ...opened, scene: await sceneOf(opened.page) };
+  };
+  const fate = (page) => page.locator("#crashed-scene").textContent();
+  const cause = (page) => page.locator("#crashed-text").textContent();
+
+  test("by a panic is shown, keeps the scene for the reload, and for one reload only", async () => {
+    const { page, scene, close } = await openChanged();
+    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    assert.equal(await page.evaluate(() => sessionStorage.length), 0, "kept before there was a crash");
+    await crash(page, panic);
+    assert.match(await cause(page), /^should have a Performance \(eframe-[\d.]+\/src\/web\/\w+\.rs:\d+\)$/);
+    assert.match(await fate(page), /opens on the scene it had/);
+    await harness.screenshot(page, "crashed");
+    const saved = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("button", { name: "Save the scene" }).click(),
+    ]);
+    assert.equal(await readFile(await saved[0].path(), "utf8"), scene);
+    await reload(page);
+    assert.equal(await sceneOf(page), scene);
+    await harness.screenshot(page, "recovered");
+    assert.equal(await page.evaluate(() => sessionStorage.length), 0);
+    await page.reload();
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    await close();
+  });
+
+  test("by an exception in a frame is noticed and keeps the scene", async () => {
+    const { page, scene, close } = await openChanged({
+      viewport: { width: 390, height: 844 },
+      options: { colorScheme: "dark" },
+    });
+    await crash(page, throwInside);
+    assert.match(await cause(page), /no clock today/);
+    await page.locator("summary").click();
+    await harness.screenshot(page, "crashed-phone");
+    await reload(page);
+    assert.equal(await sceneOf(page), scene);
+    await harness.screenshot(page, "recovered-phone");
+    await close();
+  });
+
+  test("for want of memory keeps the scene of before", async () => {
+    const { page, scene, close } = await openChanged();
+    await crash(page, exhaustMemory);
+    assert.match(await fate(page), /opens on the scene it had/);
+    console.log("out of memory:", await cause(page));
+    await reload(page);
+    assert.equal(await sceneOf(page), scene);
+    await close();
+  });
+
+  test("that comes again with the same scene opens the default one, and the scene can be saved", async () => {
+    const { page, scene, close } = await openChanged();
+    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    await crash(page, panic);
+    await reload(page);
+    assert.equal(await sceneOf(page), scene);
+    await crash(page, panic);
+    assert.match(await fate(page), /twice.*default scene/);
+    await harness.screenshot(page, "crashed-twice");
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("button", { name: "Save the scene" }).click(),
+    ]);
+    assert.equal(download.suggestedFilename(), "scene.json");
+    assert.equal(await readFile(await download.path(), "utf8"), scene);
+    await reload(page);
+    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    await close();
+  });
+
+  test("at the start, before the first frame, leads to the default scene too", async () => {
+    const { page, scene, close } = await openChanged();
+    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    await crash(page, panic);
+    // The first thing that the next start does with the scene ends it.
+    await page.addInitScript(() => {
+      if (localStorage.getItem("fragile")) {
+        const original = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function getContext(...all) {
+          if (this.id === "implant-preview-canvas") throw new Error("no context today");
+          return original.apply(this, all);
+        };
+      }
+    });
+    await page.evaluate(() => localStorage.setItem("fragile", "yes"));
+    await page.getByRole("button", { name: "Reload" }).click();
+    await page.locator("#crashed-scene").getByText("twice").waitFor();
+    assert.match(await cause(page), /context/);
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("button", { name: "Save the scene" }).click(),
+    ]);
+    assert.equal(await readFile(await download.path(), "utf8"), scene);
+    await page.evaluate(() => localStorage.clear());
+    await reload(page);
+    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    await close();
+  });
+
+  test("without storage says that the scene must be saved first", async () => {
+    for (const init of [
+      () => {
+        Object.defineProperty(window, "sessionStorage", {
+          get() {
+            throw new DOMException("denied", "SecurityError");
+          },
+        });
+      },
+      () => {
+        Storage.prototype.setItem = () => {
+          throw new DOMException("full", "QuotaExceededError");
+        };
+      },
+    ]) {
+      const { page, scene, close } = await openChanged({ init });
+      await crash(page, panic);
+      assert.match(await fate(page), /keeps nothing.*save the scene first/);
+      const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("button", { name: "Save the scene" }).click(),
+      ]);
+      assert.equal(await readFile(await download.path(), "utf8"), scene);
+      await reload(page);
+      await close();
+    }
+  });
+
+  test("is not seen in an error of another script, nor in a scene that is refused", async () => {
+    const { page, scene, close } = await openChanged();
+    await page.evaluate(async () => {
+      setTimeout(() => {
+        throw new Error("not the program's");
+      });
+      setTimeout(() => implantPreview.setScene("{"));
+      setTimeout(() => implantPreviewApi.simulate("{"));
+      Promise.reject(new Error("nor this one"));
+      await new Promise((resolve) => setTimeout(resolve, 500));
+    });
+    assert.equal(await page.locator("#crashed").isVisible(), false);
+    assert.equal(await sceneOf(page), scene);
+    await close();
+  });
+
+  test("that follows from another one does not hide its message", async () => {
+    const { page, close } = await openApp();
+    await page.evaluate(() => implantPreviewCrashed("the cause"));
+    await page.evaluate(() => implantPreviewCrashed("what followed from it"));
+    assert.equal(await cause(page), "the cause");
+    await close();
+  });
+
+  test("after which a broken scene is found opens the default one", async () => {
+    const { page, close } = await openApp({
+      init: () => sessionStorage.setItem("implant-preview/kept-scene/1", '{"schema":"of another time"}'),
+    });
+    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    await close();
+  });
+});
