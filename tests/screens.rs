@@ -182,6 +182,21 @@ fn a_message_is_there_until_it_is_closed() {
 }
 
 #[test]
+fn a_long_name_does_not_take_the_place_of_the_picture() {
+    let mut harness = app(WIDE, |_| {});
+    let left = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Canvas, "3-D view").rect().width()
+    };
+    let before = left(&harness);
+    let mut scene = harness.state().session().scene().clone();
+    scene.layers[0].tissue = "skin of the lower pole ".repeat(4);
+    harness.state_mut().open(scene.to_json()).unwrap();
+    settle(&mut harness);
+    let after = left(&harness);
+    assert!(after > 0.8 * before, "the picture is {after} wide, before {before}");
+}
+
+#[test]
 fn layers_are_added_exchanged_and_removed() {
     let mut harness = app(WIDE, |_| {});
     let tissues = |harness: &Harness<'static, App>| -> Vec<String> {

@@ -372,32 +372,24 @@ impl App {
             ui.add_space(theme::SPACE_SMALL);
         });
         let mut is_open = self.show_left;
-        egui::Panel::left("controls").default_size(theme::PANEL_WIDTH).show_collapsible(
-            ui,
-            &mut is_open,
-            |ui| {
-                egui::ScrollArea::vertical().id_salt("controls").show(ui, |ui| {
-                    controls::heading(ui, "Scene");
-                    controls::implant(ui, scene, &mut self.is_hemisphere);
-                    controls::layers(ui, scene);
-                    ui.add_space(theme::SPACE);
-                    controls::method(ui, scene, &self.session);
-                });
-            },
-        );
+        side_panel(egui::Panel::left("controls")).show_collapsible(ui, &mut is_open, |ui| {
+            egui::ScrollArea::vertical().id_salt("controls").show(ui, |ui| {
+                controls::heading(ui, "Scene");
+                controls::implant(ui, scene, &mut self.is_hemisphere);
+                controls::layers(ui, scene);
+                ui.add_space(theme::SPACE);
+                controls::method(ui, scene, &self.session);
+            });
+        });
         self.show_left = is_open;
         let mut is_open = self.show_right;
-        egui::Panel::right("results").default_size(theme::PANEL_WIDTH).show_collapsible(
-            ui,
-            &mut is_open,
-            |ui| {
-                egui::ScrollArea::vertical().id_salt("results").show(ui, |ui| {
-                    readings::show(ui, self.session.outcome(), self.session.is_working());
-                    plots::section(ui, &self.session);
-                    plots::curves(ui, &self.session);
-                });
-            },
-        );
+        side_panel(egui::Panel::right("results")).show_collapsible(ui, &mut is_open, |ui| {
+            egui::ScrollArea::vertical().id_salt("results").show(ui, |ui| {
+                readings::show(ui, self.session.outcome(), self.session.is_working());
+                plots::section(ui, &self.session);
+                plots::curves(ui, &self.session);
+            });
+        });
         self.show_right = is_open;
         egui::Panel::bottom("insertion").show(ui, |ui| self.insertion(ui, scene));
         egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
@@ -523,6 +515,11 @@ fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
             }
         });
     });
+}
+
+/// A wide line or figure widens its panel, which never gives that back: not at the picture's cost.
+fn side_panel(panel: egui::Panel) -> egui::Panel {
+    panel.default_size(theme::PANEL_WIDTH).max_size(1.15 * theme::PANEL_WIDTH)
 }
 
 fn is_hemisphere(scene: &Scene) -> bool {

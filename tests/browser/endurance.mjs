@@ -17,7 +17,7 @@ const WANTED = [
 const INSERTION = "insertion";
 
 // The picture is drawn in software: a small one leaves time for what is tested.
-export const VIEWPORT = { width: 900, height: 720 };
+export const VIEWPORT = { width: 1100, height: 720 };
 
 /** The leaves of a scene by their path. */
 function leaves(value, path = "") {
@@ -53,7 +53,7 @@ async function findSliders(page) {
   }
   for (let y = height - 8; y > height / 2 && !sliders.has(INSERTION); y -= 8) {
     const field = await fieldAt(page, { x: 0.5 * width, y }, [INSERTION]);
-    if (field) sliders.set(field, { from: { x: 0.48 * width, y }, to: { x: 0.58 * width, y } });
+    if (field) sliders.set(field, { from: { x: 0.42 * width, y }, to: { x: 0.58 * width, y } });
   }
   assert.deepEqual([...missing(), ...[INSERTION].filter((name) => !sliders.has(name))], [], "sliders not found");
   return sliders;
@@ -104,6 +104,7 @@ export async function endure(page, seconds, tell = () => {}) {
     }
     const [name, slider] = sliders[drags % sliders.length];
     const seen = await drag(page, name, slider);
+    if (seen.size < 2) await harness.screenshot(page, "endurance");
     assert.ok(seen.size >= 2, `${name} does not move: ${[...seen]}`);
     for (const key of ["Control+z", "Control+z", "Control+Shift+z", "1", "2", "3", "4", "5"]) {
       await page.keyboard.press(key);
