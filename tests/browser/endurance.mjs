@@ -1,7 +1,8 @@
 // Drags the controls of the built page back and forth, changes colours, takes back and does again, and
 // watches what must not grow: memory, the solver's share of a frame, errors.
 //
-// node tests/browser/endurance.mjs [MINUTES]: on its own, for 10 minutes unless told otherwise.
+// node tests/browser/endurance.mjs [MINUTES]: on its own, for 10 minutes unless told otherwise, after two
+// to warm up.
 
 import assert from "node:assert/strict";
 import { fileURLToPath } from "node:url";
@@ -86,18 +87,21 @@ async function memory(page, cdp) {
 }
 
 /**
- * Drags one slider after the other, each once to warm up and then for some seconds. Gives what there was
- * after the warm-up and after each drag from then on: memory [bytes] and the app's figures.
+ * Drags one slider after the other: each twice, and for as long as is asked, to warm up, then for some
+ * seconds more. Gives what there was after the warm-up and after each drag from then on: memory [bytes]
+ * and the app's figures.
  */
-export async function endure(page, seconds, tell = () => {}) {
+export async function endure(page, seconds, { warm = 0, tell = () => {} } = {}) {
   const cdp = await page.context().newCDPSession(page);
   await cdp.send("Performance.enable");
   const opening = await page.evaluate(() => implantPreview.scene());
   // The insertion first: what warns of other scenes moves it.
   const sliders = [...(await findSliders(page))].sort(([name]) => (name === INSERTION ? -1 : 0));
   const samples = [];
-  let start = Date.now();
-  for (let drags = 0; drags <= sliders.length || Date.now() - start < 1000 * seconds; drags += 1) {
+  const start = Date.now();
+  const since = () => (Date.now() - start) / 1000;
+  let end = Infinity;
+  for (let drags = 0; since() < end; drags += 1) {
     if (drags % sliders.length === 0) {
       await page.evaluate((scene) => implantPreview.setScene(scene), opening);
       await page.waitForFunction(() => implantPreview.stats().converged);
@@ -111,10 +115,10 @@ export async function endure(page, seconds, tell = () => {}) {
       await page.waitForTimeout(20);
     }
     await page.waitForFunction(() => implantPreview.stats().converged);
-    if (drags + 1 === sliders.length) start = Date.now();
-    if (drags + 1 < sliders.length) continue;
+    if (drags + 1 < 2 * sliders.length || since() < warm) continue;
+    if (samples.length === 0) end = since() + seconds;
     const stats = await page.evaluate(() => implantPreview.stats());
-    samples.push({ name, seconds: (Date.now() - start) / 1000, ...(await memory(page, cdp)), ...stats });
+    samples.push({ name, seconds: since(), ...(await memory(page, cdp)), ...stats });
     tell(samples.at(-1));
   }
   await cdp.detach();
@@ -128,7 +132,10 @@ async function main(minutes) {
   const site = await harness.serve();
   const browser = await harness.startBrowser();
   const { page, problems } = await harness.openApp(browser, site, { viewport: VIEWPORT });
-  const samples = await endure(page, 60 * minutes, (sample) => console.log(JSON.stringify(sample)));
+  const samples = await endure(page, 60 * minutes, {
+    warm: 120,
+    tell: (sample) => console.log(JSON.stringify(sample)),
+  });
   await browser.close();
   await site.close();
   const wasm = growth(samples.map((sample) => sample.wasm));
