@@ -110,7 +110,8 @@ export async function endure(page, seconds, { warm = 0, tell = () => {} } = {}) 
     const seen = await drag(page, name, slider);
     if (seen.size < 2) await harness.screenshot(page, "endurance");
     assert.ok(seen.size >= 2, `${name} does not move: ${[...seen]}`);
-    for (const key of ["Control+z", "Control+z", "Control+Shift+z", "1", "2", "3", "4", "5"]) {
+    const colour = String(1 + (drags % 5));
+    for (const key of ["Control+z", "Control+z", "Control+Shift+z", colour]) {
       await page.keyboard.press(key);
       await page.waitForTimeout(20);
     }

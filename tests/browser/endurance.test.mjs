@@ -6,7 +6,7 @@ import { describe, test } from "node:test";
 import { VIEWPORT, endure, growth } from "./endurance.mjs";
 import * as harness from "./harness.mjs";
 
-describe("dragging controls", { timeout: 8 * harness.PATIENCE }, () => {
+describe("dragging controls", { timeout: 15 * harness.PATIENCE }, () => {
   test("on and on solves each time, takes no more memory and breaks nothing", async () => {
     const site = await harness.serve();
     const browser = await harness.startBrowser();
