@@ -7,8 +7,13 @@
 
 use dhat::HeapStats;
 use implant_preview::scene::Scene;
+use implant_preview::session::Session;
 use implant_preview::solve::{Problem, Progress, Solver};
+use implant_preview::view::color::Quantity;
+use implant_preview::view::picture::Picture;
+use implant_preview::view::section::{Opening, Section};
 use serde_json::json;
+use std::sync::Arc;
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
@@ -57,9 +62,34 @@ fn measured(nodes: usize) -> Use {
     Use { bytes, evaluations, nodes: sheet.free_nodes() }
 }
 
+/// A picture drawn again and again, of which the graphics card holds the one before.
+fn draw_in_the_room_of_an_older_picture() {
+    let mut session = Session::new(Scene::default()).unwrap();
+    while session.advance(&mut || false) == Progress::Working {}
+    let section = Section { opening: Opening::Closed, angle: 0.0, axis: glam::Vec2::ZERO };
+    let mut picture = Picture::default();
+    let mut held = Arc::default();
+    for k in 0..12 {
+        let quantity = [Quantity::Strain, Quantity::AreaStretch][k % 2];
+        let before = HeapStats::get();
+        assert!(picture.update(&session, quantity, section, &|| 0.0));
+        let after = HeapStats::get();
+        let vertices = size_of_val(picture.meshes[0].vertices.as_slice()) as u64;
+        assert!(vertices > 1_000_000);
+        if k >= 4 {
+            let taken = after.total_bytes - before.total_bytes;
+            assert!(taken < vertices, "{taken} bytes taken for {vertices} bytes of vertices");
+            assert!(after.curr_bytes <= before.curr_bytes + 1000, "the pictures add up");
+        }
+        held = Arc::clone(&picture.meshes[0]);
+    }
+    drop(held);
+}
+
 #[test]
-fn memory_and_work_are_linear_and_a_cycle_allocates_nothing() {
+fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_share_their_room() {
     let _profiler = dhat::Profiler::builder().testing().build();
+    draw_in_the_room_of_an_older_picture();
     let tables = measured(17).bytes;
     let mut last: Option<Use> = None;
     for nodes in [65, 129, 257, 513] {

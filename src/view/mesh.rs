@@ -51,25 +51,31 @@ fn quad_indices(first: u32) -> [u32; 6] {
 /// `values` are those of the sheet's nodes; without them the surface shows its tissue.
 #[must_use]
 pub fn tissue(body: &Body, colors: &[Rgb], first_layer: usize, values: Option<&[f32]>) -> Mesh {
-    let vertices = tissue_vertices(body, colors, first_layer, values);
+    let vertices = tissue_vertices(Vec::new(), body, colors, first_layer, values);
     Mesh::new(vertices, tissue_indices(body, first_layer))
 }
 
-/// The vertices of [`tissue`].
+/// The vertices of [`tissue`], in the room of a list that is not needed any more.
 #[must_use]
 pub fn tissue_vertices(
+    room: Vec<Vertex>,
     body: &Body,
     colors: &[Rgb],
     first_layer: usize,
     values: Option<&[f32]>,
 ) -> Vec<Vertex> {
+    let mut vertices = room;
+    vertices.clear();
     let layers = body.layers();
     if layers == 0 {
-        return Vec::new();
+        return vertices;
     }
     let top = first_layer.min(layers - 1);
     let columns = body.levels[layers].len();
-    let mut vertices = Vec::with_capacity(2 * columns + 4 * body.rim.len() * (layers - top));
+    let count = 2 * columns + 4 * body.rim.len() * (layers - top);
+    // What a much finer grid took is given back.
+    vertices.shrink_to(2 * count);
+    vertices.reserve_exact(count);
     let n = body.nodes_per_side;
     let outer = &body.levels[top];
     let place = |k: usize| [(k % n) as f32, (k / n) as f32];

@@ -6,7 +6,7 @@ use crate::session::Session;
 use crate::solve::Shown;
 use crate::view::body::Body;
 use crate::view::color::{self, Quantity, Rgb, Scale};
-use crate::view::mesh::{self, Mesh};
+use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -30,6 +30,9 @@ pub struct Picture {
     pub meshes: [Arc<Mesh>; 4],
     /// The scale's colours.
     pub table: Arc<Vec<Rgb>>,
+    /// Meshes of the tissue of before, some of which are still being drawn. Their room is used again: taken
+    /// anew for each shape, it would break up the memory, which in a browser never shrinks.
+    tissues_before: Vec<Arc<Mesh>>,
     /// The tissue's indices, for all shapes of one triangulation.
     tissue_indices: Arc<Vec<u32>>,
     /// The session's revision that the shape is of.
@@ -126,8 +129,10 @@ impl Picture {
         let is_shown = self.body.layers() > 0;
         let values = quantity.field().filter(|_| is_shown).map(|field| session.values(field));
         self.scale = values.and_then(|v| quantity.scale(v, &session.scene().layers));
-        let vertices = mesh::tissue_vertices(&self.body, colors, 0, values);
+        let room = take_unused(&mut self.tissues_before);
+        let vertices = mesh::tissue_vertices(room, &self.body, colors, 0, values);
         let indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
+        self.tissues_before.push(Arc::clone(&self.meshes[0]));
         self.set_mesh(session, 0, Mesh { vertices, indices });
         let table = self.scale.as_ref().map_or(&[[1.0; 3]][..], |s| &s.table);
         if self.table.as_slice() != table {
@@ -139,6 +144,13 @@ impl Picture {
         self.meshes[place] = Arc::new(mesh);
         session.count_mesh();
     }
+}
+
+/// The vertices' room of a mesh that nobody else holds.
+fn take_unused(meshes: &mut Vec<Arc<Mesh>>) -> Vec<Vertex> {
+    let unused = meshes.iter_mut().position(|mesh| Arc::get_mut(mesh).is_some());
+    let mesh = unused.map(|k| meshes.swap_remove(k)).and_then(|mesh| Arc::try_unwrap(mesh).ok());
+    mesh.map(|mesh| mesh.vertices).unwrap_or_default()
 }
 
 /// No shape is shown where the springs have none, nor one that is not made of numbers.
