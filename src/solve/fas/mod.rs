@@ -67,9 +67,10 @@ const SLOW_RATE: f64 = 0.7;
 const MAX_SLOW: u32 = 3;
 /// A cycle that takes back more than this share of the last one's change swings.
 const SWING: f64 = -0.25;
-/// The greatest relative residual that a solution may have, and how often the scheme may come to rest
-/// above it.
-const MOST_RESIDUAL: f64 = 5e-3;
+/// The relative residual that a solution may have, in tolerances and within bounds, and how often the
+/// scheme may come to rest above it: smooth errors of the tolerance leave about one tolerance.
+const RESIDUAL_TOLERANCES: f64 = 10.0;
+const MOST_RESIDUAL: (f64, f64) = (3e-4, 5e-3);
 const MAX_DOUBTS: u32 = 2;
 /// A coarse node is held on the dome if the fine nodes around it are, by this share of their weight.
 /// The lesser share holds more: slower, but it does not lift the sheet off a small contact. It is
@@ -427,7 +428,9 @@ impl FullMultigrid {
         if is_enough {
             self.find_relative_residual();
             self.error += self.missed;
-            if self.relative_residual <= MOST_RESIDUAL || self.asked_cycles.is_some() {
+            let (least, most) = MOST_RESIDUAL;
+            let allowed = (RESIDUAL_TOLERANCES * self.tolerance).clamp(least, most);
+            if self.relative_residual <= allowed || self.asked_cycles.is_some() {
                 return State::Converged;
             }
             // It stopped changing, but not in balance.
