@@ -182,6 +182,21 @@ fn a_message_is_there_until_it_is_closed() {
 }
 
 #[test]
+fn the_picture_keeps_its_width_while_panels_are_folded_and_unfolded() {
+    let mut harness = app(WIDE, |_| {});
+    let picture = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Canvas, "3-D view").rect().x_range()
+    };
+    let before = picture(&harness);
+    for _ in 0..2 {
+        harness.get_by_label("Implant").click();
+        harness.run();
+        (0..20).for_each(|_| harness.step());
+        assert_eq!(picture(&harness), before);
+    }
+}
+
+#[test]
 fn a_long_name_does_not_take_the_place_of_the_picture() {
     let mut harness = app(WIDE, |_| {});
     let left = |harness: &Harness<'static, App>| {

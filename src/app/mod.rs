@@ -373,7 +373,7 @@ impl App {
         });
         let mut is_open = self.show_left;
         side_panel(egui::Panel::left("controls")).show_collapsible(ui, &mut is_open, |ui| {
-            egui::ScrollArea::vertical().id_salt("controls").show(ui, |ui| {
+            column("controls").show(ui, |ui| {
                 controls::heading(ui, "Scene");
                 controls::implant(ui, scene, &mut self.is_hemisphere);
                 controls::layers(ui, scene);
@@ -384,7 +384,7 @@ impl App {
         self.show_left = is_open;
         let mut is_open = self.show_right;
         side_panel(egui::Panel::right("results")).show_collapsible(ui, &mut is_open, |ui| {
-            egui::ScrollArea::vertical().id_salt("results").show(ui, |ui| {
+            column("results").show(ui, |ui| {
                 readings::show(ui, self.session.outcome(), self.session.is_working());
                 plots::section(ui, &self.session);
                 plots::curves(ui, &self.session);
@@ -520,6 +520,12 @@ fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
 /// A wide line or figure widens its panel, which never gives that back: not at the picture's cost.
 fn side_panel(panel: egui::Panel) -> egui::Panel {
     panel.default_size(theme::PANEL_WIDTH).max_size(1.15 * theme::PANEL_WIDTH)
+}
+
+/// What a side panel holds, as wide as the panel: one that shrinks takes the panel with it, some points
+/// in every frame.
+fn column(name: &str) -> egui::ScrollArea {
+    egui::ScrollArea::vertical().id_salt(name).auto_shrink([false, true])
 }
 
 fn is_hemisphere(scene: &Scene) -> bool {

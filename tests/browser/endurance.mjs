@@ -54,7 +54,7 @@ async function findSliders(page) {
   }
   for (let y = height - 8; y > height / 2 && !sliders.has(INSERTION); y -= 8) {
     const field = await fieldAt(page, { x: 0.5 * width, y }, [INSERTION]);
-    if (field) sliders.set(field, { from: { x: 0.42 * width, y }, to: { x: 0.58 * width, y } });
+    if (field) sliders.set(field, { from: { x: 0.46 * width, y }, to: { x: 0.58 * width, y } });
   }
   assert.deepEqual([...missing(), ...[INSERTION].filter((name) => !sliders.has(name))], [], "sliders not found");
   return sliders;

@@ -11,7 +11,7 @@ import { chromium } from "playwright-core";
 
 const ROOT = fileURLToPath(new URL("../../", import.meta.url));
 const DIST = join(ROOT, "dist");
-const OUT = join(ROOT, "tests/browser/out");
+export const OUT = join(ROOT, "tests/browser/out");
 const TARGET = process.env.CARGO_TARGET_DIR ?? join(ROOT, "target");
 const NATIVE = join(TARGET, "debug/implant-preview");
 
