@@ -91,12 +91,12 @@ fn the_benchmark_goes_on_piece_by_piece() {
 }
 
 #[wasm_bindgen_test]
-fn five_hundred_random_scenes_end_soundly() {
+fn random_scenes_end_soundly() {
     use implant_preview::experiment::stress::{Ending, run};
     // The estimated error may be some times too small where a dome is far from any real one: two ways
     // to such a shape end apart by more than both promised.
     let is_estimate = |check: &str| check.ends_with("ends elsewhere, mm");
-    let failed: Vec<_> = (0..500)
+    let failed: Vec<_> = (0..100)
         .map(|number| run(5, number, 25))
         .filter(|case| case.ending == Ending::Failed)
         .collect();
@@ -107,5 +107,5 @@ fn five_hundred_random_scenes_end_soundly() {
             "{case:?}"
         );
     }
-    assert!(failed.len() <= 2, "{failed:?}");
+    assert!(failed.len() <= 1, "{failed:?}");
 }
