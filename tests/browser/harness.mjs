@@ -11,7 +11,7 @@ import { chromium } from "playwright-core";
 
 const ROOT = fileURLToPath(new URL("../../", import.meta.url));
 const DIST = join(ROOT, "dist");
-export const OUT = join(ROOT, "tests/browser/out");
+const OUT = join(ROOT, "tests/browser/out");
 const TARGET = process.env.CARGO_TARGET_DIR ?? join(ROOT, "target");
 const NATIVE = join(TARGET, "debug/implant-preview");
 
@@ -120,27 +120,47 @@ export async function screenshot(page, name) {
   await page.screenshot({ path: join(OUT, `${name}.png`) });
 }
 
+/** Does something with the bytes of pictures (PNG), in a page without a policy that forbids pictures. */
+async function withPixels(page, pictures, look) {
+  const blank = await page.context().newPage();
+  await blank.exposeFunction("pictures", () => pictures.map((picture) => picture.toString("base64")));
+  const seen = await blank.evaluate(async (source) => {
+    const pixels = [];
+    for (const data of await globalThis.pictures()) {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+      context.drawImage(image, 0, 0);
+      pixels.push(context.getImageData(0, 0, image.width, image.height).data);
+    }
+    return new Function(`return (${source})`)()(...pixels);
+  }, look.toString());
+  await blank.close();
+  return seen;
+}
+
 /** How many colours the page shows, as 4 bits a channel. */
 export async function colours(page) {
-  const picture = (await page.screenshot()).toString("base64");
-  // The page's own policy allows no picture from a script.
-  const blank = await page.context().newPage();
-  const count = await blank.evaluate(async (data) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${data}`;
-    await image.decode();
-    const canvas = new OffscreenCanvas(image.width, image.height);
-    const context = canvas.getContext("2d");
-    context.drawImage(image, 0, 0);
-    const { data: bytes } = context.getImageData(0, 0, image.width, image.height);
+  return withPixels(page, [await page.screenshot()], (bytes) => {
     const seen = new Set();
     for (let k = 0; k < bytes.length; k += 4) {
       seen.add(((bytes[k] >> 4) << 8) | (bytes[k + 1] & 0xf0) | (bytes[k + 2] >> 4));
     }
     return seen.size;
-  }, picture);
-  await blank.close();
-  return count;
+  });
+}
+
+/** How many pixels of two pictures of one size are of another colour; one of rounding is the same. */
+export function difference(page, a, b) {
+  return withPixels(page, [a, b], (x, y) => {
+    if (x.length !== y.length) return Infinity;
+    let count = 0;
+    for (let k = 0; k < x.length; k += 4) {
+      if ([0, 1, 2].some((channel) => Math.abs(x[k + channel] - y[k + channel]) > 4)) count += 1;
+    }
+    return count;
+  });
 }
 
 /** Waits until nothing is drawn any more; the frames drawn so far. */

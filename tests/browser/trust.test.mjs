@@ -2,7 +2,7 @@
 // stays here, a lost picture or a crash costs no work, a hidden tab rests.
 
 import assert from "node:assert/strict";
-import { readFile, writeFile } from "node:fs/promises";
+import { readFile } from "node:fs/promises";
 import { after, before, describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
@@ -182,7 +182,8 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
     const change = async (name, act) => {
       await act();
       const now = await picture(page);
-      assert.ok(seen.every((before) => !before.equals(now)), `${name} does not show`);
+      const pixels = await harness.difference(page, seen.at(-1), now);
+      assert.ok(pixels > 100, `${name} does not show: ${pixels} pixels`);
       seen.push(now);
     };
     await change("the insertion", () => page.keyboard.press("["));
@@ -211,12 +212,9 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
       await restore(page);
       await page.waitForFunction((frames) => implantPreview.stats().frames > frames, before.stats.frames);
       assert.equal(await page.locator("#lost").isVisible(), false);
-      // On a busy machine the first frames are far apart: what looks settled may not be.
-      let after = await picture(page);
-      for (let tries = 0; tries < 5 && !after.equals(seen.at(-1)); tries += 1) after = await picture(page);
+      const after = await picture(page);
       await harness.screenshot(page, "restored");
-      if (!after.equals(seen.at(-1))) await writeFile(`${harness.OUT}/expected.png`, seen.at(-1));
-      assert.ok(after.equals(seen.at(-1)), "the picture is another one");
+      assert.equal(await harness.difference(page, seen.at(-1), after), 0, "the picture is another one");
       assert.equal(await sceneOf(page), before.scene);
       const { solves, work_units } = await page.evaluate(() => implantPreview.stats());
       assert.deepEqual([solves, work_units], [before.stats.solves, before.stats.work_units]);
