@@ -167,7 +167,7 @@ pub struct SolverOutcome {
     pub fell_back: bool,
     /// One unit = one evaluation of all nodal forces on the finest grid.
     pub work_units: f64,
-    /// Wall-clock time \[ms\], where a clock was at hand.
+    /// Wall-clock time \[ms\] of solving, grids and tables included, where a clock was at hand.
     pub time_ms: Option<f64>,
     /// Norm of the residual force / norm of the spring forces it is the sum of \[-\].
     pub relative_residual: f64,

@@ -6,6 +6,7 @@ use crate::experiment::work_precision::{
     Case, Piece, Plan, Row, Study, axisymmetric, table, time_to,
 };
 use crate::scene::{self, Scene};
+use crate::solve::{Progress, Solver};
 use crate::view::work_precision::draw;
 use serde_json::json;
 use wasm_bindgen::prelude::*;
@@ -19,8 +20,11 @@ pub fn simulate(scene_json: &str) -> Result<String, JsError> {
     let scene = Scene::from_json(scene_json)?;
     let clock = clock();
     let start = clock();
-    let mut outcome = scene::simulate(&scene)?;
-    outcome.solver.time_ms = Some(clock() - start);
+    let mut solver = Solver::new(scene.problem()?);
+    while solver.advance(&mut || false) == Progress::Working {}
+    let time_ms = clock() - start;
+    let mut outcome = scene.measure(&solver);
+    outcome.solver.time_ms = Some(time_ms);
     Ok(serde_json::to_string(&outcome)?)
 }
 
