@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 13] = [
+const ONCE_FAILED: [(&str, &str, Ending); 17] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -51,7 +51,27 @@ const ONCE_FAILED: [(&str, &str, Ending); 13] = [
     (
         "a node held on a needle's tip",
         include_str!("stress/held-on-a-needles-tip.json"),
-        Ending::NotConverged,
+        Ending::Pierced,
+    ),
+    (
+        "small steps while forces do not balance",
+        include_str!("stress/small-steps-out-of-balance.json"),
+        Ending::Converged,
+    ),
+    (
+        "an error above the tolerance, called converged",
+        include_str!("stress/estimate-above-the-tolerance.json"),
+        Ending::Converged,
+    ),
+    (
+        "a long way down a flat valley",
+        include_str!("stress/valley-of-slack.json"),
+        Ending::Converged,
+    ),
+    (
+        "a corner folded under the paper's springs",
+        include_str!("stress/corner-folded.json"),
+        Ending::Converged,
     ),
 ];
 

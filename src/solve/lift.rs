@@ -19,13 +19,17 @@ const TRUSTED: (f64, f64) = (5e-4, 1e-3);
 /// The share of all lifts to take, given the greatest of them; zero where they do not matter. All
 /// relative to the base radius.
 pub(super) fn share(greatest: f64, tolerance: f64) -> f64 {
-    let share = ((TRUSTED.1 - greatest) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0);
-    if share * greatest > LEAST_SHARE * tolerance { share } else { 0.0 }
+    if missed(greatest) > LEAST_SHARE * tolerance { trusted(greatest) } else { 0.0 }
 }
 
-/// What is missed where [`share`] is zero because lifts do not matter.
+/// What is missed where [`share`] is zero because lifts do not matter: the grid's own equilibrium has
+/// them as far as they are trusted.
 pub(super) fn missed(greatest: f64) -> f64 {
-    if greatest < TRUSTED.1 { greatest } else { 0.0 }
+    trusted(greatest) * greatest
+}
+
+fn trusted(greatest: f64) -> f64 {
+    ((TRUSTED.1 - greatest) / (TRUSTED.1 - TRUSTED.0)).clamp(0.0, 1.0)
 }
 
 /// The eight directions of the grid.

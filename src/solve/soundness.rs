@@ -25,6 +25,28 @@ const TURNED: f64 = 0.3;
 /// \[share of the pocket's radius\]: a sheet that is pulled over a dome has no fold from there.
 const EYE: f64 = 0.05;
 
+/// Where the sheet is seen from.
+fn eye(sheet: &Sheet) -> DVec3 {
+    DVec3::new(0.0, 0.0, -EYE * sheet.radius_mm())
+}
+
+/// Does a face with this normal show its other side to one who sees it along `sight`?
+fn is_turned(normal: DVec3, sight: DVec3) -> bool {
+    let cosine = normal.dot(sight);
+    cosine < 0.0
+        && cosine * cosine > TURNED * TURNED * normal.length_squared() * sight.length_squared()
+}
+
+/// Is some triangle of a shape turned over? Finer than [`fault`], for springs that may push: a corner
+/// of a cell can fold while the cell as a whole does not.
+pub(crate) fn has_fold(sheet: &Sheet, x: &[DVec3]) -> bool {
+    let eye = eye(sheet);
+    sheet.triangles().any(|(nodes, _)| {
+        let [a, b, c] = nodes.map(|k| x[k]);
+        is_turned((b - a).cross(c - a), (a + b + c) / 3.0 - eye)
+    })
+}
+
 /// The gravest fault of a shape, if it has one. `at` gives the place \[mm\] of the node of a column and
 /// row, from the column and row `first` on: a mirrored shape need be seen but once.
 pub(crate) fn fault(
@@ -34,11 +56,11 @@ pub(crate) fn fault(
     at: impl Fn(usize, usize) -> DVec3,
 ) -> Option<Fault> {
     let n = sheet.nodes_per_side();
-    let eye = DVec3::new(0.0, 0.0, -EYE * sheet.radius_mm());
+    let eye = eye(sheet);
     let scale = DVec3::new(dome.base_radius, dome.base_radius, dome.projection).recip();
     let origin = dome.origin();
     let inside = (1.0 - PIERCED) * (1.0 - PIERCED);
-    let (mut is_pierced, mut is_turned) = (false, false);
+    let (mut is_pierced, mut is_folded) = (false, false);
     for j in first..n - 1 {
         let (from, to) = sheet.row_spans()[j];
         for i in from.max(first)..to.min(n - 1) {
@@ -52,14 +74,10 @@ pub(crate) fn fault(
             }
             is_pierced |= ((middle - origin) * scale).length_squared() < inside
                 && middle.z >= dome.base_height;
-            let (normal, sight) = ((c - a).cross(d - b), middle - eye);
-            let cosine = normal.dot(sight);
-            is_turned |= cosine < 0.0
-                && cosine * cosine
-                    > TURNED * TURNED * normal.length_squared() * sight.length_squared();
+            is_folded |= is_turned((c - a).cross(d - b), middle - eye);
         }
     }
-    if is_pierced { Some(Fault::Pierced) } else { is_turned.then_some(Fault::InsideOut) }
+    if is_pierced { Some(Fault::Pierced) } else { is_folded.then_some(Fault::InsideOut) }
 }
 
 #[cfg(test)]
@@ -80,6 +98,7 @@ mod tests {
                 |x: &[DVec3], first: usize| fault(&sheet, &dome, first, |i, j| x[j * n + i]);
             assert_eq!(fault_of(&sound, 0), None);
             assert_eq!(fault_of(&sound, n / 2), None);
+            assert!(!has_fold(&sheet, &sound));
             let mut broken = sound.clone();
             broken[middle].y = f64::NAN;
             assert_eq!(fault_of(&broken, 0), Some(Fault::NotFinite));
@@ -88,6 +107,12 @@ mod tests {
             let mut folded = sound.clone();
             folded[middle] = sound[middle + 3] + DVec3::new(0.0, 0.0, 0.5);
             assert_eq!(fault_of(&folded, 0), Some(Fault::InsideOut));
+            assert!(has_fold(&sheet, &folded));
+            // One corner of its cells over the diagonal, the cells not.
+            let mut dented = sound.clone();
+            dented[middle] = 0.45 * sound[middle] + 0.55 * sound[middle + n + 1];
+            dented[middle].z += 1e-3;
+            assert!(has_fold(&sheet, &dented));
             if t > 0.0 {
                 let mut pierced = sound.clone();
                 for k in [0, 1, n, n + 1] {

@@ -50,6 +50,7 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
         return findings;
     }
     let tolerance = problem.tolerance * dome.base_radius;
+    hold(&mut findings, "estimated error", solver.estimated_position_error(), problem.tolerance);
     hold(&mut findings, "depth in the dome, mm", depth_in_dome(solver), tolerance);
     let depth = x.iter().map(|x| -x.z).fold(0.0, f64::max);
     hold(&mut findings, "depth below the wall, mm", depth, tolerance);

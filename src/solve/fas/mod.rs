@@ -408,7 +408,7 @@ impl FullMultigrid {
         }
         let is_enough = match self.asked_cycles {
             Some(cycles) => self.cycles >= cycles,
-            None => self.error <= self.tolerance * self.base_radius,
+            None => self.has_room(),
         };
         // Where contact ends between nodes matters once the nodes are in place.
         let is_settled = match self.asked_cycles {
@@ -425,7 +425,7 @@ impl FullMultigrid {
                 return State::Working;
             }
         }
-        if is_enough {
+        if is_enough && (self.asked_cycles.is_some() || self.has_room()) {
             self.find_relative_residual();
             self.error += self.missed;
             let (least, most) = MOST_RESIDUAL;
@@ -439,6 +439,7 @@ impl FullMultigrid {
                 return State::Failed;
             }
         }
+        self.residual_squares = None;
         if self.asked_cycles.is_none()
             && (self.cycles >= MAX_CYCLES || self.slow_cycles >= MAX_SLOW)
         {
@@ -481,19 +482,27 @@ impl FullMultigrid {
         let level = &mut self.levels[l];
         let squares = level.find_residual(&self.law, Contact::OneSided);
         let greatest = level.find_lifts() * spacing / self.base_radius;
-        let missed = lift::missed(greatest);
+        self.missed = lift::missed(greatest) * self.base_radius;
         // A cycle more is not due for what the tolerance has room for.
-        let has_room = self.error + missed * self.base_radius <= self.tolerance * self.base_radius
-            && self.asked_cycles.is_none();
-        let share = if has_room { 0.0 } else { lift::share(greatest, self.tolerance) };
+        let share = if self.has_room() && self.asked_cycles.is_none() {
+            0.0
+        } else {
+            lift::share(greatest, self.tolerance)
+        };
+        let level = &mut self.levels[l];
         level.lift.iter_mut().for_each(|lift| *lift *= share as f32);
         self.count(l, 1.0);
         if share > 0.0 {
+            self.missed = 0.0;
             return true;
         }
-        self.missed = missed * self.base_radius;
         self.residual_squares = Some(squares);
         false
+    }
+
+    /// Has the tolerance room for the error, and for that of leaving lifts out?
+    fn has_room(&self) -> bool {
+        self.error + self.missed <= self.tolerance * self.base_radius
     }
 
     fn find_relative_residual(&mut self) {

@@ -5,7 +5,8 @@
 //! conjugate gradients with a truncated V-cycle move the others (cf. C. Gräser and R. Kornhuber,
 //! "Multigrid methods for obstacle problems", J. Comput. Math. 27(1), 2009). The model holds the
 //! dome's curvature under the pressing nodes. The step is put back onto the dome and shortened until
-//! the energy falls.
+//! the energy falls. Where the sheet is nearly slack the model is far too stiff: there the iteration
+//! goes on along a step, and across two of them, as long as the energy falls.
 
 mod contact;
 mod nested;
@@ -41,8 +42,21 @@ const CG_DROP: f64 = 0.3;
 const ROUND_SHARE: f64 = 0.1;
 /// Halvings of a step before the grid is given up.
 const MAX_HALVINGS: u32 = 12;
+/// A step that lowers the energy by more than this share of what its first part promised is less than
+/// half as long as it could be.
+const LEAST_FALL: f64 = 0.75;
+/// The first length that is tried of a step that was too short, and across two of them; and the length
+/// from which on none is.
+const LONGER: f64 = 2.0;
+const ACROSS: f64 = 1.5;
+const MOST_LENGTH: f64 = 64.0;
+/// The share of the way gone on after a step that still counts as error after each further iteration.
+const CALM: f64 = 0.5;
 /// The greatest share of a step that the next one is taken to leave.
-const MOST_RATE: f64 = 0.95;
+const MOST_RATE: f64 = 0.98;
+/// The least share, once a step was too short: the sheet is nearly slack somewhere, and one quick step
+/// in front of slow ones tells nothing.
+const SLACK_RATE: f64 = 0.8;
 /// Iterations for which the dome's curvature stays out of the model where it made it indefinite.
 const CARE: u32 = 4;
 /// The greatest relative residual before the last step and after it.
@@ -92,6 +106,12 @@ enum Phase {
         length: f64,
         halvings: u32,
     },
+    /// Goes on along a step for which the model was too stiff, or across the last two, from an energy.
+    Extend {
+        length: f64,
+        energy: f64,
+        is_across: bool,
+    },
     /// The next row of cells of the true Hessian.
     Stiffen {
         row: usize,
@@ -130,6 +150,9 @@ pub(crate) struct Newton {
     p: Vec<DVec3>,
     q: Vec<DVec3>,
     trial: Vec<DVec3>,
+    /// The shape before the last step but one, if there is one.
+    earlier: Vec<DVec3>,
+    has_earlier: bool,
     /// Residuals inside a V-cycle; zero at nodes that are not free.
     scratch: Vec<DVec3>,
     phase: Phase,
@@ -145,6 +168,10 @@ pub(crate) struct Newton {
     changed: usize,
     totals: Totals,
     last_step: f64,
+    /// How far the last iterations went on after their steps \[mm\], those before the last by less.
+    travelled: f64,
+    /// The greatest length of a step so far, in those of the model: how much too stiff it was.
+    stretch: f64,
     last_round: f64,
     pub(crate) relative_residual: f64,
     /// Estimated greatest node position error \[mm\].
@@ -179,6 +206,8 @@ impl Newton {
             p: vectors(),
             q: vectors(),
             trial: vectors(),
+            earlier: vectors(),
+            has_earlier: false,
             scratch: vectors(),
             free,
             sheet,
@@ -192,6 +221,8 @@ impl Newton {
             changed: 0,
             totals: Totals::default(),
             last_step: f64::INFINITY,
+            travelled: 0.0,
+            stretch: 1.0,
             last_round: 0.0,
             relative_residual: f64::INFINITY,
             error: f64::INFINITY,
@@ -211,7 +242,7 @@ impl Newton {
         self.iterations = 0;
         self.is_cautious = false;
         self.missed = 0.0;
-        self.last_step = f64::INFINITY;
+        self.forget_steps();
         self.error = f64::INFINITY;
         self.relative_residual = f64::INFINITY;
     }
@@ -226,6 +257,9 @@ impl Newton {
             Phase::Correct => self.correct(tolerance),
             Phase::Search { length, halvings } => {
                 return self.search(law, dome, tolerance, length, halvings);
+            }
+            Phase::Extend { length, energy, is_across } => {
+                self.extend(law, dome, (length, energy), is_across);
             }
             Phase::Stiffen { row, after } => self.stiffen(law, dome, row, after),
             Phase::Stability { step, after } => return self.probe(law, step, after),
@@ -537,19 +571,101 @@ impl Newton {
         self.moves += 1;
         self.is_cautious &= self.iterations < self.cautious_to;
         // Steps shrink at least geometrically: what is left is the sum of the next ones.
-        let rate = (largest / self.last_step).clamp(0.0, MOST_RATE);
+        let least_rate = if self.stretch > 1.0 { SLACK_RATE } else { 0.0 };
+        let rate = (largest / self.last_step).clamp(least_rate, MOST_RATE);
         self.error = if halvings == 0 && self.last_step.is_finite() {
-            largest * rate / (1.0 - rate) + self.last_round.min(largest)
+            self.stretch * largest * rate / (1.0 - rate)
+                + self.last_round.min(largest)
+                + self.travelled
         } else {
             f64::INFINITY
         };
         self.last_step = if halvings == 0 { largest } else { f64::INFINITY };
+        self.travelled *= CALM;
         self.phase = Phase::Linearize { row: 0 };
         // The residual is that before the step: a step that small may also be one that was held up.
         let is_balanced = self.relative_residual <= MOST_RESIDUAL;
         // One quick step proves little: where the sheet is nearly slack, slow ones may follow it.
         let is_near = self.error.max(largest) <= tolerance;
-        if is_near && is_balanced { State::Converged } else { State::Working }
+        if is_near && is_balanced {
+            return State::Converged;
+        }
+        if halvings > 0 {
+            self.has_earlier = false;
+        } else if self.totals.energy - energy > LEAST_FALL * expected && expected > 1e3 * noise {
+            self.phase = Phase::Extend { length: LONGER, energy, is_across: false };
+        } else {
+            self.go_across(energy);
+        }
+        State::Working
+    }
+
+    /// Tries the way from `trial` along `d` at a greater length than that taken; takes it if the energy
+    /// falls on.
+    fn extend(
+        &mut self,
+        law: &SheetLaw,
+        dome: &Dome,
+        (length, energy_before): (f64, f64),
+        is_across: bool,
+    ) {
+        self.work_units += ENERGY_UNITS;
+        self.phase = Phase::Linearize { row: 0 };
+        self.q.copy_from_slice(&self.trial);
+        let mut farthest = 0.0_f64;
+        for &k in &self.free {
+            let k = k as usize;
+            farthest = farthest.max(self.d[k].length_squared());
+            let mut to = self.trial[k] + self.d[k] * length;
+            if self.contact[k] & ON_DOME != 0 {
+                to = dome.onto_level(to, self.lift[k].abs());
+            }
+            self.q[k] = admissible(dome, to, self.lift[k].abs());
+        }
+        let energy = assemble::energy(&self.sheet, law, &self.q);
+        let falls = energy < energy_before;
+        if falls {
+            std::mem::swap(&mut self.x, &mut self.q);
+            self.moves += 1;
+            self.travelled = self.travelled.max((length - 1.0) * farthest.sqrt());
+            if !is_across {
+                self.stretch = self.stretch.max(length);
+            }
+        }
+        if falls && length < MOST_LENGTH {
+            self.phase = Phase::Extend { length: 2.0 * length - 1.0, energy, is_across };
+        } else if !is_across {
+            self.go_across(energy.min(energy_before));
+        }
+    }
+
+    /// Where steps were too short, goes on along the last two of them at once: of a step and the next
+    /// one the greater part undoes the other, what is left leads down the valley (B. V. Shah, R. J.
+    /// Buehler and O. Kempthorne, "Some algorithms for minimizing a function of several variables",
+    /// J. SIAM 12(1), 1964: parallel tangents).
+    fn go_across(&mut self, energy: f64) {
+        if self.stretch <= 1.0 {
+            return;
+        }
+        if self.has_earlier {
+            for &k in &self.free {
+                let k = k as usize;
+                self.d[k] = self.x[k] - self.earlier[k];
+            }
+            std::mem::swap(&mut self.trial, &mut self.earlier);
+            self.phase = Phase::Extend { length: ACROSS, energy, is_across: true };
+        } else {
+            self.earlier.copy_from_slice(&self.trial);
+        }
+        self.has_earlier = true;
+    }
+
+    /// Steps before this tell nothing about those to come.
+    fn forget_steps(&mut self) {
+        self.last_step = f64::INFINITY;
+        self.travelled = 0.0;
+        self.stretch = 1.0;
+        self.has_earlier = false;
     }
 
     /// Does the iteration again without the dome's curvature, and keeps to that for a while.
@@ -557,6 +673,7 @@ impl Newton {
         self.is_cautious = true;
         self.cautious_to = self.iterations + CARE;
         self.last_step = f64::INFINITY;
+        self.has_earlier = false;
         self.phase = Phase::Linearize { row: 0 };
     }
 
@@ -594,7 +711,7 @@ impl Newton {
         }
         self.moves += 1;
         self.phase = Phase::Linearize { row: 0 };
-        self.last_step = f64::INFINITY;
+        self.forget_steps();
         true
     }
 
@@ -615,6 +732,7 @@ impl Newton {
     pub(crate) fn fault(&self, dome: &Dome) -> Option<Fault> {
         let n = self.sheet.nodes_per_side();
         soundness::fault(&self.sheet, dome, 0, |i, j| self.x[j * n + i])
+            .or_else(|| soundness::has_fold(&self.sheet, &self.x).then_some(Fault::InsideOut))
     }
 
     /// Writes the shape, the nodes that touch on the dome itself, and where those stand that are lifted.
@@ -639,8 +757,15 @@ impl Newton {
     }
 
     /// Forces, contact and residual at the present shape, for what is measured; gives how the iteration
-    /// ended: a shape that stays where it is without a balance of forces is none to go by.
-    pub(crate) fn finish(&mut self, law: &SheetLaw, dome: &Dome, state: State) -> State {
+    /// ended, or that it goes on: a shape that stays where it is without a balance of forces is none to
+    /// go by. `tolerance` \[mm\].
+    pub(crate) fn finish(
+        &mut self,
+        law: &SheetLaw,
+        dome: &Dome,
+        tolerance: f64,
+        state: State,
+    ) -> State {
         self.work_units += 1.0;
         self.totals = assemble::forces(&self.sheet, law, &self.x, &mut self.forces);
         let touch = 1e-6 * dome.base_radius;
@@ -649,12 +774,14 @@ impl Newton {
             self.find_contact(dome, k, touch);
         }
         self.relative_residual = self.residual(law);
-        self.error += self.missed;
-        if state == State::Converged && self.relative_residual > MOST_RESIDUAL_LEFT {
-            self.error = f64::INFINITY;
-            return State::Stalled;
+        let has_room = self.error + self.missed <= tolerance;
+        let is_there = has_room && self.relative_residual <= MOST_RESIDUAL_LEFT;
+        if state == State::Converged && !is_there && self.missed < tolerance {
+            self.phase = Phase::Linearize { row: 0 };
+            return State::Working;
         }
-        state
+        self.error += self.missed;
+        if state == State::Converged && !is_there { State::Stalled } else { state }
     }
 }
 

@@ -93,13 +93,13 @@ impl NestedNewton {
                 if springs == Springs::Coupled && !std::mem::replace(&mut self.is_lifted, true) =>
             {
                 if !self.levels[last].find_lifts(dome, tolerance) {
-                    return self.levels[last].finish(law, dome, state);
+                    return self.levels[last].finish(law, dome, tolerance, state);
                 }
             }
             // Lifts are of the shape without them: where it cannot be had with them, it is taken as it was.
             State::Stalled if self.levels[last].drop_lifts(dome) => {}
             State::Stalled | State::Converged => {
-                return self.levels[last].finish(law, dome, state);
+                return self.levels[last].finish(law, dome, tolerance, state);
             }
         }
         State::Working
