@@ -19,6 +19,9 @@ pub enum Fault {
 /// How deep the middle of a cell may lie in the dome \[share of the dome's half axes\]: chords of a
 /// sphere lie this deep where they are 0.6 radii long.
 const PIERCED: f64 = 0.05;
+/// How far the highest node may lie below the dome's tip \[share of the projection, of the base
+/// radius\]: a tip between nodes 0.6 radii apart is 0.09 of the projection above them.
+const SUNK: (f64, f64) = (0.1, 0.01);
 /// How far a cell may face away from the skin's side \[cosine\].
 const TURNED: f64 = 0.3;
 /// The skin's side is where the sheet is seen to from this far below the pocket's centre
@@ -60,7 +63,7 @@ pub(crate) fn fault(
     let scale = DVec3::new(dome.base_radius, dome.base_radius, dome.projection).recip();
     let origin = dome.origin();
     let inside = (1.0 - PIERCED) * (1.0 - PIERCED);
-    let (mut is_pierced, mut is_folded) = (false, false);
+    let (mut is_pierced, mut is_folded, mut highest) = (false, false, 0.0_f64);
     for j in first..n - 1 {
         let (from, to) = sheet.row_spans()[j];
         for i in from.max(first)..to.min(n - 1) {
@@ -69,6 +72,7 @@ pub(crate) fn fault(
             }
             let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
             let middle = 0.25 * ((a + c) + (b + d));
+            highest = highest.max(a.z);
             if !middle.is_finite() {
                 return Some(Fault::NotFinite);
             }
@@ -77,6 +81,8 @@ pub(crate) fn fault(
             is_folded |= is_turned((c - a).cross(d - b), middle - eye);
         }
     }
+    let tip = dome.apex().z;
+    is_pierced |= tip - highest > (SUNK.0 * dome.projection).max(SUNK.1 * dome.base_radius);
     if is_pierced { Some(Fault::Pierced) } else { is_folded.then_some(Fault::InsideOut) }
 }
 
@@ -121,5 +127,18 @@ mod tests {
                 assert_eq!(fault_of(&pierced, 0), Some(Fault::Pierced));
             }
         }
+    }
+
+    #[test]
+    fn a_needle_that_a_node_slipped_off_sticks_out() {
+        let sheet = Sheet::new(33, 70.0);
+        let n = 33;
+        let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
+        let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+        let fault_of = |x: &[DVec3]| fault(&sheet, &dome, 0, |i, j| x[j * n + i]);
+        x[16 * n + 16] = dome.apex();
+        assert_eq!(fault_of(&x), None);
+        x[16 * n + 16] = DVec3::new(-2.5, 0.0, 0.0);
+        assert_eq!(fault_of(&x), Some(Fault::Pierced));
     }
 }
