@@ -21,7 +21,10 @@ pub use fields::{Field, Fields, Stack, fields};
 pub use layers::Layers;
 pub use surface::{Surfaces, surfaces};
 
-use crate::solve::{Fault, Method, Solver, Verdict};
+use crate::implant::Dome;
+use crate::sheet::Sheet;
+use crate::solve::{Fault, Method, Problem, Solver, Verdict};
+use crate::springs::Springs;
 use deformation::Summary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -238,7 +241,7 @@ pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome 
     }
     let summary = fields.deformation().summary(sheet, STRAIN_BANDS);
     outcome.measure_shape(solver, fields, &summary, area_before);
-    outcome.warn(&summary);
+    outcome.warn(problem, &summary);
     outcome
 }
 
@@ -316,7 +319,7 @@ impl Outcome {
         self.profile = profile::along_x(solver);
     }
 
-    fn warn(&mut self, summary: &Summary<{ STRAIN_BANDS.len() }>) {
+    fn warn(&mut self, problem: &Problem, summary: &Summary<{ STRAIN_BANDS.len() }>) {
         if self.status == Status::NotConverged {
             self.warnings.push(
                 "The solver stopped above the tolerance: read the figures with the estimated \
@@ -330,6 +333,21 @@ impl Outcome {
                 layer.tissue
             ));
         }
+        let Problem { sheet, dome, springs, .. } = problem;
+        if let Some(part) = unresolved_part(sheet, dome) {
+            self.warnings.push(format!(
+                "The grid is coarse for {part}: nodes lie {:.2} mm apart. Strain, stress, pressure and \
+                 force there are rough; take more nodes a side.",
+                sheet.spacing_mm()
+            ));
+        }
+        if *springs == Springs::Nikolaev && summary.greatest > UNEVEN_STRAIN {
+            self.warnings.push(
+                "The paper's springs have no even shape at large strains: what they show instead \
+                 depends on the grid. The coupled springs do not."
+                    .to_owned(),
+            );
+        }
         if summary.least < -SLACK_STRAIN {
             self.warnings.push(
                 "Part of the sheet is compressed: real tissue may wrinkle there, which a sheet \
@@ -337,6 +355,30 @@ impl Outcome {
                     .to_owned(),
             );
         }
+    }
+}
+
+/// Cells across a radius of curvature from which on it counts as resolved.
+const LEAST_CELLS: f64 = 2.0;
+/// The least strain at which an even stretch of the paper's springs was found unstable (adipose, ν 0.5).
+const UNEVEN_STRAIN: f64 = 0.1;
+
+/// What of the implant is too small for the grid, if anything is.
+fn unresolved_part(sheet: &Sheet, dome: &Dome) -> Option<&'static str> {
+    let least = LEAST_CELLS * sheet.spacing_mm();
+    let (radius, projection) = (dome.base_radius, dome.projection);
+    let is_fully_in = dome.base_height >= 0.0;
+    let room = sheet.radius_mm() - dome.center.length() - radius;
+    if dome.apex().z <= 0.0 {
+        None
+    } else if radius * radius / projection < least {
+        Some("the implant's tip")
+    } else if dome.wall_radius() < least {
+        Some("the part of the implant that is in")
+    } else if is_fully_in && projection * projection / radius < least && room < least {
+        Some("the implant's rim")
+    } else {
+        None
     }
 }
 

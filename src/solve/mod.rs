@@ -242,9 +242,10 @@ impl Solver {
         match self.options.method {
             Method::Automatic if self.error_at_rest() <= REST_SHARE * self.problem.tolerance => {
                 self.stage = Stage::Rest;
-                let Problem { sheet, dome, .. } = &self.problem;
+                let Problem { sheet, dome, tolerance, .. } = &self.problem;
                 let (n, rest) = (sheet.nodes_per_side(), sheet.rest());
-                self.fault = soundness::fault(sheet, dome, 0, |i, j| rest[j * n + i].extend(0.0));
+                let at = |i: usize, j: usize| rest[j * n + i].extend(0.0);
+                self.fault = soundness::fault(sheet, dome, *tolerance, 0, at);
                 self.x = at_rest(sheet);
                 self.lifted.clear();
                 self.moves += 1;
@@ -282,12 +283,10 @@ impl Solver {
     }
 
     /// How far the sheet at rest is from the grid's equilibrium at most, relative to the base radius \[-\]:
-    /// no node comes to lie above the dome's apex; none moves where the dome touches none.
+    /// no node comes to lie above the dome's apex.
     fn error_at_rest(&self) -> f64 {
-        let Problem { sheet, dome, .. } = &self.problem;
-        let is_touched = dome.wall_radius() > sheet.spacing_mm()
-            || sheet.rest().iter().any(|p| dome.contains(p.extend(0.0)));
-        if is_touched { dome.apex().z.max(0.0) / dome.base_radius } else { 0.0 }
+        let dome = &self.problem.dome;
+        dome.apex().z.max(0.0) / dome.base_radius
     }
 
     fn start_newton(&mut self) {
@@ -394,7 +393,7 @@ impl Solver {
         let tolerance = self.problem.tolerance * dome.base_radius;
         let state = newton.step(self.problem.springs, &self.law, dome, tolerance);
         if newton.is_on_finest() && newton.finest().moves != moves {
-            self.fault = newton.finest().fault(dome);
+            self.fault = newton.finest().fault(dome, self.problem.tolerance);
             if self.fault.is_none() {
                 newton.finest().write_positions(dome, &mut self.x, &mut self.lifted);
                 self.moves += 1;

@@ -22,6 +22,8 @@ const PIERCED: f64 = 0.05;
 /// How far the highest node may lie below the dome's tip \[share of the projection, of the base
 /// radius\]: a tip between nodes 0.6 radii apart is 0.09 of the projection above them.
 const SUNK: (f64, f64) = (0.1, 0.01);
+/// A cap that no node touches is nothing to speak of up to this height \[share of the base radius\].
+const SEEN: f64 = 1e-3;
 /// How far a cell may face away from the skin's side \[cosine\].
 const TURNED: f64 = 0.3;
 /// The skin's side is where the sheet is seen to from this far below the pocket's centre
@@ -51,10 +53,12 @@ pub(crate) fn has_fold(sheet: &Sheet, x: &[DVec3]) -> bool {
 }
 
 /// The gravest fault of a shape, if it has one. `at` gives the place \[mm\] of the node of a column and
-/// row, from the column and row `first` on: a mirrored shape need be seen but once.
+/// row, from the column and row `first` on: a mirrored shape need be seen but once. `tolerance` is that of a
+/// node's place, relative to the base radius.
 pub(crate) fn fault(
     sheet: &Sheet,
     dome: &Dome,
+    tolerance: f64,
     first: usize,
     at: impl Fn(usize, usize) -> DVec3,
 ) -> Option<Fault> {
@@ -82,7 +86,10 @@ pub(crate) fn fault(
         }
     }
     let tip = dome.apex().z;
-    is_pierced |= tip - highest > (SUNK.0 * dome.projection).max(SUNK.1 * dome.base_radius);
+    let (sunk, radius) = (tip - highest, dome.base_radius);
+    is_pierced |= sunk > (SUNK.0 * dome.projection).max(SUNK.1 * radius);
+    // A cap so small that it lies between the nodes.
+    is_pierced |= sunk > (0.5 * tip).max(tolerance.max(SEEN) * radius);
     if is_pierced { Some(Fault::Pierced) } else { is_folded.then_some(Fault::InsideOut) }
 }
 
@@ -101,7 +108,7 @@ mod tests {
             let dome = Dome::new(center, 55.0, 40.0, t);
             let sound = guess::tight_string(&sheet, &dome);
             let fault_of =
-                |x: &[DVec3], first: usize| fault(&sheet, &dome, first, |i, j| x[j * n + i]);
+                |x: &[DVec3], first: usize| fault(&sheet, &dome, 1e-4, first, |i, j| x[j * n + i]);
             assert_eq!(fault_of(&sound, 0), None);
             assert_eq!(fault_of(&sound, n / 2), None);
             assert!(!has_fold(&sheet, &sound));
@@ -135,7 +142,7 @@ mod tests {
         let n = 33;
         let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
         let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
-        let fault_of = |x: &[DVec3]| fault(&sheet, &dome, 0, |i, j| x[j * n + i]);
+        let fault_of = |x: &[DVec3]| fault(&sheet, &dome, 1e-4, 0, |i, j| x[j * n + i]);
         x[16 * n + 16] = dome.apex();
         assert_eq!(fault_of(&x), None);
         x[16 * n + 16] = DVec3::new(-2.5, 0.0, 0.0);

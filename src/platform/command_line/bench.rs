@@ -19,9 +19,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let folder = &arguments.out_dir;
-    if folder.exists() && !folder.is_dir() {
-        return Err(output::refuse(folder, "is a file; allowed: a folder"));
-    }
+    output::make_folder(folder)?;
     let plan = if arguments.quick { Plan::quick() } else { Plan::full() };
     let mut study = Study::new(plan, Some(axisymmetric));
     let start = Instant::now();
@@ -33,8 +31,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
         rows.extend(more);
     }
     let picture = draw(&rows, Case::Default).map_err(|error| output::refuse(folder, error))?;
-    std::fs::create_dir_all(folder)
-        .map_err(|error| output::refuse(folder, format!("cannot be made: {error}")))?;
     output::write_all(&[
         File::new(&folder.join("work_precision.csv"), table(&rows)),
         File::new(&folder.join("work_precision.svg"), picture),

@@ -33,9 +33,7 @@ struct Pulled {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let folder = &arguments.out_dir;
-    if folder.exists() && !folder.is_dir() {
-        return Err(output::refuse(folder, "is a file; allowed: a folder"));
-    }
+    output::make_folder(folder)?;
     let pulled = pull_all()?;
     let mut files = Vec::new();
     for (k, (tissue, kind)) in [
@@ -60,8 +58,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let (csv, markdown) = poisson_errors(&pulled);
     files.push(File::new(&folder.join("poisson_error.csv"), csv));
     files.push(File::new(&folder.join("poisson_error.md"), markdown));
-    std::fs::create_dir_all(folder)
-        .map_err(|error| output::refuse(folder, format!("cannot be made: {error}")))?;
     output::write_all(&files)?;
     Ok(Answer::Converged)
 }

@@ -59,6 +59,23 @@ pub(super) fn check_place(path: &Path) -> Result<(), Refused> {
     Ok(())
 }
 
+/// Makes a folder for outputs, before anything is computed.
+pub(super) fn make_folder(folder: &Path) -> Result<(), Refused> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(refuse(folder, "is a file; allowed: a folder"));
+    }
+    fs::create_dir_all(folder).map_err(|error| refuse(folder, format!("cannot be made: {error}")))
+}
+
+/// Do two names mean the same file, or both standard output?
+pub(super) fn is_same_place(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| match path.canonicalize() {
+        Ok(found) => Some(found),
+        Err(_) => Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?)),
+    };
+    a == b || !is_standard(a) && !is_standard(b) && place(a) == place(b)
+}
+
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
@@ -67,14 +84,21 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Writes all files or none: first under temporary names, then renamed. `-` is written last.
+/// Writes all files or none: first under temporary names, then renamed. What is no regular file (a
+/// device, a pipe) cannot be replaced: it is written straight, after those. `-` is written last.
 pub(super) fn write_all(files: &[File]) -> Result<(), Refused> {
-    let mut waiting: Vec<(PathBuf, &Path)> = Vec::new();
+    let mut waiting: Vec<(PathBuf, PathBuf)> = Vec::new();
     let mut problem = None;
-    for (index, file) in files.iter().enumerate().filter(|(_, file)| !is_standard(&file.path)) {
+    let is_special = |file: &File| {
+        !is_standard(&file.path) && fs::metadata(&file.path).is_ok_and(|found| !found.is_file())
+    };
+    let is_regular = |file: &File| !is_standard(&file.path) && !is_special(file);
+    for (index, file) in files.iter().enumerate().filter(|(_, file)| is_regular(file)) {
+        // The file that a link leads to, not the link.
+        let path = file.path.canonicalize().unwrap_or_else(|_| file.path.clone());
         let name = format!(".implant-preview-{}-{index}.part", std::process::id());
-        let temporary = folder_of(&file.path).join(name);
-        waiting.push((temporary.clone(), &file.path));
+        let temporary = folder_of(&path).join(name);
+        waiting.push((temporary.clone(), path));
         if let Err(error) = write_durably(&temporary, &file.content) {
             problem = Some(refuse(&file.path, format!("cannot be written: {error}")));
             break;
@@ -93,6 +117,12 @@ pub(super) fn write_all(files: &[File]) -> Result<(), Refused> {
     }
     if let Some(problem) = problem {
         return Err(problem);
+    }
+    for file in files.iter().filter(|file| is_special(file)) {
+        let written = fs::OpenOptions::new().write(true).open(&file.path);
+        written
+            .and_then(|mut place| place.write_all(&file.content))
+            .map_err(|error| refuse(&file.path, format!("cannot be written: {error}")))?;
     }
     files.iter().filter(|file| is_standard(&file.path)).try_for_each(|file| print(&file.content))
 }

@@ -57,7 +57,7 @@ fn check_places(arguments: &Arguments) -> Result<(), Refused> {
             .collect();
     for (k, path) in outputs.iter().enumerate() {
         output::check_place(path)?;
-        if outputs[..k].contains(path) {
+        if outputs[..k].iter().any(|other| output::is_same_place(other, path)) {
             return Err(output::refuse(path, "is named for two outputs; allowed: one each"));
         }
         let is_input = |scene: &PathBuf| {
@@ -116,8 +116,9 @@ fn outputs(
             match surface {
                 Some(surface) => files.push(File::new(path, format.encode(surface))),
                 None => output::remark(&format!(
-                    "{}: not written; the springs have no stable shape",
-                    path.display()
+                    "{}: not written: {}",
+                    path.display(),
+                    outcome.warnings.first().map_or("there is no shape", String::as_str)
                 )),
             }
         }

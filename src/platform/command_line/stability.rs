@@ -44,9 +44,7 @@ struct Mapped {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let folder = &arguments.out_dir;
-    if folder.exists() && !folder.is_dir() {
-        return Err(output::refuse(folder, "is a file; allowed: a folder"));
-    }
+    output::make_folder(folder)?;
     let steps = |count: u32, end: f64| -> Vec<f64> {
         (0..=count).map(|k| end * f64::from(k) / f64::from(count)).collect()
     };
@@ -71,8 +69,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
         let picture = draw(&map).map_err(|error| output::refuse(folder, error))?;
         files.push(File::new(&folder.join(format!("stability-{curve}.svg")), picture));
     }
-    std::fs::create_dir_all(folder)
-        .map_err(|error| output::refuse(folder, format!("cannot be made: {error}")))?;
     output::write_all(&files)?;
     Ok(Answer::Converged)
 }

@@ -30,6 +30,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     if !(limits::NODES_PER_SIDE.0..=MOST_NODES).contains(&most_nodes) {
         return Err(Refused(format!("--most-nodes is {most_nodes}; allowed: 17 to {MOST_NODES}")));
     }
+    if cases == 0 {
+        return Err(Refused("--cases is 0; allowed: 1 or more".to_owned()));
+    }
     output::check_place(out)?;
     let cases: Vec<Case> =
         (0..cases).into_par_iter().map(|case| run_case(seed, case, most_nodes)).collect();

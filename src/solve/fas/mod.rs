@@ -547,7 +547,7 @@ impl FullMultigrid {
         let stored = n / 2 - layout.center();
         let first = if layout.is_mirrored { n / 2 } else { 0 };
         let rest = problem.sheet.rest();
-        soundness::fault(&problem.sheet, &problem.dome, first, |i, j| {
+        soundness::fault(&problem.sheet, &problem.dome, problem.tolerance, first, |i, j| {
             let moved = u.at((j - stored) * layout.pitch + i - stored).map(f64::from);
             rest[j * n + i].extend(0.0) + DVec3::from(moved) * self.spacing
         })

@@ -728,10 +728,10 @@ impl Newton {
         true
     }
 
-    /// What is wrong with the shape, if anything is.
-    pub(crate) fn fault(&self, dome: &Dome) -> Option<Fault> {
+    /// What is wrong with the shape, if anything is. `tolerance` relative to the base radius.
+    pub(crate) fn fault(&self, dome: &Dome, tolerance: f64) -> Option<Fault> {
         let n = self.sheet.nodes_per_side();
-        soundness::fault(&self.sheet, dome, 0, |i, j| self.x[j * n + i])
+        soundness::fault(&self.sheet, dome, tolerance, 0, |i, j| self.x[j * n + i])
             .or_else(|| soundness::has_fold(&self.sheet, &self.x).then_some(Fault::InsideOut))
     }
 
