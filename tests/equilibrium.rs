@@ -361,3 +361,53 @@ fn a_flat_sheet_stays_flat() {
     assert!(outcome.contact_force_n.unwrap().abs() < 1e-12);
     assert!(outcome.contact_pressure_kpa.is_none() && outcome.contact_angle_deg.is_none());
 }
+
+fn outcome_of(scene: &Value) -> Outcome {
+    simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap()
+}
+
+#[test]
+fn the_contact_angle_of_a_coarse_grid_lies_between_its_nodes() {
+    let angle = |nodes: usize| {
+        let scene = json!({ "implant": { "base_radius_mm": 55 }, "pocket_radius_mm": 56,
+            "layers": [{ "tissue": "skin", "thickness_mm": 2, "poisson_ratio": 0.3,
+                "curve": { "kind": "linear", "modulus_kpa": 100 } }],
+            "solver": { "nodes_per_side": nodes } });
+        outcome_of(&scene).contact_angle_deg.unwrap()
+    };
+    // A cell of 33 nodes a side is 3.6° wide; the fit alone had given 90°.
+    assert!((angle(33) - angle(257)).abs() < 1.8);
+    assert!((angle(65) - angle(257)).abs() < 0.1);
+}
+
+#[test]
+fn a_cap_between_nodes_is_no_equilibrium() {
+    for (base_radius, projection, center, insertion, nodes) in
+        [(10, 10, [12.5, 0.0], 1.0, 17), (10, 120, [1.5625, 0.0], 0.012, 129)]
+    {
+        let outcome = outcome_of(&json!({ "implant": { "base_radius_mm": base_radius,
+            "projection_mm": projection, "center_mm": center }, "pocket_radius_mm": 200,
+            "insertion": insertion, "solver": { "nodes_per_side": nodes } }));
+        assert_eq!(outcome.status, Status::Unstable);
+        assert!(outcome.warnings[0].contains("sticks out"), "{:?}", outcome.warnings);
+    }
+}
+
+#[test]
+fn a_result_warns_where_the_grid_is_coarse() {
+    for (implant, pocket, insertion, part) in [
+        (json!({ "base_radius_mm": 55 }), 70, 1.0, None),
+        (json!({ "base_radius_mm": 10, "projection_mm": 120 }), 200, 1.0, Some("tip")),
+        (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 120, 1.0, Some("rim")),
+        (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 200, 1.0, None),
+        (json!({ "base_radius_mm": 55 }), 70, 1e-3, Some("part of the implant that is in")),
+    ] {
+        let outcome = outcome_of(&json!({ "implant": implant, "pocket_radius_mm": pocket,
+            "insertion": insertion, "solver": { "nodes_per_side": 65, "tolerance": 1e-3 } }));
+        let warning = outcome.warnings.iter().find(|warning| warning.contains("coarse for"));
+        match part {
+            Some(part) => assert!(warning.unwrap().contains(part), "{warning:?}"),
+            None => assert_eq!(warning, None),
+        }
+    }
+}

@@ -143,26 +143,40 @@ impl Contact {
             return Some(wall);
         }
         let (mut for_angle, mut for_radius) = (Fit::default(), Fit::default());
+        // Nodes that touch lie inside of the edge, the others outside.
+        let (mut inner, mut outer) = (0.0_f64, wall.angle);
         for k in 0..sheet.len() {
+            if sheet.kinds()[k] != NodeKind::Free {
+                continue;
+            }
             let s = sheet.rest()[k].length();
-            if sheet.kinds()[k] != NodeKind::Free
-                || self.touches(k)
-                || !(reach + EDGE_BAND.0 * h..=reach + EDGE_BAND.1 * h).contains(&s)
-            {
+            let from_origin = x[k] - dome.origin();
+            let angle = from_origin.truncate().length().atan2(from_origin.z);
+            if self.touches(k) {
+                inner = inner.max(angle);
+                continue;
+            }
+            if s > reach {
+                outer = outer.min(angle);
+            }
+            if !(reach + EDGE_BAND.0 * h..=reach + EDGE_BAND.1 * h).contains(&s) {
                 continue;
             }
             let gap = dome.closest_point(x[k]).0.max(0.0);
-            let from_origin = x[k] - dome.origin();
-            let angle = from_origin.truncate().length().atan2(from_origin.z);
             for_angle.add(gap.sqrt(), angle);
             for_radius.add(gap.sqrt(), s);
         }
         match (for_angle.at_zero(), for_radius.at_zero()) {
-            (Some(angle), Some(radius)) => Some(Edge {
-                angle: angle.clamp(0.0, wall.angle),
-                material_radius: radius.clamp(0.0, wall.material_radius),
-            }),
-            _ => Some(Edge { angle: wall.angle, material_radius: reach }),
+            (Some(angle), Some(radius)) => {
+                let cell = h / dome.base_radius;
+                Some(Edge {
+                    angle: angle
+                        .clamp(inner.min(outer) - cell, inner.max(outer) + cell)
+                        .clamp(0.0, wall.angle),
+                    material_radius: radius.clamp(reach - h, reach + 2.0 * h),
+                })
+            }
+            _ => Some(Edge { angle: inner.min(wall.angle), material_radius: reach }),
         }
     }
 }
