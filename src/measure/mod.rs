@@ -72,7 +72,7 @@ pub struct Outcome {
     pub contact_pressure_kpa: Option<Pressure>,
     /// Contact pressure \[mmHg\].
     pub contact_pressure_mmhg: Option<Pressure>,
-    /// Height of the sheet's highest point above the wall \[mm\].
+    /// Height of the implant's tip above the wall, over which the sheet is highest \[mm\].
     pub projection_mm: Option<f64>,
     /// Height of the outer skin surface's highest point above the wall \[mm\].
     pub skin_projection_mm: Option<f64>,

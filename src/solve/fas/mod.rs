@@ -69,7 +69,7 @@ const MAX_SLOW: u32 = 3;
 const SWING: f64 = -0.25;
 /// The relative residual that a solution may have, in tolerances and within bounds, and how often the
 /// scheme may come to rest above it: smooth errors of the tolerance leave about one tolerance.
-const RESIDUAL_TOLERANCES: f64 = 10.0;
+const RESIDUAL_TOLERANCES: f64 = 3.0;
 const MOST_RESIDUAL: (f64, f64) = (3e-4, 5e-3);
 const MAX_DOUBTS: u32 = 2;
 /// A coarse node is held on the dome if the fine nodes around it are, by this share of their weight.
