@@ -103,19 +103,13 @@ async fn rest() {
 #[wasm_bindgen_test]
 async fn random_scenes_end_soundly() {
     use implant_preview::experiment::stress::{Ending, run};
-    // The estimated error may be some times too small where a dome is far from any real one: two ways
-    // to such a shape end apart by more than both promised.
-    let is_estimate = |check: &str| check.ends_with("ends elsewhere, mm");
-    let mut failed = Vec::new();
+    // A defect that is known: on a needle (3.4 times as high as wide) multigrid's estimated error is too
+    // small here, natively not.
+    const KNOWN: (u64, &str) = (307, "Newton's method ends elsewhere, mm");
     for number in 0..500 {
         let case = run(5, number, 25);
-        if case.ending == Ending::Failed {
-            assert!(case.findings.iter().all(|finding| is_estimate(finding.check)), "{case:?}");
-            let implant = &case.scene.implant;
-            assert!(implant.projection_mm > 1.2 * implant.base_radius_mm, "{case:?}");
-            failed.push(case);
-        }
+        let is_known = number == KNOWN.0 && case.findings.iter().all(|f| f.check == KNOWN.1);
+        assert!(case.ending != Ending::Failed || is_known, "{case:?}");
         rest().await;
     }
-    assert!(failed.len() <= 1, "{failed:?}");
 }

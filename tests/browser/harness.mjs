@@ -151,7 +151,7 @@ export async function colours(page) {
   });
 }
 
-/** How many pixels of two pictures of one size are of another colour; one of rounding is the same. */
+/** How many pixels of two pictures of one size differ by more than 4 of 255 in a channel (rounding). */
 export function difference(page, a, b) {
   return withPixels(page, [a, b], (x, y) => {
     if (x.length !== y.length) return Infinity;

@@ -182,6 +182,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
     const change = async (name, act) => {
       await act();
       const now = await picture(page);
+      assert.ok(seen.every((before) => !before.equals(now)), `${name} does not show`);
       const pixels = await harness.difference(page, seen.at(-1), now);
       assert.ok(pixels > 100, `${name} does not show: ${pixels} pixels`);
       seen.push(now);

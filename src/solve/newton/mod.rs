@@ -541,12 +541,7 @@ impl Newton {
         let (mut largest, mut expected) = (0.0_f64, 0.0);
         for &k in &self.free {
             let k = k as usize;
-            let mut to = self.x[k] + self.d[k] * length;
-            // A pressing node stays on the dome: its tangent step leads off the surface.
-            if self.contact[k] & ON_DOME != 0 && halvings == 0 {
-                to = dome.onto_level(to, self.lift[k].abs());
-            }
-            to = admissible(dome, to, self.lift[k].abs());
+            let to = self.place(dome, k, self.x[k] + self.d[k] * length, halvings == 0);
             let moved = to - self.x[k];
             largest = largest.max(moved.length_squared());
             expected += moved.dot(self.forces[k]);
@@ -600,6 +595,14 @@ impl Newton {
         State::Working
     }
 
+    /// Where the node k comes to lie that would go to a place; held on the dome if it presses: its tangent
+    /// step leads off the surface.
+    fn place(&self, dome: &Dome, k: usize, to: DVec3, is_held: bool) -> DVec3 {
+        let lift = self.lift[k].abs();
+        let is_held = is_held && self.contact[k] & ON_DOME != 0;
+        admissible(dome, if is_held { dome.onto_level(to, lift) } else { to }, lift)
+    }
+
     /// Tries the way from `trial` along `d` at a greater length than that taken; takes it if the energy
     /// falls on.
     fn extend(
@@ -616,11 +619,7 @@ impl Newton {
         for &k in &self.free {
             let k = k as usize;
             farthest = farthest.max(self.d[k].length_squared());
-            let mut to = self.trial[k] + self.d[k] * length;
-            if self.contact[k] & ON_DOME != 0 {
-                to = dome.onto_level(to, self.lift[k].abs());
-            }
-            self.q[k] = admissible(dome, to, self.lift[k].abs());
+            self.q[k] = self.place(dome, k, self.trial[k] + self.d[k] * length, true);
         }
         let energy = assemble::energy(&self.sheet, law, &self.q);
         let falls = energy < energy_before;
