@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 17] = [
+const ONCE_FAILED: [(&str, &str, Ending); 23] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -71,6 +71,36 @@ const ONCE_FAILED: [(&str, &str, Ending); 17] = [
     (
         "a corner folded under the paper's springs",
         include_str!("stress/corner-folded.json"),
+        Ending::Converged,
+    ),
+    (
+        "a slack sheet that lies still on its way to a fold",
+        include_str!("stress/still-on-the-way-to-a-fold.json"),
+        Ending::Converged,
+    ),
+    (
+        "a needle for which the model without its curvature is far too stiff",
+        include_str!("stress/stiff-model-on-a-needle.json"),
+        Ending::Converged,
+    ),
+    (
+        "a node that would slide off a needle's tip",
+        include_str!("stress/node-that-would-slide-off.json"),
+        Ending::Pierced,
+    ),
+    (
+        "steps that lead uphill",
+        include_str!("stress/steps-that-lead-uphill.json"),
+        Ending::Converged,
+    ),
+    (
+        "a sheet that slides off a needle to either side",
+        include_str!("stress/slides-off-to-either-side.json"),
+        Ending::Several,
+    ),
+    (
+        "breaks of a curve close to zero under the paper's springs",
+        include_str!("stress/breaks-close-to-zero.json"),
         Ending::Converged,
     ),
 ];

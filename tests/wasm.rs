@@ -103,13 +103,9 @@ async fn rest() {
 #[wasm_bindgen_test]
 async fn random_scenes_end_soundly() {
     use implant_preview::experiment::stress::{Ending, run};
-    // A defect that is known: on a needle (3.4 times as high as wide) multigrid's estimated error is too
-    // small here, natively not.
-    const KNOWN: (u64, &str) = (307, "Newton's method ends elsewhere, mm");
     for number in 0..500 {
         let case = run(5, number, 25);
-        let is_known = number == KNOWN.0 && case.findings.iter().all(|f| f.check == KNOWN.1);
-        assert!(case.ending != Ending::Failed || is_known, "{case:?}");
+        assert!(case.ending != Ending::Failed, "{case:?}");
         rest().await;
     }
 }

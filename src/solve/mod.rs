@@ -403,6 +403,11 @@ impl Solver {
         match (state, self.fault) {
             (State::Working, _) => {}
             (State::Unstable, _) | (_, Some(Fault::Pierced)) => self.end(Verdict::Unstable),
+            // Once it has slid off, the dome sticks out.
+            (State::Saddle, _) => {
+                self.fault = Some(Fault::Pierced);
+                self.end(Verdict::Unstable);
+            }
             (State::Converged, None) => self.end(Verdict::Converged),
             (State::Converged | State::Stalled, _) => self.end(Verdict::NotConverged),
         }

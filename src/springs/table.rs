@@ -75,9 +75,13 @@ impl Table {
             while next_break < breaks.len() && breaks[next_break] <= low + 1e-6 * width {
                 next_break += 1;
             }
-            let bend = match breaks.get(next_break) {
-                Some(&at) if at < high - 1e-6 * width => at,
-                _ => 0.5 * (low + high),
+            let is_inside = |at: f64| (low + 1e-6 * width..high - 1e-6 * width).contains(&at);
+            // Where several breaks share a bucket, zero comes first: a sheet at rest pulls at nothing.
+            let bend = if is_inside(0.0) {
+                0.0
+            } else {
+                let next = breaks.get(next_break).copied();
+                next.filter(|&at| is_inside(at)).unwrap_or(0.5 * (low + high))
             };
             let (at_bend, at_high) = (f(bend), f(high));
             let before = (at_bend - value) / (bend - low);
@@ -219,6 +223,13 @@ mod tests {
         let table = Table::new(f, (-1.0, 1.0), &[0.3001], Weight::One);
         assert!(table.relative_error() < 1e-12);
         assert!((table.value_and_slope(0.3002).1 - 50.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn breaks_close_to_zero_leave_nothing_at_zero() {
+        let f = |x: f64| if x.abs() < 1e-5 { 1e3 * x } else { x + 999e-5 * x.signum() };
+        let table = Table::new(f, (-1.0, 2.0), &[-1e-5, 0.0, 1e-5], Weight::One);
+        assert!(table.value(0.0).abs() < 1e-15, "{:e}", table.value(0.0));
     }
 
     #[test]

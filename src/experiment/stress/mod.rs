@@ -22,6 +22,9 @@ const MOST_NODES_TWICE: usize = 129;
 const SESSION_EVERY: u64 = 10;
 /// How far two ways to one shape may end from each other \[tolerances\]: each is within one, by estimate.
 const WAYS: f64 = 4.0;
+/// Two ways that end farther apart have found two equilibria if each ends where it did for this share of
+/// the tolerance.
+const PROOF: f64 = 1e-2;
 
 /// How the solve of a scene ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -29,6 +32,10 @@ const WAYS: f64 = 4.0;
 pub enum Ending {
     /// Within the tolerance, and every check holds.
     Converged,
+    /// As [`Self::Converged`], to one of several equilibria: another way leads to another one, as is
+    /// proven by tighter tolerances. Slack sheets fold one way or the other, frictionless ones slide off
+    /// a needle to any side.
+    Several,
     /// Said to be above the tolerance.
     NotConverged,
     /// Said to have no stable shape: the paper's springs.
@@ -112,18 +119,20 @@ pub fn examine(scene: Scene) -> Case {
         };
     };
     let mut findings = check::check(&solver);
+    let mut is_one_of_several = false;
     if solver.verdict() == Verdict::Converged
         && scene.springs == Springs::Coupled
         && solver.problem().sheet.nodes_per_side() <= MOST_NODES_TWICE
         && solver.work_units() > 0.0
     {
-        find_other_ways(&scene, &solver, &mut findings);
+        is_one_of_several = find_other_ways(&scene, &solver, &mut findings);
     }
     let error = solver.estimated_position_error();
     Case {
         case: 0,
         ending: match (findings.is_empty(), solver.verdict()) {
             (false, _) => Ending::Failed,
+            (_, Verdict::Converged) if is_one_of_several => Ending::Several,
             (_, Verdict::Converged) => Ending::Converged,
             (_, Verdict::NotConverged) => Ending::NotConverged,
             (_, Verdict::Unstable) if solver.fault() == Some(Fault::Pierced) => Ending::Pierced,
@@ -140,39 +149,68 @@ pub fn examine(scene: Scene) -> Case {
 
 /// Solves a scene to the end; `None` if it is refused.
 fn solve(scene: &Scene, options: Options) -> Option<Solver> {
-    let mut solver = Solver::with_options(scene.problem().ok()?, options);
+    solve_to(scene, options, 1.0)
+}
+
+/// The same to a share of its tolerance.
+fn solve_to(scene: &Scene, options: Options, share: f64) -> Option<Solver> {
+    let mut problem = scene.problem().ok()?;
+    problem.tolerance *= share;
+    let mut solver = Solver::with_options(problem, options);
     solver.advance(&mut || false);
     Some(solver)
 }
 
-/// The same shape by another method and of the mirrored scene.
-fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) {
+/// Looks for the same shape by another method and of the mirrored scene; true if they prove that the scene has
+/// several.
+fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> bool {
+    let tolerance = WAYS * solver.problem().tolerance * scene.implant.base_radius_mm;
     // Where a node just touches or just does not, so does its lift.
     let lift = solver.lifted().iter().map(|&(k, place)| place.distance(solver.positions()[k]));
-    let allowed =
-        WAYS * solver.problem().tolerance * scene.implant.base_radius_mm + lift.fold(0.0, f64::max);
-    let mut compare = |check, x: &[DVec3]| {
-        hold(findings, check, distance(solver.positions(), x), allowed);
+    let allowed = tolerance + lift.fold(0.0, f64::max);
+    // Does the same way end in the same place for a far smaller tolerance?
+    let is_proven = |scene: &Scene, options: Options, ended: &Solver| {
+        solve_to(scene, options, PROOF).is_some_and(|proof| {
+            proof.verdict() == Verdict::Converged
+                && distance(proof.positions(), ended.positions()) <= tolerance
+        })
     };
     let whole = Options { use_symmetry: false, ..Options::default() };
-    let other = solve(scene, Options { method: Method::Newton, ..whole });
-    if let Some(other) = other.filter(|other| other.verdict() == Verdict::Converged) {
-        compare("Newton's method ends elsewhere, mm", other.positions());
-    }
+    let newton = Options { method: Method::Newton, ..whole };
     // Mirrored about the diagonal; a centred dome is then the same scene, solved on the whole sheet.
     let mut mirrored = scene.clone();
     mirrored.implant.center_mm.reverse();
     let n = solver.problem().sheet.nodes_per_side();
-    let other = solve(&mirrored, whole);
-    if let Some(other) = other.filter(|other| other.verdict() == Verdict::Converged) {
-        let back: Vec<DVec3> = (0..n * n)
-            .map(|k| {
-                let x = other.positions()[(k % n) * n + k / n];
-                DVec2::new(x.y, x.x).extend(x.z)
-            })
-            .collect();
-        compare("the mirrored scene ends elsewhere, mm", &back);
+    let mirror = |x: &[DVec3]| -> Vec<DVec3> {
+        let at = |k: usize| x[(k % n) * n + k / n];
+        (0..n * n).map(|k| DVec2::new(at(k).y, at(k).x).extend(at(k).z)).collect()
+    };
+    let ways = [
+        ("Newton's method ends elsewhere, mm", false, newton),
+        ("the mirrored scene ends elsewhere, mm", true, whole),
+    ];
+    let mut is_one_of_several = false;
+    for (check, is_mirrored, options) in ways {
+        let way = if is_mirrored { &mirrored } else { scene };
+        let other = solve(way, options);
+        let Some(other) = other.filter(|other| other.verdict() == Verdict::Converged) else {
+            continue;
+        };
+        let apart = if is_mirrored {
+            distance(solver.positions(), &mirror(other.positions()))
+        } else {
+            distance(solver.positions(), other.positions())
+        };
+        if apart > allowed
+            && is_proven(scene, Options::default(), solver)
+            && is_proven(way, options, &other)
+        {
+            is_one_of_several = true;
+        } else {
+            hold(findings, check, apart, allowed);
+        }
     }
+    is_one_of_several
 }
 
 /// Cases that ended alike.
@@ -182,6 +220,8 @@ pub struct Endings {
     pub cases: u64,
     /// [`Ending::Converged`].
     pub converged: u64,
+    /// [`Ending::Several`].
+    pub several: u64,
     /// [`Ending::NotConverged`].
     pub not_converged: u64,
     /// [`Ending::Unstable`].
@@ -200,6 +240,7 @@ impl Endings {
         self.fell_back += u64::from(case.fell_back);
         *match case.ending {
             Ending::Converged => &mut self.converged,
+            Ending::Several => &mut self.several,
             Ending::NotConverged => &mut self.not_converged,
             Ending::Unstable => &mut self.unstable,
             Ending::Pierced => &mut self.pierced,
@@ -229,7 +270,8 @@ pub struct Summary {
     pub sessions: u64,
     /// What failed.
     pub failures: Vec<Case>,
-    /// The ten that took the most work, and up to ten that did not converge.
+    /// The ten that took the most work, up to ten with several equilibria, up to ten that did not
+    /// converge.
     pub worst: Vec<Case>,
 }
 
@@ -253,9 +295,10 @@ impl Summary {
         summary.failures = cases.iter().filter(is(Ending::Failed)).cloned().collect();
         let mut by_work: Vec<&Case> = cases.iter().collect();
         by_work.sort_by(|a, b| b.work_units.total_cmp(&a.work_units));
-        let unfinished = cases.iter().filter(is(Ending::NotConverged));
-        summary.worst =
-            by_work.into_iter().take(WORST).chain(unfinished.take(WORST)).cloned().collect();
+        let several = cases.iter().filter(is(Ending::Several)).take(WORST);
+        let unfinished = cases.iter().filter(is(Ending::NotConverged)).take(WORST);
+        let worst = by_work.into_iter().take(WORST).chain(several).chain(unfinished);
+        summary.worst = worst.cloned().collect();
         summary
     }
 }

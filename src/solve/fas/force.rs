@@ -12,6 +12,9 @@ use wide::f32x4;
 /// Squared relative area below which a triangle counts as this much \[-\].
 pub(super) const LEAST_AREA: f32 = 1e-10;
 
+/// A push of this share of the mean pull makes a sheet slack \[-\].
+const SLACK: f64 = 1e-2;
+
 pub(super) type Vec3 = [f32x4; 3];
 
 #[inline(always)]
@@ -289,15 +292,32 @@ fn pull_row(
     f_upper.add(count, sub([f32x4::ZERO; 3], rest(before_upper)));
 }
 
-/// Sum of squares of what the sheet pulls at the two edges B and L of every cell: what residuals are
-/// measured against.
-pub(super) fn tension_squares(
+/// How a sheet is strained.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tension {
+    /// Sum of squares of what the sheet pulls at the two edges B and L of every cell: what residuals are
+    /// measured against.
+    pub(super) squares: f64,
+    /// The strongest push across a cell, negative, where it pushes at all; of the coupled law alone.
+    pub(super) least: f32,
+}
+
+impl Tension {
+    /// Does it push somewhere by more than a share of its mean pull over so many nodes? There it is
+    /// slack, and may buckle.
+    pub(super) fn is_slack(&self, nodes: usize) -> bool {
+        f64::from(self.least).powi(2) * nodes as f64 > SLACK * SLACK * self.squares
+    }
+}
+
+/// The tension of the whole cells.
+pub(super) fn tension(
     layout: &Layout,
     law: &CoupledLanes,
     u: &Field,
     scratch: &mut Scratch,
-) -> f64 {
-    let mut sum = 0.0;
+) -> Tension {
+    let (mut sum, mut least) = (0.0, f32x4::ZERO);
     for (j, &(from, to)) in layout.regular.iter().enumerate() {
         if from >= to {
             continue;
@@ -316,11 +336,13 @@ pub(super) fn tension_squares(
             let squares = m11 * (m11 * g11 + m12 * g12 * 2.0)
                 + m22 * (m22 * g22 + m12 * g12 * 2.0)
                 + m12 * m12 * (g11 + g22);
-            let counted = squares & in_range(first + b, from, to);
-            sum += f64::from(counted.reduce_add());
+            let counts = in_range(first + b, from, to);
+            sum += f64::from((squares & counts).reduce_add());
+            let (mean, half) = ((m11 + m22) * f32x4::HALF, (m11 - m22) * f32x4::HALF);
+            least = least.fast_min((mean - (half * half + m12 * m12).sqrt()) & counts);
         }
     }
-    sum
+    Tension { squares: sum, least: least.to_array().into_iter().fold(0.0, f32::min) }
 }
 
 /// A symmetric 3×3 block: xx, xy, xz, yy, yz, zz.

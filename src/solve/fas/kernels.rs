@@ -245,7 +245,7 @@ impl Kernels {
         let FullMultigrid { levels, law, .. } = &mut self.scheme;
         let [.., fine] = levels.as_mut_slice() else { return f64::INFINITY };
         let squares = fine.find_residual(law, Contact::OneSided);
-        (squares / fine.tension_squares(law)).sqrt()
+        (squares / fine.tension(law).squares).sqrt()
     }
 }
 

@@ -1,6 +1,6 @@
 //! One grid of the hierarchy at work: its shape, its scratch, and what a cycle does to it.
 
-use super::force::{self, Scratch};
+use super::force::{self, Scratch, Tension};
 use super::grid::{Field, Layout};
 use super::law::CoupledLanes;
 use super::smooth::{self, Contact, LaneDome, Pull};
@@ -138,11 +138,11 @@ impl Level {
         smooth::residual(layout, dome, contact, u, tau, (lift, hold), f)
     }
 
-    pub(super) fn tension_squares(&mut self, law: &LaneLaw) -> f64 {
+    pub(super) fn tension(&mut self, law: &LaneLaw) -> Tension {
         let Self { layout, u, scratch, .. } = self;
         match law {
-            LaneLaw::Coupled(law) => force::tension_squares(layout, law, u, scratch),
-            LaneLaw::Paper(law) => springs::tension_squares(layout, law, u),
+            LaneLaw::Coupled(law) => force::tension(layout, law, u, scratch),
+            LaneLaw::Paper(law) => springs::tension(layout, law, u),
         }
     }
 

@@ -136,6 +136,8 @@ pub(super) struct FullMultigrid {
     has_last_step: bool,
     /// Slower, but sure where contact is small or the sheet nearly slack.
     is_wary: bool,
+    /// Has the sheet, which pushes somewhere, been in place a cycle ago?
+    is_confirmed: bool,
     row: Vec<f32>,
     /// Estimated greatest node position error \[mm\].
     pub(super) error: f64,
@@ -174,6 +176,7 @@ impl FullMultigrid {
             last_step: Field::new(levels[sides.len() - 1].layout.len()),
             has_last_step: false,
             is_wary: false,
+            is_confirmed: false,
             row: vec![0.0; nodes_per_side + 8],
             error: f64::INFINITY,
             relative_residual: f64::INFINITY,
@@ -260,6 +263,7 @@ impl FullMultigrid {
         self.cycles = 0;
         self.slow_cycles = 0;
         self.doubts = 0;
+        self.is_confirmed = false;
         self.is_lifted = false;
         self.missed = 0.0;
         self.residual_squares = None;
@@ -426,17 +430,24 @@ impl FullMultigrid {
             }
         }
         if is_enough && (self.asked_cycles.is_some() || self.has_room()) {
-            self.find_relative_residual();
+            let is_slack = self.find_relative_residual();
             self.error += self.missed;
             let (least, most) = MOST_RESIDUAL;
             let allowed = (RESIDUAL_TOLERANCES * self.tolerance).clamp(least, most);
-            if self.relative_residual <= allowed || self.asked_cycles.is_some() {
+            let is_balanced = self.relative_residual <= allowed;
+            // A slack sheet may lie still for some cycles on its way to a fold.
+            let is_sure = !is_slack || self.is_confirmed;
+            if is_balanced && is_sure || self.asked_cycles.is_some() {
                 return State::Converged;
             }
-            // It stopped changing, but not in balance.
-            self.doubts += 1;
-            if self.doubts >= MAX_DOUBTS {
-                return State::Failed;
+            if is_balanced {
+                self.is_confirmed = true;
+            } else {
+                // It stopped changing, but not in balance.
+                self.doubts += 1;
+                if self.doubts >= MAX_DOUBTS {
+                    return State::Failed;
+                }
             }
         }
         self.residual_squares = None;
@@ -505,15 +516,19 @@ impl FullMultigrid {
         self.error + self.missed <= self.tolerance * self.base_radius
     }
 
-    fn find_relative_residual(&mut self) {
+    /// Finds it; gives whether the sheet is slack somewhere.
+    fn find_relative_residual(&mut self) -> bool {
         let l = self.current;
         let level = &mut self.levels[l];
         // The search for lifts has it, if it found none.
         let known = self.residual_squares.take();
         let squares = known.unwrap_or_else(|| level.find_residual(&self.law, Contact::OneSided));
+        let tension = level.tension(&self.law);
         // A sheet at rest has no forces: rounding is not measured against rounding.
-        self.relative_residual = (squares / level.tension_squares(&self.law).max(1e-18)).sqrt();
+        self.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
+        let is_slack = tension.is_slack(level.layout.free_nodes());
         self.count(l, if known.is_some() { 0.5 } else { 1.5 });
+        is_slack
     }
 
     /// Goes on to the next finer grid.

@@ -1,7 +1,7 @@
 //! The paper's springs in lanes of four f32: the edges and both diagonals of every cell, each pulling
 //! by its own strain alone, through the same tables as in f64.
 
-use super::force::{Block, Scratch, Vec3, add_outer, dot, in_range, scale};
+use super::force::{Block, Scratch, Tension, Vec3, add_outer, dot, in_range, scale};
 use super::grid::{Field, Layout, load, store};
 use crate::solve::law::PaperLaw;
 use crate::springs::paper::Spring;
@@ -201,12 +201,12 @@ pub(super) fn add_blocks(
     layout.border.add_spring_blocks(law, u, blocks, &mut scratch.border);
 }
 
-/// Sum of squares of what the springs of whole cells pull: what residuals are measured against.
-pub(super) fn tension_squares(layout: &Layout, law: &LaneSprings, u: &Field) -> f64 {
+/// The tension of the springs of whole cells: the sum of squares of what they pull.
+pub(super) fn tension(layout: &Layout, law: &LaneSprings, u: &Field) -> Tension {
     let mut sum = 0.0;
     springs(layout, u, |_, spring, now, counts| {
         let pull = law.pull(spring, Rest::regular(spring), now);
         sum += f64::from((dot(pull, pull) & counts).reduce_add());
     });
-    sum
+    Tension { squares: sum, least: 0.0 }
 }

@@ -57,8 +57,10 @@ const MOST_RATE: f64 = 0.98;
 /// The least share, once a step was too short: the sheet is nearly slack somewhere, and one quick step
 /// in front of slow ones tells nothing.
 const SLACK_RATE: f64 = 0.8;
-/// Iterations for which the dome's curvature stays out of the model where it made it indefinite.
+/// Iterations for which the dome's curvature stays out of the model where it made it indefinite, and how
+/// often a shape found without it is tried with it: without, the model may be far too stiff.
 const CARE: u32 = 4;
+const MAX_TRIES: u32 = 2;
 /// The greatest relative residual before the last step and after it.
 const MOST_RESIDUAL: f64 = 0.05;
 const MOST_RESIDUAL_LEFT: f64 = 0.01;
@@ -84,6 +86,8 @@ pub(crate) enum State {
     Stalled,
     /// A spring left the range where its law has a meaning, or the shape is a saddle.
     Unstable,
+    /// Forces balance, but a node would slide off the dome where it is held.
+    Saddle,
 }
 
 enum Phase {
@@ -165,6 +169,12 @@ pub(crate) struct Newton {
     is_cautious: bool,
     /// The iteration up to which it stays so.
     cautious_to: u32,
+    /// How often a shape found so was tried with the dome's curvature.
+    tries: u32,
+    /// Would a node slide off the dome where it is held, by the last model with the dome's curvature?
+    is_saddle: bool,
+    /// Steps by sweeps alone: where contact changes everywhere, they are sure to lead downhill.
+    is_plain: bool,
     changed: usize,
     totals: Totals,
     last_step: f64,
@@ -218,6 +228,9 @@ impl Newton {
             is_built: false,
             is_cautious: false,
             cautious_to: 0,
+            tries: 0,
+            is_saddle: false,
+            is_plain: false,
             changed: 0,
             totals: Totals::default(),
             last_step: f64::INFINITY,
@@ -241,6 +254,8 @@ impl Newton {
         self.moves += 1;
         self.iterations = 0;
         self.is_cautious = false;
+        self.is_saddle = false;
+        self.is_plain = false;
         self.missed = 0.0;
         self.forget_steps();
         self.error = f64::INFINITY;
@@ -307,14 +322,23 @@ impl Newton {
             return State::Unstable;
         }
         let touch = TOUCH * dome.base_radius;
+        let mut is_saddle = false;
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;
             let pressing = self.find_contact(dome, k, touch);
-            if !self.is_cautious {
+            if !self.is_cautious && pressing > 0.0 {
                 self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * pressing;
+                is_saddle |= !is_positive(&self.hessian.diagonal[k]);
             }
             self.d[k] = DVec3::ZERO;
             self.inverse[k] = safe_inverse(self.hessian.diagonal[k]);
+        }
+        if !self.is_cautious {
+            self.is_saddle = is_saddle;
+            if is_saddle {
+                self.take_care();
+                return State::Working;
+            }
         }
         self.relative_residual = self.residual(law);
         self.rounds = 0;
@@ -453,7 +477,7 @@ impl Newton {
             self.q[k] = DVec3::ZERO;
         }
         self.work_units += SWEEP_UNITS;
-        if start <= 1e-32 * self.totals.force_scale().powi(2) {
+        if self.is_plain || start <= 1e-32 * self.totals.force_scale().powi(2) {
             return Phase::Correct;
         }
         Phase::Cg { step: 0, start: start.sqrt(), rho: 0.0 }
@@ -552,11 +576,16 @@ impl Newton {
         let noise = 1e-13 * self.totals.energy.abs();
         let falls = energy <= self.totals.energy - 1e-4 * expected.max(0.0) + noise;
         if !(falls && energy.is_finite()) {
-            if halvings >= MAX_HALVINGS {
-                if self.is_cautious {
+            let is_uphill = expected <= 0.0;
+            if is_uphill || halvings >= MAX_HALVINGS {
+                if !self.is_plain && (is_uphill || self.is_cautious) {
+                    self.is_plain = true;
+                    self.phase = Phase::Linearize { row: 0 };
+                } else if !self.is_cautious {
+                    self.take_care();
+                } else {
                     return State::Stalled;
                 }
-                self.take_care();
                 return State::Working;
             }
             self.phase = Phase::Search { length: 0.5 * length, halvings: halvings + 1 };
@@ -564,6 +593,8 @@ impl Newton {
         }
         std::mem::swap(&mut self.x, &mut self.trial);
         self.moves += 1;
+        let was_cautious = self.is_cautious;
+        self.is_plain = false;
         self.is_cautious &= self.iterations < self.cautious_to;
         // Steps shrink at least geometrically: what is left is the sum of the next ones.
         let least_rate = if self.stretch > 1.0 { SLACK_RATE } else { 0.0 };
@@ -583,7 +614,11 @@ impl Newton {
         // One quick step proves little: where the sheet is nearly slack, slow ones may follow it.
         let is_near = self.error.max(largest) <= tolerance;
         if is_near && is_balanced {
-            return State::Converged;
+            if !was_cautious || self.tries >= MAX_TRIES {
+                return if self.is_saddle { State::Saddle } else { State::Converged };
+            }
+            self.tries += 1;
+            self.is_cautious = false;
         }
         if halvings > 0 {
             self.has_earlier = false;
@@ -665,6 +700,7 @@ impl Newton {
         self.travelled = 0.0;
         self.stretch = 1.0;
         self.has_earlier = false;
+        self.tries = 0;
     }
 
     /// Does the iteration again without the dome's curvature, and keeps to that for a while.
@@ -782,6 +818,12 @@ impl Newton {
         self.error += self.missed;
         if state == State::Converged && !is_there { State::Stalled } else { state }
     }
+}
+
+/// Is a symmetric matrix positive definite?
+fn is_positive(m: &DMat3) -> bool {
+    let minor = m.x_axis.x * m.y_axis.y - m.x_axis.y * m.x_axis.y;
+    m.x_axis.x > 0.0 && minor > 0.0 && m.determinant() > 0.0
 }
 
 /// out = Π H v.

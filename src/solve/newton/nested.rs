@@ -74,9 +74,10 @@ impl NestedNewton {
         match state {
             State::Working if is_slow => self.start_cold(dome),
             State::Working => {}
-            State::Stalled | State::Unstable if self.is_warm => self.start_cold(dome),
-            State::Unstable => return State::Unstable,
-            State::Converged | State::Stalled if !is_finest => {
+            State::Stalled | State::Unstable | State::Saddle if self.is_warm => {
+                self.start_cold(dome);
+            }
+            State::Converged | State::Stalled | State::Saddle if !is_finest => {
                 let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
                 transfer::refine(&coarser[self.current], &mut finer[0]);
                 finer[0].start(dome);
@@ -98,6 +99,7 @@ impl NestedNewton {
             }
             // Lifts are of the shape without them: where it cannot be had with them, it is taken as it was.
             State::Stalled if self.levels[last].drop_lifts(dome) => {}
+            State::Unstable | State::Saddle => return state,
             State::Stalled | State::Converged => {
                 return self.levels[last].finish(law, dome, tolerance, state);
             }
