@@ -159,7 +159,7 @@ pub enum SolverMethod {
 pub struct SolverOutcome {
     /// Nodes per side after rounding.
     pub nodes_per_side: usize,
-    /// Free nodes of the finest level that were solved for: those of one quarter where a centred dome
+    /// Free nodes of the finest level that were solved for: those of one quarter or half where symmetry
     /// allows it.
     pub nodes_solved: usize,
     /// The method that the shape comes from.

@@ -13,6 +13,9 @@ use wasm_bindgen::prelude::*;
 /// The canvas that the page has for the app.
 const CANVAS: &str = "implant-preview-canvas";
 
+/// Room that the heap is given at the start \[bytes\]: more than a session at 129 nodes a side takes.
+const HEAP: usize = 26 << 20;
+
 /// Starts the app, where there is a page for it: a worker only calls the functions of the API. What
 /// goes wrong is shown by the page.
 pub fn run() {
@@ -24,12 +27,22 @@ pub fn run() {
     if web_sys::window().is_none() {
         return;
     }
+    make_room();
     wasm_bindgen_futures::spawn_local(async {
         match Stage::new() {
             Ok(stage) => stage.start().await,
             Err(error) => stopped(&error),
         }
     });
+}
+
+/// Grows the memory once, for the allocator to keep: it would grow in steps for minutes, as pieces of all
+/// sizes come and go, and each step takes every view of it that scripts hold.
+fn make_room() {
+    let mut room = Vec::<u8>::new();
+    // Where there is no such room, the heap grows as it must.
+    let _ = room.try_reserve_exact(HEAP);
+    std::hint::black_box(&room);
 }
 
 /// The end of a source file's path, without the folders of the machine it was compiled on.

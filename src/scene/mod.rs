@@ -309,7 +309,16 @@ impl Scene {
         for (k, c) in implant.center_mm.into_iter().enumerate() {
             within(&format!("implant.center_mm[{k}]"), c, (-most, most), " mm")?;
         }
-        let least = implant.base_radius_mm + implant.center_mm[0].hypot(implant.center_mm[1]);
+        let [x, y] = implant.center_mm;
+        let (distance, room) = (x.hypot(y), most - implant.base_radius_mm);
+        if distance > room * (1.0 + 1e-9) {
+            return Err(out_of_range(
+                "implant.center_mm",
+                format!("{} mm from the pocket's centre", number(distance)),
+                &format!("0 to {} mm ({most} mm - base radius)", number(room)),
+            ));
+        }
+        let least = implant.base_radius_mm + distance;
         if !(self.pocket_radius_mm >= least * (1.0 - 1e-9) && self.pocket_radius_mm <= most) {
             return Err(out_of_range(
                 "pocket_radius_mm",

@@ -1,6 +1,7 @@
 //! The equilibrium: the minimum of the sheet's energy outside the dome and above the wall.
 //!
-//! Full multigrid in f32 lanes (`fas`) solves it, for a centred dome on one quarter of the sheet.
+//! Full multigrid in f32 lanes (`fas`) solves it, for a centred dome on one quarter of the sheet,
+//! for one moved along an axis on half of it.
 //! Where a cycle does not lead to the solution, Newton's method on nested grids in f64 takes over
 //! (`newton`). It also refines a shape where f32 is not enough, and sees whether that of the paper's
 //! springs, whose energy has saddles, is stable. Work is cut into pieces of a few passes over the grid, so that a
@@ -30,7 +31,7 @@ use crate::springs::Springs;
 use crate::springs::coupled::CoupledLaw;
 use fas::FullMultigrid;
 pub use fas::kernels;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use law::SheetLaw;
 pub(crate) use law::coupled_law;
 use newton::{NestedNewton, State};
@@ -103,7 +104,7 @@ pub enum Method {
 pub struct Options {
     /// The method.
     pub method: Method,
-    /// Solve a centred dome on one quarter of the sheet.
+    /// Solve a centred dome on one quarter of the sheet, one moved along an axis on half of it.
     pub use_symmetry: bool,
     /// A position error \[share of the base radius\] at which [`Solver::advance`] returns once with a
     /// shape to show, if the tolerance is smaller. A pause before shows what a coarser grid has.
@@ -245,7 +246,7 @@ impl Solver {
                 let Problem { sheet, dome, tolerance, .. } = &self.problem;
                 let (n, rest) = (sheet.nodes_per_side(), sheet.rest());
                 let at = |i: usize, j: usize| rest[j * n + i].extend(0.0);
-                self.fault = soundness::fault(sheet, dome, *tolerance, 0, at);
+                self.fault = soundness::fault(sheet, dome, *tolerance, [0; 2], at);
                 self.x = at_rest(sheet);
                 self.lifted.clear();
                 self.moves += 1;
@@ -255,17 +256,17 @@ impl Solver {
             Method::Automatic | Method::Multigrid { .. } => {
                 self.stage = Stage::Multigrid;
                 let n = self.problem.sheet.nodes_per_side();
-                let is_mirrored =
-                    self.options.use_symmetry && self.problem.dome.center == DVec2::ZERO;
+                let center = self.problem.dome.center.to_array();
+                let mirrored = center.map(|c| self.options.use_symmetry && c == 0.0);
                 let multigrid = match self.multigrid.take() {
-                    Some(mut multigrid) if multigrid.fits(n, is_mirrored) => {
+                    Some(mut multigrid) if multigrid.fits(n, mirrored) => {
                         if is_new_law {
                             multigrid.set_law(&self.law);
                         }
                         multigrid
                     }
                     _ => {
-                        let mut multigrid = FullMultigrid::new(n, is_mirrored);
+                        let mut multigrid = FullMultigrid::new(n, mirrored);
                         self.grids_built += 1;
                         multigrid.set_law(&self.law);
                         multigrid
@@ -478,7 +479,7 @@ impl Solver {
         }
     }
 
-    /// Free nodes solved for: those of one quarter where a centred dome allows it.
+    /// Free nodes solved for: those of one quarter or half where symmetry allows it.
     #[must_use]
     pub fn nodes_solved(&self) -> usize {
         match (self.stage, &self.multigrid) {

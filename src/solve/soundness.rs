@@ -59,7 +59,7 @@ pub(crate) fn fault(
     sheet: &Sheet,
     dome: &Dome,
     tolerance: f64,
-    first: usize,
+    first: [usize; 2],
     at: impl Fn(usize, usize) -> DVec3,
 ) -> Option<Fault> {
     let n = sheet.nodes_per_side();
@@ -68,9 +68,9 @@ pub(crate) fn fault(
     let origin = dome.origin();
     let inside = (1.0 - PIERCED) * (1.0 - PIERCED);
     let (mut is_pierced, mut is_folded, mut highest) = (false, false, 0.0_f64);
-    for j in first..n - 1 {
+    for j in first[1]..n - 1 {
         let (from, to) = sheet.row_spans()[j];
-        for i in from.max(first)..to.min(n - 1) {
+        for i in from.max(first[0])..to.min(n - 1) {
             if sheet.cell(i, j) != CellKind::Whole {
                 continue;
             }
@@ -107,8 +107,9 @@ mod tests {
         for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(9.0, -4.0), 0.6), (DVec2::ZERO, 0.0)] {
             let dome = Dome::new(center, 55.0, 40.0, t);
             let sound = guess::tight_string(&sheet, &dome);
-            let fault_of =
-                |x: &[DVec3], first: usize| fault(&sheet, &dome, 1e-4, first, |i, j| x[j * n + i]);
+            let fault_of = |x: &[DVec3], first: usize| {
+                fault(&sheet, &dome, 1e-4, [first; 2], |i, j| x[j * n + i])
+            };
             assert_eq!(fault_of(&sound, 0), None);
             assert_eq!(fault_of(&sound, n / 2), None);
             assert!(!has_fold(&sheet, &sound));
@@ -142,7 +143,7 @@ mod tests {
         let n = 33;
         let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
         let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
-        let fault_of = |x: &[DVec3]| fault(&sheet, &dome, 1e-4, 0, |i, j| x[j * n + i]);
+        let fault_of = |x: &[DVec3]| fault(&sheet, &dome, 1e-4, [0; 2], |i, j| x[j * n + i]);
         x[16 * n + 16] = dome.apex();
         assert_eq!(fault_of(&x), None);
         x[16 * n + 16] = DVec3::new(-2.5, 0.0, 0.0);

@@ -16,7 +16,8 @@ const EDITS = 240;
 const DRAGS = {
   insertion: (scene, at) => (scene.insertion = 0.5 + 0.5 * at),
   radius: (scene, at) => (scene.implant.base_radius_mm = 50 + 8 * at),
-  position: (scene, at) => (scene.implant.center_mm = [6 * at + 0.01, -4 * at]),
+  "one axis": (scene, at) => (scene.implant.center_mm = [6 * at + 0.01, 0]),
+  "both axes": (scene, at) => (scene.implant.center_mm = [6 * at + 0.01, -4 * at - 0.01]),
 };
 
 /** Puts the threads that draw behind all others. */

@@ -1,8 +1,8 @@
 //! One grid of the hierarchy: flat f32 arrays in rows, lengths in grid spacings.
 //!
 //! Displacements from rest are stored, not positions: they are zero on the border and keep more
-//! digits. A mirrored grid holds one quarter of the sheet, x ≥ 0 and y ≥ 0, and one ghost column and
-//! row beyond the axes.
+//! digits. A mirrored grid holds what lies on one side of an axis of symmetry, x ≥ 0 or y ≥ 0, and one
+//! ghost column or row beyond it: half of the sheet, or a quarter where both are mirrored.
 
 use super::border::Border;
 use crate::sheet::{CellKind, NodeKind, Sheet};
@@ -77,16 +77,20 @@ pub(super) struct Extrapolated {
     pub(super) is_mean: bool,
 }
 
+/// Is the shape its own image mirrored along x, along y?
+pub(super) type Mirrored = [bool; 2];
+
 /// Where the stored nodes and cells of a grid lie and what they are. Depends on the number of nodes
 /// alone.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     /// Nodes a side of the whole grid.
     pub(super) nodes_per_side: usize,
-    /// Stored rows (and columns).
+    pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) pitch: usize,
-    pub(super) is_mirrored: bool,
+    /// Is x ≥ 0 all that is stored, is y ≥ 0?
+    pub(super) mirrored: Mirrored,
     /// Free nodes of each stored row: half-open range of stored columns, ghosts left out.
     pub(super) free: Vec<(u32, u32)>,
     /// Cells of each stored row with four free corners.
@@ -100,19 +104,20 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn new(nodes_per_side: usize, is_mirrored: bool) -> Self {
+    pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored) -> Self {
         let half = nodes_per_side / 2;
         let sheet = Sheet::new(nodes_per_side, half as f64);
-        let first = if is_mirrored { half - 1 } else { 0 };
-        let rows = nodes_per_side - first;
-        // The last cell with free corners is two before the last row; its group of four takes the nodes
+        let first = mirrored.map(|is_mirrored| if is_mirrored { half - 1 } else { 0 });
+        let [columns, rows] = first.map(|first| nodes_per_side - first);
+        // The last cell with free corners is two before the last column; its group of four takes the nodes
         // of the next group too.
-        let pitch = (rows + 1).next_multiple_of(4).max(4 * ((rows - 3) / 4 + 2));
+        let pitch = (columns + 1).next_multiple_of(4).max(4 * ((columns - 3) / 4 + 2));
         let mut layout = Self {
             nodes_per_side,
+            columns,
             rows,
             pitch,
-            is_mirrored,
+            mirrored,
             free: Vec::with_capacity(rows),
             regular: Vec::with_capacity(rows - 1),
             border: Border::default(),
@@ -120,12 +125,12 @@ impl Layout {
             sources: Vec::new(),
         };
         let is_free = |i: usize, j: usize| {
-            sheet.kinds()[(j + first) * nodes_per_side + i + first] == NodeKind::Free
+            sheet.kinds()[(j + first[1]) * nodes_per_side + i + first[0]] == NodeKind::Free
         };
-        let ghost = usize::from(is_mirrored);
+        let [ghost, _] = layout.ghost();
         for j in 0..rows {
-            let from = (ghost..rows).find(|&i| is_free(i, j));
-            let to = (ghost..rows).rfind(|&i| is_free(i, j)).map_or(0, |i| i + 1);
+            let from = (ghost..columns).find(|&i| is_free(i, j));
+            let to = (ghost..columns).rfind(|&i| is_free(i, j)).map_or(0, |i| i + 1);
             layout.free.push((from.unwrap_or(to) as u32, to as u32));
         }
         let mut triangles = Vec::new();
@@ -133,17 +138,19 @@ impl Layout {
             let regular = |i: usize| {
                 [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].iter().all(|&(i, j)| is_free(i, j))
             };
-            let from = (0..rows - 1).find(|&i| regular(i));
-            let to = (0..rows - 1).rfind(|&i| regular(i)).map_or(0, |i| i + 1);
+            let from = (0..columns - 1).find(|&i| regular(i));
+            let to = (0..columns - 1).rfind(|&i| regular(i)).map_or(0, |i| i + 1);
             let from = from.unwrap_or(to);
             layout.regular.push((from as u32, to as u32));
-            for i in (0..from).chain(to..rows - 1) {
-                if sheet.cell(i + first, j + first) != CellKind::Outside {
-                    triangles.extend(sheet.cell_triangles(i + first, j + first));
+            for i in (0..from).chain(to..columns - 1) {
+                let (i, j) = (i + first[0], j + first[1]);
+                if sheet.cell(i, j) != CellKind::Outside {
+                    triangles.extend(sheet.cell_triangles(i, j));
                 }
             }
         }
-        let stored = |k: usize| (k / nodes_per_side - first) * pitch + k % nodes_per_side - first;
+        let stored =
+            |k: usize| (k / nodes_per_side - first[1]) * pitch + k % nodes_per_side - first[0];
         layout.border = Border::new(&sheet, &triangles, stored);
         layout
     }
@@ -153,21 +160,26 @@ impl Layout {
         self.rows * self.pitch + PADDING
     }
 
-    /// Stored row or column of the grid's centre.
-    pub(super) fn center(&self) -> usize {
-        if self.is_mirrored { 1 } else { self.nodes_per_side / 2 }
+    /// Stored column and row of the grid's centre.
+    pub(super) fn center(&self) -> [usize; 2] {
+        self.mirrored.map(|is_mirrored| if is_mirrored { 1 } else { self.nodes_per_side / 2 })
+    }
+
+    /// Column and row of the whole grid that are stored first.
+    pub(super) fn first(&self) -> [usize; 2] {
+        self.center().map(|center| self.nodes_per_side / 2 - center)
     }
 
     /// Rest place of the node of a stored column and row, about the grid's centre.
     #[inline(always)]
     pub(super) fn rest(&self, i: usize, j: usize) -> [f32; 2] {
-        let center = self.center() as f32;
-        [i as f32 - center, j as f32 - center]
+        let [x, y] = self.center().map(|center| center as f32);
+        [i as f32 - x, j as f32 - y]
     }
 
-    /// The first row and column that is not a ghost.
-    pub(super) fn ghost(&self) -> usize {
-        usize::from(self.is_mirrored)
+    /// The first column and row that are not ghosts.
+    pub(super) fn ghost(&self) -> [usize; 2] {
+        self.mirrored.map(usize::from)
     }
 
     /// The grid's radius, in spacings.
@@ -177,19 +189,19 @@ impl Layout {
 
     /// Free nodes solved for.
     pub(super) fn free_nodes(&self) -> usize {
-        self.free[self.ghost()..].iter().map(|(from, to)| (to - from) as usize).sum()
+        self.free[self.ghost()[1]..].iter().map(|(from, to)| (to - from) as usize).sum()
     }
 
     /// The same, each row filled up to whole groups of four.
     pub(super) fn lanes(&self) -> usize {
         let groups = |&(from, to): &(u32, u32)| (to - from).next_multiple_of(4) as usize;
-        self.free[self.ghost()..].iter().map(groups).sum()
+        self.free[self.ghost()[1]..].iter().map(groups).sum()
     }
 
     /// Calls `visit(row, from, to)` for the free span of every stored row but the ghost.
     #[inline(always)]
     pub(super) fn free_rows(&self, mut visit: impl FnMut(usize, usize, usize)) {
-        for j in self.ghost()..self.rows {
+        for j in self.ghost()[1]..self.rows {
             let (from, to) = self.free[j];
             if from < to {
                 visit(j, from as usize, to as usize);
@@ -199,15 +211,15 @@ impl Layout {
 
     /// Where the node of a stored row and column, or its mirror image, is stored if it is free.
     pub(super) fn place(&self, i: isize, j: isize) -> Option<(usize, usize)> {
-        let within = |k: isize| if self.is_mirrored && k < 1 { 2 - k } else { k };
-        let (i, j) = (within(i), within(j));
+        let within = |k: isize, is_mirrored| if is_mirrored && k < 1 { 2 - k } else { k };
+        let (i, j) = (within(i, self.mirrored[0]), within(j, self.mirrored[1]));
         self.is_free(i, j).then_some((i as usize, j as usize))
     }
 
     fn is_free(&self, i: isize, j: isize) -> bool {
         // A ghost is free where its mirror image is.
-        let across = |k: isize| if self.is_mirrored && k == 0 { 2 } else { k };
-        let (i, j) = (across(i), across(j));
+        let across = |k: isize, is_mirrored| if is_mirrored && k == 0 { 2 } else { k };
+        let (i, j) = (across(i, self.mirrored[0]), across(j, self.mirrored[1]));
         (0..self.rows as isize).contains(&j) && {
             let (from, to) = self.free[j as usize];
             (from as isize..to as isize).contains(&i)
@@ -216,20 +228,23 @@ impl Layout {
 
     /// Two rings around the free nodes: straight on where two lie in a row, else the mean.
     pub(super) fn find_extrapolation(&mut self) {
-        let (rows, first) = (self.rows as isize, self.ghost() as isize);
-        let mut known = vec![false; (rows * rows) as usize];
+        let [columns, rows] = [self.columns as isize, self.rows as isize];
+        let [first_column, first_row] = self.ghost().map(|ghost| ghost as isize);
+        let mut known = vec![false; (columns * rows) as usize];
         for j in 0..rows {
-            for i in 0..rows {
-                known[(j * rows + i) as usize] = self.is_free(i, j);
+            for i in 0..columns {
+                known[(j * columns + i) as usize] = self.is_free(i, j);
             }
         }
         for _ in 0..2 {
             let before = known.clone();
             let is_known = |i: isize, j: isize| {
-                (0..rows).contains(&i) && (0..rows).contains(&j) && before[(j * rows + i) as usize]
+                (0..columns).contains(&i)
+                    && (0..rows).contains(&j)
+                    && before[(j * columns + i) as usize]
             };
-            for j in first..rows {
-                for i in first..rows {
+            for j in first_row..rows {
+                for i in first_column..columns {
                     if is_known(i, j) {
                         continue;
                     }
@@ -251,7 +266,7 @@ impl Layout {
                     if sources.is_empty() {
                         continue;
                     }
-                    known[(j * rows + i) as usize] = true;
+                    known[(j * columns + i) as usize] = true;
                     let (node, count) = (place(i, j), sources.len() as u32);
                     self.extrapolated.push(Extrapolated { node, count, is_mean });
                     self.sources.extend(sources);

@@ -142,8 +142,8 @@ impl Kernels {
         if !matches!(law, SheetLaw::Coupled(_)) {
             return None;
         }
-        let is_mirrored = problem.dome.center == glam::DVec2::ZERO;
-        let mut scheme = FullMultigrid::new(problem.sheet.nodes_per_side(), is_mirrored);
+        let mirrored = problem.dome.center.to_array().map(|c| c == 0.0);
+        let mut scheme = FullMultigrid::new(problem.sheet.nodes_per_side(), mirrored);
         scheme.set_law(&law);
         scheme.start(problem, None, None);
         let ended = loop {
@@ -186,7 +186,7 @@ impl Kernels {
         })
     }
 
-    /// Nodes of the grid that are solved for: those of one quarter under a centred dome.
+    /// Nodes of the grid that are solved for: those that symmetry leaves.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.scheme.nodes()
@@ -320,16 +320,16 @@ mod tests {
         field
     }
 
-    /// Σ a·b over the whole sheet; nodes on an axis of a mirrored grid belong to two quarters.
+    /// Σ a·b over the whole sheet; nodes on an axis of a mirrored grid belong to both sides.
     fn product(layout: &Layout, a: &Field, b: &Field) -> f64 {
         let mut sum = 0.0;
-        let share = |i: usize| if layout.is_mirrored && i == 1 { 0.5 } else { 1.0 };
+        let share = |i: usize, is_mirrored| if is_mirrored && i == 1 { 0.5 } else { 1.0 };
         layout.free_rows(|j, from, to| {
             for i in from..to {
                 let k = j * layout.pitch + i;
                 let (p, q) = (a.at(k), b.at(k));
                 let dot: f64 = (0..3).map(|c| f64::from(p[c]) * f64::from(q[c])).sum();
-                sum += share(i) * share(j) * dot;
+                sum += share(i, layout.mirrored[0]) * share(j, layout.mirrored[1]) * dot;
             }
         });
         sum
@@ -337,8 +337,8 @@ mod tests {
 
     #[test]
     fn restriction_is_the_transpose_of_interpolation() {
-        for is_mirrored in [false, true] {
-            let (coarse, fine) = (Layout::new(33, is_mirrored), Layout::new(65, is_mirrored));
+        for mirrored in [[false; 2], [true, false], [false, true], [true; 2]] {
+            let (coarse, fine) = (Layout::new(33, mirrored), Layout::new(65, mirrored));
             for seed in 1..4 {
                 let (r, c) = (noise(&fine, seed), noise(&coarse, seed + 10));
                 let mut down = Field::new(coarse.len());

@@ -1,7 +1,7 @@
 //! One grid of the hierarchy at work: its shape, its scratch, and what a cycle does to it.
 
 use super::force::{self, Scratch, Tension};
-use super::grid::{Field, Layout};
+use super::grid::{Field, Layout, Mirrored};
 use super::law::CoupledLanes;
 use super::smooth::{self, Contact, LaneDome, Pull};
 use super::springs::{self, LaneSprings};
@@ -55,8 +55,8 @@ pub(super) struct Level {
 }
 
 impl Level {
-    pub(super) fn new(nodes_per_side: usize, is_mirrored: bool, is_finest: bool) -> Self {
-        let mut layout = Layout::new(nodes_per_side, is_mirrored);
+    pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored, is_finest: bool) -> Self {
+        let mut layout = Layout::new(nodes_per_side, mirrored);
         if !is_finest {
             layout.find_extrapolation();
         }
@@ -83,7 +83,6 @@ impl Level {
     pub(super) fn find_lifts(&mut self) -> f64 {
         let Self { layout, exact_dome: dome, u, hold, lift, .. } = self;
         let layout = &*layout;
-        let center = layout.center() as f64;
         let mut greatest = 0.0_f64;
         lift.fill(0.0);
         layout.free_rows(|j, from, to| {
@@ -96,8 +95,8 @@ impl Level {
                     let (i, j) = layout.place(i as isize + di, j as isize + dj)?;
                     let k = j * layout.pitch + i;
                     let [x, y, z] = u.at(k).map(f64::from);
-                    let rest = DVec3::new(i as f64 - center, j as f64 - center, 0.0);
-                    (hold[k] <= 0.0).then(|| dome.level(rest + DVec3::new(x, y, z)))
+                    let [rest_x, rest_y] = layout.rest(i, j).map(f64::from);
+                    (hold[k] <= 0.0).then(|| dome.level(DVec3::new(rest_x + x, rest_y + y, z)))
                 };
                 let level = lift::lift(gap);
                 greatest = greatest.max(level.abs());
@@ -195,12 +194,12 @@ mod tests {
             .into_iter()
             .flat_map(|s| stacks.clone().map(|m| (s, m)))
         {
-            for is_mirrored in [false, true] {
+            for mirrored in [[false; 2], [true, false], [false, true], [true; 2]] {
                 let n = 33;
                 let law = SheetLaw::new(springs, &materials);
                 let sheet = Sheet::new(n, (n / 2) as f64);
-                let mut level = Level::new(n, is_mirrored, true);
-                let first = n / 2 - level.layout.center();
+                let mut level = Level::new(n, mirrored, true);
+                let first = level.layout.first();
                 // A bulge with ripples, symmetric about both axes.
                 let bulge = |p: DVec2| {
                     let r = p.length() / 16.0;
@@ -211,7 +210,7 @@ mod tests {
                 let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
                 layout.free_rows(|j, from, to| {
                     for i in from..to {
-                        let k = (j + first) * n + i + first;
+                        let k = (j + first[1]) * n + i + first[0];
                         let d = bulge(sheet.rest()[k]);
                         let at = j * layout.pitch + i;
                         (u.x[at], u.y[at], u.z[at]) = (d.x as f32, d.y as f32, d.z as f32);
@@ -232,7 +231,7 @@ mod tests {
                     for i in from..to {
                         let [x, y, z] = f.at(j * layout.pitch + i).map(f64::from);
                         let force = DVec3::new(x, y, z) * law.stiffness();
-                        let error = force.distance(exact[(j + first) * n + i + first]);
+                        let error = force.distance(exact[(j + first[1]) * n + i + first[0]]);
                         assert!(error < 1e-4 * greatest, "{springs:?} ({i}, {j}): {error:.1e}");
                     }
                 });

@@ -31,7 +31,7 @@ use super::soundness::{self, Fault};
 use crate::implant::Dome;
 use crate::sheet::Sheet;
 use glam::DVec3;
-use grid::Field;
+use grid::{Field, Mirrored};
 use law::CoupledLanes;
 use level::{LaneLaw, Level};
 use smooth::{Contact, LaneDome};
@@ -148,7 +148,7 @@ pub(super) struct FullMultigrid {
 
 impl FullMultigrid {
     /// Room for grids of up to `nodes_per_side` nodes a side.
-    pub(super) fn new(nodes_per_side: usize, is_mirrored: bool) -> Self {
+    pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored) -> Self {
         let mut sides = vec![nodes_per_side];
         let mut cells = nodes_per_side - 1;
         while cells >= 16 && cells.is_multiple_of(4) {
@@ -156,7 +156,7 @@ impl FullMultigrid {
             sides.push(cells + 1);
         }
         let levels: Vec<Level> =
-            sides.iter().rev().map(|&n| Level::new(n, is_mirrored, n == nodes_per_side)).collect();
+            sides.iter().rev().map(|&n| Level::new(n, mirrored, n == nodes_per_side)).collect();
         Self {
             law: LaneLaw::Coupled(CoupledLanes::default()),
             base_radius: 1.0,
@@ -186,9 +186,9 @@ impl FullMultigrid {
     }
 
     /// Does it fit a grid of this size?
-    pub(super) fn fits(&self, nodes_per_side: usize, is_mirrored: bool) -> bool {
+    pub(super) fn fits(&self, nodes_per_side: usize, mirrored: Mirrored) -> bool {
         let layout = &self.levels[self.levels.len() - 1].layout;
-        layout.nodes_per_side == nodes_per_side && layout.is_mirrored == is_mirrored
+        layout.nodes_per_side == nodes_per_side && layout.mirrored == mirrored
     }
 
     /// Cycles of the finest grid so far.
@@ -241,10 +241,10 @@ impl FullMultigrid {
         let sheet = Sheet::new(n, problem.sheet.radius_mm());
         let guess = guess::tight_string(&sheet, dome);
         let per_spacing = 1.0 / sheet.spacing_mm();
-        let first = n / 2 - layout.center();
+        let first = layout.first();
         layout.free_rows(|j, from, to| {
             for i in from..to {
-                let k = (j + first) * n + i + first;
+                let k = (j + first[1]) * n + i + first[0];
                 let u = (guess[k] - sheet.rest()[k].extend(0.0)) * per_spacing;
                 let to = j * layout.pitch + i;
                 coarsest.u.x[to] = u.x as f32;
@@ -559,11 +559,11 @@ impl FullMultigrid {
     pub(super) fn fault(&self, problem: &Problem) -> Option<Fault> {
         let Level { layout, u, .. } = &self.levels[self.levels.len() - 1];
         let n = layout.nodes_per_side;
-        let stored = n / 2 - layout.center();
-        let first = if layout.is_mirrored { n / 2 } else { 0 };
+        let stored = layout.first();
+        let seen = layout.mirrored.map(|is_mirrored| if is_mirrored { n / 2 } else { 0 });
         let rest = problem.sheet.rest();
-        soundness::fault(&problem.sheet, &problem.dome, problem.tolerance, first, |i, j| {
-            let moved = u.at((j - stored) * layout.pitch + i - stored).map(f64::from);
+        soundness::fault(&problem.sheet, &problem.dome, problem.tolerance, seen, |i, j| {
+            let moved = u.at((j - stored[1]) * layout.pitch + i - stored[0]).map(f64::from);
             rest[j * n + i].extend(0.0) + DVec3::from(moved) * self.spacing
         })
     }
@@ -580,8 +580,8 @@ impl FullMultigrid {
         lifted.clear();
         let level = &self.levels[self.levels.len() - 1];
         let layout = &level.layout;
-        let (n, center) = (layout.nodes_per_side, layout.nodes_per_side / 2);
-        let first = center - layout.center();
+        let (n, first) = (layout.nodes_per_side, layout.first());
+        let [along_x, along_y] = layout.mirrored;
         layout.free_rows(|j, from, to| {
             for i in from..to {
                 let at = j * layout.pitch + i;
@@ -600,12 +600,16 @@ impl FullMultigrid {
                         x[k] = dome.onto_surface(x[k]);
                     }
                 };
-                let (i, j) = (i + first, j + first);
+                let (i, j) = (i + first[0], j + first[1]);
+                let (i2, j2) = (n - 1 - i, n - 1 - j);
                 set(i, j, DVec3::new(ux, uy, uz));
-                if layout.is_mirrored {
-                    let (i2, j2) = (n - 1 - i, n - 1 - j);
+                if along_x {
                     set(i2, j, DVec3::new(-ux, uy, uz));
+                }
+                if along_y {
                     set(i, j2, DVec3::new(ux, -uy, uz));
+                }
+                if along_x && along_y {
                     set(i2, j2, DVec3::new(-ux, -uy, uz));
                 }
             }

@@ -361,32 +361,37 @@ fn store_free(field: &mut Field, k: usize, count: usize, lanes: [f32x4; 3]) {
 }
 
 fn mirror_hold(layout: &Layout, hold: &mut [f32]) {
-    if layout.is_mirrored {
-        let pitch = layout.pitch;
+    let pitch = layout.pitch;
+    let [along_x, along_y] = layout.mirrored;
+    if along_x {
         for j in 0..layout.rows {
             hold[j * pitch] = hold[j * pitch + 2];
         }
+    }
+    if along_y {
         hold.copy_within(2 * pitch..3 * pitch, 0);
     }
 }
 
 /// Fills the ghosts of a mirrored grid.
 pub(super) fn mirror(layout: &Layout, field: &mut Field) {
-    if !layout.is_mirrored {
-        return;
-    }
     let pitch = layout.pitch;
-    for j in 0..layout.rows {
-        let row = j * pitch;
-        field.x[row + 1] = 0.0;
-        field.x[row] = -field.x[row + 2];
-        field.y[row] = field.y[row + 2];
-        field.z[row] = field.z[row + 2];
+    let [along_x, along_y] = layout.mirrored;
+    if along_x {
+        for j in 0..layout.rows {
+            let row = j * pitch;
+            field.x[row + 1] = 0.0;
+            field.x[row] = -field.x[row + 2];
+            field.y[row] = field.y[row + 2];
+            field.z[row] = field.z[row + 2];
+        }
     }
-    field.y[pitch..2 * pitch].fill(0.0);
-    for i in 0..layout.rows {
-        field.x[i] = field.x[i + 2 * pitch];
-        field.y[i] = -field.y[i + 2 * pitch];
-        field.z[i] = field.z[i + 2 * pitch];
+    if along_y {
+        field.y[pitch..2 * pitch].fill(0.0);
+        for i in 0..layout.columns {
+            field.x[i] = field.x[i + 2 * pitch];
+            field.y[i] = -field.y[i + 2 * pitch];
+            field.z[i] = field.z[i + 2 * pitch];
+        }
     }
 }

@@ -29,7 +29,7 @@ fn the_energy_falls_in_every_cycle() {
             tolerance: LEAST_TOLERANCE,
         };
         let law = SheetLaw::new(springs, &problem.materials);
-        let mut scheme = FullMultigrid::new(65, center == [0.0, 0.0]);
+        let mut scheme = FullMultigrid::new(65, center.map(|c| c == 0.0));
         scheme.set_law(&law);
         scheme.start(&problem, None, None);
         let mut x: Vec<DVec3> = problem.sheet.rest().iter().map(|p| p.extend(0.0)).collect();

@@ -2,10 +2,12 @@
 
 use super::grid::{Extrapolated, Field, Layout};
 
-/// Where a coarse stored index lies in the finer grid.
+/// The finer grid's stored node at the place of a coarse one: that of column 0 of a row, and what is to
+/// be added for another column.
 #[inline(always)]
-fn fine_index(layout: &Layout, coarse: usize) -> usize {
-    2 * coarse - layout.ghost()
+fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> (usize, impl Fn(usize) -> usize) {
+    let [ghost_column, ghost_row] = coarse.ghost();
+    ((2 * j - ghost_row) * fine.pitch, move |i| 2 * i - ghost_column)
 }
 
 /// The transpose of bilinear interpolation, from a residual that is zero at nodes that are not free.
@@ -13,10 +15,10 @@ fn fine_index(layout: &Layout, coarse: usize) -> usize {
 pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     let pitch = fine.pitch;
     coarse.free_rows(|j, first, last| {
-        let row = fine_index(coarse, j) * pitch;
+        let (row, column) = fine_row(coarse, fine, j);
         let weigh = |from: &[f32], to: &mut [f32]| {
             for i in first..last {
-                let f = row + fine_index(coarse, i);
+                let f = row + column(i);
                 let (below, above) = (f - pitch, f + pitch);
                 let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
                 let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
@@ -32,9 +34,9 @@ pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Fi
 /// Coarse displacements at the places that both grids have.
 pub(super) fn inject(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     coarse.free_rows(|j, first, last| {
-        let row = fine_index(coarse, j) * fine.pitch;
+        let (row, column) = fine_row(coarse, fine, j);
         for i in first..last {
-            let (f, k) = (row + fine_index(coarse, i), j * coarse.pitch + i);
+            let (f, k) = (row + column(i), j * coarse.pitch + i);
             to.x[k] = 0.5 * from.x[f];
             to.y[k] = 0.5 * from.y[f];
             to.z[k] = 0.5 * from.z[f];
@@ -52,9 +54,9 @@ pub(super) fn inject_hold(
 ) {
     let pitch = fine.pitch;
     coarse.free_rows(|j, first, last| {
-        let row = fine_index(coarse, j) * pitch;
+        let (row, column) = fine_row(coarse, fine, j);
         for i in first..last {
-            let f = row + fine_index(coarse, i);
+            let f = row + column(i);
             let (below, above) = (f - pitch, f + pitch);
             let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
             let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
@@ -73,10 +75,10 @@ pub(super) fn correction(
     to: &mut Field,
     row: &mut [f32],
 ) {
-    let ghost = fine.ghost();
+    let [ghost, ghost_row] = fine.ghost();
     fine.free_rows(|j, first, last| {
-        let low = (j + ghost) / 2 * coarse.pitch;
-        let is_between = !(j + ghost).is_multiple_of(2);
+        let low = (j + ghost_row) / 2 * coarse.pitch;
+        let is_between = !(j + ghost_row).is_multiple_of(2);
         let (from, until) = ((first + ghost) / 2, (last + ghost) / 2 + 1);
         let mut spread = |now: &[f32], before: &[f32], to: &mut [f32]| {
             for i in from..until {
@@ -116,11 +118,9 @@ pub(super) fn refine(
     row: &mut [f32],
 ) {
     let per_area = 1.0 / (coarse.radius() * coarse.radius());
-    let center = coarse.center() as f32;
     coarse.free_rows(|j, first, last| {
-        let y = j as f32 - center;
         for i in first..last {
-            let x = i as f32 - center;
+            let [x, y] = coarse.rest(i, j);
             let scale = 2.0 / (1.0 - (x * x + y * y) * per_area);
             let k = j * coarse.pitch + i;
             scaled.x[k] = from.x[k] * scale;
@@ -147,13 +147,12 @@ pub(super) fn refine(
     }
     super::smooth::mirror(coarse, scaled);
     let per_area = 1.0 / (fine.radius() * fine.radius());
-    let (center, ghost) = (fine.center() as f32, fine.ghost());
+    let [ghost, ghost_row] = fine.ghost();
     fine.free_rows(|j, first, last| {
-        let low = (j + ghost) / 2;
-        let is_between = !(j + ghost).is_multiple_of(2);
-        let y = j as f32 - center;
+        let low = (j + ghost_row) / 2;
+        let is_between = !(j + ghost_row).is_multiple_of(2);
         let (from, until) =
-            (((first + ghost) / 2).saturating_sub(1), ((last + ghost) / 2 + 2).min(coarse.rows));
+            (((first + ghost) / 2).saturating_sub(1), ((last + ghost) / 2 + 2).min(coarse.columns));
         let mut spread = |scaled: &[f32], to: &mut [f32]| {
             let at = |row: usize, i: usize| scaled[row * coarse.pitch + i];
             for i in from..until {
@@ -169,9 +168,9 @@ pub(super) fn refine(
                 let value = if (i + ghost).is_multiple_of(2) {
                     row[k]
                 } else {
-                    between(k, coarse.rows, |k| row[k])
+                    between(k, coarse.columns, |k| row[k])
                 };
-                let x = i as f32 - center;
+                let [x, y] = fine.rest(i, j);
                 out[i] = value * (1.0 - (x * x + y * y) * per_area);
             }
         };

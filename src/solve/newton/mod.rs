@@ -7,15 +7,19 @@
 //! dome's curvature under the pressing nodes. The step is put back onto the dome and shortened until
 //! the energy falls. Where the sheet is nearly slack the model is far too stiff: there the iteration
 //! goes on along a step, and across two of them, as long as the energy falls.
+//!
+//! `contact` (what a node there may do) | `search` (how far to go) | `lifts` (contact that ends between
+//! nodes) | `stability` | `nested` (grids one after the other); here the model and its minimum.
 
 mod contact;
+mod lifts;
 mod nested;
+mod search;
 mod stability;
 
 use super::assemble::{self, Stiffness, Totals};
 use super::blocks::{Blocks, outer};
 use super::law::SheetLaw;
-use super::lift;
 use super::multigrid::{Finest, Hierarchy, safe_inverse};
 use super::soundness::{self, Fault};
 use crate::implant::Dome;
@@ -40,29 +44,7 @@ const MAX_CG: u32 = 12;
 const CG_DROP: f64 = 0.3;
 /// A round that moves less than this share of the step ends the iteration.
 const ROUND_SHARE: f64 = 0.1;
-/// Halvings of a step before the grid is given up.
-const MAX_HALVINGS: u32 = 12;
-/// A step that lowers the energy by more than this share of what its first part promised is less than
-/// half as long as it could be.
-const LEAST_FALL: f64 = 0.75;
-/// The first length that is tried of a step that was too short, and across two of them; and the length
-/// from which on none is.
-const LONGER: f64 = 2.0;
-const ACROSS: f64 = 1.5;
-const MOST_LENGTH: f64 = 64.0;
-/// The share of the way gone on after a step that still counts as error after each further iteration.
-const CALM: f64 = 0.5;
-/// The greatest share of a step that the next one is taken to leave.
-const MOST_RATE: f64 = 0.98;
-/// The least share, once a step was too short: the sheet is nearly slack somewhere, and one quick step
-/// in front of slow ones tells nothing.
-const SLACK_RATE: f64 = 0.8;
-/// Iterations for which the dome's curvature stays out of the model where it made it indefinite, and how
-/// often a shape found without it is tried with it: without, the model may be far too stiff.
-const CARE: u32 = 4;
-const MAX_TRIES: u32 = 2;
-/// The greatest relative residual before the last step and after it.
-const MOST_RESIDUAL: f64 = 0.05;
+/// The greatest relative residual after the last step.
 const MOST_RESIDUAL_LEFT: f64 = 0.01;
 /// A node this close to the dome counts as touching it \[share of the base radius\].
 const TOUCH: f64 = 1e-9;
@@ -75,7 +57,6 @@ const LINEARIZE_UNITS: f64 = 4.0;
 const SWEEP_UNITS: f64 = 0.6;
 const CYCLE_UNITS: f64 = 2.8;
 const BUILD_UNITS: f64 = 2.0;
-const ENERGY_UNITS: f64 = 0.7;
 
 /// How a grid's iteration stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -551,222 +532,10 @@ impl Newton {
         };
     }
 
-    /// Tries the step at a length; takes it if the energy falls, else halves it.
-    fn search(
-        &mut self,
-        law: &SheetLaw,
-        dome: &Dome,
-        tolerance: f64,
-        length: f64,
-        halvings: u32,
-    ) -> State {
-        self.work_units += ENERGY_UNITS;
-        self.trial.copy_from_slice(&self.x);
-        let (mut largest, mut expected) = (0.0_f64, 0.0);
-        for &k in &self.free {
-            let k = k as usize;
-            let to = self.place(dome, k, self.x[k] + self.d[k] * length, halvings == 0);
-            let moved = to - self.x[k];
-            largest = largest.max(moved.length_squared());
-            expected += moved.dot(self.forces[k]);
-            self.trial[k] = to;
-        }
-        let largest = largest.sqrt();
-        let energy = assemble::energy(&self.sheet, law, &self.trial);
-        let noise = 1e-13 * self.totals.energy.abs();
-        let falls = energy <= self.totals.energy - 1e-4 * expected.max(0.0) + noise;
-        if !(falls && energy.is_finite()) {
-            let is_uphill = expected <= 0.0;
-            if is_uphill || halvings >= MAX_HALVINGS {
-                if !self.is_plain && (is_uphill || self.is_cautious) {
-                    self.is_plain = true;
-                    self.phase = Phase::Linearize { row: 0 };
-                } else if !self.is_cautious {
-                    self.take_care();
-                } else {
-                    return State::Stalled;
-                }
-                return State::Working;
-            }
-            self.phase = Phase::Search { length: 0.5 * length, halvings: halvings + 1 };
-            return State::Working;
-        }
-        std::mem::swap(&mut self.x, &mut self.trial);
-        self.moves += 1;
-        let was_cautious = self.is_cautious;
-        self.is_plain = false;
-        self.is_cautious &= self.iterations < self.cautious_to;
-        // Steps shrink at least geometrically: what is left is the sum of the next ones.
-        let least_rate = if self.stretch > 1.0 { SLACK_RATE } else { 0.0 };
-        let rate = (largest / self.last_step).clamp(least_rate, MOST_RATE);
-        self.error = if halvings == 0 && self.last_step.is_finite() {
-            self.stretch * largest * rate / (1.0 - rate)
-                + self.last_round.min(largest)
-                + self.travelled
-        } else {
-            f64::INFINITY
-        };
-        self.last_step = if halvings == 0 { largest } else { f64::INFINITY };
-        self.travelled *= CALM;
-        self.phase = Phase::Linearize { row: 0 };
-        // The residual is that before the step: a step that small may also be one that was held up.
-        let is_balanced = self.relative_residual <= MOST_RESIDUAL;
-        // One quick step proves little: where the sheet is nearly slack, slow ones may follow it.
-        let is_near = self.error.max(largest) <= tolerance;
-        if is_near && is_balanced {
-            if !was_cautious || self.tries >= MAX_TRIES {
-                return if self.is_saddle { State::Saddle } else { State::Converged };
-            }
-            self.tries += 1;
-            self.is_cautious = false;
-        }
-        if halvings > 0 {
-            self.has_earlier = false;
-        } else if self.totals.energy - energy > LEAST_FALL * expected && expected > 1e3 * noise {
-            self.phase = Phase::Extend { length: LONGER, energy, is_across: false };
-        } else {
-            self.go_across(energy);
-        }
-        State::Working
-    }
-
-    /// Where the node k comes to lie that would go to a place; held on the dome if it presses: its tangent
-    /// step leads off the surface.
-    fn place(&self, dome: &Dome, k: usize, to: DVec3, is_held: bool) -> DVec3 {
-        let lift = self.lift[k].abs();
-        let is_held = is_held && self.contact[k] & ON_DOME != 0;
-        admissible(dome, if is_held { dome.onto_level(to, lift) } else { to }, lift)
-    }
-
-    /// Tries the way from `trial` along `d` at a greater length than that taken; takes it if the energy
-    /// falls on.
-    fn extend(
-        &mut self,
-        law: &SheetLaw,
-        dome: &Dome,
-        (length, energy_before): (f64, f64),
-        is_across: bool,
-    ) {
-        self.work_units += ENERGY_UNITS;
-        self.phase = Phase::Linearize { row: 0 };
-        self.q.copy_from_slice(&self.trial);
-        let mut farthest = 0.0_f64;
-        for &k in &self.free {
-            let k = k as usize;
-            farthest = farthest.max(self.d[k].length_squared());
-            self.q[k] = self.place(dome, k, self.trial[k] + self.d[k] * length, true);
-        }
-        let energy = assemble::energy(&self.sheet, law, &self.q);
-        let falls = energy < energy_before;
-        if falls {
-            std::mem::swap(&mut self.x, &mut self.q);
-            self.moves += 1;
-            self.travelled = self.travelled.max((length - 1.0) * farthest.sqrt());
-            if !is_across {
-                self.stretch = self.stretch.max(length);
-            }
-        }
-        if falls && length < MOST_LENGTH {
-            self.phase = Phase::Extend { length: 2.0 * length - 1.0, energy, is_across };
-        } else if !is_across {
-            self.go_across(energy.min(energy_before));
-        }
-    }
-
-    /// Where steps were too short, goes on along the last two of them at once: of a step and the next
-    /// one the greater part undoes the other, what is left leads down the valley (B. V. Shah, R. J.
-    /// Buehler and O. Kempthorne, "Some algorithms for minimizing a function of several variables",
-    /// J. SIAM 12(1), 1964: parallel tangents).
-    fn go_across(&mut self, energy: f64) {
-        if self.stretch <= 1.0 {
-            return;
-        }
-        if self.has_earlier {
-            for &k in &self.free {
-                let k = k as usize;
-                self.d[k] = self.x[k] - self.earlier[k];
-            }
-            std::mem::swap(&mut self.trial, &mut self.earlier);
-            self.phase = Phase::Extend { length: ACROSS, energy, is_across: true };
-        } else {
-            self.earlier.copy_from_slice(&self.trial);
-        }
-        self.has_earlier = true;
-    }
-
-    /// Steps before this tell nothing about those to come.
-    fn forget_steps(&mut self) {
-        self.last_step = f64::INFINITY;
-        self.travelled = 0.0;
-        self.stretch = 1.0;
-        self.has_earlier = false;
-        self.tries = 0;
-    }
-
-    /// Does the iteration again without the dome's curvature, and keeps to that for a while.
-    fn take_care(&mut self) {
-        self.is_cautious = true;
-        self.cautious_to = self.iterations + CARE;
-        self.last_step = f64::INFINITY;
-        self.has_earlier = false;
-        self.phase = Phase::Linearize { row: 0 };
-    }
-
-    /// Finds where contact ends between nodes. If that matters to `tolerance` \[mm\], begins the
-    /// iteration to the equilibrium with lifts; else false.
-    pub(crate) fn find_lifts(&mut self, dome: &Dome, tolerance: f64) -> bool {
-        let n = self.sheet.nodes_per_side();
-        let touches = |k: usize| self.contact[k] & ON_DOME != 0;
-        let mut greatest = 0.0_f64;
-        for &k in &self.free {
-            let k = k as usize;
-            if !touches(k) {
-                continue;
-            }
-            let gap = |i: isize, j: isize| {
-                let (i, j) = ((k % n).checked_add_signed(i)?, (k / n).checked_add_signed(j)?);
-                let at = j * n + i;
-                let is_off =
-                    i < n && j < n && self.sheet.kinds()[at] == NodeKind::Free && !touches(at);
-                is_off.then(|| dome.level(self.x[at]))
-            };
-            self.lift[k] = lift::lift(gap);
-            greatest = greatest.max(self.lift[k].abs() * dome.base_radius.max(dome.projection));
-        }
-        let radius = dome.base_radius;
-        let share = lift::share(greatest / radius, tolerance / radius);
-        self.lift.iter_mut().for_each(|lift| *lift *= share);
-        if share <= 0.0 {
-            self.missed = lift::missed(greatest / radius) * radius;
-            return false;
-        }
-        for &k in &self.free {
-            let k = k as usize;
-            self.x[k] = admissible(dome, self.x[k], self.lift[k].abs());
-        }
-        self.moves += 1;
-        self.phase = Phase::Linearize { row: 0 };
-        self.forget_steps();
-        true
-    }
-
-    /// Goes on without lifts; false if there are none.
-    pub(crate) fn drop_lifts(&mut self, dome: &Dome) -> bool {
-        let greatest = self.lift.iter().fold(0.0_f64, |most, lift| most.max(lift.abs()));
-        if greatest <= 0.0 {
-            return false;
-        }
-        let iterations = self.iterations;
-        self.start(dome);
-        self.iterations = iterations.min(MAX_ITERATIONS / 2);
-        self.missed = greatest * dome.base_radius.max(dome.projection);
-        true
-    }
-
     /// What is wrong with the shape, if anything is. `tolerance` relative to the base radius.
     pub(crate) fn fault(&self, dome: &Dome, tolerance: f64) -> Option<Fault> {
         let n = self.sheet.nodes_per_side();
-        soundness::fault(&self.sheet, dome, tolerance, 0, |i, j| self.x[j * n + i])
+        soundness::fault(&self.sheet, dome, tolerance, [0; 2], |i, j| self.x[j * n + i])
             .or_else(|| soundness::has_fold(&self.sheet, &self.x).then_some(Fault::InsideOut))
     }
 
