@@ -407,7 +407,7 @@ fn refused_input_changes_nothing_and_says_why_in_one_line() {
         (r#"{"implant":{"base_radius_mm":50},"pocket_radius_mm":40}"#, "pocket_radius_mm is 40"),
         (
             r#"{"implant":{"base_radius_mm":100,"center_mm":[60,-80.5]}}"#,
-            "implant.center_mm is 100.4 mm from the pocket's centre",
+            "implant.center_mm is 100.5 mm from the pocket's centre",
         ),
         (r#"{"schema":"implant-preview/scene/9","implant":{"base_radius_mm":50}}"#, "schema"),
         (

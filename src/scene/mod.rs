@@ -314,7 +314,7 @@ impl Scene {
         if distance > room * (1.0 + 1e-9) {
             return Err(out_of_range(
                 "implant.center_mm",
-                format!("{} mm from the pocket's centre", number(distance)),
+                format!("{} mm from the pocket's centre", number((10.0 * distance).ceil() / 10.0)),
                 &format!("0 to {} mm ({most} mm - base radius)", number(room)),
             ));
         }
