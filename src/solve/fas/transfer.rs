@@ -2,12 +2,12 @@
 
 use super::grid::{Extrapolated, Field, Layout};
 
-/// The finer grid's stored node at the place of a coarse one: that of column 0 of a row, and what is to
-/// be added for another column.
+/// What the finer grid's stored node at the place of a coarse one in row j is beyond twice its column;
+/// free nodes lie in no first row.
 #[inline(always)]
-fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> (usize, impl Fn(usize) -> usize) {
+fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> usize {
     let [ghost_column, ghost_row] = coarse.ghost();
-    ((2 * j - ghost_row) * fine.pitch, move |i| 2 * i - ghost_column)
+    (2 * j - ghost_row) * fine.pitch - ghost_column
 }
 
 /// The transpose of bilinear interpolation, from a residual that is zero at nodes that are not free.
@@ -15,10 +15,10 @@ fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> (usize, impl Fn(usize) 
 pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     let pitch = fine.pitch;
     coarse.free_rows(|j, first, last| {
-        let (row, column) = fine_row(coarse, fine, j);
+        let row = fine_row(coarse, fine, j);
         let weigh = |from: &[f32], to: &mut [f32]| {
             for i in first..last {
-                let f = row + column(i);
+                let f = row + 2 * i;
                 let (below, above) = (f - pitch, f + pitch);
                 let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
                 let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
@@ -34,9 +34,9 @@ pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Fi
 /// Coarse displacements at the places that both grids have.
 pub(super) fn inject(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     coarse.free_rows(|j, first, last| {
-        let (row, column) = fine_row(coarse, fine, j);
+        let row = fine_row(coarse, fine, j);
         for i in first..last {
-            let (f, k) = (row + column(i), j * coarse.pitch + i);
+            let (f, k) = (row + 2 * i, j * coarse.pitch + i);
             to.x[k] = 0.5 * from.x[f];
             to.y[k] = 0.5 * from.y[f];
             to.z[k] = 0.5 * from.z[f];
@@ -54,9 +54,9 @@ pub(super) fn inject_hold(
 ) {
     let pitch = fine.pitch;
     coarse.free_rows(|j, first, last| {
-        let (row, column) = fine_row(coarse, fine, j);
+        let row = fine_row(coarse, fine, j);
         for i in first..last {
-            let f = row + column(i);
+            let f = row + 2 * i;
             let (below, above) = (f - pitch, f + pitch);
             let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
             let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
