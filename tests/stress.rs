@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 23] = [
+const ONCE_FAILED: [(&str, &str, Ending); 26] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -95,8 +95,23 @@ const ONCE_FAILED: [(&str, &str, Ending); 23] = [
     ),
     (
         "a sheet that slides off a needle to either side",
-        include_str!("stress/slides-off-to-either-side.json"),
+        include_str!("stress/slides-off-a-needle.json"),
+        Ending::Pierced,
+    ),
+    (
+        "a centred needle that came out lopsided",
+        include_str!("stress/lopsided-on-a-needle.json"),
+        Ending::Pierced,
+    ),
+    (
+        "two folds of a slack sheet",
+        include_str!("stress/two-folds-of-a-slack-sheet.json"),
         Ending::Several,
+    ),
+    (
+        "a valley behind a quick step",
+        include_str!("stress/valley-behind-a-quick-step.json"),
+        Ending::Converged,
     ),
     (
         "breaks of a curve close to zero under the paper's springs",

@@ -104,7 +104,8 @@ pub enum Method {
 pub struct Options {
     /// The method.
     pub method: Method,
-    /// Solve a centred dome on one quarter of the sheet, one moved along an axis on half of it.
+    /// Solve a centred dome on one quarter of the sheet, one moved along an axis on half of it; where that
+    /// takes Newton's method, keep the shape its own mirror image.
     pub use_symmetry: bool,
     /// A position error \[share of the base radius\] at which [`Solver::advance`] returns once with a
     /// shape to show, if the tolerance is smaller. A pause before shows what a coarser grid has.
@@ -218,6 +219,7 @@ impl Solver {
         let is_warm = same_grid && self.verdict == Verdict::Converged;
         let dome = self.problem.dome;
         self.start(!same_law);
+        let is_symmetric = self.is_symmetric();
         // Newton's method goes on from the last shape, moved as the dome's geometry moved.
         if let (Stage::Newton, Some(newton), true) = (self.stage, &mut self.newton, is_warm) {
             if dome != before.dome {
@@ -227,7 +229,7 @@ impl Solver {
                     self.x[k] += new[k] - old[k];
                 }
             }
-            newton.start_from(&self.x, &dome);
+            newton.start_from(&self.x, &dome, is_symmetric);
         }
     }
 
@@ -290,11 +292,17 @@ impl Solver {
         dome.apex().z.max(0.0) / dome.base_radius
     }
 
+    /// Does Newton's method keep a symmetric scene's shape symmetric? The paper's springs may settle in an
+    /// uneven one.
+    fn is_symmetric(&self) -> bool {
+        self.options.use_symmetry && self.problem.springs == Springs::Coupled
+    }
+
     fn start_newton(&mut self) {
         self.stage = Stage::Newton;
-        let sheet = &self.problem.sheet;
+        let (sheet, is_symmetric) = (&self.problem.sheet, self.is_symmetric());
         let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
-        newton.start_cold(&self.problem.dome);
+        newton.start_cold(&self.problem.dome, is_symmetric);
     }
 
     /// Does pieces of work until `pause` says so or the solve ends. A piece is a few passes over the
@@ -366,9 +374,9 @@ impl Solver {
             fas::State::Converged => {
                 if !is_study && self.needs_newton() {
                     self.stage = Stage::Newton;
-                    let sheet = &self.problem.sheet;
+                    let (sheet, is_symmetric) = (&self.problem.sheet, self.is_symmetric());
                     let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
-                    newton.start_from(&self.x, &self.problem.dome);
+                    newton.start_from(&self.x, &self.problem.dome, is_symmetric);
                 } else {
                     self.end(Verdict::Converged);
                 }

@@ -16,11 +16,11 @@ pub enum Fault {
     InsideOut,
 }
 
-/// How deep the middle of a cell may lie in the dome \[share of the dome's half axes\]: chords of a
-/// sphere lie this deep where they are 0.6 radii long.
+/// How deep the middle of a cell may lie in the dome \[share of the dome's half axes, and of the base radius
+/// as a distance\]: chords of a sphere lie this deep where they are 0.6 radii long.
 const PIERCED: f64 = 0.05;
-/// How far the highest node may lie below the dome's tip \[share of the projection, of the base
-/// radius\]: a tip between nodes 0.6 radii apart is 0.09 of the projection above them.
+/// How far the highest node may lie below the dome's tip \[share of its lesser half axis, of the base
+/// radius\]: a tip between nodes 0.6 radii apart is 0.09 radii above them.
 const SUNK: (f64, f64) = (0.1, 0.01);
 /// A cap that no node touches is nothing to speak of up to this height \[share of the base radius\].
 const SEEN: f64 = 1e-3;
@@ -66,7 +66,13 @@ pub(crate) fn fault(
     let eye = eye(sheet);
     let scale = DVec3::new(dome.base_radius, dome.base_radius, dome.projection).recip();
     let origin = dome.origin();
-    let inside = (1.0 - PIERCED) * (1.0 - PIERCED);
+    // The level's slope makes a distance of what is missing to the surface; towards the tip of a needle it
+    // is small.
+    let is_deep = |place: DVec3| {
+        let length = place.length();
+        let slope = (place * scale).length() / length * dome.base_radius;
+        length < 1.0 && 1.0 - length > PIERCED * slope.min(1.0)
+    };
     let (mut is_pierced, mut is_folded, mut highest) = (false, false, 0.0_f64);
     for j in first[1]..n - 1 {
         let (from, to) = sheet.row_spans()[j];
@@ -80,14 +86,13 @@ pub(crate) fn fault(
             if !middle.is_finite() {
                 return Some(Fault::NotFinite);
             }
-            is_pierced |= ((middle - origin) * scale).length_squared() < inside
-                && middle.z >= dome.base_height;
+            is_pierced |= middle.z >= dome.base_height && is_deep((middle - origin) * scale);
             is_folded |= is_turned((c - a).cross(d - b), middle - eye);
         }
     }
     let tip = dome.apex().z;
     let (sunk, radius) = (tip - highest, dome.base_radius);
-    is_pierced |= sunk > (SUNK.0 * dome.projection).max(SUNK.1 * radius);
+    is_pierced |= sunk > (SUNK.0 * dome.projection.min(radius)).max(SUNK.1 * radius);
     // A cap so small that it lies between the nodes.
     is_pierced |= sunk > (0.5 * tip).max(tolerance.max(SEEN) * radius);
     if is_pierced { Some(Fault::Pierced) } else { is_folded.then_some(Fault::InsideOut) }

@@ -24,7 +24,7 @@ const SESSION_EVERY: u64 = 10;
 const WAYS: f64 = 4.0;
 /// Two ways that end farther apart have found two equilibria if each ends where it did for this share of
 /// the tolerance.
-const PROOF: f64 = 1e-2;
+const PROOF: f64 = 0.1;
 
 /// How the solve of a scene ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -33,8 +33,7 @@ pub enum Ending {
     /// Within the tolerance, and every check holds.
     Converged,
     /// As [`Self::Converged`], to one of several equilibria: another way leads to another one, as is
-    /// proven by tighter tolerances. Slack sheets fold one way or the other, frictionless ones slide off
-    /// a needle to any side.
+    /// proven by a tighter tolerance. Slack sheets fold one way or the other.
     Several,
     /// Said to be above the tolerance.
     NotConverged,

@@ -59,6 +59,8 @@ const MAX_COARSEST: u32 = 60;
 /// The least share of the error that a cycle is taken to leave: the first ones take out what is rough
 /// and promise more than the next will keep.
 const LEAST_RATE: f64 = 0.4;
+/// The same of a sheet that is slack somewhere.
+const SLACK_RATE: f64 = 0.8;
 /// Rates grow a little from cycle to cycle: the estimate allows for this much.
 const SAFETY: f64 = 1.5;
 /// A cycle that changes more than this share of what the last one did is slow.
@@ -136,8 +138,8 @@ pub(super) struct FullMultigrid {
     has_last_step: bool,
     /// Slower, but sure where contact is small or the sheet nearly slack.
     is_wary: bool,
-    /// Has the sheet, which pushes somewhere, been in place a cycle ago?
-    is_confirmed: bool,
+    /// Does the sheet push somewhere, as was found where it first seemed to be in place?
+    is_slack: bool,
     row: Vec<f32>,
     /// Estimated greatest node position error \[mm\].
     pub(super) error: f64,
@@ -176,7 +178,7 @@ impl FullMultigrid {
             last_step: Field::new(levels[sides.len() - 1].layout.len()),
             has_last_step: false,
             is_wary: false,
-            is_confirmed: false,
+            is_slack: false,
             row: vec![0.0; nodes_per_side + 8],
             error: f64::INFINITY,
             relative_residual: f64::INFINITY,
@@ -263,7 +265,7 @@ impl FullMultigrid {
         self.cycles = 0;
         self.slow_cycles = 0;
         self.doubts = 0;
-        self.is_confirmed = false;
+        self.is_slack = false;
         self.is_lifted = false;
         self.missed = 0.0;
         self.residual_squares = None;
@@ -384,9 +386,11 @@ impl FullMultigrid {
         if !change.is_finite() {
             return State::Failed;
         }
-        let mut rate = LEAST_RATE;
+        // A slack sheet may lie nearly still for some cycles on its way to a fold.
+        let least_rate = if self.is_slack { SLACK_RATE } else { LEAST_RATE };
+        let mut rate = least_rate;
         if self.last_change.is_finite() {
-            rate = (change / self.last_change.max(f64::MIN_POSITIVE)).clamp(LEAST_RATE, 0.95);
+            rate = (change / self.last_change.max(f64::MIN_POSITIVE)).clamp(least_rate, 0.95);
             if change > SLOW_RATE * self.last_change {
                 self.slow_cycles += 1;
                 self.is_wary |= l > 0 && change > START_TOLERANCE * self.base_radius;
@@ -430,24 +434,19 @@ impl FullMultigrid {
             }
         }
         if is_enough && (self.asked_cycles.is_some() || self.has_room()) {
-            let is_slack = self.find_relative_residual();
+            let was_slack = self.is_slack;
+            self.find_relative_residual();
             self.error += self.missed;
             let (least, most) = MOST_RESIDUAL;
             let allowed = (RESIDUAL_TOLERANCES * self.tolerance).clamp(least, most);
             let is_balanced = self.relative_residual <= allowed;
-            // A slack sheet may lie still for some cycles on its way to a fold.
-            let is_sure = !is_slack || self.is_confirmed;
-            if is_balanced && is_sure || self.asked_cycles.is_some() {
+            if is_balanced && self.is_slack == was_slack || self.asked_cycles.is_some() {
                 return State::Converged;
             }
-            if is_balanced {
-                self.is_confirmed = true;
-            } else {
-                // It stopped changing, but not in balance.
-                self.doubts += 1;
-                if self.doubts >= MAX_DOUBTS {
-                    return State::Failed;
-                }
+            // It stopped changing, but not in balance.
+            self.doubts += u32::from(!is_balanced);
+            if self.doubts >= MAX_DOUBTS {
+                return State::Failed;
             }
         }
         self.residual_squares = None;
@@ -516,8 +515,8 @@ impl FullMultigrid {
         self.error + self.missed <= self.tolerance * self.base_radius
     }
 
-    /// Finds it; gives whether the sheet is slack somewhere.
-    fn find_relative_residual(&mut self) -> bool {
+    /// Finds it, and whether the sheet is slack.
+    fn find_relative_residual(&mut self) {
         let l = self.current;
         let level = &mut self.levels[l];
         // The search for lifts has it, if it found none.
@@ -526,9 +525,8 @@ impl FullMultigrid {
         let tension = level.tension(&self.law);
         // A sheet at rest has no forces: rounding is not measured against rounding.
         self.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
-        let is_slack = tension.is_slack(level.layout.free_nodes());
+        self.is_slack |= tension.is_slack(level.layout.free_nodes());
         self.count(l, if known.is_some() { 0.5 } else { 1.5 });
-        is_slack
     }
 
     /// Goes on to the next finer grid.

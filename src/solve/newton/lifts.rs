@@ -41,7 +41,7 @@ impl Newton {
         }
         self.moves += 1;
         self.phase = Phase::Linearize { row: 0 };
-        self.forget_steps();
+        self.keep_error();
         true
     }
 
@@ -52,7 +52,7 @@ impl Newton {
             return false;
         }
         let iterations = self.iterations;
-        self.start(dome);
+        self.start(dome, !self.mirrors.is_empty());
         self.iterations = iterations.min(MAX_ITERATIONS / 2);
         self.missed = greatest * dome.base_radius.max(dome.projection);
         true

@@ -9,13 +9,14 @@
 //! goes on along a step, and across two of them, as long as the energy falls.
 //!
 //! `contact` (what a node there may do) | `search` (how far to go) | `lifts` (contact that ends between
-//! nodes) | `stability` | `nested` (grids one after the other); here the model and its minimum.
+//! nodes) | `symmetry` | `stability` | `nested` (grids one after the other); here the model and its minimum.
 
 mod contact;
 mod lifts;
 mod nested;
 mod search;
 mod stability;
+mod symmetry;
 
 use super::assemble::{self, Stiffness, Totals};
 use super::blocks::{Blocks, outer};
@@ -29,6 +30,7 @@ use contact::{
 };
 use glam::{DMat3, DVec3};
 pub(crate) use nested::NestedNewton;
+use symmetry::{Mirror, symmetrize};
 
 /// Newton iterations before a grid is given up.
 const MAX_ITERATIONS: u32 = 150;
@@ -115,6 +117,8 @@ pub(crate) struct Newton {
     pub(crate) forces: Vec<DVec3>,
     pub(crate) contact: Vec<u8>,
     free: Vec<u32>,
+    /// In which the shape is its own image.
+    mirrors: Vec<Mirror>,
     hessian: Blocks,
     hierarchy: Hierarchy,
     /// Inverse diagonal blocks, unconstrained.
@@ -201,6 +205,7 @@ impl Newton {
             has_earlier: false,
             scratch: vectors(),
             free,
+            mirrors: Vec::new(),
             sheet,
             phase: Phase::Linearize { row: 0 },
             iterations: 0,
@@ -224,8 +229,11 @@ impl Newton {
         }
     }
 
-    /// Starts from the positions in `x`, made admissible.
-    pub(crate) fn start(&mut self, dome: &Dome) {
+    /// Starts from the positions in `x`, made admissible; keeps the shape its own image in every mirror in
+    /// which the dome is, if that is wanted.
+    pub(crate) fn start(&mut self, dome: &Dome, is_symmetric: bool) {
+        self.mirrors = if is_symmetric { Mirror::of(dome) } else { Vec::new() };
+        symmetrize(&self.mirrors, &self.sheet, &self.free, &mut self.x);
         for &k in &self.free {
             let k = k as usize;
             self.lift[k] = 0.0;

@@ -18,6 +18,8 @@ pub(crate) struct NestedNewton {
     /// From the coarsest grid to the finest.
     levels: Vec<Newton>,
     current: usize,
+    /// Keep the shape of a symmetric scene symmetric?
+    is_symmetric: bool,
     is_warm: bool,
     is_probed: bool,
     is_lifted: bool,
@@ -31,29 +33,39 @@ impl NestedNewton {
             sheets.push(coarser);
         }
         let levels = sheets.into_iter().rev().map(Newton::new).collect();
-        Self { levels, current: 0, is_warm: false, is_probed: false, is_lifted: false }
+        Self {
+            levels,
+            current: 0,
+            is_symmetric: false,
+            is_warm: false,
+            is_probed: false,
+            is_lifted: false,
+        }
     }
 
-    /// Starts from geometry alone on the coarsest grid.
-    pub(crate) fn start_cold(&mut self, dome: &Dome) {
+    /// Starts from geometry alone on the coarsest grid; keeps the shape of a symmetric scene symmetric, if
+    /// that is wanted.
+    pub(crate) fn start_cold(&mut self, dome: &Dome, is_symmetric: bool) {
+        self.is_symmetric = is_symmetric;
         self.is_warm = false;
         self.is_probed = false;
         self.is_lifted = false;
         self.current = 0;
         let coarsest = &mut self.levels[0];
         coarsest.x = guess::tight_string(&coarsest.sheet, dome);
-        coarsest.start(dome);
+        coarsest.start(dome, is_symmetric);
     }
 
     /// Starts from a shape of the finest grid.
-    pub(crate) fn start_from(&mut self, x: &[DVec3], dome: &Dome) {
+    pub(crate) fn start_from(&mut self, x: &[DVec3], dome: &Dome, is_symmetric: bool) {
+        self.is_symmetric = is_symmetric;
         self.is_warm = true;
         self.is_probed = false;
         self.is_lifted = false;
         self.current = self.levels.len() - 1;
         let finest = &mut self.levels[self.current];
         finest.x.copy_from_slice(x);
-        finest.start(dome);
+        finest.start(dome, is_symmetric);
     }
 
     /// Does the next piece of work; `tolerance` is that of the finest grid \[mm\]. The last state is
@@ -72,15 +84,15 @@ impl NestedNewton {
         let state = level.step(law, dome, tolerance);
         let is_slow = self.is_warm && level.iterations > WARM_ITERATIONS;
         match state {
-            State::Working if is_slow => self.start_cold(dome),
+            State::Working if is_slow => self.start_cold(dome, self.is_symmetric),
             State::Working => {}
             State::Stalled | State::Unstable | State::Saddle if self.is_warm => {
-                self.start_cold(dome);
+                self.start_cold(dome, self.is_symmetric);
             }
             State::Converged | State::Stalled | State::Saddle if !is_finest => {
                 let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
                 transfer::refine(&coarser[self.current], &mut finer[0]);
-                finer[0].start(dome);
+                finer[0].start(dome, self.is_symmetric);
                 self.current += 1;
             }
             // The energy of the paper's springs has saddles: see whether this is one.

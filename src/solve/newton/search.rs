@@ -2,6 +2,7 @@
 //! about the error.
 
 use super::contact::{ON_DOME, admissible};
+use super::symmetry::symmetrize;
 use super::{Newton, Phase, State};
 use crate::implant::Dome;
 use crate::solve::assemble;
@@ -24,7 +25,7 @@ const CALM: f64 = 0.5;
 const MOST_RATE: f64 = 0.98;
 /// The least share, once a step was too short: the sheet is nearly slack somewhere, and one quick step
 /// in front of slow ones tells nothing.
-const SLACK_RATE: f64 = 0.8;
+const SLACK_RATE: f64 = 0.95;
 /// Iterations for which the dome's curvature stays out of the model where it made it indefinite, and how
 /// often a shape found without it is tried with it: without, the model may be far too stiff.
 const CARE: u32 = 4;
@@ -45,6 +46,9 @@ impl Newton {
         halvings: u32,
     ) -> State {
         self.work_units += ENERGY_UNITS;
+        if halvings == 0 {
+            symmetrize(&self.mirrors, &self.sheet, &self.free, &mut self.d);
+        }
         self.trial.copy_from_slice(&self.x);
         let (mut largest, mut expected) = (0.0_f64, 0.0);
         for &k in &self.free {
@@ -98,7 +102,11 @@ impl Newton {
         let is_balanced = self.relative_residual <= MOST_RESIDUAL;
         // One quick step proves little: where the sheet is nearly slack, slow ones may follow it.
         let is_near = self.error.max(largest) <= tolerance;
-        if is_near && is_balanced {
+        let is_short = is_whole
+            && self.totals.energy - energy > LEAST_FALL * expected
+            && expected > 1e3 * noise;
+        // What is near is farther than it seems where the model is too stiff: that shows first.
+        if is_near && is_balanced && (!is_short || self.stretch > 1.0) {
             if !was_cautious || self.tries >= MAX_TRIES {
                 return if self.is_saddle { State::Saddle } else { State::Converged };
             }
@@ -107,7 +115,7 @@ impl Newton {
         }
         if !is_whole {
             self.has_earlier = false;
-        } else if self.totals.energy - energy > LEAST_FALL * expected && expected > 1e3 * noise {
+        } else if is_short {
             self.phase = Phase::Extend { length: LONGER, energy, is_across: false };
         } else {
             self.go_across(energy);
@@ -177,6 +185,15 @@ impl Newton {
             self.earlier.copy_from_slice(&self.trial);
         }
         self.has_earlier = true;
+    }
+
+    /// Goes on from a shape that was moved a little: how stiff the model is remains, and so does the error,
+    /// for a while.
+    pub(super) fn keep_error(&mut self) {
+        self.last_step = f64::INFINITY;
+        self.travelled = self.error;
+        self.has_earlier = false;
+        self.tries = 0;
     }
 
     /// Steps before this tell nothing about those to come.

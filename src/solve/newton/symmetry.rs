@@ -1,0 +1,112 @@
+//! Mirror images: where a scene is its own, so is its shape.
+//!
+//! A convex model of a symmetric shape has a symmetric least step; what is not symmetric of the one found is
+//! rounding and haste. Left in, it would grow where a node stands on a steep dome, and carry the sheet
+//! off to one side.
+
+use crate::implant::Dome;
+use crate::sheet::Sheet;
+use glam::{DVec2, DVec3};
+
+/// A mirror through the centre of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mirror {
+    /// x → −x.
+    X,
+    /// y → −y.
+    Y,
+    /// (x, y) → (y, x).
+    Diagonal,
+    /// (x, y) → (−y, −x).
+    Antidiagonal,
+}
+
+impl Mirror {
+    /// The mirrors that leave a dome and the grid as they are.
+    pub(super) fn of(dome: &Dome) -> Vec<Self> {
+        let DVec2 { x, y } = dome.center;
+        let all = [
+            (Self::X, x == 0.0),
+            (Self::Y, y == 0.0),
+            (Self::Diagonal, x - y == 0.0),
+            (Self::Antidiagonal, x + y == 0.0),
+        ];
+        all.into_iter().filter_map(|(mirror, holds)| holds.then_some(mirror)).collect()
+    }
+
+    /// The node where the image of a node is, n nodes a side.
+    fn node(self, k: usize, n: usize) -> usize {
+        let (i, j) = (k % n, k / n);
+        let (i, j) = match self {
+            Self::X => (n - 1 - i, j),
+            Self::Y => (i, n - 1 - j),
+            Self::Diagonal => (j, i),
+            Self::Antidiagonal => (n - 1 - j, n - 1 - i),
+        };
+        j * n + i
+    }
+
+    /// The image of a place or step.
+    fn image(self, v: DVec3) -> DVec3 {
+        match self {
+            Self::X => DVec3::new(-v.x, v.y, v.z),
+            Self::Y => DVec3::new(v.x, -v.y, v.z),
+            Self::Diagonal => DVec3::new(v.y, v.x, v.z),
+            Self::Antidiagonal => DVec3::new(-v.y, -v.x, v.z),
+        }
+    }
+}
+
+/// Makes the places or steps of the free nodes their own images, by the mean.
+pub(super) fn symmetrize(mirrors: &[Mirror], sheet: &Sheet, free: &[u32], v: &mut [DVec3]) {
+    let n = sheet.nodes_per_side();
+    for mirror in mirrors {
+        for &k in free {
+            let k = k as usize;
+            let other = mirror.node(k, n);
+            if other >= k {
+                let mean = 0.5 * (v[k] + mirror.image(v[other]));
+                v[k] = mean;
+                v[other] = mirror.image(mean);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sheet::NodeKind;
+
+    #[test]
+    fn what_is_made_symmetric_is_its_own_image_in_every_mirror() {
+        let sheet = Sheet::new(17, 8.0);
+        let free: Vec<u32> = (0..sheet.len())
+            .filter(|&k| sheet.kinds()[k] == NodeKind::Free)
+            .map(|k| k as u32)
+            .collect();
+        for (center, count) in [
+            ([0.0, 0.0], 4),
+            ([3.0, 0.0], 1),
+            ([0.0, -3.0], 1),
+            ([2.0, 2.0], 1),
+            ([2.0, -2.0], 1),
+            ([2.0, 1.0], 0),
+        ] {
+            let mirrors = Mirror::of(&Dome::new(DVec2::from(center), 4.0, 4.0, 1.0));
+            assert_eq!(mirrors.len(), count, "{center:?}");
+            let wave = |k: usize, f: f64| (f * k as f64).sin();
+            let mut v: Vec<DVec3> = (0..sheet.len())
+                .map(|k| DVec3::new(wave(k, 1.3), wave(k, 2.1), wave(k, 3.7)))
+                .collect();
+            symmetrize(&mirrors, &sheet, &free, &mut v);
+            for mirror in mirrors {
+                for &k in &free {
+                    let k = k as usize;
+                    let image = mirror.image(v[mirror.node(k, 17)]);
+                    assert!(v[k].distance(image) < 1e-15, "{mirror:?} at {center:?}");
+                }
+            }
+        }
+    }
+}
