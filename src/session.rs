@@ -6,7 +6,7 @@
 //! Uses everything to its left. Used by `view`, `app` and `platform`.
 
 use crate::experiment::stability::Limits;
-use crate::measure::{Field, Fields, Layers, Outcome};
+use crate::measure::{Field, Fields, Layers, Outcome, Status};
 use crate::scene::{Scene, SceneError};
 use crate::solve::{Fault, Options, Progress, Shown, Solver};
 use crate::springs::Springs;
@@ -364,6 +364,13 @@ impl Session {
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
         self.outcome.as_ref()
+    }
+
+    /// Has the solve ended without a stable shape? Then [`Self::shape`] is not one to be shown.
+    #[must_use]
+    pub fn has_no_shape(&self) -> bool {
+        let is_unstable = |outcome: &Outcome| outcome.status == Status::Unstable;
+        !self.is_working() && self.outcome().is_some_and(is_unstable)
     }
 
     /// Work done so far.

@@ -292,6 +292,24 @@ fn symmetric_scenes_take_a_quarter_or_half_of_the_sheet_and_give_the_same_shape(
 }
 
 #[test]
+fn a_scene_without_a_stable_shape_shows_none_until_another_has_one() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    assert!(!session.has_no_shape());
+    // A needle between the nodes of a coarse grid.
+    edit(&mut session, 1, |scene| {
+        scene.implant.projection_mm = 120.0;
+        scene.solver.nodes_per_side = 17;
+    });
+    assert!(!session.has_no_shape(), "nothing is known yet");
+    settle(&mut session);
+    assert!(session.has_no_shape(), "{:?}", session.outcome());
+    session.apply(Command::Undo).unwrap();
+    settle(&mut session);
+    assert!(!session.has_no_shape());
+}
+
+#[test]
 fn nodes_outside_of_the_pocket_cost_next_to_nothing() {
     for center_mm in [[0.0, 0.0], [3.0, 2.0]] {
         let mut scene = small();

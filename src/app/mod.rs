@@ -278,9 +278,7 @@ impl App {
             self.notice = Some(Notice { text, is_error: true });
             self.is_playing = false;
         }
-        if progress == Progress::Done
-            && self.session.outcome().is_some_and(|o| o.status == Status::Unstable)
-        {
+        if progress == Progress::Done && self.session.has_no_shape() {
             self.is_playing = false;
         }
     }
@@ -464,9 +462,7 @@ impl App {
 
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene) {
         self.notices(ui);
-        let is_unstable = !self.session.is_working()
-            && self.session.outcome().is_some_and(|o| o.status == Status::Unstable);
-        if is_unstable {
+        if self.session.has_no_shape() {
             no_shape(ui, self.session.solver().fault(), scene);
             return;
         }
@@ -497,7 +493,8 @@ impl App {
 
 /// Says why there is no shape, and what can be done.
 fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
-    ui.centered_and_justified(|ui| {
+    let frame = egui::Frame::new().inner_margin(2.0 * theme::SPACE).fill(ui.visuals().panel_fill);
+    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         ui.vertical_centered(|ui| {
             ui.add_space(0.3 * ui.available_height());
             ui.heading("No stable shape");

@@ -54,7 +54,8 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// The section along x through the pocket's centre: implant, inner face, outer skin.
+/// The section along x through the pocket's centre: implant, inner face, outer skin; the tissue only where
+/// it has a shape.
 pub(super) fn section(ui: &mut Ui, session: &Session) {
     let palette = theme::palette(ui.visuals());
     let problem = session.solver().problem();
@@ -86,6 +87,7 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
         })
         .filter(|p| p[1] >= -1e-9)
         .collect();
+    let has_shape = !session.has_no_shape();
     group(ui, "Cross-section", |ui| {
         Plot::new("section")
             .height(170.0)
@@ -103,8 +105,10 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
                     plot.line(Line::new(name, points).color(color).width(width));
                 };
                 line("implant", dome_line, palette.accent, 1.5);
-                line("inner face", inner, palette.curves[1], 2.0);
-                line("skin", outer, palette.curves[0], 2.0);
+                if has_shape {
+                    line("inner face", inner, palette.curves[1], 2.0);
+                    line("skin", outer, palette.curves[0], 2.0);
+                }
                 let a = sheet.radius_mm();
                 let wall = vec![[-a, 0.0], [a, 0.0]];
                 plot.line(
@@ -115,12 +119,13 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
                 );
             });
         ui.horizontal_wrapped(|ui| {
-            for (name, color) in [
+            let names = [
                 ("skin", palette.curves[0]),
                 ("inner face", palette.curves[1]),
                 ("implant", palette.accent),
                 ("chest wall", palette.caution),
-            ] {
+            ];
+            for &(name, color) in &names[if has_shape { 0 } else { 2 }..] {
                 ui.label(RichText::new(name).small().color(color));
             }
         });

@@ -486,9 +486,11 @@ fn problem(path: &str, problem: &str) -> SceneError {
     SceneError::Json { path: one_line(path, 30), problem: one_line(problem, 90) }
 }
 
-/// One line without control characters; where it is long, its first `start` characters and its end.
+/// One line without control characters and marks of direction; where it is long, its first `start`
+/// characters and its end.
 fn one_line(text: &str, start: usize) -> String {
-    let is_blank = |c: char| c.is_whitespace() || c.is_control();
+    let is_mark = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let is_blank = |c: char| c.is_whitespace() || c.is_control() || is_mark(c);
     let words: Vec<&str> = text.split(is_blank).filter(|word| !word.is_empty()).collect();
     let line = words.join(" ");
     let (count, end) = (line.chars().count(), start + start / 3);
