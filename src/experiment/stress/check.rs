@@ -5,6 +5,7 @@
 
 use crate::sheet::{NodeKind, Sheet};
 use crate::solve::{Solver, Verdict};
+use crate::springs::Springs;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -55,6 +56,9 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
     let depth = x.iter().map(|x| -x.z).fold(0.0, f64::max);
     hold(&mut findings, "depth below the wall, mm", depth, tolerance);
     hold(&mut findings, "facing inwards", faces_inwards(sheet, x), FACING);
+    if problem.springs == Springs::Coupled {
+        hold(&mut findings, "not its own mirror image, mm", lopsidedness(solver), tolerance);
+    }
     let start: Vec<DVec3> = solver
         .start_shape()
         .into_iter()
@@ -66,6 +70,25 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
     hold(&mut findings, "energy above the start", now - before, slack);
     hold(&mut findings, "forces out of balance", imbalance(solver), RESIDUAL);
     findings
+}
+
+/// How far the shape of a scene that is its own mirror image along x or y is from being so too \[mm\].
+fn lopsidedness(solver: &Solver) -> f64 {
+    let (problem, x) = (solver.problem(), solver.positions());
+    let (n, center) = (problem.sheet.nodes_per_side(), problem.dome.center);
+    let mut most = 0.0_f64;
+    for (k, place) in x.iter().enumerate() {
+        let (i, j) = (k % n, k / n);
+        if center.x == 0.0 {
+            let image = x[j * n + n - 1 - i] * DVec3::new(-1.0, 1.0, 1.0);
+            most = most.max(place.distance(image));
+        }
+        if center.y == 0.0 {
+            let image = x[(n - 1 - j) * n + i] * DVec3::new(1.0, -1.0, 1.0);
+            most = most.max(place.distance(image));
+        }
+    }
+    most
 }
 
 /// How deep a node lies in the dome \[mm\].
