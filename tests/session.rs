@@ -310,6 +310,21 @@ fn a_scene_without_a_stable_shape_shows_none_until_another_has_one() {
 }
 
 #[test]
+fn a_law_that_was_changed_while_the_sheet_lay_at_rest_is_the_one_that_is_solved() {
+    let mut session = Session::new(small()).unwrap();
+    settle(&mut session);
+    edit(&mut session, 1, |scene| scene.insertion = 0.0);
+    settle(&mut session);
+    edit(&mut session, 2, |scene| scene.layers[0].poisson_ratio = 0.1);
+    settle(&mut session);
+    edit(&mut session, 3, |scene| scene.insertion = 1.0);
+    settle(&mut session);
+    let mut cold = Solver::new(session.scene().problem().unwrap());
+    cold.advance(&mut || false);
+    assert_eq!(session.shape(), cold.positions());
+}
+
+#[test]
 fn nodes_outside_of_the_pocket_cost_next_to_nothing() {
     for center_mm in [[0.0, 0.0], [3.0, 2.0]] {
         let mut scene = small();

@@ -139,6 +139,8 @@ pub struct Solver {
     problem: Problem,
     options: Options,
     law: SheetLaw,
+    /// Are the law's tables other than those that the multigrid has read?
+    is_law_new: bool,
     multigrid: Option<FullMultigrid>,
     newton: Option<NestedNewton>,
     stage: Stage,
@@ -184,6 +186,7 @@ impl Solver {
             lifted: Vec::new(),
             fault: None,
             law,
+            is_law_new: true,
             options,
             multigrid: None,
             newton: None,
@@ -197,7 +200,7 @@ impl Solver {
             progress: Progress::Working,
             problem,
         };
-        solver.start(true);
+        solver.start();
         solver
     }
 
@@ -218,7 +221,8 @@ impl Solver {
         let before = std::mem::replace(&mut self.problem, problem);
         let is_warm = same_grid && self.verdict == Verdict::Converged;
         let dome = self.problem.dome;
-        self.start(!same_law);
+        self.is_law_new |= !same_law;
+        self.start();
         let is_symmetric = self.is_symmetric();
         // Newton's method goes on from the last shape, moved as the dome's geometry moved.
         if let (Stage::Newton, Some(newton), true) = (self.stage, &mut self.newton, is_warm) {
@@ -233,7 +237,7 @@ impl Solver {
         }
     }
 
-    fn start(&mut self, is_new_law: bool) {
+    fn start(&mut self) {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
         self.fell_back = false;
@@ -262,7 +266,7 @@ impl Solver {
                 let mirrored = center.map(|c| self.options.use_symmetry && c == 0.0);
                 let multigrid = match self.multigrid.take() {
                     Some(mut multigrid) if multigrid.fits(n, mirrored) => {
-                        if is_new_law {
+                        if self.is_law_new {
                             multigrid.set_law(&self.law);
                         }
                         multigrid
@@ -274,6 +278,8 @@ impl Solver {
                         multigrid
                     }
                 };
+                // A sheet at rest reads no law: the next one to be solved has to.
+                self.is_law_new = false;
                 let multigrid = self.multigrid.insert(multigrid);
                 let cycles = match self.options.method {
                     Method::Multigrid { cycles } => Some(cycles),
