@@ -132,6 +132,12 @@ impl Dome {
         if scale < 1e-12 { self.apex() } else { self.origin() + from_origin / scale }
     }
 
+    /// Is it its own image mirrored along x, along y, about the pocket's centre?
+    #[must_use]
+    pub fn mirrored(&self) -> [bool; 2] {
+        self.center.to_array().map(|c| c == 0.0)
+    }
+
     /// Is the point strictly inside the dome?
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {

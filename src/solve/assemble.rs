@@ -8,6 +8,7 @@
 
 use super::blocks::{Blocks, outer};
 use super::law::{PaperLaw, SheetLaw};
+use super::stretch::{Principal, Rest};
 use crate::sheet::{CELL_TRIANGLES, CellKind, Sheet};
 use crate::springs::coupled::CoupledLaw;
 use glam::{DMat3, DVec2, DVec3};
@@ -62,89 +63,6 @@ const PLACE: [[(usize, bool); 4]; 4] = [
     [(8, true), (7, true), (2, false), (5, true)],
     [(6, true), (9, true), (5, false), (3, false)],
 ];
-
-/// A triangle at rest: weighted area \[mm²\] and the gradients of its nodes' hat functions \[1/mm\].
-pub(crate) struct Rest {
-    pub(crate) area: f64,
-    pub(crate) gradients: [DVec2; 3],
-}
-
-impl Rest {
-    #[inline]
-    pub(crate) fn new(rest: [DVec2; 3], weight: f64) -> Self {
-        let (a, b) = (rest[1] - rest[0], rest[2] - rest[0]);
-        let det = a.perp_dot(b);
-        let inverse = 1.0 / det;
-        let g1 = DVec2::new(b.y, -b.x) * inverse;
-        let g2 = DVec2::new(-a.y, a.x) * inverse;
-        Self { area: 0.5 * det * weight, gradients: [-(g1 + g2), g1, g2] }
-    }
-}
-
-/// Principal stretches and directions of a deformed triangle.
-pub(crate) struct Principal {
-    pub(crate) stretch: [f64; 2],
-    /// Principal directions at rest.
-    pub(crate) rest: [DVec2; 2],
-    /// The same, deformed; unit vectors in the triangle's plane.
-    pub(crate) deformed: [DVec3; 2],
-}
-
-impl Principal {
-    /// The columns of F.
-    #[inline]
-    pub(crate) fn columns(rest: &Rest, x: [DVec3; 3]) -> [DVec3; 2] {
-        let (a, b) = (x[1] - x[0], x[2] - x[0]);
-        let [_, g1, g2] = rest.gradients;
-        [a * g1.x + b * g2.x, a * g1.y + b * g2.y]
-    }
-
-    /// Principal stretches, the greater first.
-    #[inline]
-    pub(crate) fn stretches([f1, f2]: [DVec3; 2]) -> [f64; 2] {
-        let (mean, half, off) = metric(f1, f2);
-        let greater = mean + (half * half + off * off).sqrt();
-        let area = f1.cross(f2).length();
-        let first = greater.max(1e-300).sqrt();
-        [first, area / first]
-    }
-
-    #[inline]
-    pub(crate) fn new(columns: [DVec3; 2]) -> Self {
-        let [f1, f2] = columns;
-        let (_, half, off) = metric(f1, f2);
-        let radius = (half * half + off * off).sqrt();
-        let rest = if radius > 0.0 {
-            // Half of the angle (half, off)/radius, by the formula without cancellation.
-            let (c, s) = if half >= 0.0 {
-                let c = (0.5 * (1.0 + half / radius)).sqrt();
-                (c, 0.5 * off / (radius * c))
-            } else {
-                let s = (0.5 * (1.0 - half / radius)).sqrt();
-                (0.5 * off / (radius * s), s)
-            };
-            DVec2::new(c, s)
-        } else {
-            DVec2::X
-        };
-        let across = DVec2::new(-rest.y, rest.x);
-        let stretch = Self::stretches(columns);
-        // F N/λ are unit vectors; a triangle squeezed to a line has any second direction.
-        let first = (f1 * rest.x + f2 * rest.y) / stretch[0];
-        let second = if stretch[1] > 1e-9 * stretch[0] {
-            (f1 * across.x + f2 * across.y) / stretch[1]
-        } else {
-            first.normalize_or(DVec3::X).any_orthonormal_vector()
-        };
-        Self { stretch, rest: [rest, across], deformed: [first, second] }
-    }
-}
-
-#[inline]
-fn metric(f1: DVec3, f2: DVec3) -> (f64, f64, f64) {
-    let (c11, c22) = (f1.length_squared(), f2.length_squared());
-    (0.5 * (c11 + c22), 0.5 * (c11 - c22), f1.dot(f2))
-}
 
 /// Strain energy of a shape \[kPa·mm³\].
 pub(crate) fn energy(sheet: &Sheet, law: &SheetLaw, x: &[DVec3]) -> f64 {

@@ -75,15 +75,16 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
 /// How far the shape of a scene that is its own mirror image along x or y is from being so too \[mm\].
 fn lopsidedness(solver: &Solver) -> f64 {
     let (problem, x) = (solver.problem(), solver.positions());
-    let (n, center) = (problem.sheet.nodes_per_side(), problem.dome.center);
+    let n = problem.sheet.nodes_per_side();
+    let [along_x, along_y] = problem.dome.mirrored();
     let mut most = 0.0_f64;
     for (k, place) in x.iter().enumerate() {
         let (i, j) = (k % n, k / n);
-        if center.x == 0.0 {
+        if along_x {
             let image = x[j * n + n - 1 - i] * DVec3::new(-1.0, 1.0, 1.0);
             most = most.max(place.distance(image));
         }
-        if center.y == 0.0 {
+        if along_y {
             let image = x[(n - 1 - j) * n + i] * DVec3::new(1.0, -1.0, 1.0);
             most = most.max(place.distance(image));
         }

@@ -142,7 +142,7 @@ impl Kernels {
         if !matches!(law, SheetLaw::Coupled(_)) {
             return None;
         }
-        let mirrored = problem.dome.center.to_array().map(|c| c == 0.0);
+        let mirrored = problem.dome.mirrored();
         let mut scheme = FullMultigrid::new(problem.sheet.nodes_per_side(), mirrored);
         scheme.set_law(&law);
         scheme.start(problem, None, None);

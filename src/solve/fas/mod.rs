@@ -9,7 +9,7 @@
 //! keep them on it.
 //!
 //! `grid` (what is stored) | `law` | `force`, `border`, `springs` (the paper's) | `smooth` (with contact) | `transfer` |
-//! `level` (one grid at work); here the order in which grids work.
+//! `level` (one grid at work) | `shown` (the shape in mm); here the order in which grids work.
 
 mod border;
 mod force;
@@ -17,6 +17,7 @@ mod grid;
 pub mod kernels;
 mod law;
 mod level;
+mod shown;
 mod smooth;
 mod springs;
 #[cfg(test)]
@@ -27,10 +28,8 @@ use super::Problem;
 use super::guess;
 use super::law::SheetLaw;
 use super::lift;
-use super::soundness::{self, Fault};
 use crate::implant::Dome;
 use crate::sheet::Sheet;
-use glam::DVec3;
 use grid::{Field, Mirrored};
 use law::CoupledLanes;
 use level::{LaneLaw, Level};
@@ -542,75 +541,5 @@ impl FullMultigrid {
         let Level { layout, u, f, .. } = coarse;
         transfer::refine(layout, &fine.layout, u, f, &mut fine.u, &mut self.row);
         smooth::settle(&fine.layout, &fine.dome, &mut fine.u);
-    }
-
-    /// Carries the shape of the grid being solved up to the finest one, to be shown; gives the nodes a
-    /// side of the grid that it comes from.
-    pub(super) fn preview(&mut self) -> usize {
-        for l in self.current..self.levels.len() - 1 {
-            self.raise(l);
-        }
-        self.levels[self.current].layout.nodes_per_side
-    }
-
-    /// What is wrong with the finest grid's shape, if anything is.
-    pub(super) fn fault(&self, problem: &Problem) -> Option<Fault> {
-        let Level { layout, u, .. } = &self.levels[self.levels.len() - 1];
-        let n = layout.nodes_per_side;
-        let stored = layout.first();
-        let seen = layout.mirrored.map(|is_mirrored| if is_mirrored { n / 2 } else { 0 });
-        let rest = problem.sheet.rest();
-        soundness::fault(&problem.sheet, &problem.dome, problem.tolerance, seen, |i, j| {
-            let moved = u.at((j - stored[1]) * layout.pitch + i - stored[0]).map(f64::from);
-            rest[j * n + i].extend(0.0) + DVec3::from(moved) * self.spacing
-        })
-    }
-
-    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), the nodes that
-    /// touch on the dome itself, and where those stand that are lifted.
-    pub(super) fn write_positions(
-        &self,
-        problem: &Problem,
-        x: &mut [DVec3],
-        lifted: &mut Vec<(usize, DVec3)>,
-    ) {
-        let (sheet, dome) = (&problem.sheet, &problem.dome);
-        lifted.clear();
-        let level = &self.levels[self.levels.len() - 1];
-        let layout = &level.layout;
-        let (n, first) = (layout.nodes_per_side, layout.first());
-        let [along_x, along_y] = layout.mirrored;
-        layout.free_rows(|j, from, to| {
-            for i in from..to {
-                let at = j * layout.pitch + i;
-                let [ux, uy, uz] = level.u.at(at).map(f64::from);
-                let (lift, is_held) = (level.lift[at], level.hold[at] > 0.0);
-                let is_near = level.dome.is_near(layout.rest(i, j), level.u.at(at));
-                let mut set = |i: usize, j: usize, u: DVec3| {
-                    let k = j * n + i;
-                    x[k] = sheet.rest()[k].extend(0.0) + u * self.spacing;
-                    if lift != 0.0 && is_held {
-                        // Twice on an axis of symmetry, which does no harm.
-                        lifted.push((k, x[k]));
-                    }
-                    let is_on = || is_near && dome.level(x[k]) < TOUCH;
-                    if lift > 0.0 && is_held || lift == 0.0 && is_on() {
-                        x[k] = dome.onto_surface(x[k]);
-                    }
-                };
-                let (i, j) = (i + first[0], j + first[1]);
-                let (i2, j2) = (n - 1 - i, n - 1 - j);
-                set(i, j, DVec3::new(ux, uy, uz));
-                if along_x {
-                    set(i2, j, DVec3::new(-ux, uy, uz));
-                }
-                if along_y {
-                    set(i, j2, DVec3::new(ux, -uy, uz));
-                }
-                if along_x && along_y {
-                    set(i2, j2, DVec3::new(-ux, -uy, uz));
-                }
-            }
-        });
     }
 }

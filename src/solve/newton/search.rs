@@ -198,11 +198,9 @@ impl Newton {
 
     /// Steps before this tell nothing about those to come.
     pub(super) fn forget_steps(&mut self) {
-        self.last_step = f64::INFINITY;
+        self.keep_error();
         self.travelled = 0.0;
         self.stretch = 1.0;
-        self.has_earlier = false;
-        self.tries = 0;
     }
 
     /// Does the iteration again without the dome's curvature, and keeps to that for a while.

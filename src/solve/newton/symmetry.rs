@@ -25,9 +25,10 @@ impl Mirror {
     /// The mirrors that leave a dome and the grid as they are.
     pub(super) fn of(dome: &Dome) -> Vec<Self> {
         let DVec2 { x, y } = dome.center;
+        let [along_x, along_y] = dome.mirrored();
         let all = [
-            (Self::X, x == 0.0),
-            (Self::Y, y == 0.0),
+            (Self::X, along_x),
+            (Self::Y, along_y),
             (Self::Diagonal, x - y == 0.0),
             (Self::Antidiagonal, x + y == 0.0),
         ];
