@@ -117,19 +117,31 @@ impl Dome {
         self.level_gradient(point).normalize()
     }
 
-    /// The point moved along the ray from the ellipsoid's centre onto the surface.
+    /// The point moved onto the surface, as [`Self::onto_level`] moves it.
     #[must_use]
     pub fn onto_surface(&self, point: DVec3) -> DVec3 {
         self.onto_level(point, 0.0)
     }
 
-    /// The point moved along the ray from the ellipsoid's centre to where [`Self::level`] has the given
-    /// value \[-\].
+    /// The point moved to where [`Self::level`] has the given value \[-\]: along the ray from the
+    /// ellipsoid's centre or upright, whichever is the shorter way. On a flat dome the ray leads far
+    /// aside.
     #[must_use]
     pub fn onto_level(&self, point: DVec3, level: f64) -> DVec3 {
+        let (s, length) = (self.scaled(point), 1.0 + level);
+        let scale = s.length() / length;
+        if scale < 1e-12 {
+            return self.apex();
+        }
         let from_origin = point - self.origin();
-        let scale = self.scaled(point).length() / (1.0 + level);
-        if scale < 1e-12 { self.apex() } else { self.origin() + from_origin / scale }
+        let along_ray = from_origin * (1.0 / scale - 1.0);
+        let height = length * length - s.truncate().length_squared();
+        let upright = self.projection * (height.max(0.0).sqrt().copysign(s.z) - s.z);
+        if height > 0.0 && upright * upright < along_ray.length_squared() {
+            point + DVec3::Z * upright
+        } else {
+            point + along_ray
+        }
     }
 
     /// Is it its own image mirrored along x, along y, about the pocket's centre?
@@ -232,6 +244,31 @@ mod tests {
                         dome.origin() + DVec3::new(a.cos() * b.sin(), a.sin() * b.sin(), b.cos()),
                     );
                     assert!(point.distance(other) >= distance.abs() - 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_way_onto_a_level_is_no_longer_than_along_the_ray_and_a_few_times_the_nearest() {
+        let flat = Dome::new(DVec2::new(3.0, 1.0), 80.0, 2.4, 1.0);
+        for dome in domes().into_iter().chain([flat]) {
+            for k in 0..500 {
+                let t = f64::from(k);
+                let axes = DVec3::new(dome.base_radius, dome.base_radius, dome.projection);
+                let share = DVec3::new((t * 0.7).sin(), (t * 1.3).cos(), (t * 0.17) % 1.0);
+                let point = dome.origin() + axes * share * 0.7;
+                for level in [0.0, 0.01] {
+                    let moved = dome.onto_level(point, level);
+                    assert!((dome.level(moved) - level).abs() < 1e-12);
+                    let ray =
+                        (point - dome.origin()) * ((1.0 + level) / (1.0 + dome.level(point)) - 1.0);
+                    let way = moved.distance(point);
+                    assert!(way <= ray.length() * (1.0 + 1e-12));
+                    if level == 0.0 {
+                        let nearest = dome.closest_point(point).0.abs();
+                        assert!(way <= 2.0 * nearest + 1e-9, "{way} of {nearest} at {point}");
+                    }
                 }
             }
         }

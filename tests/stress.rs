@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 26] = [
+const ONCE_FAILED: [(&str, &str, Ending); 29] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -116,6 +116,21 @@ const ONCE_FAILED: [(&str, &str, Ending); 26] = [
     (
         "breaks of a curve close to zero under the paper's springs",
         include_str!("stress/breaks-close-to-zero.json"),
+        Ending::Converged,
+    ),
+    (
+        "a slack sheet without a push, beside a dome at the rim",
+        include_str!("stress/slack-at-the-rim.json"),
+        Ending::Converged,
+    ),
+    (
+        "a dome so flat that the way to it led far aside",
+        include_str!("stress/flat-dome.json"),
+        Ending::Converged,
+    ),
+    (
+        "lifts that cost more than the start did without them",
+        include_str!("stress/lifts-above-the-start.json"),
         Ending::Converged,
     ),
 ];

@@ -59,11 +59,17 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
     if problem.springs == Springs::Coupled {
         hold(&mut findings, "not its own mirror image, mm", lopsidedness(solver), tolerance);
     }
-    let start: Vec<DVec3> = solver
-        .start_shape()
-        .into_iter()
-        .map(|x| if dome.contains(x) { dome.onto_surface(x) } else { x })
-        .collect();
+    // The start, made admissible: out of the dome, and where the sheet is lifted as far out as there.
+    let mut start = solver.start_shape();
+    for x in start.iter_mut().filter(|x| dome.contains(**x)) {
+        *x = dome.onto_surface(*x);
+    }
+    for (k, place) in solver.lifted() {
+        let (x, level) = (&mut start[*k], dome.level(*place));
+        if dome.level(*x) < level {
+            *x = dome.onto_level(*x, level);
+        }
+    }
     let (before, now) = (solver.energy(&start), solver.energy(&solver.balanced()));
     let slack =
         ENERGY_SLACK * before.abs() + ENERGY_OF_ERROR * solver.stiffness() * tolerance * tolerance;

@@ -98,14 +98,15 @@ impl Kernel {
             // Eleven a coarse component.
             Self::Restriction => (8, 0, 3.75),
             // Interpolation: 1.75 a component in columns that both grids have, 1 in between: 8.25.
-            // Rest 1, level 21, normal part 11 and its removal 6, place 3, scaled 3, length 6, back 3,
-            // sum 9. ÷: 1/length, normal part, back; √: two lengths. Two coarse vectors in, the
-            // correction out and in, u in and out, hold and lift in.
-            Self::Correction => (8 + 63, 5, 15.5),
+            // Rest 1, level 21, normal part 11 and its removal 6, place 3, back 32, its direction 5, sum 6.
+            // ÷: 1/length, normal part, back; √: length, back. Two coarse vectors in, the correction
+            // out and in, u in and out, hold and lift in.
+            Self::Correction => (8 + 85, 5, 15.5),
             // Scaled: 10 a coarse node. A component: 1.25 + 2.5 for the cubics, 7 for what multiplies
-            // them; settle: rest 1, level 21, back 2, sum 6. ÷: a quarter, 1/length, back; √: length.
-            // A coarse vector in, another out and in, u out, in and out.
-            Self::Refinement => (2 + 32 + 30, 3, 11.25),
+            // them; settle: rest 1, level 21, ray 2, upright 10, which is shorter 8, out 3, sum 3. ÷: a
+            // quarter, 1/length, ray, upright; √: length, height. A coarse vector in, another out and
+            // in, u out, in and out.
+            Self::Refinement => (2 + 32 + 48, 5, 11.25),
         };
         KernelCost {
             flops_per_node: f64::from(flops),
@@ -115,9 +116,9 @@ impl Kernel {
     }
 }
 
-/// What a step adds for a node that touches: D⁻¹n 15, share 6, d 6, place 3, scaled 3, length 6, back 2,
-/// sum 9.
-const HELD_STEP_FLOPS: f64 = 50.0;
+/// What a step adds for a node that touches: D⁻¹n 15, share 6, d 6, place 3, back 32 (scaled 6,
+/// products 15, c 2, root 4, share 2, product 3), sum 6.
+const HELD_STEP_FLOPS: f64 = 68.0;
 /// Share, back; length.
 const HELD_STEP_DIVISIONS: f64 = 3.0;
 

@@ -11,6 +11,9 @@ use crate::solve::law::SheetLaw;
 use crate::solve::lift;
 use glam::{DVec2, DVec3};
 
+/// A step of no more than so many roundings of the greatest displacement is one of rounding.
+const ROUNDINGS: f32 = 16.0;
+
 /// What carries the sheet, in lanes; its stiffness at small strain is 1.
 #[derive(Clone, Debug)]
 pub(super) enum LaneLaw {
@@ -135,6 +138,18 @@ impl Level {
         let tau = (contact == Contact::Held).then_some(&self.tau);
         let Self { layout, dome, u, hold, f, lift, .. } = self;
         smooth::residual(layout, dome, contact, u, tau, (lift, hold), f)
+    }
+
+    /// Is the residual found what f32 rounds? On a flat dome strains are small differences of places.
+    pub(super) fn is_rounded(&self) -> bool {
+        let Self { layout, u, f, inverse, .. } = self;
+        let farthest = smooth::greatest_length(layout, |k| u.at(k)).max(1.0);
+        let step = smooth::greatest_length(layout, |k| {
+            let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|p| inverse[p][k]);
+            let [x, y, z] = f.at(k);
+            [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
+        });
+        step <= ROUNDINGS * f32::EPSILON * farthest
     }
 
     pub(super) fn tension(&mut self, law: &LaneLaw) -> Tension {

@@ -59,7 +59,7 @@ const MAX_COARSEST: u32 = 60;
 /// and promise more than the next will keep.
 const LEAST_RATE: f64 = 0.4;
 /// The same of a sheet that is slack somewhere.
-const SLACK_RATE: f64 = 0.8;
+const SLACK_RATE: f64 = 0.95;
 /// Rates grow a little from cycle to cycle: the estimate allows for this much.
 const SAFETY: f64 = 1.5;
 /// A cycle that changes more than this share of what the last one did is slow.
@@ -68,11 +68,12 @@ const SLOW_RATE: f64 = 0.7;
 const MAX_SLOW: u32 = 3;
 /// A cycle that takes back more than this share of the last one's change swings.
 const SWING: f64 = -0.25;
-/// The relative residual that a solution may have, in tolerances and within bounds, and how often the
-/// scheme may come to rest above it: smooth errors of the tolerance leave about one tolerance.
-const RESIDUAL_TOLERANCES: f64 = 3.0;
+/// Bounds of the relative residual that a solution may have, between them the tolerance: smooth errors
+/// leave about as much, on a flat dome somewhat less. Up to the greater bound it may be what f32 rounds.
 const MOST_RESIDUAL: (f64, f64) = (3e-4, 5e-3);
+/// How often the scheme may come to rest above it with more than this share of the residual before.
 const MAX_DOUBTS: u32 = 2;
+const DOUBT_RATE: f64 = 0.7;
 /// A coarse node is held on the dome if the fine nodes around it are, by this share of their weight.
 /// The lesser share holds more: slower, but it does not lift the sheet off a small contact. It is
 /// taken after a slow cycle.
@@ -124,7 +125,9 @@ pub(super) struct FullMultigrid {
     /// Cycles of the grid being solved.
     cycles: u32,
     slow_cycles: u32,
+    /// How often it came to rest without a balance of forces, and the residual at the last of these times.
     doubts: u32,
+    doubted_residual: f64,
     /// Have the lifts of the finest grid been found?
     is_lifted: bool,
     /// Error of leaving them out \[mm\].
@@ -170,6 +173,7 @@ impl FullMultigrid {
             cycles: 0,
             slow_cycles: 0,
             doubts: 0,
+            doubted_residual: f64::INFINITY,
             is_lifted: false,
             missed: 0.0,
             residual_squares: None,
@@ -264,6 +268,7 @@ impl FullMultigrid {
         self.cycles = 0;
         self.slow_cycles = 0;
         self.doubts = 0;
+        self.doubted_residual = f64::INFINITY;
         self.is_slack = false;
         self.is_lifted = false;
         self.missed = 0.0;
@@ -437,13 +442,15 @@ impl FullMultigrid {
             self.find_relative_residual();
             self.error += self.missed;
             let (least, most) = MOST_RESIDUAL;
-            let allowed = (RESIDUAL_TOLERANCES * self.tolerance).clamp(least, most);
-            let is_balanced = self.relative_residual <= allowed;
+            let is_balanced = self.relative_residual <= self.tolerance.clamp(least, most)
+                || self.relative_residual <= most && self.levels[l].is_rounded();
             if is_balanced && self.is_slack == was_slack || self.asked_cycles.is_some() {
                 return State::Converged;
             }
             // It stopped changing, but not in balance.
-            self.doubts += u32::from(!is_balanced);
+            let is_stuck = self.relative_residual > DOUBT_RATE * self.doubted_residual;
+            self.doubts += u32::from(!is_balanced && is_stuck);
+            self.doubted_residual = self.relative_residual;
             if self.doubts >= MAX_DOUBTS {
                 return State::Failed;
             }

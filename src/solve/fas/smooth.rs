@@ -62,13 +62,34 @@ impl LaneDome {
         [p[0] * self.per_radius, p[1] * self.per_radius, p[2] * self.per_projection]
     }
 
-    /// What moves a place relative to the ellipsoid's centre along its ray to the given level plus
-    /// one: this share of the place.
+    /// What moves a place relative to the ellipsoid's centre to the given level plus one, along a
+    /// gradient of the level nearby; as far as it leads there, and no farther than a step.
     #[inline(always)]
-    fn back(&self, p: Vec3, level: f32x4) -> f32x4 {
+    fn back(&self, place: Vec3, gradient: Vec3, level: f32x4) -> Vec3 {
+        let (s, g) = (self.scaled(place), self.scaled(gradient));
+        let (a, b, c) = (dot(g, g), dot(s, g), dot(s, s) - level * level);
+        let root = (b * b - a * c).fast_max(f32x4::ZERO).sqrt();
+        let share = -c / (b + root).fast_max(f32x4::splat(1e-20));
+        let most = f32x4::splat(MOST_STEP);
+        gradient.map(|g| (g * share).fast_max(-most).fast_min(most))
+    }
+
+    /// What moves a place inside onto the surface: along the ray from the centre or upright, whichever is
+    /// the shorter way. On a flat dome the ray leads far aside.
+    #[inline(always)]
+    fn out(&self, p: Vec3, length: f32x4) -> Vec3 {
+        let zero = f32x4::ZERO;
+        let ray = ((f32x4::ONE - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(zero);
         let s = self.scaled(p);
-        let length = dot(s, s).sqrt();
-        (level - length) / length.fast_max(f32x4::splat(1e-6))
+        let height = (f32x4::ONE - s[0] * s[0] - s[1] * s[1]).fast_max(zero).sqrt();
+        let upright = ((height - s[2]) / self.per_projection).fast_max(zero);
+        let is_upright = (upright * upright).simd_lt(ray * ray * dot(p, p));
+        let [x, y, z] = p.map(|p| p * ray);
+        [
+            is_upright.bitselect(zero, x),
+            is_upright.bitselect(zero, y),
+            is_upright.bitselect(upright, z),
+        ]
     }
 
     /// The place relative to the ellipsoid's centre, the level plus one, and the level's gradient.
@@ -162,9 +183,8 @@ pub(super) fn step(
                 let share = over / dot(g, s).fast_max(f32x4::splat(1e-30));
                 d = [0, 1, 2].map(|a| d[a] - s[a] * share);
                 let place = add(p, d);
-                let back = dome.back(place, level);
-                to_u =
-                    [0, 1, 2].map(|a| is_held.bitselect(at[a] + d[a] + place[a] * back, to_u[a]));
+                let back = dome.back(place, g, level);
+                to_u = [0, 1, 2].map(|a| is_held.bitselect(at[a] + d[a] + back[a], to_u[a]));
             }
             to_u[2] = is_movable.bitselect(to_u[2].fast_max(zero), at[2]);
             u.store(k, to_u);
@@ -184,9 +204,7 @@ pub(super) fn settle(layout: &Layout, dome: &LaneDome, u: &mut Field) {
             at[2] = at[2].fast_max(f32x4::ZERO);
             let (x, y) = rest(layout, i, j);
             let (p, length, _) = dome.level(x, y, at);
-            let back =
-                ((f32x4::ONE - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(f32x4::ZERO);
-            let moved = [0, 1, 2].map(|a| at[a] + p[a] * back);
+            let moved = add(at, dome.out(p, length));
             store_free(u, k, (to - i).min(4), moved);
             i += 4;
         }
@@ -215,10 +233,10 @@ pub(super) fn correct(
             c = [0, 1, 2].map(|a| is_held.bitselect(c[a] - g[a] * normal_part, c[a]));
             let place = add(p, c);
             let level = is_held.bitselect(before, load(lift, k).abs() + 1.0);
-            let back = dome.back(place, level);
-            let is_put_back = is_held | back.simd_gt(f32x4::ZERO);
-            let mut moved = [0, 1, 2]
-                .map(|a| at[a] + c[a] + is_put_back.bitselect(place[a] * back, f32x4::ZERO));
+            let back = dome.back(place, g, level);
+            let is_put_back = is_held | dot(back, g).simd_gt(f32x4::ZERO);
+            let mut moved =
+                [0, 1, 2].map(|a| at[a] + c[a] + is_put_back.bitselect(back[a], f32x4::ZERO));
             moved[2] = moved[2].fast_max(f32x4::ZERO);
             store_free(u, k, (to - i).min(4), moved);
             i += 4;
@@ -289,20 +307,27 @@ pub(super) fn residual(
     squares
 }
 
-/// The greatest distance between two fields at a free node.
-pub(super) fn greatest_difference(layout: &Layout, a: &Field, b: &Field) -> f32 {
+/// The greatest length of a vector that the free nodes have.
+pub(super) fn greatest_length(layout: &Layout, vector: impl Fn(usize) -> [f32; 3]) -> f32 {
     let mut greatest = 0.0_f32;
     layout.free_rows(|j, from, to| {
         let row = j * layout.pitch;
         for k in row + from..row + to {
-            let (p, q) = (a.at(k), b.at(k));
-            let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+            let d = vector(k);
             let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
             // Written so that what is not a number is kept.
             greatest = if square <= greatest { greatest } else { square };
         }
     });
     greatest.sqrt()
+}
+
+/// The greatest distance between two fields at a free node.
+pub(super) fn greatest_difference(layout: &Layout, a: &Field, b: &Field) -> f32 {
+    greatest_length(layout, |k| {
+        let (p, q) = (a.at(k), b.at(k));
+        [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+    })
 }
 
 /// ⟨u − before, step⟩ and ⟨step, step⟩ over the free nodes.

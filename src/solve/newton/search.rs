@@ -2,7 +2,7 @@
 //! about the error.
 
 use super::contact::{ON_DOME, admissible};
-use super::symmetry::symmetrize;
+use super::symmetry::{share_flags, symmetrize};
 use super::{Newton, Phase, State};
 use crate::implant::Dome;
 use crate::solve::assemble;
@@ -48,6 +48,7 @@ impl Newton {
         self.work_units += ENERGY_UNITS;
         if halvings == 0 {
             symmetrize(&self.mirrors, &self.sheet, &self.free, &mut self.d);
+            share_flags(&self.mirrors, &self.sheet, &self.free, &mut self.contact);
         }
         self.trial.copy_from_slice(&self.x);
         let (mut largest, mut expected) = (0.0_f64, 0.0);

@@ -74,6 +74,19 @@ pub(super) fn symmetrize(mirrors: &[Mirror], sheet: &Sheet, free: &[u32], v: &mu
     }
 }
 
+/// Adds to every node's flags those of its images.
+pub(super) fn share_flags(mirrors: &[Mirror], sheet: &Sheet, free: &[u32], flags: &mut [u8]) {
+    let n = sheet.nodes_per_side();
+    for mirror in mirrors {
+        for &k in free {
+            let k = k as usize;
+            let other = mirror.node(k, n);
+            flags[k] |= flags[other];
+            flags[other] = flags[k];
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,11 +114,18 @@ mod tests {
                 .map(|k| DVec3::new(wave(k, 1.3), wave(k, 2.1), wave(k, 3.7)))
                 .collect();
             symmetrize(&mirrors, &sheet, &free, &mut v);
+            let first = free[0] as usize;
+            let mut flags = vec![0; sheet.len()];
+            flags[first] = 1;
+            share_flags(&mirrors, &sheet, &free, &mut flags);
+            assert_eq!(flags[first], 1);
             for mirror in mirrors {
                 for &k in &free {
                     let k = k as usize;
-                    let image = mirror.image(v[mirror.node(k, 17)]);
+                    let other = mirror.node(k, 17);
+                    let image = mirror.image(v[other]);
                     assert!(v[k].distance(image) < 1e-15, "{mirror:?} at {center:?}");
+                    assert_eq!(flags[k], flags[other], "{mirror:?} at {center:?}");
                 }
             }
         }
