@@ -23,9 +23,6 @@ const MOST_LENGTH: f64 = 64.0;
 const CALM: f64 = 0.5;
 /// The greatest share of a step that the next one is taken to leave.
 const MOST_RATE: f64 = 0.98;
-/// The least share, once a step was too short: the sheet is nearly slack somewhere, and one quick step
-/// in front of slow ones tells nothing.
-const SLACK_RATE: f64 = 0.95;
 /// Iterations for which the dome's curvature stays out of the model where it made it indefinite, and how
 /// often a shape found without it is tried with it: without, the model may be far too stiff.
 const CARE: u32 = 4;
@@ -86,9 +83,10 @@ impl Newton {
         // Part of a step tells nothing about those to come.
         let is_whole = halvings == 0 && !std::mem::take(&mut self.is_plain);
         self.is_cautious &= self.iterations < self.cautious_to;
-        // Steps shrink at least geometrically: what is left is the sum of the next ones.
-        let least_rate = if self.stretch > 1.0 { SLACK_RATE } else { 0.0 };
-        let rate = (largest / self.last_step).clamp(least_rate, MOST_RATE);
+        // Steps shrink at least geometrically: what is left is the sum of the next ones. Once one was too
+        // short, the sheet is nearly slack somewhere: a quick step in front of slow ones tells nothing.
+        let is_slack = self.stretch > 1.0;
+        let rate = if is_slack { MOST_RATE } else { (largest / self.last_step).min(MOST_RATE) };
         self.error = if is_whole && self.last_step.is_finite() {
             self.stretch * largest * rate / (1.0 - rate)
                 + self.last_round.min(largest)
