@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 29] = [
+const ONCE_FAILED: [(&str, &str, Ending); 30] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -104,9 +104,9 @@ const ONCE_FAILED: [(&str, &str, Ending); 29] = [
         Ending::Pierced,
     ),
     (
-        "two folds of a slack sheet",
-        include_str!("stress/two-folds-of-a-slack-sheet.json"),
-        Ending::Several,
+        "a slack sheet that halts before it folds",
+        include_str!("stress/halt-before-a-fold.json"),
+        Ending::Converged,
     ),
     (
         "a valley behind a quick step",
@@ -132,6 +132,11 @@ const ONCE_FAILED: [(&str, &str, Ending); 29] = [
         "lifts that cost more than the start did without them",
         include_str!("stress/lifts-above-the-start.json"),
         Ending::Converged,
+    ),
+    (
+        "soft tissue that leans to one side of a needle",
+        include_str!("stress/needle-that-leans.json"),
+        Ending::Several,
     ),
 ];
 
