@@ -227,6 +227,45 @@ fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
     }
 }
 
+/// They halt at a saddle before they fold: a small step there had been taken for the end.
+#[test]
+fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
+    let layers = [
+        json!([{ "tissue": "skin", "thickness_mm": 8.3, "poisson_ratio": 0, "curve": { "kind": "points",
+            "points": [[0, 0], [0.2, 12], [0.5, 60], [0.8, 240]], "interpolation": "line" } }]),
+        json!([{ "tissue": "skin", "thickness_mm": 0.72, "poisson_ratio": 0.0334,
+            "curve": { "kind": "skin" } }]),
+    ];
+    let domes = [
+        json!({ "base_radius_mm": 30.6, "projection_mm": 9.85, "center_mm": [12.2, 53.5] }),
+        json!({ "base_radius_mm": 76.1, "projection_mm": 15, "center_mm": [-54.7, 111.1] }),
+    ];
+    for (layers, (implant, (pocket, insertion))) in
+        layers.into_iter().zip(domes.into_iter().zip([(103.1, 1.0), (200.0, 0.457)]))
+    {
+        let scene = json!({ "schema": "implant-preview/scene/1", "implant": implant,
+            "pocket_radius_mm": pocket, "insertion": insertion, "layers": layers });
+        let scene = Scene::from_json(&scene.to_string()).unwrap();
+        let (exact, solver) = (solved(&scene, 41, 1e-7), solved(&scene, 41, 1e-4));
+        assert_eq!(exact.verdict(), Verdict::Converged);
+        assert_eq!(solver.verdict(), Verdict::Converged);
+        let apart = exact.positions().iter().zip(solver.positions()).map(|(a, b)| a.distance(*b));
+        let error = apart.fold(0.0, f64::max) / scene.implant.base_radius_mm;
+        assert!(error <= solver.estimated_position_error(), "{error:.1e}");
+    }
+}
+
+/// What the tolerance would let lie at rest is solved where the dome would stick out of it.
+#[test]
+fn a_flat_dome_that_is_hardly_in_has_a_shape_at_every_tolerance() {
+    let scene = json!({ "schema": "implant-preview/scene/1",
+        "implant": { "base_radius_mm": 50, "projection_mm": 2 }, "insertion": 0.1 });
+    let scene = Scene::from_json(&scene.to_string()).unwrap();
+    for tolerance in [1e-2, 1e-3, 1e-4] {
+        assert_eq!(solved(&scene, 33, tolerance).verdict(), Verdict::Converged, "{tolerance}");
+    }
+}
+
 #[test]
 fn a_mirrored_scene_has_the_mirrored_shape() {
     let mut scene = odd_scenes().remove(0);

@@ -30,6 +30,9 @@ pub(crate) struct Totals {
     pub(crate) energy: f64,
     /// Sum of the squared forces that triangles exert on their nodes \[(kPa·mm²)²\].
     squared_forces: f64,
+    triangles: u32,
+    /// The strongest push of a triangle, as its tension² × area \[(kPa·mm²)²\]; of coupled springs alone.
+    greatest_push: f64,
     /// Is a spring outside of the range where its law has a meaning?
     pub(crate) outside_law: bool,
 }
@@ -40,7 +43,17 @@ impl Totals {
     pub(crate) fn force_scale(&self) -> f64 {
         self.squared_forces.sqrt()
     }
+
+    /// Does a triangle push by more than a share of the mean pull? There the sheet is slack, and may fold.
+    pub(crate) fn is_slack(&self) -> bool {
+        // Of a triangle in tension t along one direction, the forces' squares sum to t² × area.
+        let mean_pull = self.squared_forces / f64::from(self.triangles.max(1));
+        self.greatest_push > SLACK * SLACK * mean_pull
+    }
 }
+
+/// The least push that counts, as a share of the mean pull.
+const SLACK: f64 = 1e-2;
 
 /// Corner pairs whose blocks a cell adds: (from, to, which array: 4 = diagonal, else upper).
 const PAIRS: [(usize, usize, usize); 10] = [
@@ -135,6 +148,7 @@ fn accumulate(
                     x: nodes.map(|k| x[k]),
                     forces: [DVec3::ZERO; 3],
                     blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),
+                    push: 0.0,
                 };
                 match law {
                     SheetLaw::Coupled(law) => totals.energy += triangle.add_coupled(law),
@@ -144,6 +158,8 @@ fn accumulate(
                         totals.outside_law |= outside;
                     }
                 }
+                totals.triangles += 1;
+                totals.greatest_push = totals.greatest_push.max(triangle.push);
                 for (k, force) in nodes.into_iter().zip(triangle.forces) {
                     forces[k] += force;
                     totals.squared_forces += force.length_squared();
@@ -176,6 +192,8 @@ struct Triangle<'a> {
     forces: [DVec3; 3],
     /// Which Hessian, the triangle's corners in its cell, the cell's blocks.
     blocks: Option<(Stiffness, &'a [usize; 3], &'a mut [DMat3; 10])>,
+    /// Where it pushes, tension² × area \[(kPa·mm²)²\].
+    push: f64,
 }
 
 impl Triangle<'_> {
@@ -196,6 +214,7 @@ impl Triangle<'_> {
         };
         let response = law.response(strain);
         let [t1, t2] = response.tension;
+        self.push = t1.min(t2).min(0.0).powi(2) * area;
         for (force, (p, q)) in self.forces.iter_mut().zip(along) {
             *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
         }

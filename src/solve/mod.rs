@@ -248,17 +248,12 @@ impl Solver {
             newton.clear_work();
         }
         match self.options.method {
-            Method::Automatic if self.error_at_rest() <= REST_SHARE * self.problem.tolerance => {
+            Method::Automatic if self.may_rest() => {
                 self.stage = Stage::Rest;
-                let Problem { sheet, dome, tolerance, .. } = &self.problem;
-                let (n, rest) = (sheet.nodes_per_side(), sheet.rest());
-                let at = |i: usize, j: usize| rest[j * n + i].extend(0.0);
-                self.fault = soundness::fault(sheet, dome, *tolerance, [0; 2], at);
-                self.x = at_rest(sheet);
+                self.x = at_rest(&self.problem.sheet);
                 self.lifted.clear();
                 self.moves += 1;
-                let is_sound = self.fault.is_none();
-                self.end(if is_sound { Verdict::Converged } else { Verdict::Unstable });
+                self.end(Verdict::Converged);
             }
             Method::Automatic | Method::Multigrid { .. } => {
                 self.stage = Stage::Multigrid;
@@ -297,6 +292,15 @@ impl Solver {
     fn error_at_rest(&self) -> f64 {
         let dome = &self.problem.dome;
         dome.apex().z.max(0.0) / dome.base_radius
+    }
+
+    /// Is the sheet at rest near enough to the equilibrium, and does the dome not stick out of it?
+    fn may_rest(&self) -> bool {
+        let Problem { sheet, dome, tolerance, .. } = &self.problem;
+        let (n, rest) = (sheet.nodes_per_side(), sheet.rest());
+        let at = |i: usize, j: usize| rest[j * n + i].extend(0.0);
+        self.error_at_rest() <= REST_SHARE * tolerance
+            && soundness::fault(sheet, dome, *tolerance, [0; 2], at).is_none()
     }
 
     /// Does Newton's method keep a symmetric scene's shape symmetric? The paper's springs may settle in an

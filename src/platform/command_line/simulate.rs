@@ -58,7 +58,12 @@ fn check_places(arguments: &Arguments) -> Result<(), Refused> {
     for (k, path) in outputs.iter().enumerate() {
         output::check_place(path)?;
         if outputs[..k].iter().any(|other| output::is_same_place(other, path)) {
-            return Err(output::refuse(path, "is named for two outputs; allowed: one each"));
+            let place = if output::is_standard(path) {
+                "standard output".to_owned()
+            } else {
+                path.display().to_string()
+            };
+            return Err(Refused(format!("{place}: is named for two outputs; allowed: one each")));
         }
         let is_input = |scene: &PathBuf| {
             let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);

@@ -71,6 +71,8 @@ const SWING: f64 = -0.25;
 /// Bounds of the relative residual that a solution may have, between them the tolerance: smooth errors
 /// leave about as much, on a flat dome somewhat less. Up to the greater bound it may be what f32 rounds.
 const MOST_RESIDUAL: (f64, f64) = (3e-4, 5e-3);
+/// The least error \[share of the base radius\] that a relative residual tells of.
+const RESIDUAL_SHARE: f64 = 0.05;
 /// How often the scheme may come to rest above it with more than this share of the residual before.
 const MAX_DOUBTS: u32 = 2;
 const DOUBT_RATE: f64 = 0.7;
@@ -440,10 +442,12 @@ impl FullMultigrid {
         if is_enough && (self.asked_cycles.is_some() || self.has_room()) {
             let was_slack = self.is_slack;
             self.find_relative_residual();
-            self.error += self.missed;
+            let left = RESIDUAL_SHARE * self.relative_residual * self.base_radius;
+            self.error = self.error.max(left) + self.missed;
             let (least, most) = MOST_RESIDUAL;
-            let is_balanced = self.relative_residual <= self.tolerance.clamp(least, most)
-                || self.relative_residual <= most && self.levels[l].is_rounded();
+            let is_balanced = self.error <= self.tolerance * self.base_radius
+                && (self.relative_residual <= self.tolerance.clamp(least, most)
+                    || self.relative_residual <= most && self.levels[l].is_rounded());
             if is_balanced && self.is_slack == was_slack || self.asked_cycles.is_some() {
                 return State::Converged;
             }

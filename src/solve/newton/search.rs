@@ -29,6 +29,8 @@ const CARE: u32 = 4;
 const MAX_TRIES: u32 = 2;
 /// The greatest relative residual before the last step.
 const MOST_RESIDUAL: f64 = 0.05;
+/// The same of a sheet that pushes somewhere: it may halt at a saddle before it folds.
+const SLACK_RESIDUAL: f64 = 1e-4;
 /// Cost of the energy in work units.
 const ENERGY_UNITS: f64 = 0.7;
 
@@ -85,7 +87,8 @@ impl Newton {
         self.is_cautious &= self.iterations < self.cautious_to;
         // Steps shrink at least geometrically: what is left is the sum of the next ones. Once one was too
         // short, the sheet is nearly slack somewhere: a quick step in front of slow ones tells nothing.
-        let is_slack = self.stretch > 1.0;
+        let pushes = self.totals.is_slack();
+        let is_slack = self.stretch > 1.0 || pushes;
         let rate = if is_slack { MOST_RATE } else { (largest / self.last_step).min(MOST_RATE) };
         self.error = if is_whole && self.last_step.is_finite() {
             self.stretch * largest * rate / (1.0 - rate)
@@ -98,7 +101,8 @@ impl Newton {
         self.travelled *= CALM;
         self.phase = Phase::Linearize { row: 0 };
         // The residual is that before the step: a step that small may also be one that was held up.
-        let is_balanced = self.relative_residual <= MOST_RESIDUAL;
+        let most_residual = if pushes { SLACK_RESIDUAL } else { MOST_RESIDUAL };
+        let is_balanced = self.relative_residual <= most_residual;
         // One quick step proves little: where the sheet is nearly slack, slow ones may follow it.
         let is_near = self.error.max(largest) <= tolerance;
         let is_short = is_whole
