@@ -227,7 +227,7 @@ fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
     }
 }
 
-/// They halt at a saddle before they fold: a small step there had been taken for the end.
+/// A small step before the fold had been taken for the end.
 #[test]
 fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
     let layers = [

@@ -53,7 +53,7 @@ impl Totals {
 }
 
 /// The least push that counts, as a share of the mean pull.
-const SLACK: f64 = 1e-2;
+pub(super) const SLACK: f64 = 1e-2;
 
 /// Corner pairs whose blocks a cell adds: (from, to, which array: 4 = diagonal, else upper).
 const PAIRS: [(usize, usize, usize); 10] = [

@@ -7,13 +7,11 @@
 use super::border::BorderScratch;
 use super::grid::{Field, Layout, load, store};
 use super::law::{CoupledLanes, LaneStiffness, Law};
+use crate::solve::assemble::SLACK;
 use wide::f32x4;
 
 /// Squared relative area below which a triangle counts as this much \[-\].
 pub(super) const LEAST_AREA: f32 = 1e-10;
-
-/// A push of this share of the mean pull makes a sheet slack \[-\].
-const SLACK: f64 = 1e-2;
 
 pub(super) type Vec3 = [f32x4; 3];
 

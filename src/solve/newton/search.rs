@@ -29,7 +29,7 @@ const CARE: u32 = 4;
 const MAX_TRIES: u32 = 2;
 /// The greatest relative residual before the last step.
 const MOST_RESIDUAL: f64 = 0.05;
-/// The same of a sheet that pushes somewhere: it may halt at a saddle before it folds.
+/// The same of a sheet that pushes somewhere: small steps may lie before its fold.
 const SLACK_RESIDUAL: f64 = 1e-4;
 /// Cost of the energy in work units.
 const ENERGY_UNITS: f64 = 0.7;
