@@ -45,9 +45,10 @@ impl Totals {
     }
 
     /// Does a triangle push by more than a share of the mean pull? There the sheet is slack, and may fold.
-    pub(crate) fn is_slack(&self) -> bool {
+    /// `force_scale` is [`Self::force_scale`], or more where that is nothing but rounding.
+    pub(crate) fn is_slack(&self, force_scale: f64) -> bool {
         // Of a triangle in tension t along one direction, the forces' squares sum to t² × area.
-        let mean_pull = self.squared_forces / f64::from(self.triangles.max(1));
+        let mean_pull = force_scale.powi(2) / f64::from(self.triangles.max(1));
         self.greatest_push > SLACK * SLACK * mean_pull
     }
 }

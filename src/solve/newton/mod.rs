@@ -368,9 +368,13 @@ impl Newton {
                 (movable * self.forces[k]).length_squared()
             })
             .sum();
-        // A sheet at rest has no forces: rounding is not measured against rounding.
-        let least = 1e-9 * law.stiffness() * self.sheet.spacing_mm();
-        squares.sqrt() / self.totals.force_scale().max(least)
+        squares.sqrt() / self.force_scale(law)
+    }
+
+    /// What forces are measured against \[kPa·mm²\]. A sheet at rest has none: rounding is not measured
+    /// against rounding.
+    fn force_scale(&self, law: &SheetLaw) -> f64 {
+        self.totals.force_scale().max(1e-9 * law.stiffness() * self.sheet.spacing_mm())
     }
 
     /// Two projected Gauss–Seidel sweeps on the model: they find which nodes press.

@@ -87,7 +87,7 @@ impl Newton {
         self.is_cautious &= self.iterations < self.cautious_to;
         // Steps shrink at least geometrically: what is left is the sum of the next ones. Once one was too
         // short, the sheet is nearly slack somewhere: a quick step in front of slow ones tells nothing.
-        let pushes = self.totals.is_slack();
+        let pushes = self.totals.is_slack(self.force_scale(law));
         let is_slack = self.stretch > 1.0 || pushes;
         let rate = if is_slack { MOST_RATE } else { (largest / self.last_step).min(MOST_RATE) };
         self.error = if is_whole && self.last_step.is_finite() {
