@@ -400,10 +400,13 @@ impl Solver {
         state
     }
 
-    /// Is Newton's method to go on from what full multigrid found: below what f32 resolves, and for the
-    /// paper's springs, whose energy has saddles, to see whether it is stable.
+    /// Is Newton's method to go on from what full multigrid found: below what f32 resolves; for a slack
+    /// sheet, to see whether it only halts on its way to a fold; and for the paper's springs, whose energy
+    /// has saddles, to see whether it is stable.
     fn needs_newton(&self) -> bool {
-        self.problem.tolerance < fas::LEAST_TOLERANCE || self.problem.springs == Springs::Nikolaev
+        self.problem.tolerance < fas::LEAST_TOLERANCE
+            || self.multigrid.as_ref().is_some_and(|multigrid| multigrid.is_slack)
+            || self.problem.springs == Springs::Nikolaev
     }
 
     fn newton_piece(&mut self) {

@@ -58,8 +58,6 @@ const MAX_COARSEST: u32 = 60;
 /// The least share of the error that a cycle is taken to leave: the first ones take out what is rough
 /// and promise more than the next will keep.
 const LEAST_RATE: f64 = 0.4;
-/// The same of a sheet that is slack somewhere.
-const SLACK_RATE: f64 = 0.95;
 /// Rates grow a little from cycle to cycle: the estimate allows for this much.
 const SAFETY: f64 = 1.5;
 /// A cycle that changes more than this share of what the last one did is slow.
@@ -142,8 +140,8 @@ pub(super) struct FullMultigrid {
     has_last_step: bool,
     /// Slower, but sure where contact is small or the sheet nearly slack.
     is_wary: bool,
-    /// Does the sheet push somewhere, as was found where it first seemed to be in place?
-    is_slack: bool,
+    /// Does the sheet push somewhere? There it may lie nearly still for some cycles on its way to a fold.
+    pub(super) is_slack: bool,
     row: Vec<f32>,
     /// Estimated greatest node position error \[mm\].
     pub(super) error: f64,
@@ -392,11 +390,9 @@ impl FullMultigrid {
         if !change.is_finite() {
             return State::Failed;
         }
-        // A slack sheet may lie nearly still for some cycles on its way to a fold.
-        let least_rate = if self.is_slack { SLACK_RATE } else { LEAST_RATE };
-        let mut rate = least_rate;
+        let mut rate = LEAST_RATE;
         if self.last_change.is_finite() {
-            rate = (change / self.last_change.max(f64::MIN_POSITIVE)).clamp(least_rate, 0.95);
+            rate = (change / self.last_change.max(f64::MIN_POSITIVE)).clamp(LEAST_RATE, 0.95);
             if change > SLOW_RATE * self.last_change {
                 self.slow_cycles += 1;
                 self.is_wary |= l > 0 && change > START_TOLERANCE * self.base_radius;
@@ -440,7 +436,6 @@ impl FullMultigrid {
             }
         }
         if is_enough && (self.asked_cycles.is_some() || self.has_room()) {
-            let was_slack = self.is_slack;
             self.find_relative_residual();
             let left = RESIDUAL_SHARE * self.relative_residual * self.base_radius;
             self.error = self.error.max(left) + self.missed;
@@ -448,7 +443,7 @@ impl FullMultigrid {
             let is_balanced = self.error <= self.tolerance * self.base_radius
                 && (self.relative_residual <= self.tolerance.clamp(least, most)
                     || self.relative_residual <= most && self.levels[l].is_rounded());
-            if is_balanced && self.is_slack == was_slack || self.asked_cycles.is_some() {
+            if is_balanced || self.asked_cycles.is_some() {
                 return State::Converged;
             }
             // It stopped changing, but not in balance.
@@ -535,7 +530,7 @@ impl FullMultigrid {
         let tension = level.tension(&self.law);
         // A sheet at rest has no forces: rounding is not measured against rounding.
         self.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
-        self.is_slack |= tension.is_slack(level.layout.free_nodes());
+        self.is_slack = tension.is_slack(level.layout.free_nodes());
         self.count(l, if known.is_some() { 0.5 } else { 1.5 });
     }
 

@@ -61,7 +61,9 @@ impl Newton {
         }
         let largest = largest.sqrt();
         let energy = assemble::energy(&self.sheet, law, &self.trial);
-        let noise = 1e-13 * self.totals.energy.abs();
+        // What sums round, and what positions do: a spring's end moved by so much.
+        let rounded = f64::EPSILON * self.sheet.radius_mm();
+        let noise = 1e-13 * self.totals.energy.abs() + rounded * self.totals.force_scale();
         let falls = energy <= self.totals.energy - 1e-4 * expected.max(0.0) + noise;
         if !(falls && energy.is_finite()) {
             let is_uphill = expected <= 0.0;
