@@ -448,6 +448,30 @@ fn a_cap_between_nodes_is_no_equilibrium() {
 }
 
 #[test]
+fn a_result_tells_that_the_sheet_was_left_at_rest() {
+    for (insertion, tolerance, is_told) in
+        [(0.0, 1e-2, false), (1e-3, 1e-2, true), (1e-3, 1e-5, false)]
+    {
+        let outcome =
+            outcome_of(&json!({ "implant": { "base_radius_mm": 50 }, "insertion": insertion,
+            "solver": { "nodes_per_side": 33, "tolerance": tolerance } }));
+        let found = outcome.warnings.iter().any(|warning| warning.contains("left as it lies"));
+        assert_eq!(found, is_told, "{insertion} {tolerance}: {:?}", outcome.warnings);
+        assert_eq!(outcome.solver.work_units <= 0.0, insertion <= 0.0 || is_told);
+    }
+}
+
+#[test]
+fn what_has_no_estimate_is_null() {
+    let scene = Scene::from_json(include_str!("stress/soft-tissue-on-a-needle.json")).unwrap();
+    let outcome = simulate(&scene).unwrap();
+    assert_eq!(outcome.status, Status::Unstable);
+    let result = serde_json::to_value(&outcome).unwrap();
+    assert_eq!(result["solver"]["estimated_position_error"], Value::Null);
+    assert_eq!(serde_json::from_value::<Outcome>(result).unwrap(), outcome);
+}
+
+#[test]
 fn a_result_warns_where_the_grid_is_coarse() {
     for (implant, pocket, insertion, part) in [
         (json!({ "base_radius_mm": 55 }), 70, 1.0, None),

@@ -26,8 +26,12 @@ pub(super) fn show(ui: &mut Ui, outcome: Option<&Outcome>, is_working: bool) {
     });
 }
 
+fn position_error(outcome: &Outcome) -> f64 {
+    outcome.solver.estimated_position_error.unwrap_or(f64::INFINITY)
+}
+
 fn shape(ui: &mut Ui, outcome: &Outcome) {
-    let error = outcome.solver.estimated_position_error;
+    let error = position_error(outcome);
     group(ui, "Shape", |ui| {
         rows(ui, "shape", |ui| {
             row(ui, error, "Projection of the implant", outcome.projection_mm, 1, "mm");
@@ -47,7 +51,7 @@ fn shape(ui: &mut Ui, outcome: &Outcome) {
 }
 
 fn contact(ui: &mut Ui, outcome: &Outcome) {
-    let error = outcome.solver.estimated_position_error;
+    let error = position_error(outcome);
     group(ui, "Contact", |ui| {
         rows(ui, "contact", |ui| {
             let part = |p: Option<Pressure>, f: fn(Pressure) -> f64| p.map(f);
@@ -69,7 +73,7 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
 }
 
 fn tissue(ui: &mut Ui, outcome: &Outcome) {
-    let error = outcome.solver.estimated_position_error;
+    let error = position_error(outcome);
     let palette = theme::palette(ui.visuals());
     let [high, very_high, failure] = STRAIN_BANDS.map(|limit| 100.0 * limit);
     group(ui, "Tissue", |ui| {

@@ -84,21 +84,18 @@ pub(super) fn state(ui: &Ui, session: &Session) -> (String, Color32) {
         None => ("Solving…".to_owned(), palette.caution),
         Some(outcome) => match outcome.status {
             Status::Converged => {
-                let percent = 100.0 * outcome.solver.estimated_position_error;
-                (
-                    format!(
-                        "Converged: within {} of this grid's equilibrium",
-                        percent_text(percent)
-                    ),
-                    palette.good,
-                )
+                let error = outcome.solver.estimated_position_error.map_or_else(
+                    || "the tolerance".to_owned(),
+                    |error| percent_text(100.0 * error),
+                );
+                (format!("Converged: within {error} of this grid's equilibrium"), palette.good)
             }
             Status::NotConverged => {
-                let percent = 100.0 * outcome.solver.estimated_position_error;
-                let error = if percent < 1e3 {
-                    format!("estimated position error {}", percent_text(percent))
-                } else {
-                    "no error estimate".to_owned()
+                let error = match outcome.solver.estimated_position_error {
+                    Some(error) if error < 10.0 => {
+                        format!("estimated position error {}", percent_text(100.0 * error))
+                    }
+                    _ => "no error estimate".to_owned(),
                 };
                 (format!("Not converged: {error}"), palette.bad)
             }

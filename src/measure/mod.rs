@@ -134,7 +134,7 @@ pub struct LayerOutcome {
 pub struct ProfilePoint {
     /// Material radius \[mm\].
     pub s_mm: f64,
-    /// Deformed distance from the pocket's axis \[mm\].
+    /// Deformed distance from the pocket's axis \[mm\], to whichever side the tissue was pushed.
     pub r_mm: f64,
     /// Deformed height \[mm\].
     pub z_mm: f64,
@@ -172,10 +172,12 @@ pub struct SolverOutcome {
     pub work_units: f64,
     /// Wall-clock time \[ms\] of solving, grids and tables included, where a clock was at hand.
     pub time_ms: Option<f64>,
-    /// Norm of the residual force / norm of the spring forces it is the sum of \[-\].
-    pub relative_residual: f64,
-    /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium.
-    pub estimated_position_error: f64,
+    /// Norm of the residual force / norm of the spring forces it is the sum of \[-\]; `None` where the
+    /// solve ended before it was known.
+    pub relative_residual: Option<f64>,
+    /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium;
+    /// `None` where the solve ended without an estimate.
+    pub estimated_position_error: Option<f64>,
 }
 
 /// Strains above which the share of the sheet is reported \[-\]: 0.25 and 0.50 bound the clinical
@@ -242,6 +244,13 @@ pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome 
     let summary = fields.deformation().summary(sheet, STRAIN_BANDS);
     outcome.measure_shape(solver, fields, &summary, area_before);
     outcome.warn(problem, &summary);
+    if solver.is_left_at_rest() {
+        outcome.warnings.push(
+            "The implant is in by less than the tolerance: the sheet was left as it lies. A smaller \
+             tolerance shows how it is pushed."
+                .to_owned(),
+        );
+    }
     outcome
 }
 
@@ -263,9 +272,9 @@ pub fn no_shape(fault: Option<Fault>) -> &'static str {
     }
 }
 
-/// JSON has no infinity: the greatest number stands for "no estimate".
-fn finite(value: f64) -> f64 {
-    if value.is_finite() { value } else { f64::MAX }
+/// JSON has no infinity.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 impl Outcome {

@@ -84,7 +84,10 @@ pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
             path if path == "." || path == "?" => whole.to_owned(),
             path => path,
         };
-        problem(&path, &error.into_inner().to_string())
+        let text = error.into_inner().to_string();
+        // Not in the words of the program's own types.
+        let text = text.replace("expected f64", "expected a number");
+        problem(&path, &text.replace("expected usize", "expected a whole number"))
     })?;
     reader.end().map_err(|error| problem(whole, &error.to_string()))?;
     Ok(read)

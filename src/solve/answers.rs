@@ -93,6 +93,12 @@ impl Solver {
         &self.lifted
     }
 
+    /// Is the dome in by so little that the sheet at rest is within the tolerance, and was left there?
+    #[must_use]
+    pub fn is_left_at_rest(&self) -> bool {
+        self.stage == Stage::Rest && self.problem.dome.apex().z > 0.0
+    }
+
     /// Work of this solve, in units of one evaluation of all nodal forces on the finest grid (of
     /// those nodes that are solved for).
     #[must_use]
