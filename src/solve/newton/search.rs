@@ -109,7 +109,7 @@ impl Newton {
         let is_near = self.error.max(largest) <= tolerance;
         let is_short = is_whole
             && self.totals.energy - energy > LEAST_FALL * expected
-            && expected > 1e3 * noise;
+            && expected > 10.0 * noise;
         // What is near is farther than it seems where the model is too stiff: that shows first.
         if is_near && is_balanced && (!is_short || self.stretch > 1.0) {
             if !was_cautious || self.tries >= MAX_TRIES {
