@@ -111,11 +111,13 @@ pub struct Options {
     /// A position error \[share of the base radius\] at which [`Solver::advance`] returns once with a
     /// shape to show, if the tolerance is smaller. A pause before shows what a coarser grid has.
     pub draft_tolerance: Option<f64>,
+    /// How many times as long as usual Newton's method may go on before it is given up \[-\].
+    pub patience: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { method: Method::Automatic, use_symmetry: true, draft_tolerance: None }
+        Self { method: Method::Automatic, use_symmetry: true, draft_tolerance: None, patience: 1.0 }
     }
 }
 
@@ -283,7 +285,7 @@ impl Solver {
                 };
                 multigrid.start(&self.problem, cycles, self.options.draft_tolerance);
             }
-            Method::Newton => self.start_newton(),
+            Method::Newton => self.start_newton(false),
         }
     }
 
@@ -309,11 +311,17 @@ impl Solver {
         self.options.use_symmetry && self.problem.springs == Springs::Coupled
     }
 
-    fn start_newton(&mut self) {
+    /// Lets Newton's method begin, from the present shape if that `is_start`.
+    fn start_newton(&mut self, is_start: bool) {
         self.stage = Stage::Newton;
-        let (sheet, is_symmetric) = (&self.problem.sheet, self.is_symmetric());
-        let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
-        newton.start_cold(&self.problem.dome, is_symmetric);
+        let (is_symmetric, patience) = (self.is_symmetric(), self.options.patience);
+        let Problem { sheet, dome, .. } = &self.problem;
+        let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet, patience));
+        if is_start {
+            newton.start_from(&self.x, dome, is_symmetric);
+        } else {
+            newton.start_cold(dome, is_symmetric);
+        }
     }
 
     /// Does pieces of work until `pause` says so or the solve ends. A piece is a few passes over the
@@ -367,7 +375,7 @@ impl Solver {
 
     fn multigrid_piece(&mut self) -> fas::State {
         let Some(multigrid) = &mut self.multigrid else {
-            self.start_newton();
+            self.start_newton(false);
             return fas::State::Failed;
         };
         let mut state = multigrid.step();
@@ -384,17 +392,14 @@ impl Solver {
             fas::State::Working | fas::State::Draft => {}
             fas::State::Converged => {
                 if !is_study && self.needs_newton() {
-                    self.stage = Stage::Newton;
-                    let (sheet, is_symmetric) = (&self.problem.sheet, self.is_symmetric());
-                    let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet));
-                    newton.start_from(&self.x, &self.problem.dome, is_symmetric);
+                    self.start_newton(true);
                 } else {
                     self.end(Verdict::Converged);
                 }
             }
             fas::State::Failed => {
                 self.fell_back = true;
-                self.start_newton();
+                self.start_newton(false);
             }
         }
         state
@@ -410,7 +415,7 @@ impl Solver {
     }
 
     fn newton_piece(&mut self) {
-        let Some(newton) = &mut self.newton else { return self.start_newton() };
+        let Some(newton) = &mut self.newton else { return self.start_newton(false) };
         let moves = newton.finest().moves;
         let dome = &self.problem.dome;
         let tolerance = self.problem.tolerance * dome.base_radius;

@@ -25,6 +25,8 @@ const WAYS: f64 = 4.0;
 /// Two ways that end farther apart have found two equilibria if each, asked for this share of the tolerance,
 /// stays within half of that of where it was, its new estimate included.
 const PROOF: f64 = 0.1;
+/// … and may go on this many times as long.
+const PATIENCE: f64 = 10.0;
 
 /// How the solve of a scene ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -169,6 +171,7 @@ fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) 
     let allowed = tolerance + lift.fold(0.0, f64::max);
     // Does the same way end in the same place for a far smaller tolerance? It may end above that.
     let is_proven = |scene: &Scene, options: Options, ended: &Solver| {
+        let options = Options { patience: PATIENCE, ..options };
         solve_to(scene, options, PROOF).is_some_and(|proof| {
             let left = proof.estimated_position_error() * scene.implant.base_radius_mm;
             2.0 * (left + distance(proof.positions(), ended.positions())) <= tolerance

@@ -1,7 +1,7 @@
 //! The equilibrium in which contact ends between nodes.
 
 use super::contact::{ON_DOME, admissible};
-use super::{MAX_ITERATIONS, Newton, Phase};
+use super::{Newton, Phase};
 use crate::implant::Dome;
 use crate::sheet::NodeKind;
 use crate::solve::lift;
@@ -53,7 +53,7 @@ impl Newton {
         }
         let iterations = self.iterations;
         self.start(dome, !self.mirrors.is_empty());
-        self.iterations = iterations.min(MAX_ITERATIONS / 2);
+        self.iterations = iterations.min(self.most_iterations / 2);
         self.missed = greatest * dome.base_radius.max(dome.projection);
         true
     }

@@ -170,11 +170,15 @@ pub(crate) struct Newton {
     /// Estimated greatest node position error \[mm\].
     pub(crate) error: f64,
     pub(crate) work_units: f64,
+    /// Where the grid is given up.
+    most_iterations: u32,
+    most_work: f64,
 }
 
 impl Newton {
-    pub(crate) fn new(sheet: Sheet) -> Self {
+    pub(crate) fn new(sheet: Sheet, patience: f64) -> Self {
         let size = sheet.len();
+        let most_work = (MAX_NODE_WORK / size as f64).max(MAX_FINE_WORK);
         let free: Vec<u32> =
             (0..size).filter(|&k| sheet.kinds()[k] == NodeKind::Free).map(|k| k as u32).collect();
         let n = sheet.nodes_per_side();
@@ -224,6 +228,8 @@ impl Newton {
             relative_residual: f64::INFINITY,
             error: f64::INFINITY,
             work_units: 0.0,
+            most_iterations: (f64::from(MAX_ITERATIONS) * patience) as u32,
+            most_work: most_work * patience,
         }
     }
 
@@ -296,8 +302,7 @@ impl Newton {
     }
 
     fn linearize(&mut self, law: &SheetLaw, dome: &Dome, row: usize) -> State {
-        let most_work = (MAX_NODE_WORK / self.sheet.len() as f64).max(MAX_FINE_WORK);
-        if self.iterations == MAX_ITERATIONS || self.work_units > most_work {
+        if self.iterations >= self.most_iterations || self.work_units > self.most_work {
             return State::Stalled;
         }
         if !self.add_rows(law, row, Stiffness::Positive) {

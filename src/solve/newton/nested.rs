@@ -26,13 +26,13 @@ pub(crate) struct NestedNewton {
 }
 
 impl NestedNewton {
-    /// Room for a sheet and the coarser ones.
-    pub(crate) fn new(sheet: &Sheet) -> Self {
+    /// Room for a sheet and the coarser ones. `patience`: how many times as long as usual each may go on.
+    pub(crate) fn new(sheet: &Sheet, patience: f64) -> Self {
         let mut sheets = vec![sheet.clone()];
         while let Some(coarser) = sheets[sheets.len() - 1].coarser() {
             sheets.push(coarser);
         }
-        let levels = sheets.into_iter().rev().map(Newton::new).collect();
+        let levels = sheets.into_iter().rev().map(|sheet| Newton::new(sheet, patience)).collect();
         Self {
             levels,
             current: 0,
