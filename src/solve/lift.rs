@@ -16,6 +16,16 @@ const LEAST_SHARE: f64 = 0.2;
 /// at all: there the grid does not show how the gap opens.
 const TRUSTED: (f64, f64) = (5e-4, 1e-3);
 
+/// The greatest error of the shape without lifts, as a share of the greatest lift, from which on it is
+/// clear which nodes touch.
+const CLEAR_SHARE: f64 = 0.03;
+
+/// Is the shape without lifts so near to its equilibrium that it is clear which nodes touch? A node more
+/// or less changes the lifts around it by as much as they are. In the same unit.
+pub(super) fn is_clear(error: f64, greatest: f64) -> bool {
+    error <= CLEAR_SHARE * greatest
+}
+
 /// The share of all lifts to take, given the greatest of them; zero where they do not matter. All
 /// relative to the base radius.
 pub(super) fn share(greatest: f64, tolerance: f64) -> f64 {

@@ -405,12 +405,14 @@ impl Solver {
         state
     }
 
-    /// Is Newton's method to go on from what full multigrid found: below what f32 resolves; for a slack
-    /// sheet, to see whether it only halts on its way to a fold; and for the paper's springs, whose energy
-    /// has saddles, to see whether it is stable.
+    /// Is Newton's method to go on from what full multigrid found: below what f32 resolves; where contact
+    /// ends between nodes and the tolerance is far smaller than that; for a slack sheet, to see whether it
+    /// only halts on its way to a fold; and for the paper's springs, whose energy has saddles, to see
+    /// whether it is stable.
     fn needs_newton(&self) -> bool {
+        let is_left = |multigrid: &FullMultigrid| multigrid.is_slack || multigrid.leaves_lifts;
         self.problem.tolerance < fas::LEAST_TOLERANCE
-            || self.multigrid.as_ref().is_some_and(|multigrid| multigrid.is_slack)
+            || self.multigrid.as_ref().is_some_and(is_left)
             || self.problem.springs == Springs::Nikolaev
     }
 

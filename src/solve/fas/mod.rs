@@ -47,6 +47,9 @@ const COARSEST_ROUNDS: usize = 3;
 
 /// The most V-cycles of the finest grid.
 const MAX_CYCLES: u32 = 16;
+/// The greatest lift, in tolerances, that is left to f32: a node that touches or not changes the shape by
+/// about as much.
+const MOST_LIFT: f64 = 10.0;
 /// Coarser grids are starts: the most cycles of each, and the error that is enough
 /// \[share of the base radius\].
 const START_CYCLES: u32 = 4;
@@ -92,6 +95,16 @@ pub(super) enum State {
     Converged,
     /// A cycle does not lead to the solution: another method has to take over.
     Failed,
+}
+
+/// What becomes of the lifts of a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Lifts {
+    /// They do not matter to the tolerance.
+    LeftOut,
+    Taken,
+    /// Which nodes touch is not clear yet.
+    Unclear,
 }
 
 /// What is done next.
@@ -142,6 +155,8 @@ pub(super) struct FullMultigrid {
     is_wary: bool,
     /// Does the sheet push somewhere? There it may lie nearly still for some cycles on its way to a fold.
     pub(super) is_slack: bool,
+    /// Do lifts matter so much that f64 has to tell which nodes touch?
+    pub(super) leaves_lifts: bool,
     row: Vec<f32>,
     /// Estimated greatest node position error \[mm\].
     pub(super) error: f64,
@@ -182,6 +197,7 @@ impl FullMultigrid {
             has_last_step: false,
             is_wary: false,
             is_slack: false,
+            leaves_lifts: false,
             row: vec![0.0; nodes_per_side + 8],
             error: f64::INFINITY,
             relative_residual: f64::INFINITY,
@@ -270,6 +286,7 @@ impl FullMultigrid {
         self.doubts = 0;
         self.doubted_residual = f64::INFINITY;
         self.is_slack = false;
+        self.leaves_lifts = false;
         self.is_lifted = false;
         self.missed = 0.0;
         self.residual_squares = None;
@@ -425,9 +442,12 @@ impl FullMultigrid {
             Some(cycles) => cycles > 1 && 2 * self.cycles >= cycles,
             None => is_enough,
         };
+        let mut is_clear = true;
         if is_settled && !self.is_lifted && self.law.has_lifts() {
-            self.is_lifted = true;
-            if self.find_lifts() {
+            let found = self.find_lifts();
+            is_clear = found != Lifts::Unclear;
+            self.is_lifted = is_clear;
+            if found == Lifts::Taken {
                 self.last_change = f64::INFINITY;
                 self.has_last_step = false;
                 self.slow_cycles = 0;
@@ -435,7 +455,7 @@ impl FullMultigrid {
                 return State::Working;
             }
         }
-        if is_enough && (self.asked_cycles.is_some() || self.has_room()) {
+        if is_clear && is_enough && (self.asked_cycles.is_some() || self.has_room()) {
             self.find_relative_residual();
             let left = RESIDUAL_SHARE * self.relative_residual * self.base_radius;
             self.error = self.error.max(left) + self.missed;
@@ -489,9 +509,9 @@ impl FullMultigrid {
         }
     }
 
-    /// Finds where contact ends between nodes of the grid being solved; true if that changes its
-    /// equilibrium by what matters.
-    fn find_lifts(&mut self) -> bool {
+    /// Finds where contact ends between nodes of the grid being solved, and takes the lifts if they change
+    /// its equilibrium by what matters.
+    fn find_lifts(&mut self) -> Lifts {
         let l = self.current;
         let spacing = self.spacing * f64::from(1 << (self.levels.len() - 1 - l));
         let level = &mut self.levels[l];
@@ -499,20 +519,27 @@ impl FullMultigrid {
         let greatest = level.find_lifts() * spacing / self.base_radius;
         self.missed = lift::missed(greatest) * self.base_radius;
         // A cycle more is not due for what the tolerance has room for.
-        let share = if self.has_room() && self.asked_cycles.is_none() {
-            0.0
-        } else {
-            lift::share(greatest, self.tolerance)
-        };
-        let level = &mut self.levels[l];
-        level.lift.iter_mut().for_each(|lift| *lift *= share as f32);
+        let is_study = self.asked_cycles.is_some();
+        let mut share =
+            if self.has_room() && !is_study { 0.0 } else { lift::share(greatest, self.tolerance) };
+        self.leaves_lifts = !is_study && share * greatest > MOST_LIFT * self.tolerance;
+        if self.leaves_lifts {
+            (share, self.missed) = (0.0, 0.0);
+        }
+        let is_clear = share <= 0.0
+            || is_study
+            || lift::is_clear(self.error / self.base_radius, greatest)
+            || self.slow_cycles > 0
+            || self.levels[l].is_rounded();
+        let taken = if is_clear { share as f32 } else { 0.0 };
+        self.levels[l].lift.iter_mut().for_each(|lift| *lift *= taken);
         self.count(l, 1.0);
         if share > 0.0 {
             self.missed = 0.0;
-            return true;
+            return if is_clear { Lifts::Taken } else { Lifts::Unclear };
         }
         self.residual_squares = Some(squares);
-        false
+        Lifts::LeftOut
     }
 
     /// Has the tolerance room for the error, and for that of leaving lifts out?
