@@ -24,7 +24,8 @@ fn the_browser_computes_what_the_native_program_computes() {
     let native: Value = serde_json::from_str(include_str!("fixtures/profiles.json")).unwrap();
     for (name, scene) in common::scenes() {
         let result: Value =
-            serde_json::from_str(&js::simulate(&scene.to_string()).unwrap_or_default()).unwrap();
+            serde_json::from_str(&js::simulate(&scene.to_string().into()).unwrap_or_default())
+                .unwrap();
         assert_eq!(result["status"], "converged", "{name}");
         assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
         let radius = scene["implant"]["base_radius_mm"].as_f64().unwrap();
@@ -51,10 +52,21 @@ fn bad_input_throws_an_error_of_one_line() {
         (r#"{"implant":{"base_radius_mm":50,"colour":1}}"#, "colour"),
         (r#"{"implant":{"base_radius_mm":50},"springs":"steel"}"#, "springs"),
     ] {
-        let text = message(js::simulate(scene).err().unwrap());
+        let text = message(js::simulate(&scene.into()).err().unwrap());
         assert!(text.contains(expected), "{text}");
         assert!(!text.contains('\n'), "{text}");
     }
+}
+
+/// These had ended in "memory access out of bounds".
+#[wasm_bindgen_test]
+fn what_is_no_text_is_refused_in_words() {
+    for value in [5.into(), JsValue::NULL, JsValue::TRUE, js_sys::Object::new().into()] {
+        let text = message(js::simulate(&value).err().unwrap());
+        assert_eq!(text, "scene is not text; allowed: a string");
+    }
+    let text = message(js::Benchmark::new(&5.into()).err().unwrap());
+    assert_eq!(text, "options is not text; allowed: a string");
 }
 
 #[wasm_bindgen_test]
@@ -71,7 +83,7 @@ fn the_default_scene_the_schema_and_the_version_are_what_they_say() {
 fn the_benchmark_goes_on_piece_by_piece() {
     let options =
         r#"{"quick": true, "nodes_per_side": [17], "methods": ["newton", "multigrid_8"]}"#;
-    let mut benchmark = js::Benchmark::new(Some(options.to_owned())).ok().unwrap();
+    let mut benchmark = js::Benchmark::new(&options.into()).ok().unwrap();
     let progress: Value = serde_json::from_str(&benchmark.progress()).unwrap();
     let next = serde_json::json!({"scene": "default", "nodes_per_side": 17, "method": "newton"});
     assert_eq!(progress, serde_json::json!({"done": 0, "all": 2, "next": next}));
@@ -84,10 +96,10 @@ fn the_benchmark_goes_on_piece_by_piece() {
     let times: Value = serde_json::from_str(&benchmark.times_to(1e-3)).unwrap();
     assert_eq!(times[1]["method"], "multigrid_8");
     assert!(times[1]["time_ms"].as_f64().unwrap() > 0.0);
-    assert!(benchmark.svg(None).ok().unwrap().contains("17 nodes a side"));
-    let text = message(benchmark.svg(Some("moon".to_owned())).err().unwrap());
+    assert!(benchmark.svg(&JsValue::UNDEFINED).ok().unwrap().contains("17 nodes a side"));
+    let text = message(benchmark.svg(&"moon".into()).err().unwrap());
     assert!(text.starts_with("scene is \"moon\"; allowed: default, "), "{text}");
-    let text = message(js::Benchmark::new(Some("{".to_owned())).err().unwrap());
+    let text = message(js::Benchmark::new(&"{".into()).err().unwrap());
     assert!(text.starts_with("options: ") && !text.contains('\n'), "{text}");
 }
 

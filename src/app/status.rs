@@ -4,6 +4,7 @@ use super::theme::{self, SPACE};
 use crate::measure::Status;
 use crate::session::Session;
 use crate::solve::Shown;
+use crate::springs::Springs;
 use eframe::egui::{self, Color32, RichText, Ui};
 use std::collections::VecDeque;
 
@@ -71,6 +72,9 @@ pub(super) fn state(ui: &Ui, session: &Session) -> (String, Color32) {
     let palette = theme::palette(ui.visuals());
     if session.is_working() {
         let text = match session.solver().shown() {
+            Shown::Draft if session.scene().springs == Springs::Nikolaev => {
+                "Following: whether this shape is stable is still to be seen".to_owned()
+            }
             Shown::Draft => "Following: within 0.1 % of the base radius".to_owned(),
             Shown::Coarse { nodes_per_side } => format!(
                 "Following on a coarse grid: {nodes_per_side} of {} nodes a side",

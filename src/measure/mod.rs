@@ -260,7 +260,7 @@ pub fn no_shape(fault: Option<Fault>) -> &'static str {
     match fault {
         None => {
             "These springs have no stable shape in this scene; no shape is given. The coupled \
-             springs have one."
+             springs do not lose theirs in tension."
         }
         Some(Fault::Pierced) => {
             "The implant sticks out of the sheet between its nodes: the grid is too coarse for it, or \

@@ -2,6 +2,7 @@
 //!
 //! Scenes and results are JSON text, as documented in the README and by [`schema`].
 
+use super::text::{text, text_or_nothing};
 use crate::experiment::work_precision::{
     Case, Piece, Plan, Row, Study, axisymmetric, table, time_to,
 };
@@ -16,8 +17,10 @@ use wasm_bindgen::prelude::*;
 /// # Errors
 /// Throws an `Error` with one line that names the field, what is wrong and what is allowed.
 #[wasm_bindgen]
-pub fn simulate(scene_json: &str) -> Result<String, JsError> {
-    let scene = Scene::from_json(scene_json)?;
+pub fn simulate(
+    #[wasm_bindgen(unchecked_param_type = "string")] scene_json: &JsValue,
+) -> Result<String, JsError> {
+    let scene = Scene::from_json(&text(scene_json, "scene")?)?;
     let clock = clock();
     let start = clock();
     let mut solver = Solver::new(scene.problem()?);
@@ -70,8 +73,11 @@ impl Benchmark {
     /// # Errors
     /// Throws an `Error` with one line that names the field, what is wrong and what is allowed.
     #[wasm_bindgen(constructor)]
-    pub fn new(options_json: Option<String>) -> Result<Benchmark, JsError> {
-        let plan = options_json.map_or_else(|| Ok(Plan::full()), |json| Plan::from_json(&json))?;
+    pub fn new(
+        #[wasm_bindgen(unchecked_optional_param_type = "string")] options_json: &JsValue,
+    ) -> Result<Benchmark, JsError> {
+        let plan = text_or_nothing(options_json, "options")?
+            .map_or_else(|| Ok(Plan::full()), |json| Plan::from_json(&json))?;
         let first_scene = plan.cases.first().copied().unwrap_or(Case::Default);
         let study = Study::new(plan, Some(axisymmetric));
         Ok(Self { study, done: Vec::new(), rows: Vec::new(), first_scene })
@@ -110,8 +116,11 @@ impl Benchmark {
     ///
     /// # Errors
     /// Throws an `Error` of one line for a scene that there is not.
-    pub fn svg(&self, scene: Option<String>) -> Result<String, JsError> {
-        let case = match scene {
+    pub fn svg(
+        &self,
+        #[wasm_bindgen(unchecked_optional_param_type = "string")] scene: &JsValue,
+    ) -> Result<String, JsError> {
+        let case = match text_or_nothing(scene, "scene")? {
             None => self.first_scene,
             Some(name) => {
                 Case::ALL.into_iter().find(|case| case.name() == name).ok_or_else(|| {

@@ -11,5 +11,8 @@ pub mod command_line;
 #[cfg(all(feature = "app", not(target_arch = "wasm32")))]
 pub mod native;
 
+#[cfg(all(any(feature = "app", feature = "js-api"), target_arch = "wasm32"))]
+mod text;
+
 #[cfg(all(feature = "app", target_arch = "wasm32"))]
 pub mod web;

@@ -260,19 +260,24 @@ impl Handle {
     /// # Errors
     /// Throws an `Error` with one line that names the field; the scene is then as before.
     #[wasm_bindgen(js_name = setScene)]
-    pub fn set_scene(&self, json: String) -> Result<(), JsError> {
+    pub fn set_scene(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "string")] json: &JsValue,
+    ) -> Result<(), JsError> {
         let mut app = self.stage.app()?;
-        app.open(json)?;
+        app.open(super::text::text(json, "scene")?)?;
         app.wake();
         Ok(())
     }
 
-    /// The result of the last finished solve (JSON text), or `undefined` before the first.
+    /// The scene's result (JSON text), or `undefined` while it is being solved.
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn result(&self) -> Result<Option<String>, JsError> {
-        Ok(self.stage.app()?.outcome().and_then(|o| serde_json::to_string(&o).ok()))
+        let app = self.stage.app()?;
+        let outcome = app.outcome().filter(|_| !app.session().is_working());
+        Ok(outcome.and_then(|outcome| serde_json::to_string(&outcome).ok()))
     }
 
     /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, solver_ms_max,
