@@ -47,15 +47,18 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
     let broken = x.iter().filter(|x| !x.is_finite()).count();
     hold(&mut findings, "nodes that are not finite", broken as f64, 0.0);
     hold(&mut findings, "work units", solver.work_units(), WORK_UNITS);
-    if broken > 0 || solver.verdict() != Verdict::Converged {
+    if broken > 0 || solver.verdict() == Verdict::Unstable || solver.fault().is_some() {
         return findings;
     }
     let tolerance = problem.tolerance * dome.base_radius;
-    hold(&mut findings, "estimated error", solver.estimated_position_error(), problem.tolerance);
     hold(&mut findings, "depth in the dome, mm", depth_in_dome(solver), tolerance);
     let depth = x.iter().map(|x| -x.z).fold(0.0, f64::max);
     hold(&mut findings, "depth below the wall, mm", depth, tolerance);
     hold(&mut findings, "facing inwards", faces_inwards(sheet, x), FACING);
+    if solver.verdict() != Verdict::Converged {
+        return findings;
+    }
+    hold(&mut findings, "estimated error", solver.estimated_position_error(), problem.tolerance);
     if problem.springs == Springs::Coupled {
         hold(&mut findings, "not its own mirror image, mm", lopsidedness(solver), tolerance);
     }

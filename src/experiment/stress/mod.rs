@@ -62,6 +62,8 @@ pub struct Case {
     pub work_units: f64,
     /// The solver's estimate, relative to the base radius; `None` if it has none.
     pub estimated_position_error: Option<f64>,
+    /// Other ways to the shape that it was held against: of two, those that converged.
+    pub ways: u32,
     /// Was it part of a session with random edits too?
     pub in_session: bool,
     /// The scene; that of a failure is shrunk.
@@ -115,18 +117,19 @@ pub fn examine(scene: Scene) -> Case {
             fell_back: false,
             work_units: 0.0,
             estimated_position_error: None,
+            ways: 0,
             in_session: false,
             scene,
         };
     };
     let mut findings = check::check(&solver);
-    let mut is_one_of_several = false;
+    let (mut is_one_of_several, mut ways) = (false, 0);
     if solver.verdict() == Verdict::Converged
         && scene.springs == Springs::Coupled
         && solver.problem().sheet.nodes_per_side() <= MOST_NODES_TWICE
         && solver.work_units() > 0.0
     {
-        is_one_of_several = find_other_ways(&scene, &solver, &mut findings);
+        (is_one_of_several, ways) = find_other_ways(&scene, &solver, &mut findings);
     }
     let error = solver.estimated_position_error();
     Case {
@@ -143,6 +146,7 @@ pub fn examine(scene: Scene) -> Case {
         fell_back: solver.fell_back(),
         work_units: solver.work_units(),
         estimated_position_error: error.is_finite().then_some(error),
+        ways,
         in_session: false,
         scene,
     }
@@ -163,8 +167,8 @@ fn solve_to(scene: &Scene, options: Options, share: f64) -> Option<Solver> {
 }
 
 /// Looks for the same shape by another method and of the mirrored scene; true if they prove that the scene has
-/// several.
-fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> bool {
+/// several; and how many of the two ways led to one.
+fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> (bool, u32) {
     let tolerance = WAYS * solver.problem().tolerance * scene.implant.base_radius_mm;
     // Where a node just touches or just does not, so does its lift.
     let lift = solver.lifted().iter().map(|&(k, place)| place.distance(solver.positions()[k]));
@@ -191,13 +195,14 @@ fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) 
         ("Newton's method ends elsewhere, mm", false, newton),
         ("the mirrored scene ends elsewhere, mm", true, whole),
     ];
-    let mut is_one_of_several = false;
+    let (mut is_one_of_several, mut tried) = (false, 0);
     for (check, is_mirrored, options) in ways {
         let way = if is_mirrored { &mirrored } else { scene };
         let other = solve(way, options);
         let Some(other) = other.filter(|other| other.verdict() == Verdict::Converged) else {
             continue;
         };
+        tried += 1;
         let apart = if is_mirrored {
             distance(solver.positions(), &mirror(other.positions()))
         } else {
@@ -212,7 +217,7 @@ fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) 
             hold(findings, check, apart, allowed);
         }
     }
-    is_one_of_several
+    (is_one_of_several, tried)
 }
 
 /// Cases that ended alike.
@@ -234,12 +239,15 @@ pub struct Endings {
     pub failed: u64,
     /// Those in which Newton's method took over.
     pub fell_back: u64,
+    /// Those whose shape was held against both other ways to it.
+    pub held_both_ways: u64,
 }
 
 impl Endings {
     fn add(&mut self, case: &Case) {
         self.cases += 1;
         self.fell_back += u64::from(case.fell_back);
+        self.held_both_ways += u64::from(case.ways == 2);
         *match case.ending {
             Ending::Converged => &mut self.converged,
             Ending::Several => &mut self.several,
