@@ -156,6 +156,12 @@ fn solved(scene: &Scene, nodes: usize, tolerance: f64) -> Solver {
     solver
 }
 
+/// Greatest distance of two solves' nodes, relative to the base radius.
+fn apart(a: &Solver, b: &Solver) -> f64 {
+    let distances = a.positions().iter().zip(b.positions()).map(|(a, b)| a.distance(*b));
+    distances.fold(0.0, f64::max) / a.problem().dome.base_radius
+}
+
 #[test]
 fn contact_forces_are_the_reaction_of_the_border() {
     for scene in odd_scenes() {
@@ -210,13 +216,7 @@ fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
         for tolerance in [1e-2, 1e-4] {
             let solver = solved(&scene, 65, tolerance);
             assert_eq!(solver.verdict(), Verdict::Converged);
-            let error = solver
-                .positions()
-                .iter()
-                .zip(exact.positions())
-                .map(|(a, b)| a.distance(*b))
-                .fold(0.0, f64::max)
-                / scene.implant.base_radius_mm;
+            let error = apart(&exact, &solver);
             assert!(error <= tolerance, "{error:.1e} against {tolerance:.0e}");
             assert!(
                 error <= 2.0 * solver.estimated_position_error() + 1e-7,
@@ -252,8 +252,7 @@ fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
         let (exact, solver) = (solved(&scene, nodes, 1e-7), solved(&scene, nodes, 1e-4));
         assert_eq!(exact.verdict(), Verdict::Converged);
         assert_eq!(solver.verdict(), Verdict::Converged);
-        let apart = exact.positions().iter().zip(solver.positions()).map(|(a, b)| a.distance(*b));
-        let error = apart.fold(0.0, f64::max) / scene.implant.base_radius_mm;
+        let error = apart(&exact, &solver);
         assert!(error <= solver.estimated_position_error(), "{error:.1e}");
     }
 }
@@ -283,8 +282,7 @@ fn lifts_are_those_of_the_equilibrium() {
             "pocket_radius_mm": pocket, "layers": layers });
         let scene = Scene::from_json(&scene.to_string()).unwrap();
         let (exact, solver) = (solved(&scene, 129, 1e-7), solved(&scene, 129, 1e-5));
-        let apart = exact.positions().iter().zip(solver.positions()).map(|(a, b)| a.distance(*b));
-        let error = apart.fold(0.0, f64::max) / scene.implant.base_radius_mm;
+        let error = apart(&exact, &solver);
         assert!(error <= 2.0 * solver.estimated_position_error(), "{error:.1e}");
     }
 }

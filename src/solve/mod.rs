@@ -3,8 +3,8 @@
 //! Full multigrid in f32 lanes (`fas`) solves it, for a centred dome on one quarter of the sheet,
 //! for one moved along an axis on half of it.
 //! Where a cycle does not lead to the solution, Newton's method on nested grids in f64 takes over
-//! (`newton`). It also refines a shape where f32 is not enough, and sees whether that of the paper's
-//! springs, whose energy has saddles, is stable. Work is cut into pieces of a few passes over the grid, so that a
+//! (`newton`). It also refines a shape where f32 is not enough, follows a slack sheet to its fold, and sees
+//! whether a shape of the paper's springs, whose energy has saddles, is stable. Work is cut into pieces of a few passes over the grid, so that a
 //! page can answer between them.
 //!
 //! The seam: [`Solver`] is what others see of it, `answers` what it tells. `law` | `fas` (full multigrid) |

@@ -526,20 +526,23 @@ impl FullMultigrid {
         if self.leaves_lifts {
             (share, self.missed) = (0.0, 0.0);
         }
-        let is_clear = share <= 0.0
-            || is_study
+        self.count(l, 1.0);
+        if share <= 0.0 {
+            self.levels[l].lift.fill(0.0);
+            self.residual_squares = Some(squares);
+            return Lifts::LeftOut;
+        }
+        self.missed = 0.0;
+        let is_clear = is_study
             || lift::is_clear(self.error / self.base_radius, greatest)
             || self.slow_cycles > 0
             || self.levels[l].is_rounded();
-        let taken = if is_clear { share as f32 } else { 0.0 };
-        self.levels[l].lift.iter_mut().for_each(|lift| *lift *= taken);
-        self.count(l, 1.0);
-        if share > 0.0 {
-            self.missed = 0.0;
-            return if is_clear { Lifts::Taken } else { Lifts::Unclear };
+        if !is_clear {
+            self.levels[l].lift.fill(0.0);
+            return Lifts::Unclear;
         }
-        self.residual_squares = Some(squares);
-        Lifts::LeftOut
+        self.levels[l].lift.iter_mut().for_each(|lift| *lift *= share as f32);
+        Lifts::Taken
     }
 
     /// Has the tolerance room for the error, and for that of leaving lifts out?
