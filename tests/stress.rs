@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 30] = [
+const ONCE_FAILED: [(&str, &str, Ending); 31] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -136,6 +136,11 @@ const ONCE_FAILED: [(&str, &str, Ending); 30] = [
     (
         "soft tissue that leans to one side of a needle",
         include_str!("stress/needle-that-leans.json"),
+        Ending::Several,
+    ),
+    (
+        "a slack sheet in a valley far softer than the model",
+        include_str!("stress/soft-valley-before-a-fold.json"),
         Ending::Several,
     ),
 ];

@@ -116,11 +116,11 @@ impl Kernel {
     }
 }
 
-/// What a step adds for a node that touches: D⁻¹n 15, share 6, d 6, place 3, back 32 (scaled 6,
-/// products 15, c 2, root 4, share 2, product 3), sum 6.
-const HELD_STEP_FLOPS: f64 = 68.0;
-/// Share, back; length.
-const HELD_STEP_DIVISIONS: f64 = 3.0;
+/// What a step adds for a node that touches (flops, divisions and roots, arrays): D⁻¹n 15, share 6, d 6,
+/// place 3, back 32 (scaled 6, products 15, c 2, root 4, share 2, product 3), sum 6. Share, back; length.
+const HELD_STEP: (f64, f64, f64) = (68.0, 3.0, 0.0);
+/// What a residual adds: D⁻¹r 15, its normal part 5, gap 1, sum 1. D⁻¹ in.
+const HELD_RESIDUAL: (f64, f64, f64) = (22.0, 0.0, 6.0);
 
 /// A solved grid on which one kernel can be run at a time.
 #[derive(Clone, Debug)]
@@ -203,10 +203,14 @@ impl Kernels {
     #[must_use]
     pub fn cost(&self, kernel: Kernel) -> KernelCost {
         let mut cost = kernel.table();
-        if kernel == Kernel::Step {
-            cost.flops_per_node += self.held_share * HELD_STEP_FLOPS;
-            cost.divisions_per_node += self.held_share * HELD_STEP_DIVISIONS;
-        }
+        let (flops, divisions, arrays) = match kernel {
+            Kernel::Step => HELD_STEP,
+            Kernel::Residual => HELD_RESIDUAL,
+            _ => return cost,
+        };
+        cost.flops_per_node += self.held_share * flops;
+        cost.divisions_per_node += self.held_share * divisions;
+        cost.bytes_per_node += self.held_share * 4.0 * arrays;
         cost
     }
 
@@ -220,13 +224,14 @@ impl Kernels {
             Kernel::Blocks => fine.invert_blocks(law),
             Kernel::Step => {
                 let Level { layout, dome, u, inverse, hold, lift, .. } = fine;
-                let pull = Pull { inverse, f: carried, tau: None, hold, lift };
-                smooth::step(layout, dome, Contact::OneSided, SMOOTHING[0], &pull, u);
+                let pull = Pull { inverse, tau: None, lift };
+                let step = (&pull, &*carried, hold.as_slice());
+                smooth::step(layout, dome, Contact::OneSided, SMOOTHING[0], step, u);
             }
             Kernel::Residual => {
-                let Level { layout, dome, u, lift, .. } = fine;
-                let marks = (lift.as_slice(), marks.as_mut_slice());
-                smooth::residual(layout, dome, Contact::OneSided, u, None, marks, residual);
+                let Level { layout, dome, u, inverse, lift, .. } = fine;
+                let pull = Pull { inverse, tau: None, lift };
+                smooth::residual(layout, dome, Contact::OneSided, u, &pull, marks, residual);
             }
             Kernel::Restriction => {
                 transfer::restrict(&coarse.layout, &fine.layout, residual, &mut coarse.tau);

@@ -130,14 +130,14 @@ impl Level {
     pub(super) fn step(&mut self, contact: Contact, omega: f32) {
         let Self { layout, dome, u, f, tau, inverse, hold, lift, .. } = self;
         let tau = (contact == Contact::Held).then_some(&*tau);
-        smooth::step(layout, dome, contact, omega, &Pull { inverse, f, tau, hold, lift }, u);
+        smooth::step(layout, dome, contact, omega, (&Pull { inverse, tau, lift }, f, hold), u);
     }
 
     pub(super) fn find_residual(&mut self, law: &LaneLaw, contact: Contact) -> f64 {
         self.forces(law);
         let tau = (contact == Contact::Held).then_some(&self.tau);
-        let Self { layout, dome, u, hold, f, lift, .. } = self;
-        smooth::residual(layout, dome, contact, u, tau, (lift, hold), f)
+        let Self { layout, dome, u, hold, f, lift, inverse, .. } = self;
+        smooth::residual(layout, dome, contact, u, &Pull { inverse, tau, lift }, hold, f)
     }
 
     /// Is the residual found what f32 rounds? On a flat dome strains are small differences of places.

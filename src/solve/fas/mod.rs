@@ -535,8 +535,7 @@ impl FullMultigrid {
         self.missed = 0.0;
         let is_clear = is_study
             || lift::is_clear(self.error / self.base_radius, greatest)
-            || self.slow_cycles > 0
-            || self.levels[l].is_rounded();
+            || self.slow_cycles > 0;
         if !is_clear {
             self.levels[l].lift.fill(0.0);
             return Lifts::Unclear;

@@ -115,30 +115,41 @@ fn rest(layout: &Layout, i: usize, j: usize) -> (f32x4, f32x4) {
     (f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y))
 }
 
-/// What a step is made of.
+/// Symmetric blocks of four neighbouring nodes.
+#[inline(always)]
+fn load_blocks(blocks: &[Vec<f32>; 6], k: usize) -> [f32x4; 6] {
+    [0, 1, 2, 3, 4, 5].map(|p| load(&blocks[p], k))
+}
+
+#[inline(always)]
+fn times([xx, xy, xz, yy, yz, zz]: [f32x4; 6], v: Vec3) -> Vec3 {
+    [
+        xx * v[0] + xy * v[1] + xz * v[2],
+        xy * v[0] + yy * v[1] + yz * v[2],
+        xz * v[0] + yz * v[1] + zz * v[2],
+    ]
+}
+
+/// What nodes obey besides the springs.
 pub(super) struct Pull<'a> {
     /// Inverse nodal blocks D⁻¹.
     pub(super) inverse: &'a [Vec<f32>; 6],
-    /// Forces.
-    pub(super) f: &'a Field,
     /// A coarse grid's right-hand side.
     pub(super) tau: Option<&'a Field>,
-    /// Marks of the nodes that are held.
-    pub(super) hold: &'a [f32],
     /// Level at which each node touches.
     pub(super) lift: &'a [f32],
 }
 
-/// One step of length `omega`: u += ω D⁻¹ (f + τ), under the constraints.
+/// One step of length `omega`: u += ω D⁻¹ (f + τ), under the constraints; `hold` marks nodes that are held.
 pub(super) fn step(
     layout: &Layout,
     dome: &LaneDome,
     contact: Contact,
     omega: f32,
-    pull: &Pull,
+    (pull, f, hold): (&Pull, &Field, &[f32]),
     u: &mut Field,
 ) {
-    let Pull { inverse, f, tau, hold, lift } = *pull;
+    let Pull { inverse, tau, lift } = *pull;
     let zero = f32x4::ZERO;
     layout.free_rows(|j, from, to| {
         let mut i = from;
@@ -148,16 +159,9 @@ pub(super) fn step(
             if let Some(tau) = tau {
                 r = add(r, tau.load(k));
             }
-            let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|p| load(&inverse[p], k));
-            let times = |v: [f32x4; 3]| {
-                [
-                    xx * v[0] + xy * v[1] + xz * v[2],
-                    xy * v[0] + yy * v[1] + yz * v[2],
-                    xz * v[0] + yz * v[1] + zz * v[2],
-                ]
-            };
+            let blocks = load_blocks(inverse, k);
             let most = f32x4::splat(MOST_STEP);
-            let mut d = times(r).map(|d| (d * omega).fast_max(-most).fast_min(most));
+            let mut d = times(blocks, r).map(|d| (d * omega).fast_max(-most).fast_min(most));
             let square = dot(d, d);
             let hardening =
                 square * square * HARDENING / (dot(r, d) * omega).fast_max(f32x4::splat(1e-30));
@@ -175,11 +179,11 @@ pub(super) fn step(
             }
             let over = length - level + towards;
             is_held |= over.simd_lt(zero);
-            let is_movable = xx.simd_gt(zero);
+            let is_movable = blocks[0].simd_gt(zero);
             is_held &= is_movable;
             let mut to_u = add(at, d);
             if is_held.any() {
-                let s = times(g);
+                let s = times(blocks, g);
                 let share = over / dot(g, s).fast_max(f32x4::splat(1e-30));
                 d = [0, 1, 2].map(|a| d[a] - s[a] * share);
                 let place = add(p, d);
@@ -245,18 +249,19 @@ pub(super) fn correct(
     mirror(layout, u);
 }
 
-/// Adds τ to the forces, takes away what the dome and the wall carry, marks the nodes that they hold
+/// Adds τ to the forces, takes away what the dome and the wall carry, marks the nodes that the dome holds
 /// (only where contact is one-sided), clears what is not free. Gives the sum of squares of what is
-/// left and of what the springs pull in all.
+/// left.
 pub(super) fn residual(
     layout: &Layout,
     dome: &LaneDome,
     contact: Contact,
     u: &Field,
-    tau: Option<&Field>,
-    (lift, hold): (&[f32], &mut [f32]),
+    pull: &Pull,
+    hold: &mut [f32],
     f: &mut Field,
 ) -> f64 {
+    let Pull { inverse, tau, lift } = *pull;
     let zero = f32x4::ZERO;
     let mut squares = 0.0_f64;
     let mut last = 0;
@@ -278,9 +283,13 @@ pub(super) fn residual(
             let across = dot(r, g);
             let is_held = match contact {
                 Contact::OneSided => {
-                    let level = load(lift, k).abs() + (1.0 + TOUCH);
-                    let touches = length.simd_lt(level);
-                    let is_held = touches & across.simd_lt(zero);
+                    let level = load(lift, k).abs() + 1.0;
+                    let mut is_held = length.simd_lt(level + TOUCH) & across.simd_lt(zero);
+                    // What is that near may be free: it is held if it would go into the dome.
+                    if is_held.any() {
+                        let gap = (length - level).fast_max(zero);
+                        is_held &= (gap + dot(g, times(load_blocks(inverse, k), r))).simd_lt(zero);
+                    }
                     let marks = is_held.bitselect(f32x4::ONE, zero).to_array();
                     let count = (to - i).min(4);
                     hold[k..k + count].copy_from_slice(&marks[..count]);

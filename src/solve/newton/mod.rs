@@ -9,7 +9,8 @@
 //! goes on along a step, and across two of them, as long as the energy falls.
 //!
 //! `contact` (what a node there may do) | `search` (how far to go) | `lifts` (contact that ends between
-//! nodes) | `ending` (what is given away) | `symmetry` | `stability` | `nested` (grids one after the other); here the model and its minimum.
+//! nodes) | `ending` (what is given away) | `symmetry` | `stability` and `true_step` (what the true Hessian
+//! tells) | `nested` (grids one after the other); here the model and its minimum.
 
 mod contact;
 mod ending;
@@ -18,6 +19,7 @@ mod nested;
 mod search;
 mod stability;
 mod symmetry;
+mod true_step;
 
 use super::assemble::{self, Stiffness, Totals};
 use super::blocks::{Blocks, outer};
@@ -100,12 +102,27 @@ enum Phase {
     /// The next row of cells of the true Hessian.
     Stiffen {
         row: usize,
-        after: State,
+        question: Question,
     },
     Stability {
         step: u32,
         after: State,
     },
+    /// As [`Self::Cg`], of the true model.
+    TrueCg {
+        step: u32,
+        start: f64,
+        rho: f64,
+    },
+}
+
+/// What the true Hessian is asked.
+#[derive(Clone, Copy)]
+enum Question {
+    /// Is the shape stable? If it is, the iteration ends so.
+    IsStable(State),
+    /// Where does its own step lead?
+    Step,
 }
 
 /// Iteration on one grid: its shape, its model and scratch. Arrays of shape (n², ).
@@ -156,6 +173,8 @@ pub(crate) struct Newton {
     tries: u32,
     /// Would a node slide off the dome where it is held, by the last model with the dome's curvature?
     is_saddle: bool,
+    /// Does the true model agree that the shape is near the equilibrium?
+    is_proven: bool,
     /// Steps by sweeps alone: where contact changes everywhere, they are sure to lead downhill.
     is_plain: bool,
     changed: usize,
@@ -218,6 +237,7 @@ impl Newton {
             cautious_to: 0,
             tries: 0,
             is_saddle: false,
+            is_proven: false,
             is_plain: false,
             changed: 0,
             totals: Totals::default(),
@@ -269,8 +289,11 @@ impl Newton {
             Phase::Extend { length, energy, is_across } => {
                 self.extend(law, dome, (length, energy), is_across);
             }
-            Phase::Stiffen { row, after } => self.stiffen(law, dome, row, after),
+            Phase::Stiffen { row, question } => self.stiffen(law, dome, row, question),
             Phase::Stability { step, after } => return self.probe(law, step, after),
+            Phase::TrueCg { step, start, rho } => {
+                return self.true_cg(step, start, rho, tolerance);
+            }
         }
         State::Working
     }
@@ -310,6 +333,7 @@ impl Newton {
             return State::Working;
         }
         self.iterations += 1;
+        self.is_proven = false;
         if self.totals.outside_law || !self.totals.energy.is_finite() {
             return State::Unstable;
         }
@@ -393,22 +417,26 @@ impl Newton {
             self.relax(self.free[k] as usize);
         }
         self.work_units += 2.0 * SWEEP_UNITS;
-        for &k in &self.free {
-            let k = k as usize;
-            let (flags, normal, inverse) = (self.contact[k], self.normal[k], self.inverse[k]);
-            self.projector[k] = projector(flags, normal);
-            self.tangent_inverse[k] = match flags {
-                FREE => inverse,
-                ON_DOME => without(inverse, normal),
-                ON_WALL => without(inverse, DVec3::Z),
-                _ => {
-                    let t = edge_direction(normal);
-                    let stiffness = t.dot(self.hessian.diagonal[k] * t);
-                    outer(t, t) * if stiffness > 0.0 { 1.0 / stiffness } else { 0.0 }
-                }
-            };
+        for k in 0..count {
+            self.constrain(self.free[k] as usize);
         }
         self.phase = if self.is_built { self.begin_cg() } else { Phase::Build { piece: 0 } };
+    }
+
+    /// Sets the directions in which the node k may move, and the inverse in them.
+    fn constrain(&mut self, k: usize) {
+        let (flags, normal, inverse) = (self.contact[k], self.normal[k], self.inverse[k]);
+        self.projector[k] = projector(flags, normal);
+        self.tangent_inverse[k] = match flags {
+            FREE => inverse,
+            ON_DOME => without(inverse, normal),
+            ON_WALL => without(inverse, DVec3::Z),
+            _ => {
+                let t = edge_direction(normal);
+                let stiffness = t.dot(self.hessian.diagonal[k] * t);
+                outer(t, t) * if stiffness > 0.0 { 1.0 / stiffness } else { 0.0 }
+            }
+        };
     }
 
     /// Minimises the model over one node's step, under its constraints.
@@ -463,24 +491,48 @@ impl Newton {
         self.phase = self.begin_cg();
     }
 
-    /// The residual of the model at the step so far, and the first search direction.
+    /// The residual of the model at the step so far, and no correction yet.
     fn begin_cg(&mut self) -> Phase {
-        let mut start = 0.0;
+        let start = self.set_residual();
+        if self.is_plain || start <= 1e-16 * self.totals.force_scale() {
+            return Phase::Correct;
+        }
+        Phase::Cg { step: 0, start, rho: 0.0 }
+    }
+
+    /// Sets `r` to the residual of the model at the step so far, `q` to zero; gives the residual's norm.
+    fn set_residual(&mut self) -> f64 {
+        self.work_units += SWEEP_UNITS;
+        let mut squares = 0.0;
         for &k in &self.free {
             let k = k as usize;
             self.r[k] = self.projector[k] * (self.forces[k] - self.hessian.row(k, &self.d));
-            start += self.r[k].length_squared();
+            squares += self.r[k].length_squared();
             self.q[k] = DVec3::ZERO;
         }
-        self.work_units += SWEEP_UNITS;
-        if self.is_plain || start <= 1e-32 * self.totals.force_scale().powi(2) {
-            return Phase::Correct;
-        }
-        Phase::Cg { step: 0, start: start.sqrt(), rho: 0.0 }
+        squares.sqrt()
     }
 
-    /// One step of conjugate gradients in the directions that may move; the sum is kept in `q`.
-    fn cg(&mut self, step: u32, start: f64, rho_before: f64) {
+    /// One step of conjugate gradients; the last one goes on to what comes after them.
+    fn cg(&mut self, step: u32, start: f64, rho: f64) {
+        let Some((rho, left)) = self.cg_step(step, rho) else {
+            if self.is_cautious {
+                self.phase = Phase::Correct;
+            } else {
+                self.take_care();
+            }
+            return;
+        };
+        self.phase = if step + 1 >= MAX_CG || left <= CG_DROP * start {
+            Phase::Correct
+        } else {
+            Phase::Cg { step: step + 1, start, rho }
+        };
+    }
+
+    /// One step of conjugate gradients in the directions that may move, the sum kept in `q`: gives r·z and
+    /// the norm of the residual left; none, and no step, where the model is not positive along `p`.
+    fn cg_step(&mut self, step: u32, rho_before: f64) -> Option<(f64, f64)> {
         self.work_units += CYCLE_UNITS + SWEEP_UNITS;
         let finest = Finest {
             blocks: &self.hessian,
@@ -499,12 +551,7 @@ impl Newton {
         apply(&self.hessian, &self.projector, &self.free, &self.p, &mut self.z);
         let bend = dot(&self.free, &self.p, &self.z);
         if !(bend > 0.0 && rho > 0.0) {
-            if self.is_cautious {
-                self.phase = Phase::Correct;
-            } else {
-                self.take_care();
-            }
-            return;
+            return None;
         }
         let alpha = rho / bend;
         let mut left = 0.0;
@@ -514,15 +561,26 @@ impl Newton {
             self.r[k] -= self.z[k] * alpha;
             left += self.r[k].length_squared();
         }
-        self.phase = if step + 1 >= MAX_CG || left.sqrt() <= CG_DROP * start {
-            Phase::Correct
+        Some((rho, left.sqrt()))
+    }
+
+    /// Ends a round: on to the next one, or to the search.
+    fn correct(&mut self, tolerance: f64) {
+        let (change, step) = self.add_correction();
+        self.last_round = change;
+        self.rounds += 1;
+        let settled =
+            change <= ROUND_SHARE * step && self.changed == 0 || change <= 0.02 * tolerance;
+        self.phase = if settled || self.rounds >= MAX_ROUNDS {
+            Phase::Search { length: 1.0, halvings: 0 }
         } else {
-            Phase::Cg { step: step + 1, start, rho }
+            Phase::Smooth
         };
     }
 
-    /// Adds the correction `q` to the step, as far as no constraint is passed by much.
-    fn correct(&mut self, tolerance: f64) {
+    /// Adds the correction `q` to the step, as far as no constraint is passed by much; gives the greatest
+    /// change and step of a node \[mm\].
+    fn add_correction(&mut self) -> (f64, f64) {
         let (mut largest, mut step) = (0.0_f64, 0.0_f64);
         for &k in &self.free {
             let k = k as usize;
@@ -536,15 +594,7 @@ impl Newton {
             step = step.max(d.length_squared());
             self.d[k] = d;
         }
-        self.last_round = largest.sqrt();
-        self.rounds += 1;
-        let settled = self.last_round <= ROUND_SHARE * step.sqrt() && self.changed == 0
-            || self.last_round <= 0.02 * tolerance;
-        self.phase = if settled || self.rounds >= MAX_ROUNDS {
-            Phase::Search { length: 1.0, halvings: 0 }
-        } else {
-            Phase::Smooth
-        };
+        (largest.sqrt(), step.sqrt())
     }
 }
 

@@ -103,6 +103,11 @@ impl NestedNewton {
                 self.levels[last].begin_stability(state);
             }
             State::Converged
+                if springs == Springs::Coupled && self.levels[last].is_doubtful(law) =>
+            {
+                self.levels[last].begin_true_step();
+            }
+            State::Converged
                 if springs == Springs::Coupled && !std::mem::replace(&mut self.is_lifted, true) =>
             {
                 if !self.levels[last].find_lifts(dome, tolerance) {

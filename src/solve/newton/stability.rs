@@ -1,7 +1,9 @@
 //! Is the shape a minimum or a saddle? The least eigenvalue of the true Hessian tells.
 
-use super::contact::{curvature, projector};
-use super::{CYCLE_UNITS, Newton, Phase, SWEEP_UNITS, State, Stiffness, TOUCH, apply, dot};
+use super::contact::curvature;
+use super::{
+    CYCLE_UNITS, Newton, Phase, Question, SWEEP_UNITS, State, Stiffness, TOUCH, apply, dot,
+};
 use crate::implant::Dome;
 use crate::solve::law::SheetLaw;
 use crate::solve::multigrid::Finest;
@@ -17,22 +19,32 @@ impl Newton {
     /// Begins the search for a direction in which the energy falls; [`Self::step`] goes on with it and
     /// ends in `after` when there is none.
     pub(crate) fn begin_stability(&mut self, after: State) {
-        self.phase = Phase::Stiffen { row: 0, after };
+        self.phase = Phase::Stiffen { row: 0, question: Question::IsStable(after) };
     }
 
-    /// Adds rows of cells to the true Hessian; after the last one, the contact and a start vector.
-    pub(super) fn stiffen(&mut self, law: &SheetLaw, dome: &Dome, row: usize, after: State) {
+    /// Adds rows of cells to the true Hessian; after the last one, the contact. Then begins with the question.
+    pub(super) fn stiffen(&mut self, law: &SheetLaw, dome: &Dome, row: usize, question: Question) {
         if !self.add_rows(law, row, Stiffness::True) {
-            self.phase = Phase::Stiffen { row: row + self.rows_per_piece(), after };
+            self.phase = Phase::Stiffen { row: row + self.rows_per_piece(), question };
             return;
         }
         let touch = TOUCH * dome.base_radius;
-        self.p.fill(DVec3::ZERO);
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;
             let pressing = self.find_contact(dome, k, touch);
             self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * pressing;
-            self.projector[k] = projector(self.contact[k], self.normal[k]);
+            self.constrain(k);
+        }
+        match question {
+            Question::IsStable(after) => self.begin_probe(after),
+            Question::Step => self.begin_true_cg(),
+        }
+    }
+
+    fn begin_probe(&mut self, after: State) {
+        self.p.fill(DVec3::ZERO);
+        for &k in &self.free {
+            let k = k as usize;
             // Any start will do that leaves no wave out.
             let t = k as f64;
             let start = DVec3::new((12.9 * t).sin(), (78.2 * t).sin(), (37.7 * t).sin());
