@@ -173,8 +173,8 @@ pub(crate) struct Newton {
     tries: u32,
     /// Would a node slide off the dome where it is held, by the last model with the dome's curvature?
     is_saddle: bool,
-    /// Does the true model agree that the shape is near the equilibrium?
-    is_proven: bool,
+    /// Was the true model asked for its step from this shape?
+    is_asked: bool,
     /// Steps by sweeps alone: where contact changes everywhere, they are sure to lead downhill.
     is_plain: bool,
     changed: usize,
@@ -237,7 +237,7 @@ impl Newton {
             cautious_to: 0,
             tries: 0,
             is_saddle: false,
-            is_proven: false,
+            is_asked: false,
             is_plain: false,
             changed: 0,
             totals: Totals::default(),
@@ -333,7 +333,7 @@ impl Newton {
             return State::Working;
         }
         self.iterations += 1;
-        self.is_proven = false;
+        self.is_asked = false;
         if self.totals.outside_law || !self.totals.energy.is_finite() {
             return State::Unstable;
         }

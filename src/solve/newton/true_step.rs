@@ -19,11 +19,12 @@ const TRIED: f64 = 10.0;
 impl Newton {
     /// Does the sheet push somewhere, and was the true model not asked about its shape yet?
     pub(crate) fn is_doubtful(&self, law: &SheetLaw) -> bool {
-        !self.is_proven && self.totals.is_slack(self.force_scale(law))
+        !self.is_asked && self.totals.is_slack(self.force_scale(law))
     }
 
     /// Begins the search for the true model's step. [`Self::step`] goes on with it: it ends in
-    /// [`State::Converged`] if the step is short enough, else the iteration goes on after that step.
+    /// [`State::Converged`] if the step is short enough or the energy falls nowhere along it (contact is in
+    /// the way), else the iteration goes on after that step.
     pub(crate) fn begin_true_step(&mut self) {
         self.phase = Phase::Stiffen { row: 0, question: Question::Step };
     }
@@ -59,13 +60,13 @@ impl Newton {
         }
         symmetrize(&self.mirrors, &self.sheet, &self.free, &mut self.q);
         let (_, length) = self.add_correction();
+        self.is_asked = true;
         if WAY * length > tolerance {
             self.last_step = f64::INFINITY;
             self.phase = Phase::Search { length: 1.0, halvings: 0 };
             return State::Working;
         }
         self.error = self.error.max(WAY * length);
-        self.is_proven = true;
         State::Converged
     }
 }
