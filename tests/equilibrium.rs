@@ -515,7 +515,9 @@ fn what_has_no_estimate_is_null() {
 
 #[test]
 fn a_result_warns_where_the_grid_is_coarse() {
+    let beside = json!({ "base_radius_mm": 12.6, "center_mm": [-15.8, -21.9] });
     for (implant, pocket, insertion, part) in [
+        (beside, 43, 0.05, Some("small part of the sheet that touches")),
         (json!({ "base_radius_mm": 55 }), 70, 1.0, None),
         (json!({ "base_radius_mm": 10, "projection_mm": 120 }), 200, 1.0, Some("tip")),
         (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 120, 1.0, Some("rim")),

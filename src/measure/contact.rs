@@ -76,6 +76,11 @@ impl Contact {
         self.force.iter().zip(&self.normal).map(|(f, n)| f * n.z).sum()
     }
 
+    /// How many nodes touch?
+    pub(super) fn nodes(&self) -> usize {
+        (0..self.force.len()).filter(|&k| self.touches(k)).count()
+    }
+
     fn touches(&self, node: usize) -> bool {
         self.force[node] > 0.0
     }

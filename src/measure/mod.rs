@@ -243,7 +243,7 @@ pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome 
     }
     let summary = fields.deformation().summary(sheet, STRAIN_BANDS);
     outcome.measure_shape(solver, fields, &summary, area_before);
-    outcome.warn(problem, &summary);
+    outcome.warn(problem, &summary, fields.contact(solver).nodes());
     if solver.is_left_at_rest() {
         outcome.warnings.push(
             "The implant is in by less than the tolerance: the sheet was left as it lies. A smaller \
@@ -328,7 +328,12 @@ impl Outcome {
         self.profile = profile::along_x(solver);
     }
 
-    fn warn(&mut self, problem: &Problem, summary: &Summary<{ STRAIN_BANDS.len() }>) {
+    fn warn(
+        &mut self,
+        problem: &Problem,
+        summary: &Summary<{ STRAIN_BANDS.len() }>,
+        contact_nodes: usize,
+    ) {
         if self.status == Status::NotConverged {
             self.warnings.push(
                 "The solver stopped above the tolerance: read the figures with the estimated \
@@ -343,7 +348,7 @@ impl Outcome {
             ));
         }
         let Problem { sheet, dome, springs, .. } = problem;
-        if let Some(part) = unresolved_part(sheet, dome) {
+        if let Some(part) = unresolved_part(sheet, dome, contact_nodes) {
             self.warnings.push(format!(
                 "The grid is coarse for {part}: nodes lie {:.2} mm apart. Strain, stress, pressure and \
                  force there are rough; take more nodes a side.",
@@ -372,8 +377,8 @@ const LEAST_CELLS: f64 = 2.0;
 /// The least strain at which an even stretch of the paper's springs was found unstable (adipose, ν 0.5).
 const UNEVEN_STRAIN: f64 = 0.1;
 
-/// What of the implant is too small for the grid, if anything is.
-fn unresolved_part(sheet: &Sheet, dome: &Dome) -> Option<&'static str> {
+/// What of the implant, or of its contact with so many nodes, is too small for the grid, if anything is.
+fn unresolved_part(sheet: &Sheet, dome: &Dome, contact_nodes: usize) -> Option<&'static str> {
     let least = LEAST_CELLS * sheet.spacing_mm();
     let (radius, projection) = (dome.base_radius, dome.projection);
     let is_fully_in = dome.base_height >= 0.0;
@@ -386,6 +391,8 @@ fn unresolved_part(sheet: &Sheet, dome: &Dome) -> Option<&'static str> {
         Some("the part of the implant that is in")
     } else if is_fully_in && projection * projection / radius < least && room < least {
         Some("the implant's rim")
+    } else if contact_nodes > 0 && (contact_nodes as f64) < PI * LEAST_CELLS * LEAST_CELLS {
+        Some("the small part of the sheet that touches the implant")
     } else {
         None
     }
