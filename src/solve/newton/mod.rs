@@ -8,10 +8,11 @@
 //! the energy falls. Where the sheet is nearly slack the model is far too stiff: there the iteration
 //! goes on along a step, and across two of them, as long as the energy falls.
 //!
-//! `contact` (what a node there may do) | `search` (how far to go) | `lifts` (contact that ends between
+//! `conjugate` (gradients) | `contact` (what a node there may do) | `search` (how far to go) | `lifts` (contact that ends between
 //! nodes) | `ending` (what is given away) | `symmetry` | `stability` and `true_step` (what the true Hessian
 //! tells) | `nested` (grids one after the other); here the model and its minimum.
 
+mod conjugate;
 mod contact;
 mod ending;
 mod lifts;
@@ -27,6 +28,7 @@ use super::law::SheetLaw;
 use super::multigrid::{Finest, Hierarchy, safe_inverse};
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
+use conjugate::{apply, dot};
 use contact::{
     FREE, ON_DOME, ON_WALL, admissible, corner_step, curvature, edge_direction, projector, without,
 };
@@ -42,10 +44,6 @@ const MAX_NODE_WORK: f64 = 6e7;
 const MAX_FINE_WORK: f64 = 400.0;
 /// Rounds of (sweeps, conjugate gradients) in one iteration.
 const MAX_ROUNDS: u32 = 12;
-/// Conjugate-gradient steps in one round.
-const MAX_CG: u32 = 12;
-/// Residual drop asked of one round.
-const CG_DROP: f64 = 0.3;
 /// A round that moves less than this share of the step ends the iteration.
 const ROUND_SHARE: f64 = 0.1;
 /// A node this close to the dome counts as touching it \[share of the base radius\].
@@ -491,79 +489,6 @@ impl Newton {
         self.phase = self.begin_cg();
     }
 
-    /// The residual of the model at the step so far, and no correction yet.
-    fn begin_cg(&mut self) -> Phase {
-        let start = self.set_residual();
-        if self.is_plain || start <= 1e-16 * self.totals.force_scale() {
-            return Phase::Correct;
-        }
-        Phase::Cg { step: 0, start, rho: 0.0 }
-    }
-
-    /// Sets `r` to the residual of the model at the step so far, `q` to zero; gives the residual's norm.
-    fn set_residual(&mut self) -> f64 {
-        self.work_units += SWEEP_UNITS;
-        let mut squares = 0.0;
-        for &k in &self.free {
-            let k = k as usize;
-            self.r[k] = self.projector[k] * (self.forces[k] - self.hessian.row(k, &self.d));
-            squares += self.r[k].length_squared();
-            self.q[k] = DVec3::ZERO;
-        }
-        squares.sqrt()
-    }
-
-    /// One step of conjugate gradients; the last one goes on to what comes after them.
-    fn cg(&mut self, step: u32, start: f64, rho: f64) {
-        let Some((rho, left)) = self.cg_step(step, rho) else {
-            if self.is_cautious {
-                self.phase = Phase::Correct;
-            } else {
-                self.take_care();
-            }
-            return;
-        };
-        self.phase = if step + 1 >= MAX_CG || left <= CG_DROP * start {
-            Phase::Correct
-        } else {
-            Phase::Cg { step: step + 1, start, rho }
-        };
-    }
-
-    /// One step of conjugate gradients in the directions that may move, the sum kept in `q`: gives r·z and
-    /// the norm of the residual left; none, and no step, where the model is not positive along `p`.
-    fn cg_step(&mut self, step: u32, rho_before: f64) -> Option<(f64, f64)> {
-        self.work_units += CYCLE_UNITS + SWEEP_UNITS;
-        let finest = Finest {
-            blocks: &self.hessian,
-            inverse: &self.tangent_inverse,
-            projector: &self.projector,
-            free: &self.free,
-        };
-        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
-        let rho = dot(&self.free, &self.r, &self.z);
-        let beta = if step == 0 { 0.0 } else { rho / rho_before };
-        for &k in &self.free {
-            let k = k as usize;
-            self.p[k] = self.z[k] + self.p[k] * beta;
-        }
-        // z is free again: it takes H p.
-        apply(&self.hessian, &self.projector, &self.free, &self.p, &mut self.z);
-        let bend = dot(&self.free, &self.p, &self.z);
-        if !(bend > 0.0 && rho > 0.0) {
-            return None;
-        }
-        let alpha = rho / bend;
-        let mut left = 0.0;
-        for &k in &self.free {
-            let k = k as usize;
-            self.q[k] += self.p[k] * alpha;
-            self.r[k] -= self.z[k] * alpha;
-            left += self.r[k].length_squared();
-        }
-        Some((rho, left.sqrt()))
-    }
-
     /// Ends a round: on to the next one, or to the search.
     fn correct(&mut self, tolerance: f64) {
         let (change, step) = self.add_correction();
@@ -602,16 +527,4 @@ impl Newton {
 fn is_positive(m: &DMat3) -> bool {
     let minor = m.x_axis.x * m.y_axis.y - m.x_axis.y * m.x_axis.y;
     m.x_axis.x > 0.0 && minor > 0.0 && m.determinant() > 0.0
-}
-
-/// out = Π H v.
-fn apply(blocks: &Blocks, projector: &[DMat3], free: &[u32], v: &[DVec3], out: &mut [DVec3]) {
-    for &k in free {
-        let k = k as usize;
-        out[k] = projector[k] * blocks.row(k, v);
-    }
-}
-
-fn dot(free: &[u32], a: &[DVec3], b: &[DVec3]) -> f64 {
-    free.iter().map(|&k| a[k as usize].dot(b[k as usize])).sum()
 }
