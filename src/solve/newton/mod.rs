@@ -8,8 +8,8 @@
 //! the energy falls. Where the sheet is nearly slack the model is far too stiff: there the iteration
 //! goes on along a step, and across two of them, as long as the energy falls.
 //!
-//! `conjugate` (gradients) | `contact` (what a node there may do) | `search` (how far to go) | `lifts` (contact that ends between
-//! nodes) | `ending` (what is given away) | `symmetry` | `stability` and `true_step` (what the true Hessian
+//! `conjugate` (gradients) | `contact` (what a node there may do) | `search` (how far to go) | `lifts`
+//! (contact that ends between nodes) | `ending` (what is given away) | `symmetry` | `stability` and `true_step` (what the true Hessian
 //! tells) | `nested` (grids one after the other); here the model and its minimum.
 
 mod conjugate;
@@ -28,7 +28,6 @@ use super::law::SheetLaw;
 use super::multigrid::{Finest, Hierarchy, safe_inverse};
 use crate::implant::Dome;
 use crate::sheet::{NodeKind, Sheet};
-use conjugate::{apply, dot};
 use contact::{
     FREE, ON_DOME, ON_WALL, admissible, corner_step, curvature, edge_direction, projector, without,
 };

@@ -1,9 +1,8 @@
 //! Is the shape a minimum or a saddle? The least eigenvalue of the true Hessian tells.
 
+use super::conjugate::{apply, dot};
 use super::contact::curvature;
-use super::{
-    CYCLE_UNITS, Newton, Phase, Question, SWEEP_UNITS, State, Stiffness, TOUCH, apply, dot,
-};
+use super::{CYCLE_UNITS, Newton, Phase, Question, SWEEP_UNITS, State, Stiffness, TOUCH};
 use crate::implant::Dome;
 use crate::solve::law::SheetLaw;
 use crate::solve::multigrid::Finest;

@@ -3,8 +3,9 @@
 //! The iteration's model is made positive, which makes it far too stiff where the sheet pushes: its steps
 //! may be small on a long way to a fold. The true model has its own step there, or bends down.
 
+use super::conjugate::dot;
 use super::symmetry::symmetrize;
-use super::{Newton, Phase, Question, State, dot};
+use super::{Newton, Phase, Question, State};
 use crate::solve::law::SheetLaw;
 use glam::DVec3;
 
