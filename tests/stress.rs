@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 31] = [
+const ONCE_FAILED: [(&str, &str, Ending); 32] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -142,6 +142,11 @@ const ONCE_FAILED: [(&str, &str, Ending); 31] = [
         "a slack sheet in a valley far softer than the model",
         include_str!("stress/soft-valley-before-a-fold.json"),
         Ending::Several,
+    ),
+    (
+        "contact in the way to a fold",
+        include_str!("stress/way-blocked-before-a-fold.json"),
+        Ending::Converged,
     ),
 ];
 

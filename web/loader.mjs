@@ -67,8 +67,8 @@ async function start() {
       import(new URL(program, document.baseURI)),
       download(wasm),
     ]);
-    globalThis.implantPreviewApi = api;
     await api.default({ module_or_path: response });
+    globalThis.implantPreviewApi = api; // Only now can its functions be called.
     const text = element("loading-text");
     if (text) text.textContent = "Starting…";
   } catch (error) {

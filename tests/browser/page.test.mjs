@@ -20,7 +20,16 @@ describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
   after(() => browser.close());
 
   test("the JavaScript API in the page computes what the native program computes", async () => {
-    const { page, problems, close } = await harness.openPage(browser, site.address);
+    const { page, problems, close } = await harness.openPage(browser, site.address, {
+      // The functions are there only once they can be called, however long the download is compiled.
+      init: () => {
+        const instantiate = WebAssembly.instantiateStreaming;
+        WebAssembly.instantiateStreaming = async (...source) => {
+          await new Promise((resolve) => setTimeout(resolve, 500));
+          return instantiate(...source);
+        };
+      },
+    });
     await page.waitForFunction(() => globalThis.implantPreviewApi?.version);
     const { scene, result } = await page.evaluate(() => {
       const scene = JSON.parse(implantPreviewApi.default_scene());

@@ -9,8 +9,9 @@
 //! goes on along a step, and across two of them, as long as the energy falls.
 //!
 //! `conjugate` (gradients) | `contact` (what a node there may do) | `search` (how far to go) | `lifts`
-//! (contact that ends between nodes) | `ending` (what is given away) | `symmetry` | `stability` and `true_step` (what the true Hessian
-//! tells) | `nested` (grids one after the other); here the model and its minimum.
+//! (contact that ends between nodes) | `ending` (what is given away) | `symmetry` | `stability` and
+//! `true_step` (what the true Hessian tells) | `nested` (grids one after the other); here the model and
+//! its minimum.
 
 mod conjugate;
 mod contact;
@@ -172,6 +173,8 @@ pub(crate) struct Newton {
     is_saddle: bool,
     /// Was the true model asked for its step from this shape?
     is_asked: bool,
+    /// How often in a row contact was in the way of its step.
+    blocked: u32,
     /// Steps by sweeps alone: where contact changes everywhere, they are sure to lead downhill.
     is_plain: bool,
     changed: usize,
@@ -235,6 +238,7 @@ impl Newton {
             tries: 0,
             is_saddle: false,
             is_asked: false,
+            blocked: 0,
             is_plain: false,
             changed: 0,
             totals: Totals::default(),
@@ -266,6 +270,7 @@ impl Newton {
         self.is_cautious = false;
         self.is_saddle = false;
         self.is_plain = false;
+        self.blocked = 0;
         self.missed = 0.0;
         self.forget_steps();
         self.error = f64::INFINITY;
@@ -358,6 +363,25 @@ impl Newton {
         self.is_built = false;
         self.phase = Phase::Smooth;
         State::Working
+    }
+
+    /// Adds rows of cells to the true Hessian; after the last one, the contact. Then begins with the question.
+    fn stiffen(&mut self, law: &SheetLaw, dome: &Dome, row: usize, question: Question) {
+        if !self.add_rows(law, row, Stiffness::True) {
+            self.phase = Phase::Stiffen { row: row + self.rows_per_piece(), question };
+            return;
+        }
+        let touch = TOUCH * dome.base_radius;
+        for k in 0..self.free.len() {
+            let k = self.free[k] as usize;
+            let pressing = self.find_contact(dome, k, touch);
+            self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * pressing;
+            self.constrain(k);
+        }
+        match question {
+            Question::IsStable(after) => self.begin_probe(after),
+            Question::Step => self.begin_true_cg(),
+        }
     }
 
     /// Sees whether dome and wall press the node k, which touches what is nearer than `touch` \[mm\];

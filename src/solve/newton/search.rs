@@ -27,6 +27,9 @@ const MOST_RATE: f64 = 0.98;
 /// often a shape found without it is tried with it: without, the model may be far too stiff.
 const CARE: u32 = 4;
 const MAX_TRIES: u32 = 2;
+/// How often in a row the energy falls nowhere along the true model's step before the shape stays where
+/// it is: from there the iteration may still find the way.
+const MAX_BLOCKED: u32 = 3;
 /// The greatest relative residual before the last step.
 const MOST_RESIDUAL: f64 = 0.05;
 /// The same of a sheet that pushes somewhere: small steps may lie before its fold.
@@ -70,7 +73,10 @@ impl Newton {
             let is_uphill = expected <= 0.0 && !self.is_asked;
             if is_uphill || halvings >= MAX_HALVINGS {
                 if self.is_asked {
-                    return State::Converged;
+                    self.blocked += 1;
+                    if self.blocked >= MAX_BLOCKED {
+                        return State::Converged;
+                    }
                 }
                 if !self.is_plain && (is_uphill || self.is_cautious) {
                     self.is_plain = true;
@@ -87,6 +93,9 @@ impl Newton {
         }
         std::mem::swap(&mut self.x, &mut self.trial);
         self.moves += 1;
+        if self.is_asked {
+            self.blocked = 0;
+        }
         let was_cautious = self.is_cautious;
         // Part of a step tells nothing about those to come.
         let is_whole = halvings == 0 && !std::mem::take(&mut self.is_plain);

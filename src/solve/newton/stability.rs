@@ -1,9 +1,7 @@
 //! Is the shape a minimum or a saddle? The least eigenvalue of the true Hessian tells.
 
 use super::conjugate::{apply, dot};
-use super::contact::curvature;
-use super::{CYCLE_UNITS, Newton, Phase, Question, SWEEP_UNITS, State, Stiffness, TOUCH};
-use crate::implant::Dome;
+use super::{CYCLE_UNITS, Newton, Phase, Question, SWEEP_UNITS, State};
 use crate::solve::law::SheetLaw;
 use crate::solve::multigrid::Finest;
 use glam::DVec3;
@@ -21,26 +19,8 @@ impl Newton {
         self.phase = Phase::Stiffen { row: 0, question: Question::IsStable(after) };
     }
 
-    /// Adds rows of cells to the true Hessian; after the last one, the contact. Then begins with the question.
-    pub(super) fn stiffen(&mut self, law: &SheetLaw, dome: &Dome, row: usize, question: Question) {
-        if !self.add_rows(law, row, Stiffness::True) {
-            self.phase = Phase::Stiffen { row: row + self.rows_per_piece(), question };
-            return;
-        }
-        let touch = TOUCH * dome.base_radius;
-        for k in 0..self.free.len() {
-            let k = self.free[k] as usize;
-            let pressing = self.find_contact(dome, k, touch);
-            self.hessian.diagonal[k] -= curvature(dome, self.x[k]) * pressing;
-            self.constrain(k);
-        }
-        match question {
-            Question::IsStable(after) => self.begin_probe(after),
-            Question::Step => self.begin_true_cg(),
-        }
-    }
-
-    fn begin_probe(&mut self, after: State) {
+    /// Begins with the direction.
+    pub(super) fn begin_probe(&mut self, after: State) {
         self.p.fill(DVec3::ZERO);
         for &k in &self.free {
             let k = k as usize;

@@ -24,8 +24,8 @@ impl Newton {
     }
 
     /// Begins the search for the true model's step. [`Self::step`] goes on with it: it ends in
-    /// [`State::Converged`] if the step is short enough or the energy falls nowhere along it (contact is in
-    /// the way), else the iteration goes on after that step.
+    /// [`State::Converged`] if the step is short enough or once the energy fell nowhere along it several
+    /// times in a row (contact is in the way), else the iteration goes on.
     pub(crate) fn begin_true_step(&mut self) {
         self.phase = Phase::Stiffen { row: 0, question: Question::Step };
     }
