@@ -257,6 +257,23 @@ fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
     }
 }
 
+/// The iteration's model is made positive; where the paper's springs push, its steps had been far too small.
+#[test]
+fn the_papers_springs_are_asked_for_their_true_step() {
+    let scene = json!({ "schema": "implant-preview/scene/1", "springs": "nikolaev",
+        "implant": { "base_radius_mm": 13.9, "projection_mm": 15.8, "center_mm": [0.0, 17.6] },
+        "pocket_radius_mm": 31.52, "insertion": 0.8, "layers": [{ "tissue": "skin",
+            "thickness_mm": 0.7, "poisson_ratio": 0.065, "curve": { "kind": "skin" } }] });
+    let scene = Scene::from_json(&scene.to_string()).unwrap();
+    for nodes in [65, 89] {
+        let (exact, solver) = (solved(&scene, nodes, 1e-7), solved(&scene, nodes, 1e-4));
+        assert_eq!(exact.verdict(), Verdict::Converged);
+        assert_eq!(solver.verdict(), Verdict::Converged);
+        let error = apart(&exact, &solver);
+        assert!(error <= 2.0 * solver.estimated_position_error(), "{nodes}: {error:.1e}");
+    }
+}
+
 /// Lifts found from a shape in which a node too many or too few touched had left ten tolerances of error; a
 /// node that only just does not had counted as one that does.
 #[test]

@@ -7,7 +7,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
-const ONCE_FAILED: [(&str, &str, Ending); 32] = [
+const ONCE_FAILED: [(&str, &str, Ending); 33] = [
     (
         "a grid whose rows are not whole lanes",
         include_str!("stress/grid-of-41-nodes.json"),
@@ -146,6 +146,11 @@ const ONCE_FAILED: [(&str, &str, Ending); 32] = [
     (
         "contact in the way to a fold",
         include_str!("stress/way-blocked-before-a-fold.json"),
+        Ending::Converged,
+    ),
+    (
+        "a way through stretches that the paper's springs do not know",
+        include_str!("stress/way-outside-of-the-law.json"),
         Ending::Converged,
     ),
 ];

@@ -127,6 +127,12 @@ impl Sample {
         &self.curve
     }
 
+    /// The Poisson ratio ν of the material \[-\].
+    #[must_use]
+    pub fn poisson_ratio(&self) -> f64 {
+        self.poisson_ratio
+    }
+
     /// The small-strain stiffness Ef′(0)·h of an edge between two cells \[kPa·mm\].
     #[must_use]
     pub fn edge_stiffness(&self) -> f64 {

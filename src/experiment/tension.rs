@@ -58,7 +58,7 @@ pub struct Test {
 pub enum Status {
     /// A stable equilibrium.
     Converged,
-    /// Not at rest after all iterations, but stable.
+    /// Not at rest after all iterations, but stable; or no equilibrium was found.
     NotConverged,
     /// No stable equilibrium: the Hessian has a negative direction, or the sample ran away.
     Unstable,
@@ -88,7 +88,7 @@ pub struct Row {
     pub load_kpa: f64,
     /// The strain at which Ef gives this stress \[-\].
     pub strain_expected: f64,
-    /// What was measured; `None` when the shape is not stable.
+    /// What was measured; `None` when the shape is not stable, or none was found.
     pub measured: Option<Measured>,
     /// What became of the sample.
     pub status: Status,
@@ -150,6 +150,14 @@ impl Pull<'_> {
         self.sample.border_loads(stress)
     }
 
+    /// The shape stretched evenly by the strain along the pull and by −ν times as much across.
+    fn even(&self, strain: f64) -> Vec<DVec2> {
+        let (along, across) = (self.direction, self.direction.perp());
+        let [a, b] = [1.0 + strain, 1.0 - self.sample.poisson_ratio() * strain];
+        let stretch = |x: &DVec2| along * (a * along.dot(*x)) + across * (b * across.dot(*x));
+        self.sample.rest().iter().map(stretch).collect()
+    }
+
     fn row(&self, strain: f64, x: &[DVec2], status: Status) -> Row {
         let measured = (status != Status::Unstable).then(|| self.measure(x));
         Row { load_kpa: self.stress(strain), strain_expected: strain, measured, status }
@@ -198,10 +206,9 @@ fn follow_all(pull: &Pull) -> Report {
     let (mut shape, mut at) = (pull.sample.rest().to_vec(), 0.0);
     let mut stability_lost_at = None;
     for strain in expected_strains() {
-        let Some(next) = follow(pull, &shape, at, strain, 0) else {
-            // The branch ends here: nothing holds this load.
-            stability_lost_at.get_or_insert(strain);
-            rows.push(pull.row(strain, &shape, Status::Unstable));
+        let Some(next) = reach(pull, &shape, at, strain) else {
+            let row = pull.row(strain, &shape, Status::NotConverged);
+            rows.push(Row { measured: None, ..row });
             continue;
         };
         let status =
@@ -220,12 +227,18 @@ fn stability_limit(pull: &Pull, stable: &[DVec2], from: f64, to: f64) -> f64 {
     let (mut shape, mut stable_at, mut unstable_at) = (stable.to_vec(), from, to);
     while unstable_at - stable_at > 1e-3 {
         let middle = 0.5 * (stable_at + unstable_at);
-        match follow(pull, &shape, stable_at, middle, 0) {
+        match reach(pull, &shape, stable_at, middle) {
             Some(next) if pull.sample.is_stable(&next) => (shape, stable_at) = (next, middle),
             _ => unstable_at = middle,
         }
     }
     unstable_at
+}
+
+/// The equilibrium at the load of strain `to`: from that at `from`, else from the even stretch that it
+/// should be (a curve whose slope jumps leads Newton's method astray).
+fn reach(pull: &Pull, start: &[DVec2], from: f64, to: f64) -> Option<Vec<DVec2>> {
+    follow(pull, start, from, to, 0).or_else(|| newton(pull, &pull.even(to), to))
 }
 
 /// The equilibrium at the load of strain `to`, from that at `from`; smaller steps where Newton's

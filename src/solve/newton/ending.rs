@@ -52,6 +52,9 @@ impl Newton {
     ) -> State {
         self.work_units += 1.0;
         self.totals = assemble::forces(&self.sheet, law, &self.x, &mut self.forces);
+        if self.totals.outside_law {
+            return State::Unstable;
+        }
         let touch = 1e-6 * dome.base_radius;
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;

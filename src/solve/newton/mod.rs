@@ -38,6 +38,9 @@ use symmetry::{Mirror, symmetrize};
 
 /// Newton iterations before a grid is given up.
 const MAX_ITERATIONS: u32 = 150;
+/// Iterations in a row with springs outside of their law before the sheet is taken to run away: the way to
+/// a shape may lead there and back.
+const MAX_OUTSIDE: u32 = 10;
 /// Force evaluations times nodes before a grid is given up, a few seconds; on fine grids the least
 /// number of force evaluations that is allowed all the same.
 const MAX_NODE_WORK: f64 = 6e7;
@@ -175,6 +178,8 @@ pub(crate) struct Newton {
     is_asked: bool,
     /// How often in a row contact was in the way of its step.
     blocked: u32,
+    /// For how many iterations springs were outside of the range where their law has a meaning.
+    outside: u32,
     /// Steps by sweeps alone: where contact changes everywhere, they are sure to lead downhill.
     is_plain: bool,
     changed: usize,
@@ -239,6 +244,7 @@ impl Newton {
             is_saddle: false,
             is_asked: false,
             blocked: 0,
+            outside: 0,
             is_plain: false,
             changed: 0,
             totals: Totals::default(),
@@ -271,6 +277,7 @@ impl Newton {
         self.is_saddle = false;
         self.is_plain = false;
         self.blocked = 0;
+        self.outside = 0;
         self.missed = 0.0;
         self.forget_steps();
         self.error = f64::INFINITY;
@@ -336,7 +343,8 @@ impl Newton {
         }
         self.iterations += 1;
         self.is_asked = false;
-        if self.totals.outside_law || !self.totals.energy.is_finite() {
+        self.outside = if self.totals.outside_law { self.outside + 1 } else { 0 };
+        if self.outside > MAX_OUTSIDE || !self.totals.energy.is_finite() {
             return State::Unstable;
         }
         let touch = TOUCH * dome.base_radius;

@@ -50,10 +50,15 @@ impl NestedNewton {
         self.is_warm = false;
         self.is_probed = false;
         self.is_lifted = false;
-        self.current = 0;
-        let coarsest = &mut self.levels[0];
-        coarsest.x = guess::tight_string(&coarsest.sheet, dome);
-        coarsest.start(dome, is_symmetric);
+        self.start_on(0, dome);
+    }
+
+    /// Starts from geometry alone on a grid.
+    fn start_on(&mut self, level: usize, dome: &Dome) {
+        self.current = level;
+        let level = &mut self.levels[level];
+        level.x = guess::tight_string(&level.sheet, dome);
+        level.start(dome, self.is_symmetric);
     }
 
     /// Starts from a shape of the finest grid.
@@ -95,30 +100,31 @@ impl NestedNewton {
                 finer[0].start(dome, self.is_symmetric);
                 self.current += 1;
             }
+            // No shape of a coarse grid says nothing about finer ones.
+            State::Unstable if !is_finest => self.start_on(self.current + 1, dome),
             // The energy of the paper's springs has saddles: see whether this is one.
             State::Converged | State::Stalled
-                if springs == Springs::Nikolaev && !self.is_probed =>
+                if springs == Springs::Nikolaev && !self.is_probed && !level.is_asked =>
             {
                 self.is_probed = true;
-                self.levels[last].begin_stability(state);
+                level.begin_stability(state);
             }
-            State::Converged
-                if springs == Springs::Coupled && self.levels[last].is_doubtful(law) =>
-            {
-                self.levels[last].begin_true_step();
+            State::Converged if level.is_doubtful(springs, law) => {
+                self.is_probed = false; // Where its step leads is another shape.
+                level.begin_true_step();
             }
             State::Converged
                 if springs == Springs::Coupled && !std::mem::replace(&mut self.is_lifted, true) =>
             {
-                if !self.levels[last].find_lifts(dome, tolerance) {
-                    return self.levels[last].finish(law, dome, tolerance, state);
+                if !level.find_lifts(dome, tolerance) {
+                    return level.finish(law, dome, tolerance, state);
                 }
             }
             // Lifts are of the shape without them: where it cannot be had with them, it is taken as it was.
-            State::Stalled if self.levels[last].drop_lifts(dome) => {}
+            State::Stalled if level.drop_lifts(dome) => {}
             State::Unstable | State::Saddle => return state,
             State::Stalled | State::Converged => {
-                return self.levels[last].finish(law, dome, tolerance, state);
+                return level.finish(law, dome, tolerance, state);
             }
         }
         State::Working

@@ -7,6 +7,7 @@ use super::conjugate::dot;
 use super::symmetry::symmetrize;
 use super::{Newton, Phase, Question, State};
 use crate::solve::law::SheetLaw;
+use crate::springs::Springs;
 use glam::DVec3;
 
 /// Steps of conjugate gradients at most, and the drop of the residual asked of them.
@@ -18,9 +19,11 @@ const WAY: f64 = 2.0;
 const TRIED: f64 = 10.0;
 
 impl Newton {
-    /// Does the sheet push somewhere, and was the true model not asked about its shape yet?
-    pub(crate) fn is_doubtful(&self, law: &SheetLaw) -> bool {
-        !self.is_asked && self.totals.is_slack(self.force_scale(law))
+    /// May the iteration's model be far too stiff, and was the true one not asked about this shape yet? The
+    /// paper's springs may push across the sheet anywhere.
+    pub(crate) fn is_doubtful(&self, springs: Springs, law: &SheetLaw) -> bool {
+        let may_push = springs == Springs::Nikolaev || self.totals.is_slack(self.force_scale(law));
+        !self.is_asked && may_push
     }
 
     /// Begins the search for the true model's step. [`Self::step`] goes on with it: it ends in
