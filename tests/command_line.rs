@@ -303,7 +303,8 @@ fn tension_reads_a_curve_file_and_refuses_bad_arguments() {
     refused(&["tension", "--curve", "bone"], &["bone", "skin, adipose"]);
     refused(&["tension", "--poisson", "0.6"], &["--poisson", "0 to 0.5"]);
     refused(&["tension", "--poisson", "NaN"], &["--poisson", "0 to 0.5"]);
-    refused(&["tension", "--cells", "0"], &["--cells", "1..=16"]);
+    refused(&["tension", "--poisson", "-0.1"], &["--poisson", "0 to 0.5"]);
+    refused(&["tension", "--cells", "0"], &["--cells", "1 to 16"]);
     refused(&["tension", "--angle", "400"], &["--angle", "-360 to 360"]);
     refused(&["tension", "--springs", "steel"], &["--springs", "coupled, nikolaev"]);
     refused(&["tension", "--out", "no/t.csv"], &["no/t.csv", "does not exist"]);
@@ -451,6 +452,8 @@ fn stress_counts_how_random_scenes_end_the_same_on_every_run() {
     assert!(run_in(&folder, &to_file, "").status.success());
     assert_eq!(fs::read(folder.join("summary.json")).unwrap(), first.stdout);
     assert_refused(&folder, &["stress", "--most-nodes", "9"], "", &["--most-nodes", "17 to 513"]);
+    assert_refused(&folder, &["stress", "--cases", "-1"], "", &["--cases", "1 to 1000000000"]);
+    assert_refused(&folder, &["stress", "--seed", "1e3"], "", &["--seed", "0 to"]);
     assert_refused(&folder, &["stress", "--out", "no/where.json"], "", &["no/where.json", "no"]);
 }
 

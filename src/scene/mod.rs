@@ -300,7 +300,8 @@ impl Scene {
     /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SceneError> {
         if self.schema != SCENE_SCHEMA {
-            return Err(out_of_range("schema", one_line(&self.schema, 40), SCENE_SCHEMA));
+            let schema = one_line(&format!("{:?}", self.schema), 40);
+            return Err(out_of_range("schema", schema, SCENE_SCHEMA));
         }
         let implant = &self.implant;
         within("implant.base_radius_mm", implant.base_radius_mm, limits::BASE_RADIUS_MM, " mm")?;

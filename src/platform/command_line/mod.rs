@@ -19,7 +19,9 @@ mod stress;
 mod tension;
 
 use clap::{Parser, Subcommand};
+use std::fmt::Display;
 use std::process::ExitCode;
+use std::str::FromStr;
 
 /// What `main` does next.
 #[derive(Debug)]
@@ -65,6 +67,15 @@ enum Answer {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct Refused(String);
+
+/// Reads a number in a range, ends included, for an option.
+fn in_range<T>(text: &str, least: T, most: T) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + Display,
+{
+    let value = text.parse().ok().filter(|value| (&least..=&most).contains(&value));
+    value.ok_or_else(|| format!("allowed: {least} to {most}"))
+}
 
 const BAD_INPUT: u8 = 2;
 const NOT_CONVERGED: u8 = 3;

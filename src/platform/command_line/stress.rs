@@ -1,7 +1,7 @@
 //! `stress`: random scenes and sessions, and what came of them.
 
 use super::output::{self, File, STANDARD};
-use super::{Answer, Refused};
+use super::{Answer, Refused, in_range};
 use crate::experiment::stress::{Case, Summary, run as run_case};
 use crate::scene::limits;
 use rayon::prelude::*;
@@ -10,13 +10,13 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// How many random scenes; every tenth comes with a session of random edits.
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = cases, allow_negative_numbers = true)]
     cases: u64,
     /// The seed: the same one gives the same scenes everywhere.
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// The most nodes a side, 17 to 513.
-    #[arg(long, value_name = "N", default_value_t = MOST_NODES)]
+    #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true)]
     most_nodes: usize,
     /// The file for the summary (JSON); `-`: standard output.
     #[arg(long, value_name = "F", default_value = STANDARD)]
@@ -24,15 +24,22 @@ pub(super) struct Arguments {
 }
 
 const MOST_NODES: usize = 513;
+const MOST_CASES: u64 = 1_000_000_000;
+
+fn cases(text: &str) -> Result<u64, String> {
+    in_range(text, 1, MOST_CASES)
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    in_range(text, 0, u64::MAX)
+}
+
+fn most_nodes(text: &str) -> Result<usize, String> {
+    in_range(text, limits::NODES_PER_SIDE.0, MOST_NODES)
+}
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let &Arguments { cases, seed, most_nodes, ref out } = arguments;
-    if !(limits::NODES_PER_SIDE.0..=MOST_NODES).contains(&most_nodes) {
-        return Err(Refused(format!("--most-nodes is {most_nodes}; allowed: 17 to {MOST_NODES}")));
-    }
-    if cases == 0 {
-        return Err(Refused("--cases is 0; allowed: 1 or more".to_owned()));
-    }
     output::check_place(out)?;
     let cases: Vec<Case> =
         (0..cases).into_par_iter().map(|case| run_case(seed, case, most_nodes)).collect();

@@ -1,7 +1,7 @@
 //! `tension`: the paper's stretching experiment as a table.
 
 use super::output::{self, File, number, quoted};
-use super::{Answer, Refused, input};
+use super::{Answer, Refused, in_range, input};
 use crate::curve::{Curve, CurveSpec};
 use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as pull};
 use crate::scene::read;
@@ -21,10 +21,10 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "skin", value_name = "skin|adipose|FILE.json")]
     curve: String,
     /// Poisson ratio, 0 to 0.5.
-    #[arg(long, default_value_t = 0.3, value_parser = poisson_ratio)]
+    #[arg(long, default_value_t = 0.3, value_parser = poisson_ratio, allow_negative_numbers = true)]
     poisson: f64,
     /// Cells per side of the sample, 1 to 16.
-    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(long, default_value_t = 4, value_parser = cells, allow_negative_numbers = true)]
     cells: u8,
     /// Angle of the pull to the grid [degrees], -360 to 360.
     #[arg(long, default_value_t = 0.0, value_parser = angle, allow_negative_numbers = true)]
@@ -53,13 +53,12 @@ fn poisson_ratio(text: &str) -> Result<f64, String> {
     in_range(text, 0.0, 0.5)
 }
 
-fn angle(text: &str) -> Result<f64, String> {
-    in_range(text, -360.0, 360.0)
+fn cells(text: &str) -> Result<u8, String> {
+    in_range(text, 1, 16)
 }
 
-fn in_range(text: &str, least: f64, most: f64) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value| (least..=most).contains(value));
-    value.ok_or_else(|| format!("allowed: {least} to {most}"))
+fn angle(text: &str) -> Result<f64, String> {
+    in_range(text, -360.0, 360.0)
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
