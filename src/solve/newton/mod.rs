@@ -40,7 +40,9 @@ use symmetry::{Mirror, symmetrize};
 const MAX_ITERATIONS: u32 = 150;
 /// Iterations in a row with springs outside of their law before the sheet is taken to run away: the way to
 /// a shape may lead there and back.
-const MAX_OUTSIDE: u32 = 10;
+const MAX_OUTSIDE: u32 = 4;
+/// A node this far from the pocket's centre is on its way away \[pocket's radius and dome's height\].
+const RUNS_AWAY: f64 = 1.5;
 /// Force evaluations times nodes before a grid is given up, a few seconds; on fine grids the least
 /// number of force evaluations that is allowed all the same.
 const MAX_NODE_WORK: f64 = 6e7;
@@ -344,7 +346,8 @@ impl Newton {
         self.iterations += 1;
         self.is_asked = false;
         self.outside = if self.totals.outside_law { self.outside + 1 } else { 0 };
-        if self.outside > MAX_OUTSIDE || !self.totals.energy.is_finite() {
+        let runs_away = self.outside > 0 && self.runs_away(dome);
+        if runs_away || self.outside > MAX_OUTSIDE || !self.totals.energy.is_finite() {
             return State::Unstable;
         }
         let touch = TOUCH * dome.base_radius;
@@ -371,6 +374,12 @@ impl Newton {
         self.is_built = false;
         self.phase = Phase::Smooth;
         State::Working
+    }
+
+    /// Has a node left the surroundings of pocket and dome?
+    fn runs_away(&self, dome: &Dome) -> bool {
+        let far = RUNS_AWAY * (self.sheet.radius_mm() + dome.apex().z);
+        self.free.iter().any(|&k| self.x[k as usize].length_squared() > far * far)
     }
 
     /// Adds rows of cells to the true Hessian; after the last one, the contact. Then begins with the question.

@@ -50,15 +50,10 @@ impl NestedNewton {
         self.is_warm = false;
         self.is_probed = false;
         self.is_lifted = false;
-        self.start_on(0, dome);
-    }
-
-    /// Starts from geometry alone on a grid.
-    fn start_on(&mut self, level: usize, dome: &Dome) {
-        self.current = level;
-        let level = &mut self.levels[level];
-        level.x = guess::tight_string(&level.sheet, dome);
-        level.start(dome, self.is_symmetric);
+        self.current = 0;
+        let coarsest = &mut self.levels[0];
+        coarsest.x = guess::tight_string(&coarsest.sheet, dome);
+        coarsest.start(dome, is_symmetric);
     }
 
     /// Starts from a shape of the finest grid.
@@ -100,8 +95,6 @@ impl NestedNewton {
                 finer[0].start(dome, self.is_symmetric);
                 self.current += 1;
             }
-            // No shape of a coarse grid says nothing about finer ones.
-            State::Unstable if !is_finest => self.start_on(self.current + 1, dome),
             // The energy of the paper's springs has saddles: see whether this is one.
             State::Converged | State::Stalled
                 if springs == Springs::Nikolaev && !self.is_probed && !level.is_asked =>
