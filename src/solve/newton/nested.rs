@@ -115,7 +115,7 @@ impl NestedNewton {
                 if springs == Springs::Nikolaev && self.asked > MAX_ASKED {
                     return level.finish(law, dome, tolerance, State::Stalled);
                 }
-                self.is_probed = false; // Where its step leads is another shape.
+                self.is_probed = false; // Where its step leads, the shape is another one.
                 level.begin_true_step();
             }
             State::Converged
