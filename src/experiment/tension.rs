@@ -158,8 +158,9 @@ impl Pull<'_> {
         self.sample.rest().iter().map(stretch).collect()
     }
 
-    fn row(&self, strain: f64, x: &[DVec2], status: Status) -> Row {
-        let measured = (status != Status::Unstable).then(|| self.measure(x));
+    /// What is measured on a shape, if one was found and is stable.
+    fn row(&self, strain: f64, x: Option<&[DVec2]>, status: Status) -> Row {
+        let measured = x.filter(|_| status != Status::Unstable).map(|x| self.measure(x));
         Row { load_kpa: self.stress(strain), strain_expected: strain, measured, status }
     }
 
@@ -207,8 +208,7 @@ fn follow_all(pull: &Pull) -> Report {
     let mut stability_lost_at = None;
     for strain in expected_strains() {
         let Some(next) = reach(pull, &shape, at, strain) else {
-            let row = pull.row(strain, &shape, Status::NotConverged);
-            rows.push(Row { measured: None, ..row });
+            rows.push(pull.row(strain, None, Status::NotConverged));
             continue;
         };
         let status =
@@ -216,7 +216,7 @@ fn follow_all(pull: &Pull) -> Report {
         if status == Status::Unstable && stability_lost_at.is_none() {
             stability_lost_at = Some(stability_limit(pull, &shape, at, strain));
         }
-        rows.push(pull.row(strain, &next, status));
+        rows.push(pull.row(strain, Some(&next), status));
         (shape, at) = (next, strain);
     }
     Report { rows, stability_lost_at }
@@ -322,7 +322,7 @@ fn relax_all(pull: &Pull) -> Report {
             // A sample that ran away does not come back under a greater load.
             lost = lost || pull.sample.is_outside_domain(&shape) || ran_away(pull.sample, &shape);
         }
-        rows.push(pull.row(strain, &shape, status));
+        rows.push(pull.row(strain, Some(&shape), status));
     }
     Report { rows, stability_lost_at }
 }

@@ -54,13 +54,7 @@ impl Newton {
     /// the norm of the residual left; none, and no step, where the model is not positive along `p`.
     pub(super) fn cg_step(&mut self, step: u32, rho_before: f64) -> Option<(f64, f64)> {
         self.work_units += CYCLE_UNITS + SWEEP_UNITS;
-        let finest = Finest {
-            blocks: &self.hessian,
-            inverse: &self.tangent_inverse,
-            projector: &self.projector,
-            free: &self.free,
-        };
-        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
+        self.precondition();
         let rho = dot(&self.free, &self.r, &self.z);
         let beta = if step == 0 { 0.0 } else { rho / rho_before };
         for &k in &self.free {
@@ -82,6 +76,17 @@ impl Newton {
             left += self.r[k].length_squared();
         }
         Some((rho, left.sqrt()))
+    }
+
+    /// Sets `z` to a V-cycle's answer to `r`.
+    pub(super) fn precondition(&mut self) {
+        let finest = Finest {
+            blocks: &self.hessian,
+            inverse: &self.tangent_inverse,
+            projector: &self.projector,
+            free: &self.free,
+        };
+        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
     }
 }
 

@@ -3,7 +3,6 @@
 use super::conjugate::{apply, dot};
 use super::{CYCLE_UNITS, Newton, Phase, Question, SWEEP_UNITS, State};
 use crate::solve::law::SheetLaw;
-use crate::solve::multigrid::Finest;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -53,13 +52,7 @@ impl Newton {
             let k = k as usize;
             self.r[k] = self.q[k] - self.p[k] * quotient;
         }
-        let finest = Finest {
-            blocks: &self.hessian,
-            inverse: &self.tangent_inverse,
-            projector: &self.projector,
-            free: &self.free,
-        };
-        self.hierarchy.cycle(&finest, &self.r, &mut self.z, &mut self.scratch);
+        self.precondition();
         // The best combination of p and z, z made orthogonal to p.
         let overlap = dot(&self.free, &self.p, &self.z);
         for &k in &self.free {
