@@ -11,6 +11,7 @@ use crate::scene::{Scene, SceneError};
 use crate::solve::{Fault, Options, Progress, Shown, Solver};
 use crate::springs::Springs;
 use glam::DVec3;
+use serde::Serialize;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 
@@ -67,6 +68,20 @@ pub struct Counters {
     pub previews: u64,
 }
 
+/// A result as it is saved: nothing in it depends on what is open.
+#[derive(Clone, Debug, Serialize)]
+pub struct Record {
+    /// The result.
+    #[serde(flatten)]
+    pub outcome: Outcome,
+    /// The scene that it is of.
+    pub scene: Scene,
+    /// Version of the program that computed it.
+    pub program_version: &'static str,
+    /// When it was saved: date and time, UTC, as in RFC 3339.
+    pub date: String,
+}
+
 /// The scene, its history and its shape.
 pub struct Session {
     scene: Scene,
@@ -81,7 +96,10 @@ pub struct Session {
     /// Of the present layers under the paper's springs.
     stability_limits: OnceCell<Limits>,
     outcome: Option<Outcome>,
+    /// Is [`Self::outcome`] that of the present scene, if only of a draft?
+    is_outcome_present: bool,
     is_measured: bool,
+    is_stopped: bool,
     /// The last scene whose solve led to a sound shape.
     sound: Scene,
     taken_back: Option<Fault>,
@@ -110,7 +128,9 @@ impl Session {
             fields: OnceCell::new(),
             stability_limits: OnceCell::new(),
             outcome: None,
+            is_outcome_present: false,
             is_measured: true,
+            is_stopped: false,
             counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
         })
     }
@@ -202,6 +222,8 @@ impl Session {
         self.solver.restart(problem);
         self.reshaped();
         self.working = true;
+        self.is_stopped = false;
+        self.is_outcome_present = false;
         self.count(|c| c.solves += 1);
         Ok(std::mem::replace(&mut self.scene, scene))
     }
@@ -234,7 +256,9 @@ impl Session {
         });
         if !self.working {
             match self.solver.fault() {
-                Some(fault @ (Fault::NotFinite | Fault::InsideOut)) if self.take_back(fault) => {
+                Some(fault @ (Fault::NotFinite | Fault::InsideOut)) if self.take_back() => {
+                    self.taken_back = Some(fault);
+                    self.count(|c| c.taken_back += 1);
                     return Progress::Working;
                 }
                 Some(_) => {}
@@ -250,7 +274,7 @@ impl Session {
 
     /// Goes back to the last scene with a sound shape, which is solved anew; the scene that had none can
     /// be had by [`Command::Redo`]. False if there is no other scene to go back to.
-    fn take_back(&mut self, fault: Fault) -> bool {
+    fn take_back(&mut self) -> bool {
         if self.sound == self.scene {
             return false;
         }
@@ -258,9 +282,31 @@ impl Session {
         self.undo.pop_if(|scene| *scene == self.scene);
         self.redo.push(faulty);
         self.last_gesture = None;
-        self.taken_back = Some(fault);
-        self.count(|c| c.taken_back += 1);
         true
+    }
+
+    /// Gives up the solve under way. Goes back to the last scene with a sound shape, which is solved anew
+    /// ([`Command::Redo`] tries the other one again); without such a scene the solve stops, and there is
+    /// no result until [`Self::go_on`].
+    pub fn cancel(&mut self) {
+        if self.working && !self.take_back() {
+            self.working = false;
+            self.is_stopped = true;
+            self.outcome = None;
+            self.reshaped();
+        }
+    }
+
+    /// Was the solve of the present scene stopped?
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    /// Goes on with a solve that was stopped.
+    pub fn go_on(&mut self) {
+        self.working |= self.is_stopped;
+        self.is_stopped = false;
     }
 
     /// Why the last scene was taken back, once after it was.
@@ -273,6 +319,7 @@ impl Session {
         if !self.is_measured {
             self.is_measured = true;
             self.outcome = Some(self.scene.measure_fields(&self.solver, self.fields()));
+            self.is_outcome_present = true;
             self.count(|c| c.measurements += 1);
         }
     }
@@ -360,17 +407,29 @@ impl Session {
     }
 
     /// The last result; `None` before the first. While [`Self::is_working`], it belongs to the scene
-    /// before or, where [`Solver::shown`] says so, to a draft of this one.
+    /// before or, where [`Self::is_outcome_present`], to a draft of this one.
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
         self.outcome.as_ref()
     }
 
-    /// Has the solve ended without a stable shape? Then [`Self::shape`] is not one to be shown.
+    /// Is [`Self::outcome`] that of the present scene, if only of a draft of its shape?
+    #[must_use]
+    pub fn is_outcome_present(&self) -> bool {
+        self.is_outcome_present && self.outcome.is_some()
+    }
+
+    /// The result of the present scene; `None` until its solve has ended.
+    #[must_use]
+    pub fn result(&self) -> Option<&Outcome> {
+        self.outcome.as_ref().filter(|_| !self.working)
+    }
+
+    /// Has the solve ended without a stable shape, or was it stopped? Then [`Self::shape`] is not one to
+    /// be shown.
     #[must_use]
     pub fn has_no_shape(&self) -> bool {
-        let is_unstable = |outcome: &Outcome| outcome.status == Status::Unstable;
-        !self.is_working() && self.outcome().is_some_and(is_unstable)
+        self.is_stopped || self.result().is_some_and(|outcome| outcome.status == Status::Unstable)
     }
 
     /// Work done so far.

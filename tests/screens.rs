@@ -8,6 +8,7 @@ use eframe::egui::{self, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use implant_preview::app::App;
+use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::measure::Status;
 use implant_preview::scene::{Scene, Springs};
 use implant_preview::session::Counters;
@@ -40,6 +41,22 @@ fn settle(harness: &mut Harness<'static, App>) {
     }
     harness.run();
     assert!(!harness.state().session().is_working());
+}
+
+/// Gives the picture the focus: single keys are for it.
+fn focus_picture(harness: &mut Harness<'static, App>) {
+    harness.get_by_role_and_label(Role::Canvas, "3-D view").focus();
+    harness.run();
+}
+
+/// Gives a field the focus, types a text in place of what was there and presses Enter.
+fn type_into(harness: &mut Harness<'static, App>, field: &str, text: &str) {
+    harness.get_by_role_and_label(Role::SpinButton, field).focus();
+    harness.run();
+    harness.event(egui::Event::Text(text.to_owned()));
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    settle(harness);
 }
 
 #[test]
@@ -88,7 +105,7 @@ fn every_control_and_reading_has_its_name() {
     ] {
         harness.get_by_label(reading);
     }
-    harness.get_by_label_contains("Converged");
+    harness.get_by_label("Up to date");
 }
 
 #[test]
@@ -120,6 +137,7 @@ fn a_dragged_slider_changes_the_scene_and_undo_takes_it_back() {
 #[test]
 fn keys_step_the_insertion() {
     let mut harness = app(WIDE, |_| {});
+    focus_picture(&mut harness);
     harness.key_press(egui::Key::OpenBracket);
     settle(&mut harness);
     assert!((harness.state().session().scene().insertion - 0.98).abs() < 1e-9);
@@ -131,6 +149,7 @@ fn keys_step_the_insertion() {
 #[test]
 fn each_press_of_a_slow_frame_counts() {
     let mut harness = app(WIDE, |_| {});
+    focus_picture(&mut harness);
     for pressed in [true, false, true, false, true, false] {
         harness.input_mut().events.push(egui::Event::Key {
             key: egui::Key::OpenBracket,
@@ -150,6 +169,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
     // The step of the first frame after five seconds without any.
     let step = |is_rested: bool| {
         let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
+        focus_picture(&mut harness);
         harness.key_press(egui::Key::Space);
         let mut time = 100.0;
         while insertion(&harness) < 0.52 || harness.state().session().is_working() {
@@ -249,6 +269,7 @@ fn at_rest_nothing_is_solved_and_no_repaint_is_asked_for() {
 fn a_colour_the_section_and_the_theme_solve_nothing() {
     let mut harness = app(WIDE, |_| {});
     let counters = harness.state().session().counters();
+    focus_picture(&mut harness);
     for key in [egui::Key::Num1, egui::Key::Num3, egui::Key::Num5] {
         harness.key_press(key);
         harness.step();
@@ -318,6 +339,7 @@ fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
     let asked =
         |harness: &Harness<'static, App>| harness.state().session().counters().stability_limits;
     assert_eq!(asked(&harness), 1);
+    focus_picture(&mut harness);
     harness.key_press(egui::Key::OpenBracket);
     settle(&mut harness);
     assert_eq!(asked(&harness), 1);
@@ -364,8 +386,432 @@ fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
 fn the_summary_says_what_the_picture_shows() {
     let harness = app(WIDE, |_| {});
     let summary = harness.state().summary();
-    assert!(summary.starts_with("Converged. Skin projection 62."), "{summary}");
+    assert!(summary.starts_with("Up to date. Skin projection 62."), "{summary}");
     assert!(summary.contains("mmHg"), "{summary}");
     let stats = harness.state().stats();
     assert!(stats.converged && stats.frames > 0 && stats.solves == 1 && stats.work_units > 0.0);
+}
+
+#[test]
+fn the_last_point_of_a_measured_curve_can_be_entered() {
+    let mut harness = app(WIDE, |scene| {
+        scene.layers[0].curve = CurveSpec::Points {
+            points: vec![[0.0, 0.0], [0.4, 100.0], [1.0, 500.0]],
+            interpolation: Interpolation::Line,
+        };
+    });
+    let points = |harness: &Harness<'static, App>| match &harness.state().session().scene().layers
+        [0]
+    .curve
+    {
+        CurveSpec::Points { points, .. } => points.clone(),
+        other => panic!("{other:?}"),
+    };
+    type_into(&mut harness, "Strain of point 3", "0,5");
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 500.0]]);
+    type_into(&mut harness, "Stress of point 3", "220");
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
+    // What is out of order is said, and nothing is stored, not even clamped.
+    type_into(&mut harness, "Stress of point 3", "90");
+    harness.get_by_label_contains("must be above that of the point before it, 100 kPa");
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
+    // The rest of a table in disorder can be put in order in any sequence.
+    type_into(&mut harness, "Stress of point 2", "50");
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 50.0], [0.5, 90.0]]);
+}
+
+#[test]
+fn choosing_measured_points_moves_no_point_of_a_preset() {
+    let mut harness = app(WIDE, |_| {});
+    harness
+        .get_all_by_role_and_label(Role::ComboBox, "Stress–strain curve")
+        .next()
+        .unwrap()
+        .click();
+    harness.run();
+    harness.get_by_label("Measured points").click();
+    settle(&mut harness);
+    (0..5).for_each(|_| harness.step());
+    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve
+    else {
+        panic!("no points")
+    };
+    let skin = Curve::new(&CurveSpec::Skin {}).unwrap();
+    assert_eq!(points.len(), 6);
+    for [strain, stress] in points {
+        assert_eq!(stress.to_bits(), skin.stress(*strain).to_bits(), "at {strain}");
+    }
+}
+
+#[test]
+fn what_is_typed_is_stored_exactly_or_refused_in_words() {
+    let mut harness = app(WIDE, |_| {});
+    let radius =
+        |harness: &Harness<'static, App>| harness.state().session().scene().implant.base_radius_mm;
+    let field = "Base radius (mm)";
+    for (text, value) in [
+        ("39.8", 39.8),
+        ("46.4", 46.4),
+        ("46.42", 46.42),
+        ("4,5 cm", 45.0),
+        ("45 mm", 45.0),
+        ("4.5cm", 45.0),
+        ("50,5", 50.5),
+    ] {
+        type_into(&mut harness, field, text);
+        assert_eq!(radius(&harness).to_bits(), f64::to_bits(value), "{text}");
+    }
+    for (text, reason) in [
+        ("-5", "Not taken: at least 10 mm"),
+        ("500", "Not taken: at most 120 mm"),
+        ("abc", "Not taken: “abc” is not a number"),
+    ] {
+        type_into(&mut harness, field, text);
+        harness.get_by_label(reason);
+        assert_eq!(radius(&harness).to_bits(), f64::to_bits(50.5), "{text}");
+    }
+    // Escape puts the value back, and the reason is gone.
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    assert_eq!(harness.query_all_by_label_contains("Not taken").count(), 0);
+    // Enter leaves the focus where it is.
+    type_into(&mut harness, field, "40");
+    assert!(harness.get_by_role_and_label(Role::SpinButton, field).is_focused());
+}
+
+#[test]
+fn digits_colour_nothing_unless_the_picture_has_the_focus() {
+    let mut harness = app(WIDE, |_| {});
+    let drawn = |harness: &Harness<'static, App>| harness.state().session().counters().fields;
+    let before = drawn(&harness);
+    for key in [egui::Key::Num5, egui::Key::Num0, egui::Key::Num3] {
+        harness.key_press(key);
+        harness.run();
+    }
+    harness.key_press(egui::Key::OpenBracket);
+    settle(&mut harness);
+    assert_eq!(drawn(&harness), before);
+    assert!((harness.state().session().scene().insertion - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
+    let mut harness = app(WIDE, |_| {});
+    let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
+    let before = scene(&harness);
+    type_into(&mut harness, "Position across (mm)", "25");
+    harness.get_by_label("Not taken: 15 mm is the most in this pocket");
+    assert_eq!(scene(&harness), before);
+    let offer = "Enlarge the pocket to a radius of 80 mm";
+    harness.get_by_role_and_label(Role::Button, offer).click();
+    settle(&mut harness);
+    assert_eq!(
+        (scene(&harness).pocket_radius_mm, scene(&harness).implant.center_mm),
+        (80.0, [25.0, 0.0])
+    );
+    // Dragged, it stops at the pocket's rim, and says so.
+    harness.state_mut().open(before.to_json()).unwrap();
+    settle(&mut harness);
+    let rect = harness.get_by_role_and_label(Role::Slider, "Position across (mm)").rect();
+    harness.drag_at(rect.center());
+    harness.hover_at(rect.right_center() - egui::vec2(10.0, 0.0));
+    harness.step();
+    harness.drop_at(rect.right_center() - egui::vec2(10.0, 0.0));
+    settle(&mut harness);
+    assert_eq!(
+        (scene(&harness).pocket_radius_mm, scene(&harness).implant.center_mm),
+        (70.0, [15.0, 0.0])
+    );
+    harness.get_by_label_contains("15 mm is the most in this pocket");
+}
+
+#[test]
+fn a_slider_answers_the_keys_of_its_kind() {
+    let mut harness = app(WIDE, |_| {});
+    let pocket =
+        |harness: &Harness<'static, App>| harness.state().session().scene().pocket_radius_mm;
+    harness.get_by_role_and_label(Role::Slider, "Pocket radius (mm)").focus();
+    harness.run();
+    for (key, value) in [
+        (egui::Key::ArrowRight, 70.5),
+        (egui::Key::ArrowDown, 70.0),
+        (egui::Key::PageUp, 75.0),
+        (egui::Key::PageDown, 70.0),
+        (egui::Key::End, 200.0),
+        // The least that holds the implant.
+        (egui::Key::Home, 55.0),
+    ] {
+        harness.key_press(key);
+        settle(&mut harness);
+        assert!((pocket(&harness) - value).abs() < 1e-9, "{key:?}: {}", pocket(&harness));
+    }
+    // From a value between the steps to the next one.
+    type_into(&mut harness, "Pocket radius (mm)", "66.42");
+    harness.get_by_role_and_label(Role::Slider, "Pocket radius (mm)").focus();
+    harness.run();
+    harness.key_press(egui::Key::ArrowRight);
+    settle(&mut harness);
+    assert!((pocket(&harness) - 66.5).abs() < 1e-9, "{}", pocket(&harness));
+}
+
+/// A touch of one finger: where it goes down, and where it goes from there.
+fn swipe(harness: &mut Harness<'static, App>, from: egui::Pos2, travel: egui::Vec2) {
+    let touch = |phase, pos| egui::Event::Touch {
+        device_id: egui::TouchDeviceId(0),
+        id: egui::TouchId(1),
+        phase,
+        pos,
+        force: None,
+    };
+    let press = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    // As the page sends them: touches come with the events of a mouse.
+    let events = &mut harness.input_mut().events;
+    events.extend([press(from, true), touch(egui::TouchPhase::Start, from)]);
+    harness.step();
+    // A tap is down and up within a frame.
+    let is_tap = travel == egui::Vec2::ZERO;
+    if !is_tap {
+        harness.step();
+    }
+    for k in 1..=if is_tap { 0 } else { 10 } {
+        let at = from + travel * (k as f32 / 10.0);
+        let events = &mut harness.input_mut().events;
+        events.extend([egui::Event::PointerMoved(at), touch(egui::TouchPhase::Move, at)]);
+        harness.step();
+    }
+    let at = from + travel;
+    let events = &mut harness.input_mut().events;
+    events.extend([press(at, false), egui::Event::PointerGone, touch(egui::TouchPhase::End, at)]);
+    settle(harness);
+}
+
+#[test]
+fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
+    let mut harness = app(PHONE, |_| {});
+    let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
+    let before = scene(&harness);
+    let slider = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Slider, "Base radius (mm)").rect()
+    };
+    // A slider that has the focus is no other.
+    harness.get_by_role_and_label(Role::Slider, "Base radius (mm)").focus();
+    harness.run();
+    let at = slider(&harness);
+    let away_from_the_handle = at.left_center() + egui::vec2(0.85 * at.width(), 0.0);
+    swipe(&mut harness, away_from_the_handle, egui::vec2(3.0, -90.0));
+    assert_eq!(scene(&harness), before, "a swipe across the slider moved it");
+    let moved = at.center().y - slider(&harness).center().y;
+    assert!(moved > 40.0, "the panel was scrolled by {moved}");
+    swipe(&mut harness, away_from_the_handle, egui::vec2(3.0, 120.0));
+    // A tap beside the handle moves nothing either.
+    let at = slider(&harness);
+    let away_from_the_handle = at.left_center() + egui::vec2(0.85 * at.width(), 0.0);
+    swipe(&mut harness, away_from_the_handle, egui::Vec2::ZERO);
+    assert_eq!(scene(&harness), before, "a tap beside the handle moved it");
+    swipe(&mut harness, away_from_the_handle, egui::vec2(-40.0, 2.0));
+    let (radius, was) = (scene(&harness).implant.base_radius_mm, before.implant.base_radius_mm);
+    assert!(radius < was - 5.0, "a swipe along the slider left it at {radius}");
+}
+
+#[test]
+fn a_tap_on_the_picture_shows_values_until_the_next() {
+    let mut harness = app(PHONE, |_| {});
+    let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+    let boxes = |harness: &Harness<'static, App>| {
+        let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+            egui::Shape::Text(text) => Some(text.galley.text().to_owned()),
+            _ => None,
+        });
+        texts.filter(|text| text.starts_with("Strain ") || text.starts_with("Outside ")).count()
+    };
+    assert_eq!(boxes(&harness), 0);
+    let at = picture.left_center() + egui::vec2(0.35 * picture.width(), 0.0);
+    swipe(&mut harness, at, egui::Vec2::ZERO);
+    harness.step();
+    assert_eq!(boxes(&harness), 1);
+    // A second one on the same place puts them away.
+    swipe(&mut harness, at, egui::Vec2::ZERO);
+    harness.step();
+    assert_eq!(boxes(&harness), 0);
+}
+
+#[test]
+fn the_tab_key_goes_through_all_controls_and_back() {
+    let mut harness = app(WIDE, |_| {});
+    let mut ways = Vec::new();
+    for modifiers in [egui::Modifiers::NONE, egui::Modifiers::SHIFT] {
+        let mut seen = Vec::new();
+        for _ in 0..120 {
+            harness.key_press_modifiers(modifiers, egui::Key::Tab);
+            harness.run();
+            let focused = harness.ctx.memory(egui::Memory::focused);
+            assert!(focused.is_some(), "the focus is lost after {} controls", seen.len());
+            if seen.first() == focused.as_ref() {
+                break;
+            }
+            assert!(!focused.is_some_and(|id| seen.contains(&id)), "a circle after {}", seen.len());
+            seen.extend(focused);
+        }
+        ways.push(seen);
+    }
+    // All sliders with their fields, buttons, boxes and folds, the same ones both ways.
+    assert!(ways[0].len() > 45, "{} controls", ways[0].len());
+    let sorted = |ids: &[egui::Id]| ids.iter().copied().collect::<std::collections::HashSet<_>>();
+    assert_eq!(sorted(&ways[0]), sorted(&ways[1]));
+}
+
+#[test]
+fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
+    for size in [egui::vec2(1000.0, 500.0), egui::vec2(1000.0, 700.0), PHONE] {
+        for is_page in [false, true] {
+            let mut harness = app(size, |_| {});
+            if is_page {
+                harness.state_mut().has_surroundings();
+            }
+            for _ in 0..40 {
+                harness.key_press(egui::Key::Tab);
+                harness.run();
+                let Some(id) = harness.ctx.memory(egui::Memory::focused) else { break };
+                let response = harness.ctx.read_response(id).unwrap();
+                let seen = response.rect.intersect(response.interact_rect);
+                let rect = response.rect;
+                assert!(
+                    seen.height() > 0.9 * rect.height(),
+                    "{size} {is_page}: {seen:?} of {rect:?}"
+                );
+                assert!(rect.bottom() <= size.y, "{size} {is_page}: {rect:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
+    let mut harness = app(WIDE, |_| {});
+    let about = |harness: &Harness<'static, App>| {
+        harness.query_all_by_label("A preview, not a medical device.").count()
+    };
+    let button = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Button, "About").is_focused()
+    };
+    harness.get_by_role_and_label(Role::Button, "About").focus();
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    assert_eq!(about(&harness), 1);
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    assert_eq!((about(&harness), button(&harness)), (0, true));
+    // A box that is opened, and a choice made in it.
+    harness.get_by_role_and_label(Role::ComboBox, "Resolution").focus();
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    harness.key_press(egui::Key::Tab);
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    settle(&mut harness);
+    for _ in 0..3 {
+        harness.step();
+    }
+    assert!(harness.get_by_role_and_label(Role::ComboBox, "Resolution").is_focused());
+}
+
+#[test]
+fn a_result_is_saved_only_with_the_scene_that_it_is_of() {
+    let mut harness = app(WIDE, |scene| scene.solver.nodes_per_side = 33);
+    let record: serde_json::Value =
+        serde_json::from_str(&harness.state().result_json().unwrap()).unwrap();
+    let scene = serde_json::to_value(harness.state().session().scene()).unwrap();
+    assert_eq!(record["scene"], scene);
+    assert_eq!(record["program_version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(record["status"], "converged");
+    let date = record["date"].as_str().unwrap();
+    assert!(date.len() == 20 && date.ends_with('Z') && date.starts_with("20"), "{date}");
+    // Another scene, not yet solved: there is nothing to save, to read or to say.
+    let mut other = harness.state().session().scene().clone();
+    other.pocket_radius_mm = 178.0;
+    harness.state_mut().open(other.to_json()).unwrap();
+    let app = harness.state();
+    assert!(app.session().is_working());
+    assert_eq!((app.result_json(), app.outcome()), (None, None));
+    assert_eq!(app.summary(), "Updating.");
+    settle(&mut harness);
+    let record: serde_json::Value =
+        serde_json::from_str(&harness.state().result_json().unwrap()).unwrap();
+    assert_eq!(record["scene"]["pocket_radius_mm"], 178.0);
+    let area = record["area_before_cm2"].as_f64().unwrap();
+    assert!((area - 0.01 * std::f64::consts::PI * 178.0 * 178.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_state_of_the_computation_is_quiet_and_limits_are_said_in_words() {
+    let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
+    harness.get_by_label("Up to date");
+    let mut scene = harness.state().session().scene().clone();
+    // Far beyond what skin withstands.
+    scene.insertion = 1.0;
+    scene.implant.base_radius_mm = 70.0;
+    scene.implant.projection_mm = 120.0;
+    scene.layers[0].curve = CurveSpec::Points {
+        points: vec![[0.0, 0.0], [0.3, 60.0]],
+        interpolation: Interpolation::Line,
+    };
+    harness.state_mut().open(scene.to_json()).unwrap();
+    settle(&mut harness);
+    harness.get_by_label("Up to date");
+    harness.get_by_label("beyond what excised skin withstood");
+    // What a reader must know of stands where the numbers stand.
+    let warning =
+        harness.get_by_label_contains("skin: strains lie beyond the data of its curve").rect();
+    let numbers = harness.get_by_label("Projection of the skin").rect();
+    assert!(
+        (warning.left() - numbers.left()).abs() < 40.0 && warning.bottom() <= numbers.top() + 1.0
+    );
+}
+
+#[test]
+fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
+    let mut harness = app(WIDE, |_| {});
+    let before = harness.state().session().scene().clone();
+    let mut long = before.clone();
+    long.springs = Springs::Nikolaev;
+    long.solver.nodes_per_side = 513;
+    let edit = |harness: &mut Harness<'static, App>, scene: &Scene| {
+        harness.state_mut().open(scene.to_json()).unwrap();
+        let start = std::time::Instant::now();
+        while harness.query_all_by_role_and_label(Role::Button, "Cancel").count() == 0 {
+            harness.step();
+            assert!(start.elapsed().as_secs() < 60, "no progress is shown");
+        }
+    };
+    edit(&mut harness, &long);
+    harness.get_by_role_and_label(Role::ProgressIndicator, "Progress of the solve");
+    // The figures of before are gone.
+    harness.step();
+    assert_eq!(harness.query_all_by_label("Greatest strain").count(), 0);
+    harness.get_by_role_and_label(Role::Button, "Cancel").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene(), &before);
+    assert!(harness.state().outcome().is_some() && harness.state().session().can_redo());
+    // Without a scene to go back to, the solve stops, and goes on when wanted.
+    let app = App::new(&egui::Context::default(), None, long.clone()).unwrap();
+    let mut harness = Harness::builder()
+        .with_size(WIDE)
+        .with_max_steps(1)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    edit(&mut harness, &long);
+    harness.get_by_role_and_label(Role::Button, "Cancel").click();
+    (0..3).for_each(|_| harness.step());
+    assert!(!harness.state().session().is_working());
+    assert_eq!(harness.state().outcome(), None);
+    assert!(harness.state().summary().starts_with("Stopped"));
+    harness.get_by_role_and_label(Role::Button, "Compute it").click();
+    (0..3).for_each(|_| harness.step());
+    assert!(harness.state().session().is_working());
 }

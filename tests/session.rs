@@ -508,3 +508,33 @@ fn the_schema_names_every_field_of_the_scene() {
         assert!(schema.contains(&format!("\"{field}\"")), "{field}");
     }
 }
+
+#[test]
+fn the_pressure_that_is_drawn_is_the_one_that_is_read() {
+    type Change = fn(&mut Scene);
+    let changes: [Change; 5] = [
+        |_| {},
+        |scene| scene.implant.center_mm = [8.0, 5.0],
+        |scene| scene.implant.projection_mm = 25.0,
+        |scene| scene.insertion = 0.3,
+        // So few nodes touch that none is inside of the contact.
+        |scene| scene.insertion = 0.02,
+    ];
+    for (case, change) in changes.into_iter().enumerate() {
+        for nodes in [33, 65, 129] {
+            let mut scene = Scene::default();
+            scene.solver.nodes_per_side = nodes;
+            change(&mut scene);
+            let mut session = Session::new(scene).unwrap();
+            settle(&mut session);
+            let drawn = session.values(Field::ContactPressure).to_vec();
+            let read = session.outcome().unwrap().contact_pressure_kpa.unwrap();
+            let greatest = f64::from(drawn.iter().copied().fold(0.0, f32::max));
+            let ratio = greatest / read.max;
+            assert!((ratio - 1.0).abs() < 1e-6, "scene {case}, {nodes} nodes: {ratio}");
+            // No speckles: beside each other, nodes that touch differ by little.
+            let least = drawn.iter().copied().filter(|p| *p > 0.0).fold(f32::MAX, f32::min);
+            assert!(f64::from(least) > 0.3 * read.mean, "scene {case}, {nodes} nodes: {least}");
+        }
+    }
+}

@@ -2,93 +2,28 @@
 //! what changed into a command.
 
 use super::curve_editor;
+use super::notice::{Notice, Offer};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
+use super::widgets::{Control, Kind, button_if, choice, group};
 use crate::scene::{Implant, Layer, Scene, Springs, limits};
 use crate::session::Session;
-use eframe::egui::{self, Response, RichText, Ui};
-use std::ops::RangeInclusive;
+use eframe::egui::{self, RichText, Ui};
 
-/// A slider with label, unit, typed value, double-click to reset and a tooltip.
-pub(super) struct Control<'a> {
-    pub(super) label: &'a str,
-    pub(super) unit: &'a str,
-    pub(super) range: RangeInclusive<f64>,
-    pub(super) reset: f64,
-    pub(super) decimals: usize,
-    pub(super) step: f64,
-    pub(super) logarithmic: bool,
-    pub(super) tooltip: &'a str,
-}
+/// The rail of the implant's position goes so far to both sides \[mm\].
+const SHIFT_MM: f64 = 60.0;
 
-impl Default for Control<'_> {
-    fn default() -> Self {
-        Self {
-            label: "",
-            unit: "",
-            range: 0.0..=1.0,
-            reset: 0.0,
-            decimals: 1,
-            step: 0.5,
-            logarithmic: false,
-            tooltip: "",
-        }
-    }
-}
-
-impl Control<'_> {
-    pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> Response {
-        let name = match self.unit {
-            "" => self.label.to_owned(),
-            unit => format!("{} ({unit})", self.label),
-        };
-        let text = ui.label(RichText::new(&name).color(ui.visuals().weak_text_color()));
-        // The value stands right of the rail, at the same place in every row.
-        ui.spacing_mut().slider_width = (ui.available_width() - 78.0).max(60.0);
-        // The slider rounds what it holds: only what a hand has set goes into the scene.
-        let mut shown = *value;
-        let slider = egui::Slider::new(&mut shown, self.range)
-            .clamping(egui::SliderClamping::Edits)
-            .fixed_decimals(self.decimals)
-            .step_by(self.step)
-            .logarithmic(self.logarithmic);
-        let response = ui.add(slider).labelled_by(text.id);
-        let tooltip =
-            format!("{}\nDouble-click the name to reset to {}.", self.tooltip, self.reset);
-        let text = text.interact(egui::Sense::click()).on_hover_text(&tooltip);
-        let mut response = response.on_hover_text(tooltip);
-        if text.double_clicked() || response.double_clicked() {
-            shown = self.reset;
-            response.mark_changed();
-        }
-        if response.changed() {
-            *value = shown;
-        }
-        response
-    }
-}
-
-/// A titled group that can be folded.
-pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
-    egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(
-        ui,
-        |ui| {
-            add(ui);
-            ui.add_space(SPACE);
-        },
-    );
-}
-
-/// Implant and pocket.
-pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) {
+/// Implant and pocket. Gives what the user must know of a value that does not fit.
+pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) -> Option<Notice> {
     let usual = Scene::default();
-    let Implant { base_radius_mm: radius, projection_mm: projection, center_mm: center } =
-        &mut scene.implant;
+    let mut notice = None;
     group(ui, "Implant", |ui| {
+        let Implant { base_radius_mm: radius, projection_mm: projection, .. } = &mut scene.implant;
         let (least, most) = limits::BASE_RADIUS_MM;
         Control {
             label: "Base radius",
             unit: "mm",
+            kind: Kind::Length,
             range: least..=most,
             reset: usual.implant.base_radius_mm,
             tooltip: "Half of the implant's width. Round implants are 78–180 mm across.",
@@ -103,6 +38,7 @@ pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) 
             Control {
                 label: "Projection",
                 unit: "mm",
+                kind: Kind::Length,
                 range: least..=most,
                 reset: *radius,
                 tooltip: "Height of the implant above its base. Round implants: 20–75 mm, \
@@ -111,28 +47,27 @@ pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) 
             }
             .show(ui, projection);
         });
-        for (label, value, side) in [
+        for (label, axis, side) in [
             ("Position across", 0, "patient's left or right"),
             ("Position along", 1, "head or feet"),
         ] {
-            Control {
-                label,
-                unit: "mm",
-                range: -60.0..=60.0,
-                reset: 0.0,
-                tooltip: &format!("Offset of the implant in its pocket towards the {side}."),
-                ..Control::default()
-            }
-            .show(ui, &mut center[value]);
+            notice = position(ui, scene, axis, label, side).or(notice.take());
         }
     });
-    let least =
-        scene.implant.base_radius_mm + scene.implant.center_mm[0].hypot(scene.implant.center_mm[1]);
+    let [x, y] = scene.implant.center_mm;
+    let least = (scene.implant.base_radius_mm + x.hypot(y)).min(limits::POCKET_RADIUS_MAX_MM);
     group(ui, "Pocket", |ui| {
         Control {
             label: "Pocket radius",
             unit: "mm",
-            range: least.min(limits::POCKET_RADIUS_MAX_MM)..=limits::POCKET_RADIUS_MAX_MM,
+            kind: Kind::Length,
+            range: limits::BASE_RADIUS_MM.0..=limits::POCKET_RADIUS_MAX_MM,
+            allowed: Some(least..=limits::POCKET_RADIUS_MAX_MM),
+            limit: &format!(
+                "the implant where it lies needs {:.1} mm; at most {:.0} mm",
+                least,
+                limits::POCKET_RADIUS_MAX_MM
+            ),
             reset: (least + 15.0).min(limits::POCKET_RADIUS_MAX_MM),
             tooltip: "The dissected disc under the tissue. Outside of it the tissue stays on the \
                       chest wall. At least as wide as the implant where it lies.",
@@ -140,6 +75,53 @@ pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) 
         }
         .show(ui, &mut scene.pocket_radius_mm);
     });
+    notice
+}
+
+/// Position of the implant along one axis. The pocket stays as it is: a larger one would lessen the
+/// strain. What does not fit is said, with a larger pocket as an offer.
+fn position(
+    ui: &mut Ui,
+    scene: &mut Scene,
+    axis: usize,
+    label: &str,
+    side: &str,
+) -> Option<Notice> {
+    let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
+    let most = (room * room - other * other).max(0.0).sqrt();
+    let words = format!("{} mm is the most in this pocket", floored(most));
+    let change = Control {
+        label,
+        unit: "mm",
+        kind: Kind::Length,
+        range: -SHIFT_MM..=SHIFT_MM,
+        // A file may have it at the rim, rounding included, or farther out than the rail goes.
+        allowed: Some({
+            let most = most.max(scene.implant.center_mm[axis].abs());
+            -most..=most
+        }),
+        limit: &words,
+        tooltip: &format!("Offset of the implant in its pocket towards the {side}."),
+        ..Control::default()
+    }
+    .show(ui, &mut scene.implant.center_mm[axis]);
+    let asked = change.asked?;
+    let reach = scene.implant.base_radius_mm + asked.hypot(other);
+    // Half millimetres, and a pocket that holds what was asked for.
+    let pocket_radius_mm = (2.0 * reach).ceil() / 2.0;
+    let offer = (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
+        let mut scene = scene.clone();
+        scene.pocket_radius_mm = pocket_radius_mm;
+        scene.implant.center_mm[axis] = asked;
+        let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
+        Offer { label, scene: Box::new(scene) }
+    });
+    Some(Notice { offer, ..Notice::caution(format!("{label}: {words}.")) })
+}
+
+/// A tenth of a millimetre is the finest that is said, rounded so that it still fits.
+fn floored(mm: f64) -> f64 {
+    (10.0 * mm + 1e-6).floor() / 10.0
 }
 
 /// The layers, from the skin inwards.
@@ -155,7 +137,7 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
             ui.push_id(k, |ui| one_layer(ui, layer));
             ui.horizontal(|ui| {
                 let named = |text: &str| format!("{text} layer {}", k + 1);
-                for (icon, name, tooltip, enabled, what) in [
+                for (text, name, tooltip, is_able, what) in [
                     ("Up", "Move up", "Move this layer towards the skin", k > 0, Action::Up(k)),
                     (
                         "Down",
@@ -166,10 +148,7 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
                     ),
                     ("Remove", "Remove", "Remove this layer", count > 1, Action::Remove(k)),
                 ] {
-                    let button = ui.add_enabled(enabled, egui::Button::new(icon));
-                    let label = named(name);
-                    name_it(&button, egui::Role::Button, &label);
-                    if button.on_hover_text(tooltip).clicked() {
+                    if button_if(ui, is_able, text, &named(name), tooltip) {
                         action = Some(what);
                     }
                 }
@@ -182,11 +161,7 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
         for (name, make) in
             [("Add skin", Layer::skin as fn() -> Layer), ("Add adipose", Layer::adipose)]
         {
-            if ui
-                .add_enabled(room, egui::Button::new(name))
-                .on_hover_text("Added innermost; up to 8 layers")
-                .clicked()
-            {
+            if button_if(ui, room, name, name, "Added innermost; up to 8 layers") {
                 action = Some(Action::Add(make()));
             }
         }
@@ -224,6 +199,7 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
     Control {
         label: "Thickness",
         unit: "mm",
+        kind: Kind::Length,
         range: least..=most,
         reset: usual.thickness_mm,
         step: 0.1,
@@ -260,7 +236,9 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             .selected_text(name(scene.springs))
             .show_ui(ui, |ui| {
                 for springs in [Springs::Coupled, Springs::Nikolaev] {
-                    ui.selectable_value(&mut scene.springs, springs, name(springs));
+                    if choice(ui, scene.springs == springs, name(springs)).clicked() {
+                        scene.springs = springs;
+                    }
                 }
             })
             .response
@@ -280,8 +258,10 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             .width(ui.available_width() - SPACE)
             .selected_text(format!("{nodes} nodes a side"))
             .show_ui(ui, |ui| {
-                for choice in [33, 65, 129, 193, 257] {
-                    ui.selectable_value(nodes, choice, format!("{choice} nodes a side"));
+                for count in [33, 65, 129, 193, 257] {
+                    if choice(ui, *nodes == count, format!("{count} nodes a side")).clicked() {
+                        *nodes = count;
+                    }
                 }
             })
             .response
@@ -289,75 +269,22 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             .on_hover_text("Finer grids are slower; 129 is within 0.02 % of the exact membrane");
         let mut percent = scene.solver.tolerance * 100.0;
         let (least, most) = limits::TOLERANCE;
-        Control {
+        let change = Control {
             label: "Tolerance",
             unit: "% of the base radius",
+            kind: Kind::Percent,
             range: 100.0 * least.max(1e-6)..=100.0 * most,
+            allowed: Some(100.0 * least..=100.0 * most),
             reset: 0.01,
-            decimals: 4,
+            decimals: 2,
             step: 0.0,
             logarithmic: true,
             tooltip: "The greatest position error of a node that the solver may leave.",
+            ..Control::default()
         }
         .show(ui, &mut percent);
-        let tolerance = (percent / 100.0).clamp(least, most);
-        if (tolerance / scene.solver.tolerance - 1.0).abs() > 1e-9 {
-            scene.solver.tolerance = tolerance;
+        if change.is_changed {
+            scene.solver.tolerance = (percent / 100.0).clamp(least, most);
         }
     });
-}
-
-/// Makes a scene that a drag has made impossible possible again, and says what it moved.
-pub(super) fn repair(scene: &mut Scene, is_hemisphere: bool) -> Option<String> {
-    let radius = scene.implant.base_radius_mm;
-    if is_hemisphere {
-        scene.implant.projection_mm = radius;
-    }
-    let mut notice = None;
-    let [x, y] = scene.implant.center_mm;
-    let (distance, room) = (x.hypot(y), limits::POCKET_RADIUS_MAX_MM - radius);
-    if distance > room {
-        let share = (room / distance) * (1.0 - 1e-12);
-        scene.implant.center_mm = [x * share, y * share];
-        notice = Some("The implant was moved inwards: a pocket is at most 200 mm in radius.");
-    }
-    let [x, y] = scene.implant.center_mm;
-    let least = (radius + x.hypot(y)).min(limits::POCKET_RADIUS_MAX_MM);
-    if scene.pocket_radius_mm < least {
-        scene.pocket_radius_mm = least;
-        notice = Some("The pocket was widened to hold the implant.");
-    }
-    notice.map(str::to_owned)
-}
-
-/// A heading with room above it.
-pub(super) fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(SPACE_SMALL);
-    ui.heading(text);
-    ui.add_space(SPACE_SMALL);
-}
-
-/// Gives a widget whose text is an icon or a number its name for screen readers and tests.
-pub(super) fn name_it(response: &Response, role: egui::Role, name: &str) {
-    response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_slider_that_no_hand_moves_leaves_its_value_alone() {
-        // Finer than the step, and outside of the range that the slider offers.
-        for given in [55.3, 1.234_567, 130.0] {
-            let mut value = given;
-            let mut changed = false;
-            egui::__run_test_ui(|ui| {
-                let control =
-                    Control { label: "Base radius", range: 10.0..=120.0, ..Control::default() };
-                changed |= control.show(ui, &mut value).changed();
-            });
-            assert!(!changed && value.to_bits() == given.to_bits(), "{given} became {value}");
-        }
-    }
 }

@@ -1,9 +1,12 @@
 //! Choosing a layer's stress–strain curve: its kind, its numbers, its marked points.
 
-use super::controls::{Control, name_it};
 use super::theme::SPACE;
+use super::widgets::{Control, Kind, NumberField, button_if, choice, refused};
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use eframe::egui::{self, RichText, Ui};
+
+/// What a marked point may be: strain \[-\] and stress \[kPa\].
+const MOST: [f64; 2] = [10.0, 1e7];
 
 /// The kinds that can be made here; sections come from a scene file.
 const KINDS: [(&str, &str); 6] = [
@@ -55,7 +58,7 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
         .selected_text(present.map_or("Sections (from a file)", |k| KINDS[k].0))
         .show_ui(ui, |ui| {
             for (k, (name, tooltip)) in KINDS.iter().enumerate() {
-                let choice = ui.selectable_label(present == Some(k), *name);
+                let choice = choice(ui, present == Some(k), *name);
                 if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
                     *spec = converted(spec, k);
                 }
@@ -85,12 +88,14 @@ fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
     Control {
         label,
         unit: "kPa",
+        kind: Kind::Stress,
         range: 0.01..=1e4,
         reset,
         decimals: 2,
         step: 0.0,
         logarithmic: true,
         tooltip: "In vivo: breast fat about 3 kPa, breast skin 56–344 kPa.",
+        ..Control::default()
     }
     .show(ui, value);
 }
@@ -109,48 +114,129 @@ fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: std::ops::RangeInclusiv
     .show(ui, value);
 }
 
+/// A table that is being filled in, of the points that it is to replace.
+#[derive(Clone)]
+struct Table {
+    of: Vec<[f64; 2]>,
+    points: Vec<[f64; 2]>,
+}
+
+/// Edits the points in a table of their own: the curve takes them over as soon as they are in order, and
+/// stays as it was until then.
 fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Interpolation) {
     ui.horizontal(|ui| {
         ui.radio_value(interpolation, Interpolation::Line, "Lines");
         ui.radio_value(interpolation, Interpolation::Spline, "Spline");
     });
-    let mut remove = None;
+    let id = ui.scope_id().with("table");
+    let kept = ui.data(|data| data.get_temp::<Table>(id)).filter(|table| table.of == *points);
+    let mut table = kept.map_or_else(|| points.clone(), |table| table.points);
+    let fault = disorder(&table);
+    let (mut remove, mut refusals) = (None, Vec::new());
     egui::Grid::new("points").num_columns(3).spacing([SPACE, 2.0]).show(ui, |ui| {
         ui.small("Strain");
         ui.small("Stress (kPa)");
         ui.end_row();
-        for k in 0..points.len() {
-            // A point stays between its neighbours: no state in between is ever refused.
-            let low = if k == 0 { [0.0; 2] } else { points[k - 1] };
-            let high = points.get(k + 1).copied().unwrap_or([10.0, 1e7]);
-            let is_origin = k == 0;
-            for axis in 0..2 {
-                let gap = 1e-4 * (high[axis] - low[axis]).max(1e-6);
-                let range = if is_origin { 0.0..=0.0 } else { low[axis] + gap..=high[axis] - gap };
-                let name = format!("{} of point {}", ["Strain", "Stress"][axis], k + 1);
-                let field = egui::DragValue::new(&mut points[k][axis])
-                    .range(range)
-                    .speed([0.005, 0.2][axis])
-                    .max_decimals(3);
-                let response = ui.add_enabled(!is_origin, field);
-                name_it(&response, egui::Role::SpinButton, &name);
+        for k in 0..table.len() {
+            if k == 0 {
+                // The first point is the origin of every curve.
+                for _ in 0..2 {
+                    ui.monospace("0");
+                }
+                ui.end_row();
+                continue;
             }
-            let button = ui.add_enabled(!is_origin && points.len() > 2, egui::Button::new("×"));
+            for (axis, kind) in [Kind::Fraction, Kind::Stress].into_iter().enumerate() {
+                let name = format!("{} of point {}", ["Strain", "Stress"][axis], k + 1);
+                let typed = NumberField {
+                    name: &name,
+                    kind,
+                    allowed: 0.0..=MOST[axis],
+                    decimals: [2, 1][axis],
+                    step: [0.01, 1.0][axis],
+                    is_faulty: fault == Some((k, axis)),
+                    ..NumberField::default()
+                }
+                .show(ui, &mut table[k][axis]);
+                refusals.extend(typed.refusal.map(|reason| format!("{name}: {reason}")));
+            }
             let name = format!("Remove point {}", k + 1);
-            name_it(&button, egui::Role::Button, &name);
-            if button.clicked() {
+            if button_if(ui, table.len() > 2, "×", &name, "") {
                 remove = Some(k);
             }
             ui.end_row();
         }
     });
+    refusals.iter().for_each(|reason| refused(ui, reason));
     if let Some(k) = remove {
-        points.remove(k);
+        table.remove(k);
     }
-    if ui.button("Add point").on_hover_text("Goes on as a line from the last two").clicked()
-        && let [.., [e0, s0], [e1, s1]] = points[..]
+    if button_if(ui, true, "Add point", "Add point", "Goes on as a line from the last two")
+        && let [.., [e0, s0], [e1, s1]] = table[..]
         && e1 < 9.0
+        && e1 > e0
     {
-        points.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
+        table.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
+    }
+    match disorder(&table) {
+        Some((k, axis)) => {
+            let (name, unit) = [("strain", ""), ("stress", " kPa")][axis];
+            let value = |k: usize| super::widgets::quantity::format(table[k][axis], 0);
+            refused(
+                ui,
+                &format!(
+                    "the {name} of point {}, {}{unit}, must be above that of the point before it, \
+                     {}{unit}. Until then the curve stays as it was.",
+                    k + 1,
+                    value(k),
+                    value(k - 1),
+                ),
+            );
+        }
+        None if table != *points => {
+            let spec = CurveSpec::Points { points: table.clone(), interpolation: *interpolation };
+            match Curve::new(&spec) {
+                Ok(_) => points.clone_from(&table),
+                Err(error) => {
+                    refused(ui, &format!("{error}. Until then the curve stays as it was."));
+                }
+            }
+        }
+        None => {}
+    }
+    ui.data_mut(|data| data.insert_temp(id, Table { of: points.clone(), points: table }));
+}
+
+/// The first point, and the axis in which it is not above the point before it.
+fn disorder(points: &[[f64; 2]]) -> Option<(usize, usize)> {
+    (1..points.len()).find_map(|k| {
+        let axis = (0..2).find(|&axis| points[k][axis] <= points[k - 1][axis])?;
+        Some((k, axis))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_preset_made_points_keeps_every_point_on_its_curve() {
+        for preset in [CurveSpec::Skin {}, CurveSpec::Adipose {}] {
+            let curve = Curve::new(&preset).unwrap();
+            let CurveSpec::Points { points, .. } = converted(&preset, 5) else {
+                panic!("no points")
+            };
+            assert_eq!(points.last().map(|p| p[0]), Some(1.0));
+            for [strain, stress] in points {
+                assert_eq!(stress.to_bits(), curve.stress(strain).to_bits(), "at {strain}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_that_do_not_rise_are_found() {
+        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]), None);
+        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.4, 220.0]]), Some((2, 0)));
+        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.5, 90.0]]), Some((2, 1)));
     }
 }

@@ -110,6 +110,14 @@ impl Files {
     }
 }
 
+/// Date and time now, UTC, as in RFC 3339.
+pub(super) fn date() -> String {
+    #[cfg(target_arch = "wasm32")]
+    return js_sys::Date::new_0().to_iso_string().into();
+    #[cfg(not(target_arch = "wasm32"))]
+    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
+}
+
 #[cfg(target_arch = "wasm32")]
 fn download(name: &str, text: &str) -> Result<(), wasm_bindgen::JsValue> {
     use wasm_bindgen::{JsCast as _, JsValue};

@@ -28,20 +28,18 @@ impl App {
         if shortcut(Modifiers::COMMAND, Key::S) {
             self.save_scene(ctx);
         }
-        // Plain keys belong to a text field while one has the focus.
-        if ctx.text_edit_focused() {
+        // Single keys are for the picture, while it has the focus: elsewhere they are digits, or nothing.
+        let focused = ctx.memory(egui::Memory::focused);
+        if focused.is_none() || focused != self.viewport.id() {
             return;
         }
-        // The space bar presses the control that has the focus, arrows move it.
-        let focused = ctx.memory(egui::Memory::focused);
-        let on_picture = focused.is_some() && focused == self.viewport.id();
-        for (key, step, is_heard) in [
-            (Key::OpenBracket, -INSERTION_STEP, true),
-            (Key::CloseBracket, INSERTION_STEP, true),
-            (Key::ArrowDown, -INSERTION_STEP, on_picture),
-            (Key::ArrowUp, INSERTION_STEP, on_picture),
+        for (key, step) in [
+            (Key::OpenBracket, -INSERTION_STEP),
+            (Key::CloseBracket, INSERTION_STEP),
+            (Key::ArrowDown, -INSERTION_STEP),
+            (Key::ArrowUp, INSERTION_STEP),
         ] {
-            let count = if is_heard { presses(Modifiers::NONE, key) } else { 0 };
+            let count = presses(Modifiers::NONE, key);
             if count > 0 {
                 let mut scene = self.session.scene().clone();
                 // In whole percent: steps of 0.02 do not add up to round values.
@@ -51,9 +49,7 @@ impl App {
                 self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
             }
         }
-        if focused.is_none() || on_picture {
-            (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_play());
-        }
+        (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_play());
         if shortcut(Modifiers::NONE, Key::F) {
             self.viewport.fit(&self.session);
         }

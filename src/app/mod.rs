@@ -9,7 +9,9 @@
 mod controls;
 mod curve_editor;
 mod files;
+mod focus;
 mod keys;
+mod notice;
 mod plots;
 mod readings;
 mod stability;
@@ -17,22 +19,29 @@ mod status;
 mod theme;
 mod toolbar;
 mod viewport;
+mod widgets;
 
-use crate::measure::{Outcome, Status, no_shape as no_shape_text};
+use crate::measure::{Outcome, Status, bands, no_shape as no_shape_text};
 use crate::scene::{Scene, SceneError, Springs};
-use crate::session::{Command, Session};
+use crate::session::{Command, Record, Session};
 use crate::solve::{Fault, Progress};
-use controls::{Control, name_it};
 use eframe::{egui, glow};
-use egui::{RichText, Ui};
+use egui::{FocusDirection, Ui};
 use files::{FileEvent, Files};
+use focus::{Edge, Focus};
+use notice::{Notice, Reply};
 use status::Timing;
 use std::sync::Arc;
 use viewport::Viewport;
 use web_time::{Duration, Instant};
+use widgets::{Control, Kind};
 
 /// A frame goes on with solving until this time is over, and the step under way done.
 const SLICE: Duration = Duration::from_millis(10);
+/// A solve that takes longer than this shows its progress, and the results of before are gone.
+const LONG: Duration = Duration::from_millis(400);
+/// The longest slice of a long solve, where frames are slow for other reasons than solving.
+const LONG_SLICE: Duration = Duration::from_millis(60);
 /// The opening scene is solved at once, where that takes no longer.
 const FIRST_SLICE: Duration = Duration::from_millis(400);
 
@@ -65,12 +74,6 @@ pub struct Stats {
     pub measurements: u64,
 }
 
-/// A line to the user.
-struct Notice {
-    text: String,
-    is_error: bool,
-}
-
 /// A tab of the bottom sheet on narrow screens.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sheet {
@@ -89,6 +92,11 @@ pub struct App {
     files: Files,
     timing: Timing,
     notice: Option<Notice>,
+    /// What was asked for in this frame and does not fit.
+    does_not_fit: Option<Notice>,
+    focus: Focus,
+    /// When the solve under way was begun, and how far it has come.
+    solving: Option<(Instant, f64)>,
     /// The copy of the scene that the panels edit, kept between frames.
     draft: Option<Scene>,
     /// Did a command take the session's scene away from the draft in this frame?
@@ -124,6 +132,9 @@ impl App {
             files: Files::new(),
             timing: Timing::default(),
             notice: None,
+            does_not_fit: None,
+            focus: Focus::default(),
+            solving: None,
             draft: None,
             is_replaced: false,
             is_hemisphere,
@@ -156,7 +167,38 @@ impl App {
 
     /// A line to the user.
     pub fn tell(&mut self, text: &str) {
-        self.notice = Some(Notice { text: text.to_owned(), is_error: false });
+        self.notice = Some(Notice::done(text));
+    }
+
+    /// From now on the Tab key leads out of the app behind its last control, and before its first one
+    /// backwards, as on a page.
+    pub fn has_surroundings(&mut self) {
+        self.focus.has_surroundings();
+    }
+
+    /// The keyboard's focus comes in from what is before the app (`true`) or behind it.
+    pub fn enter(&mut self, is_forwards: bool) {
+        self.focus.enter(if is_forwards { FocusDirection::Next } else { FocusDirection::Previous });
+        self.wake();
+    }
+
+    /// Has the Tab key led out of the app: to what is behind it (`true`) or before it?
+    pub fn leaves(&mut self) -> Option<bool> {
+        self.focus.leaves().map(|direction| direction == FocusDirection::Next)
+    }
+
+    /// Name of the control that has the keyboard's focus, and where it is \[points\]: left, top, width and
+    /// height.
+    #[must_use]
+    pub fn focused(&self) -> Option<(String, [f32; 4])> {
+        let (name, rect) = self.focus.focused()?;
+        Some((name.to_owned(), [rect.left(), rect.top(), rect.width(), rect.height()]))
+    }
+
+    /// Has a field for a number the keyboard?
+    #[must_use]
+    pub fn is_number_wanted(&self) -> bool {
+        widgets::is_number_wanted(&self.ctx)
     }
 
     /// The scene, its history and its shape.
@@ -165,12 +207,25 @@ impl App {
         &self.session
     }
 
-    /// The result of the last finished solve, with its time.
+    /// The result of the present scene, with its time; `None` while it is being solved.
     #[must_use]
     pub fn outcome(&self) -> Option<Outcome> {
-        let mut outcome = self.session.outcome()?.clone();
+        let mut outcome = self.session.result()?.clone();
         outcome.solver.time_ms = Some(self.timing.solve_ms);
         Some(outcome)
+    }
+
+    /// The result as it is saved (JSON text): with its scene, this program's version and the date; `None`
+    /// while the scene is being solved.
+    #[must_use]
+    pub fn result_json(&self) -> Option<String> {
+        let record = Record {
+            outcome: self.outcome()?,
+            scene: self.session.scene().clone(),
+            program_version: env!("CARGO_PKG_VERSION"),
+            date: files::date(),
+        };
+        serde_json::to_string_pretty(&record).ok()
     }
 
     /// Opens a scene file's text.
@@ -190,7 +245,7 @@ impl App {
     #[must_use]
     pub fn stats(&self) -> Stats {
         let is_converged =
-            self.session.outcome().is_some_and(|outcome| outcome.status == Status::Converged);
+            self.session.result().is_some_and(|outcome| outcome.status == Status::Converged);
         let counters = self.session.counters();
         Stats {
             frames: self.timing.frame_count,
@@ -200,7 +255,7 @@ impl App {
             solver_ms_p50: self.timing.slices.percentile(0.5),
             solver_ms_p95: self.timing.slices.percentile(0.95),
             solver_ms_max: self.timing.slice_max,
-            converged: is_converged && !self.session.is_working(),
+            converged: is_converged,
             solves: counters.solves,
             work_units: counters.work_units,
             tables: counters.tables,
@@ -211,23 +266,38 @@ impl App {
     /// One sentence on what the picture shows, for screen readers.
     #[must_use]
     pub fn summary(&self) -> String {
-        let Some(outcome) = self.session.outcome().filter(|_| !self.session.is_working()) else {
-            return "Solving.".to_owned();
-        };
-        let figure = |value: Option<f64>, decimals: usize, unit: &str| {
-            value.map_or_else(|| "unknown".to_owned(), |v| format!("{v:.decimals$} {unit}"))
-        };
-        match outcome.status {
-            Status::Unstable => no_shape_text(self.session.solver().fault()).to_owned(),
-            status => format!(
-                "{}. Skin projection {}, area ratio {}, greatest strain {}, mean contact pressure {}.",
-                if status == Status::Converged { "Converged" } else { "Not converged" },
-                figure(outcome.skin_projection_mm, 1, "mm"),
-                figure(outcome.area_ratio, 2, ""),
-                figure(outcome.strain.as_ref().map(|s| 100.0 * s.max_principal), 0, "percent"),
-                figure(outcome.contact_pressure_mmhg.map(|p| p.mean), 0, "mmHg"),
-            ),
+        if self.session.is_stopped() {
+            return "Stopped: this scene has not been computed.".to_owned();
         }
+        let Some(outcome) = self.session.result() else {
+            return "Updating.".to_owned();
+        };
+        let figure = |name: &str, value: Option<f64>, decimals: usize, unit: &str| {
+            value.map_or_else(String::new, |v| format!(" {name} {v:.decimals$}{unit}."))
+        };
+        let state = match outcome.status {
+            Status::Unstable => return no_shape_text(self.session.solver().fault()).to_owned(),
+            Status::NotConverged => "Not finished: do not use these numbers.",
+            Status::Converged => "Up to date.",
+        };
+        let greatest = outcome.strain.as_ref().map(|strain| strain.max_principal);
+        let stretch = greatest.map_or_else(String::new, |strain| {
+            let word = bands::strain_word(strain);
+            format!(" Greatest strain {:.0} percent, {word}.", 100.0 * strain)
+        });
+        let pressure = outcome.contact_pressure_mmhg.map_or_else(String::new, |p| {
+            let word = bands::pressure_word(p.max);
+            format!(" Contact pressure {:.0} mmHg, at most {:.0}, {word}.", p.mean, p.max)
+        });
+        [
+            state.to_owned(),
+            figure("Skin projection", outcome.skin_projection_mm, 1, " mm"),
+            figure("Area ratio", outcome.area_ratio, 2, ""),
+            stretch,
+            pressure,
+            outcome.warnings.iter().map(|warning| format!(" {warning}")).collect(),
+        ]
+        .concat()
     }
 
     /// Draws a frame and does a slice of work. Knows nothing of the window around it.
@@ -235,6 +305,7 @@ impl App {
         let start = Instant::now();
         let ctx = ui.ctx().clone();
         self.take_files(&ctx);
+        self.focus.begin(&ctx);
         self.keys(&ctx);
         let mut scene = self.draft.take().unwrap_or_default();
         if scene != *self.session.scene() {
@@ -242,14 +313,19 @@ impl App {
         }
         self.is_replaced = false;
         self.play(&ctx, &mut scene);
-        self.work();
+        self.work(&ctx);
+        self.focus.edge(ui, Edge::First);
         if ui.available_width() < theme::NARROW {
             self.narrow(ui, &mut scene);
         } else {
             self.wide(ui, &mut scene);
         }
         self.about(&ctx);
+        self.focus.edge(ui, Edge::Last);
         self.edited(&ctx, &mut scene);
+        // An edit takes the line of before away; this one is of the edit.
+        self.notice = self.does_not_fit.take().or(self.notice.take());
+        self.focus.end(&ctx);
         self.draft = Some(scene);
         self.is_rested = false;
         if self.session.is_working() || self.is_playing {
@@ -259,28 +335,55 @@ impl App {
     }
 
     /// A slice of solving.
-    fn work(&mut self) {
+    fn work(&mut self, ctx: &egui::Context) {
         if !self.session.is_working() {
+            self.solving = None;
             return;
         }
-        // Nothing can be used before the first shape is there.
-        let is_opening = self.session.outcome().is_none();
-        let slice = if is_opening { FIRST_SLICE } else { SLICE };
         let start = Instant::now();
+        let (since, share) = self.solving.unwrap_or((start, 0.0));
+        // Nothing can be used before the first shape is there.
+        let is_opening = self.session.outcome().is_none() && since == start;
+        let slice = if is_opening {
+            FIRST_SLICE
+        } else if since.elapsed() > LONG {
+            // Slow frames would stretch a long solve: it takes as much time as they do.
+            let frame = Duration::from_secs_f32(ctx.input(|input| input.stable_dt.clamp(0.0, 1.0)));
+            (frame / 2).clamp(SLICE, LONG_SLICE)
+        } else {
+            SLICE
+        };
         let progress = self.session.solve(&mut || start.elapsed() >= slice);
         self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64(), is_opening);
         self.session.conclude();
+        self.solving = Some((since, share.max(self.session.solver().share_done())));
         if let Some(fault) = self.session.taken_back() {
-            let text = format!(
-                "The last change was taken back: {} Redo tries it again.",
+            self.notice = Some(Notice::failed(format!(
+                "the last change was taken back. {} Redo tries it again.",
                 no_shape_text(Some(fault))
-            );
-            self.notice = Some(Notice { text, is_error: true });
+            )));
             self.is_playing = false;
         }
         if progress == Progress::Done && self.session.has_no_shape() {
             self.is_playing = false;
         }
+    }
+
+    /// Is the present solve a long one?
+    fn is_long(&self) -> bool {
+        self.session.is_working() && self.solving.is_some_and(|(since, _)| since.elapsed() > LONG)
+    }
+
+    fn cancel(&mut self) {
+        self.session.cancel();
+        self.is_replaced = true;
+        self.is_playing = false;
+        self.solving = None;
+        self.timing.solve_ms = 0.0;
+        self.is_hemisphere = is_hemisphere(self.session.scene());
+        self.notice = (!self.session.is_stopped()).then(|| {
+            Notice::done("Cancelled: this is the scene of before. Redo tries the other one again.")
+        });
     }
 
     fn command(&mut self, command: Command) -> Result<(), SceneError> {
@@ -289,6 +392,7 @@ impl App {
         self.is_replaced = true;
         if self.session.counters().solves != before {
             self.timing.solve_ms = 0.0;
+            self.solving = None;
         }
         self.is_hemisphere = is_hemisphere(self.session.scene());
         Ok(())
@@ -298,9 +402,7 @@ impl App {
     fn run(&mut self, command: Command) {
         match self.command(command) {
             Ok(()) => self.notice = None,
-            Err(error) => {
-                self.notice = Some(Notice { text: error.to_string(), is_error: true });
-            }
+            Err(error) => self.notice = Some(Notice::failed(error.to_string())),
         }
     }
 
@@ -321,10 +423,13 @@ impl App {
         if self.is_replaced || is_same {
             return;
         }
-        let notice = controls::repair(scene, is_hemisphere);
+        if is_hemisphere {
+            scene.implant.projection_mm = scene.implant.base_radius_mm;
+        }
+        let repair = scene.repair();
         self.run(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
-        if let Some(text) = notice {
-            self.notice = Some(Notice { text, is_error: false });
+        if let Some(repair) = repair {
+            self.notice = Some(Notice::caution(repair.to_string()));
         }
         self.is_hemisphere = is_hemisphere;
         ctx.request_repaint();
@@ -335,18 +440,17 @@ impl App {
             self.files.dropped(ctx, file);
         }
         while let Some(event) = self.files.next() {
-            let (text, is_error) = match event {
+            self.notice = Some(match event {
                 FileEvent::Opened { name, text } => match self.open(text) {
                     Ok(()) => {
                         self.viewport.fit(&self.session);
-                        (format!("Opened {name}."), false)
+                        Notice::done(format!("Opened {name}."))
                     }
-                    Err(error) => (format!("{name}: {error}"), true),
+                    Err(error) => Notice::failed(format!("{name}: {error}")),
                 },
-                FileEvent::Saved(name) => (format!("Saved {name}."), false),
-                FileEvent::Failed(error) => (error, true),
-            };
-            self.notice = Some(Notice { text, is_error });
+                FileEvent::Saved(name) => Notice::done(format!("Saved {name}.")),
+                FileEvent::Failed(error) => Notice::failed(error),
+            });
         }
     }
 
@@ -355,16 +459,14 @@ impl App {
     }
 
     fn save_result(&mut self, ctx: &egui::Context) {
-        if let Some(outcome) = self.outcome()
-            && let Ok(text) = serde_json::to_string_pretty(&outcome)
-        {
+        if let Some(text) = self.result_json() {
             self.files.save(ctx, "result.json", text);
         }
     }
 
     fn wide(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        egui::Panel::top("toolbar").show(ui, |ui| self.toolbar(ui, false));
-        egui::Panel::bottom("status").show(ui, |ui| {
+        egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, false));
+        egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
             ui.add_space(theme::SPACE_SMALL);
             status::show(ui, &self.session, &self.timing);
             ui.add_space(theme::SPACE_SMALL);
@@ -372,32 +474,36 @@ impl App {
         let mut is_open = self.show_left;
         side_panel(egui::Panel::left("controls")).show_collapsible(ui, &mut is_open, |ui| {
             column("controls").show(ui, |ui| {
-                controls::heading(ui, "Scene");
-                controls::implant(ui, scene, &mut self.is_hemisphere);
+                widgets::heading(ui, "Scene");
+                self.does_not_fit = controls::implant(ui, scene, &mut self.is_hemisphere);
                 controls::layers(ui, scene);
                 ui.add_space(theme::SPACE);
                 controls::method(ui, scene, &self.session);
+                self.focus.scroll(ui);
             });
         });
         self.show_left = is_open;
         let mut is_open = self.show_right;
         side_panel(egui::Panel::right("results")).show_collapsible(ui, &mut is_open, |ui| {
             column("results").show(ui, |ui| {
-                readings::show(ui, self.session.outcome(), self.session.is_working());
+                readings::show(ui, &self.session, self.is_long());
                 plots::section(ui, &self.session);
                 plots::curves(ui, &self.session);
+                self.focus.scroll(ui);
             });
         });
         self.show_right = is_open;
-        egui::Panel::bottom("insertion").show(ui, |ui| self.insertion(ui, scene));
+        let insertion = egui::Panel::bottom("insertion").resizable(false);
+        insertion.show(ui, |ui| self.insertion(ui, scene));
         egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
     }
 
     fn narrow(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        egui::Panel::top("toolbar").show(ui, |ui| self.toolbar(ui, true));
+        egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, true));
         // The picture keeps half of the screen.
         let height = 0.42 * ui.ctx().content_rect().height();
-        egui::Panel::bottom("sheet").exact_size(height).show(ui, |ui| {
+        let sheet = egui::Panel::bottom("sheet").exact_size(height).resizable(false);
+        sheet.show(ui, |ui| {
             status::show(ui, &self.session, &self.timing);
             ui.horizontal(|ui| {
                 for (sheet, name) in [
@@ -414,20 +520,21 @@ impl App {
                 match self.sheet {
                     Sheet::Implant => {
                         self.insertion(ui, scene);
-                        controls::implant(ui, scene, &mut self.is_hemisphere);
+                        self.does_not_fit = controls::implant(ui, scene, &mut self.is_hemisphere);
                     }
                     Sheet::Tissue => {
                         controls::layers(ui, scene);
                         controls::method(ui, scene, &self.session);
                     }
                     Sheet::Results => {
-                        readings::show(ui, self.session.outcome(), self.session.is_working());
+                        readings::show(ui, &self.session, self.is_long());
                     }
                     Sheet::Plots => {
                         plots::section(ui, &self.session);
                         plots::curves(ui, &self.session);
                     }
                 }
+                self.focus.scroll(ui);
             });
         });
         egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
@@ -441,30 +548,40 @@ impl App {
             if button.on_hover_text(format!("{name} the insertion (space)")).clicked() {
                 self.toggle_play();
             }
-            let mut percent = 100.0 * scene.insertion;
-            let slider = Control {
-                label: "Insertion",
-                unit: "%",
-                range: 0.0..=100.0,
-                reset: 100.0,
-                decimals: 0,
-                step: 1.0,
-                tooltip: "How far the implant is pushed under the tissue, from flat to full height.",
-                ..Control::default()
-            };
-            if slider.show(ui, &mut percent).changed() {
-                scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
-                self.is_playing = false;
-            }
+            ui.vertical(|ui| {
+                let mut percent = 100.0 * scene.insertion;
+                let slider = Control {
+                    label: "Insertion",
+                    unit: "%",
+                    kind: Kind::Percent,
+                    range: 0.0..=100.0,
+                    reset: 100.0,
+                    decimals: 0,
+                    step: 1.0,
+                    tooltip: "How far the implant is pushed under the tissue, from flat to full height.",
+                    ..Control::default()
+                };
+                if slider.show(ui, &mut percent).is_changed {
+                    scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
+                    self.is_playing = false;
+                }
+            });
         });
         ui.add_space(theme::SPACE_SMALL);
     }
 
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene) {
         self.notices(ui);
+        if self.session.is_stopped() {
+            self.stopped(ui);
+            return;
+        }
         if self.session.has_no_shape() {
             no_shape(ui, self.session.solver().fault(), scene);
             return;
+        }
+        if self.is_long() {
+            self.progress(ui);
         }
         let is_dark = ui.visuals().dark_mode;
         self.viewport.show(ui, &self.session, &mut self.options, is_dark);
@@ -472,51 +589,83 @@ impl App {
 
     /// The last line to the user, until it is closed.
     fn notices(&mut self, ui: &mut Ui) {
-        let Some(notice) = &self.notice else { return };
-        let palette = theme::palette(ui.visuals());
-        let color = if notice.is_error { palette.bad } else { palette.good };
-        let mut is_closed = false;
-        let line = egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill);
-        egui::Panel::top("notice").frame(line).show(ui, |ui| {
+        match self.notice.as_ref().and_then(|notice| notice.show(ui)) {
+            None => {}
+            Some(Reply::Close) => self.notice = None,
+            Some(Reply::Accept(scene)) => {
+                self.gesture += 1;
+                self.run(Command::Edit { scene, gesture: self.gesture });
+            }
+        }
+    }
+
+    /// How far a long solve has come, and the way out of it.
+    fn progress(&mut self, ui: &mut Ui) {
+        let Some((since, share)) = self.solving else { return };
+        let mut is_cancelled = false;
+        let frame = egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill);
+        egui::Panel::top("progress").frame(frame).resizable(false).show(ui, |ui| {
             ui.horizontal(|ui| {
-                let close = ui.button("×");
-                name_it(&close, egui::Role::Button, "Close message");
-                is_closed = close.clicked();
-                ui.add(egui::Label::new(RichText::new(&notice.text).color(color)).wrap());
+                is_cancelled = ui.button("Cancel").clicked();
+                let seconds = since.elapsed().as_secs();
+                let bar = egui::ProgressBar::new(share as f32)
+                    .desired_width((ui.available_width() - 150.0).clamp(60.0, 320.0))
+                    .fill(theme::palette(ui.visuals()).accent);
+                let bar = ui.add(bar);
+                widgets::name_it(&bar, egui::Role::ProgressIndicator, "Progress of the solve");
+                ui.label(format!("Computing, {seconds} s so far"));
             });
         });
-        if is_closed {
-            self.notice = None;
+        if is_cancelled || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+            self.cancel();
         }
+    }
+
+    /// Says that a solve was stopped, and how it goes on.
+    fn stopped(&mut self, ui: &mut Ui) {
+        message(ui, "Stopped", |ui| {
+            ui.label("This scene has not been computed: there is nothing to show or to read off.");
+            ui.add_space(theme::SPACE);
+            if ui.button("Compute it").clicked() {
+                self.session.go_on();
+            }
+        });
     }
 }
 
-/// Says why there is no shape, and what can be done.
-fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
+/// A message in place of the picture.
+fn message(ui: &mut Ui, heading: &str, add: impl FnOnce(&mut Ui)) {
     let frame = egui::Frame::new().inner_margin(2.0 * theme::SPACE).fill(ui.visuals().panel_fill);
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         ui.vertical_centered(|ui| {
             ui.add_space(0.3 * ui.available_height());
-            ui.heading("No stable shape");
-            if fault.is_some() {
-                ui.label(no_shape_text(fault));
-                return;
-            }
-            ui.label(
-                "The paper's springs lose stability at these strains and this Poisson ratio: \
-                 their energy has no lower bound, so that no shape can be shown.",
-            );
-            ui.add_space(theme::SPACE);
-            if ui.button("Use the coupled springs").clicked() {
-                scene.springs = Springs::Coupled;
-            }
+            ui.heading(heading);
+            add(ui);
         });
+    });
+}
+
+/// Says why there is no shape, and what can be done.
+fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
+    message(ui, "No stable shape", |ui| {
+        if fault.is_some() {
+            ui.label(no_shape_text(fault));
+            return;
+        }
+        ui.label(
+            "The paper's springs lose stability at these strains and this Poisson ratio: \
+             their energy has no lower bound, so that no shape can be shown.",
+        );
+        ui.add_space(theme::SPACE);
+        if ui.button("Use the coupled springs").clicked() {
+            scene.springs = Springs::Coupled;
+        }
     });
 }
 
 /// A wide line or figure widens its panel, which never gives that back: not at the picture's cost.
 fn side_panel(panel: egui::Panel) -> egui::Panel {
-    panel.default_size(theme::PANEL_WIDTH).max_size(1.15 * theme::PANEL_WIDTH)
+    panel.default_size(theme::PANEL_WIDTH).max_size(1.15 * theme::PANEL_WIDTH).resizable(false)
 }
 
 /// What a side panel holds, as wide as the panel: one that shrinks takes the panel with it, some points

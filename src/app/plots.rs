@@ -1,7 +1,7 @@
 //! Two plots: the layers' curves with the strains now in use, and the cross-section.
 
-use super::controls::group;
 use super::theme;
+use super::widgets::group;
 use crate::session::Session;
 use crate::sheet::NodeKind;
 use eframe::egui::{Color32, RichText, Ui};
@@ -48,9 +48,24 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
                     plot.line(Line::new(name, sampled(used)).color(color).width(3.0));
                     let here = vec![[used, curve.stress(used)]];
                     plot.points(Points::new("", here).color(color).radius(4.0));
+                    let both_ways = session.outcome().and_then(|o| o.layers.get(k)?.max_stress_kpa);
+                    if let Some(stress) = both_ways {
+                        let here = Points::new("", vec![[used, stress]]);
+                        plot.points(
+                            here.color(color)
+                                .radius(5.0)
+                                .filled(false)
+                                .shape(egui_plot::MarkerShape::Diamond),
+                        );
+                    }
                 }
             });
-        ui.small(format!("Strong: strains now in use, up to {:.0} %.", 100.0 * used));
+        ui.small(format!(
+            "Thick line: how far this plan stretches the tissue, {:.0} %. Dot: the stress there if it were \
+             stretched one way, as in the measurement. Diamond: the greatest stress over this implant, \
+             stretched both ways.",
+            100.0 * used
+        ));
     });
 }
 

@@ -1,29 +1,60 @@
 //! The right side: what a surgeon reads off, with units and where the limits come from.
 
-use super::controls::{group, heading};
 use super::theme::{self, SPACE};
+use super::widgets::{group, heading};
+use crate::measure::bands::{pressure_band, pressure_word, strain_band, strain_word};
 use crate::measure::{Outcome, Pressure, STRAIN_BANDS, Status};
-use eframe::egui::{self, RichText, Ui};
+use crate::session::Session;
+use crate::springs::Springs;
+use eframe::egui::{self, Color32, RichText, Ui};
 
-/// Shows a result. While the solver works, it is the result of the scene before, and greyed.
-pub(super) fn show(ui: &mut Ui, outcome: Option<&Outcome>, is_working: bool) {
+/// Shows a result. While a quick solve is under way, the figures of before stay; where it takes longer
+/// (`is_long`), they go, and only a draft of the present scene stays that is known to be near its shape.
+pub(super) fn show(ui: &mut Ui, session: &Session, is_long: bool) {
     heading(ui, "Results");
-    let Some(outcome) = outcome else {
-        ui.label(RichText::new("Solving…").color(ui.visuals().weak_text_color()));
+    let is_near = session.is_outcome_present() && session.scene().springs == Springs::Coupled;
+    let outcome = session.outcome().filter(|_| is_near || !is_long);
+    let Some(outcome) = outcome.filter(|_| !session.is_stopped()) else {
+        let words = if session.is_stopped() { "Not computed." } else { "Updating…" };
+        ui.label(RichText::new(words).color(ui.visuals().weak_text_color()));
         return;
     };
     if outcome.status == Status::Unstable {
         ui.label("There is no stable shape in this scene, so there is nothing to read off.");
         return;
     }
-    ui.scope(|ui| {
-        if is_working {
-            ui.set_opacity(0.55);
-        }
-        shape(ui, outcome);
-        contact(ui, outcome);
-        tissue(ui, outcome);
-    });
+    warnings(ui, session.result());
+    shape(ui, outcome);
+    contact(ui, outcome);
+    tissue(ui, outcome);
+}
+
+/// What a reader must know of before reading a number.
+fn warnings(ui: &mut Ui, result: Option<&Outcome>) {
+    let palette = theme::palette(ui.visuals());
+    let Some(outcome) = result else { return };
+    if outcome.status == Status::NotConverged {
+        let words = RichText::new("! Not finished: do not use these numbers.").strong();
+        ui.add(egui::Label::new(words.color(palette.bad)).wrap());
+    }
+    for warning in &outcome.warnings {
+        let words = RichText::new(format!("! {warning}")).color(palette.caution);
+        ui.add(egui::Label::new(words).wrap());
+    }
+}
+
+/// The colour of a band, from the lowest.
+fn band_color(ui: &Ui, band: usize) -> Color32 {
+    let palette = theme::palette(ui.visuals());
+    [palette.text, palette.caution, palette.bad, palette.bad][band.min(3)]
+}
+
+/// The word of a band in its colour, in a row of its own.
+fn band_row(ui: &mut Ui, band: usize, word: &str) {
+    ui.label("");
+    let text = RichText::new(word).small().color(band_color(ui, band));
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(text));
+    ui.end_row();
 }
 
 fn position_error(outcome: &Outcome) -> f64 {
@@ -61,8 +92,11 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
             row(ui, error, "", part(mmhg, |p| p.mean), 1, "mmHg");
             row(ui, error, "Pressure, greatest", part(kpa, |p| p.max), 2, "kPa");
             row(ui, error, "", part(mmhg, |p| p.max), 1, "mmHg");
+            if let Some(most) = mmhg.map(|p| p.max) {
+                band_row(ui, pressure_band(most), pressure_word(most));
+            }
             row(ui, error, "Contact ends at", outcome.contact_angle_deg, 1, "°");
-            row(ui, error, "… of the tissue at", outcome.contact_material_radius_mm, 1, "mm");
+            row(ui, error, "Tissue touches out to", outcome.contact_material_radius_mm, 1, "mm");
         });
         hint(
             ui,
@@ -74,20 +108,20 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
 
 fn tissue(ui: &mut Ui, outcome: &Outcome) {
     let error = position_error(outcome);
-    let palette = theme::palette(ui.visuals());
     let [high, very_high, failure] = STRAIN_BANDS.map(|limit| 100.0 * limit);
     group(ui, "Tissue", |ui| {
         rows(ui, "tissue", |ui| {
             row(ui, error, "Stretch at the apex", outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
-                row(ui, error, "Greatest strain", Some(100.0 * strain.max_principal), 1, "%");
-                let colors = [palette.caution, palette.bad, palette.bad];
-                for (limit, color) in STRAIN_BANDS.into_iter().zip(colors) {
+                let greatest = strain.max_principal;
+                row(ui, error, "Greatest strain", Some(100.0 * greatest), 1, "%");
+                band_row(ui, strain_band(greatest), strain_word(greatest));
+                for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
                     let key = format!("{limit:.2}");
                     let share = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
                     let name = RichText::new(format!("Area strained above {:.0} %", 100.0 * limit));
-                    let name = if share > 0.0 { name.color(color) } else { name };
-                    row(ui, error, name, Some(100.0 * share), 1, "%");
+                    let color = band_color(ui, if share > 0.0 { k + 1 } else { 0 });
+                    row(ui, error, name.color(color), Some(100.0 * share), 1, "%");
                 }
             }
             for layer in &outcome.layers {
@@ -95,6 +129,11 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
                 row(ui, error, name, layer.max_stress_kpa, 1, "kPa");
             }
         });
+        hint(
+            ui,
+            "Stress is of tissue stretched both ways, as over an implant: higher than the curve's at the \
+             same strain, which is measured stretching one way.",
+        );
         hint(
             ui,
             &format!(

@@ -1,8 +1,8 @@
 //! The mark at the paper's springs: at which strains a sheet of the chosen layers has no stable even
 //! shape, before anything is solved, and the way out.
 
-use super::controls::name_it;
 use super::theme::{self, SPACE, SPACE_SMALL};
+use super::widgets::name_it;
 use crate::experiment::stability::{Limits, Load};
 use crate::scene::{Scene, Springs};
 use eframe::egui::{self, Align2, RichText, Ui, pos2, vec2};

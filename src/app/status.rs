@@ -1,12 +1,13 @@
 //! The status line: is the picture true, what did it cost.
 
-use super::theme::{self, SPACE};
-use crate::measure::Status;
+use super::theme;
+use crate::measure::{Status, no_shape};
 use crate::session::Session;
 use crate::solve::Shown;
 use crate::springs::Springs;
-use eframe::egui::{self, Color32, RichText, Ui};
+use eframe::egui::{RichText, Ui};
 use std::collections::VecDeque;
+use std::fmt::Write as _;
 
 /// Times of the frames and solves so far \[ms\].
 #[derive(Clone, Debug, Default)]
@@ -67,44 +68,55 @@ impl Timing {
     }
 }
 
-/// State of the picture in words and as a colour.
-pub(super) fn state(ui: &Ui, session: &Session) -> (String, Color32) {
-    let palette = theme::palette(ui.visuals());
-    if session.is_working() {
-        let text = match session.solver().shown() {
+/// How the computation stands, in quiet words and with details. A state says nothing of the tissue: that
+/// is what the colours of limits are for.
+struct State {
+    words: &'static str,
+    details: String,
+    is_loud: bool,
+}
+
+fn state(session: &Session) -> State {
+    let quiet = |words, details: String| State { words, details, is_loud: false };
+    let loud = |words, details: String| State { words, details, is_loud: true };
+    if session.is_stopped() {
+        return loud("Stopped: not computed", "The solve was cancelled.".to_owned());
+    }
+    let Some(outcome) = session.result() else {
+        let details = match session.solver().shown() {
             Shown::Draft if session.scene().springs == Springs::Nikolaev => {
-                "Following: whether this shape is stable is still to be seen".to_owned()
+                "A draft of the shape; its stability is being tested.".to_owned()
             }
-            Shown::Draft => "Following: within 0.1 % of the base radius".to_owned(),
+            Shown::Draft => "A draft of the shape, within 0.1 % of the base radius.".to_owned(),
             Shown::Coarse { nodes_per_side } => format!(
-                "Following on a coarse grid: {nodes_per_side} of {} nodes a side",
+                "A draft of the shape on {nodes_per_side} of {} nodes a side.",
                 session.solver().problem().sheet.nodes_per_side()
             ),
-            Shown::Before | Shown::Latest => "Solving…".to_owned(),
+            Shown::Before | Shown::Latest => "The shape of before is still shown.".to_owned(),
         };
-        return (text, palette.caution);
-    }
-    match session.outcome() {
-        None => ("Solving…".to_owned(), palette.caution),
-        Some(outcome) => match outcome.status {
-            Status::Converged => {
-                let error = outcome.solver.estimated_position_error.map_or_else(
-                    || "the tolerance".to_owned(),
-                    |error| percent_text(100.0 * error),
-                );
-                (format!("Converged: within {error} of this grid's equilibrium"), palette.good)
-            }
-            Status::NotConverged => {
-                let error = match outcome.solver.estimated_position_error {
-                    Some(error) if error < 10.0 => {
-                        format!("estimated position error {}", percent_text(100.0 * error))
-                    }
-                    _ => "no error estimate".to_owned(),
-                };
-                (format!("Not converged: {error}"), palette.bad)
-            }
-            Status::Unstable => ("No stable shape".to_owned(), palette.bad),
-        },
+        return quiet("Updating…", details);
+    };
+    let error = outcome.solver.estimated_position_error;
+    match outcome.status {
+        Status::Converged => {
+            let error = error
+                .map_or_else(|| "the tolerance".to_owned(), |error| percent_text(100.0 * error));
+            let details = format!(
+                "Converged: every node is within {error} of the base radius of this grid's equilibrium."
+            );
+            quiet("Up to date", details)
+        }
+        Status::NotConverged => {
+            let error = match error {
+                Some(error) if error < 10.0 => {
+                    format!("estimated position error {}", percent_text(100.0 * error))
+                }
+                _ => "no error estimate".to_owned(),
+            };
+            let words = "Not finished: do not use these numbers";
+            loud(words, format!("The solve ended above its tolerance: {error}."))
+        }
+        Status::Unstable => loud("No stable shape", no_shape(session.solver().fault()).to_owned()),
     }
 }
 
@@ -121,33 +133,25 @@ fn percent_text(percent: f64) -> String {
 
 /// The line itself.
 pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
-    let (text, color) = state(ui, session);
-    let caution = theme::palette(ui.visuals()).caution;
-    ui.horizontal_wrapped(|ui| {
-        let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-        ui.painter().circle_filled(dot.center(), 4.0, color);
-        ui.label(RichText::new(text).color(color));
-        if let Some(outcome) = session.outcome()
-            && !session.is_working()
-        {
-            ui.add_space(SPACE);
-            let solver = &outcome.solver;
-            let figures = format!(
-                "solve {:.0} ms · {:.0} work units · {} nodes · frame {:.1} ms",
-                timing.solve_ms,
-                solver.work_units,
-                solver.nodes_solved,
-                timing.percentile(0.5),
-            );
-            ui.label(RichText::new(figures).small().weak()).on_hover_text(
-                "Time in the solver for this scene, in evaluations of all nodal forces, and the \
-                 middle time of a frame",
-            );
-            for warning in &outcome.warnings {
-                ui.add(egui::Label::new(RichText::new(warning).small().color(caution)).wrap());
-            }
-        }
-    });
+    let State { words, mut details, is_loud } = state(session);
+    if let Some(outcome) = session.result() {
+        let solver = &outcome.solver;
+        let _ = write!(
+            details,
+            "\nSolve {:.0} ms, {:.0} work units (evaluations of all nodal forces), {} nodes; a frame \
+             {:.1} ms.",
+            timing.solve_ms,
+            solver.work_units,
+            solver.nodes_solved,
+            timing.percentile(0.5),
+        );
+    }
+    let text = if is_loud {
+        RichText::new(format!("! {words}")).strong().color(theme::palette(ui.visuals()).bad)
+    } else {
+        RichText::new(words).color(ui.visuals().weak_text_color())
+    };
+    ui.label(text).on_hover_text(details);
 }
 
 #[cfg(test)]

@@ -20,15 +20,19 @@ pub(super) struct Palette {
     panel: Color32,
     field: Color32,
     line: Color32,
-    text: Color32,
+    /// Border of what can be typed into or pressed.
+    pub(super) edge: Color32,
+    /// Rail of a slider.
+    pub(super) rail: Color32,
+    pub(super) text: Color32,
     quiet: Color32,
     /// The one accent.
     pub(super) accent: Color32,
-    /// Converged.
-    pub(super) good: Color32,
-    /// Working, or to be looked at.
+    /// Text on the accent.
+    on_accent: Color32,
+    /// High, or to be looked at.
     pub(super) caution: Color32,
-    /// Refused or failed.
+    /// Very high, refused or failed.
     pub(super) bad: Color32,
     /// Curves in plots, one for each layer in turn.
     pub(super) curves: [Color32; 4],
@@ -43,13 +47,15 @@ const LIGHT: Palette = Palette {
     panel: rgb(0x00FB_FCFC),
     field: rgb(0x00E9_ECEF),
     line: rgb(0x00D5_DADF),
+    edge: rgb(0x0078_818A),
+    rail: rgb(0x008A_929B),
     text: rgb(0x0023_282D),
-    quiet: rgb(0x005F_6872),
+    quiet: rgb(0x0058_616B),
     accent: rgb(0x001F_7A8C),
-    good: rgb(0x002E_7D4F),
-    caution: rgb(0x009A_6700),
+    on_accent: rgb(0x00FF_FFFF),
+    caution: rgb(0x0087_5A00),
     bad: rgb(0x00B3_3A3A),
-    curves: [rgb(0x00B8_5F45), rgb(0x00B0_8614), rgb(0x003F_6FB0), rgb(0x006F_5C9E)],
+    curves: [rgb(0x00A0_4C33), rgb(0x007D_5F00), rgb(0x0035_62A3), rgb(0x006F_5C9E)],
 };
 
 const DARK: Palette = Palette {
@@ -57,10 +63,12 @@ const DARK: Palette = Palette {
     panel: rgb(0x001E_2124),
     field: rgb(0x002A_2E32),
     line: rgb(0x003A_4046),
+    edge: rgb(0x0078_818A),
+    rail: rgb(0x0078_818A),
     text: rgb(0x00E3_E6E9),
     quiet: rgb(0x009D_A6AF),
     accent: rgb(0x0055_B3C5),
-    good: rgb(0x006C_C08F),
+    on_accent: rgb(0x0010_1719),
     caution: rgb(0x00E0_B04A),
     bad: rgb(0x00E8_7C7C),
     curves: [rgb(0x00E0_9A80), rgb(0x00E2_BE5A), rgb(0x0086_AEE6), rgb(0x00B3_A0DC)],
@@ -111,19 +119,20 @@ fn apply(style: &mut Style, palette: &Palette, theme: Theme) {
     visuals.warn_fg_color = palette.caution;
     visuals.error_fg_color = palette.bad;
     visuals.weak_text_color = Some(palette.quiet);
-    visuals.selection.bg_fill = palette.accent.gamma_multiply(0.75);
-    visuals.selection.stroke = Stroke::new(1.0, Color32::WHITE);
-    visuals.slider_trailing_fill = true;
+    visuals.selection.bg_fill = palette.accent;
+    visuals.selection.stroke = Stroke::new(1.0, palette.on_accent);
+    // A cursor that blinks would draw at rest.
+    visuals.text_cursor.blink = false;
     visuals.window_stroke = Stroke::new(1.0, palette.line);
     let corner = CornerRadius::same(6);
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, palette.line);
     widgets.noninteractive.fg_stroke = Stroke::new(1.0, palette.text);
     for (widget, fill, stroke) in [
-        (&mut widgets.inactive, palette.field, Color32::TRANSPARENT),
+        (&mut widgets.inactive, palette.field, palette.edge),
         (&mut widgets.hovered, palette.line, palette.accent),
         (&mut widgets.active, palette.line, palette.accent),
-        (&mut widgets.open, palette.field, palette.line),
+        (&mut widgets.open, palette.field, palette.edge),
     ] {
         widget.bg_fill = fill;
         widget.weak_bg_fill = fill;
@@ -133,4 +142,77 @@ fn apply(style: &mut Style, palette: &Palette, theme: Theme) {
         widget.expansion = 0.0;
     }
     style.visuals = visuals;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance of a colour (WCAG 2.2).
+    fn luminance(color: Color32) -> f64 {
+        let linear = |byte: u8| {
+            let share = f64::from(byte) / 255.0;
+            if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+    }
+
+    /// Contrast ratio of two colours (WCAG 2.2), 1 to 21.
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn contrast_is_that_of_the_standard() {
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-9);
+        assert!((contrast(rgb(0x0077_7777), Color32::WHITE) - 4.48).abs() < 0.01);
+    }
+
+    #[test]
+    fn text_and_parts_can_be_seen_in_both_themes() {
+        for (name, p) in [("light", &LIGHT), ("dark", &DARK)] {
+            let grounds = [("panel", p.panel), ("ground", p.ground), ("field", p.field)];
+            let text = [
+                ("text", p.text),
+                ("quiet", p.quiet),
+                ("caution", p.caution),
+                ("bad", p.bad),
+                ("curve 1", p.curves[0]),
+                ("curve 2", p.curves[1]),
+                ("curve 3", p.curves[2]),
+                ("curve 4", p.curves[3]),
+            ];
+            for (on, ground) in grounds {
+                for (what, color) in text {
+                    let ratio = contrast(color, ground);
+                    assert!(ratio >= 4.5, "{name}: {what} on {on} has {ratio:.2} : 1");
+                }
+                for (what, color) in [("accent", p.accent), ("edge", p.edge)] {
+                    let ratio = contrast(color, ground);
+                    assert!(ratio >= 3.0, "{name}: {what} on {on} has {ratio:.2} : 1");
+                }
+            }
+            let ratio = contrast(p.rail, p.panel);
+            assert!(ratio >= 3.0, "{name}: the rail has {ratio:.2} : 1");
+            let ratio = contrast(p.on_accent, p.accent);
+            assert!(ratio >= 4.5, "{name}: text on the accent has {ratio:.2} : 1");
+            // The accent is also the colour of words: implant, stable.
+            let ratio = contrast(p.accent, p.panel);
+            assert!(ratio >= 4.5, "{name}: accent as text has {ratio:.2} : 1");
+        }
+    }
+
+    #[test]
+    fn what_is_drawn_takes_its_colours_from_the_palette() {
+        let ctx = Context::default();
+        install(&ctx);
+        for (theme, p) in [(Theme::Light, &LIGHT), (Theme::Dark, &DARK)] {
+            let style = ctx.style_of(theme);
+            let selection = &style.visuals.selection;
+            assert_eq!((selection.bg_fill, selection.stroke.color), (p.accent, p.on_accent));
+            assert_eq!(style.visuals.weak_text_color, Some(p.quiet));
+            assert_eq!(style.visuals.widgets.inactive.bg_stroke.color, p.edge);
+        }
+    }
 }

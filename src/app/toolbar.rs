@@ -1,6 +1,6 @@
 //! The top line: files, history, what is coloured, the section, the theme.
 
-use super::controls::name_it;
+use super::widgets::{Kind, NumberField, button_if, choice, name_it};
 use super::{App, theme};
 use crate::session::Command;
 use crate::view::color::Quantity;
@@ -28,8 +28,7 @@ impl App {
                 ("Undo", self.session.can_undo(), Command::Undo),
                 ("Redo", self.session.can_redo(), Command::Redo),
             ] {
-                let button = ui.add_enabled(enabled, egui::Button::new(name));
-                if button.clicked() {
+                if button_if(ui, enabled, name, name, "") {
                     self.run(command);
                 }
             }
@@ -40,10 +39,24 @@ impl App {
             if self.options.section && !is_narrow {
                 ui.toggle_value(&mut self.options.half, "Half")
                     .on_hover_text("Take away a half instead of a quarter");
-                let angle = &mut self.options.section_azimuth_deg;
-                let drag = egui::DragValue::new(angle).range(-180.0..=180.0).suffix("°").speed(1.0);
-                let response = ui.add(drag).on_hover_text("Direction of the cut");
-                name_it(&response, egui::Role::SpinButton, "Direction of the cut");
+                let mut angle = f64::from(self.options.section_azimuth_deg);
+                let field = NumberField {
+                    name: "Direction of the cut",
+                    kind: Kind::Angle,
+                    allowed: -180.0..=180.0,
+                    decimals: 0,
+                    step: 5.0,
+                    width: 40.0,
+                    ..NumberField::default()
+                };
+                let typed = field.show(ui, &mut angle);
+                if typed.is_changed {
+                    self.options.section_azimuth_deg = angle as f32;
+                }
+                typed
+                    .response
+                    .on_hover_text("Direction of the cut, in degrees; arrow keys turn it");
+                ui.label("°");
             }
             ui.toggle_value(&mut self.options.net, "Net").on_hover_text("The springs of the sheet");
             if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
@@ -69,8 +82,13 @@ impl App {
                 self.save_scene(&ctx);
                 ui.close();
             }
-            let has_result = self.session.outcome().is_some();
-            if ui.add_enabled(has_result, egui::Button::new("Save result…")).clicked() {
+            // A result that is not of this scene is never saved.
+            let has_result = self.session.result().is_some();
+            let save = ui.add_enabled(has_result, egui::Button::new("Save result…"));
+            if save
+                .on_disabled_hover_text("While the scene is being computed there is none")
+                .clicked()
+            {
                 self.save_result(&ctx);
                 ui.close();
             }
@@ -110,8 +128,11 @@ impl App {
             .width(130.0)
             .selected_text(name(self.options.quantity))
             .show_ui(ui, |ui| {
-                for choice in choices {
-                    ui.selectable_value(&mut self.options.quantity, choice, name(choice));
+                for quantity in choices {
+                    let present = &mut self.options.quantity;
+                    if choice(ui, *present == quantity, name(quantity)).clicked() {
+                        *present = quantity;
+                    }
                 }
             })
             .response;
@@ -120,6 +141,9 @@ impl App {
     }
 
     pub(super) fn about(&mut self, ctx: &egui::Context) {
+        if self.show_about && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
+            self.show_about = false;
+        }
         egui::Window::new("About")
             .open(&mut self.show_about)
             .collapsible(false)
@@ -144,9 +168,10 @@ impl App {
                 );
                 ui.separator();
                 ui.label(
-                    "Keys: [ and ] insertion · space play · F fit · 1–5 colours · Ctrl+Z undo · \
-                     Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save. On the picture: up and down \
-                     insertion · Shift and arrows turn · + and − zoom.",
+                    "Keys: Ctrl+Z undo · Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save · Tab next control · \
+                     Esc close. On a slider: arrows, Page up and down, Home, End. On the picture, after a \
+                     click on it: [ and ] or up and down insertion · space play · F fit · 1–5 colours · \
+                     Shift and arrows turn · + and − zoom.",
                 );
                 ui.small(format!("Version {}", env!("CARGO_PKG_VERSION")));
             });

@@ -3,7 +3,7 @@
 use super::Pressure;
 use super::deformation::Deformation;
 use super::layers::Layers;
-use crate::sheet::{NodeKind, Sheet};
+use crate::sheet::NodeKind;
 use crate::solve::Solver;
 use glam::{DVec3, dvec3};
 
@@ -20,6 +20,11 @@ pub(super) struct Contact {
     normal: Vec<DVec3>,
     /// Deformed area around each node \[mm²\].
     area: Vec<f64>,
+    /// Does the node touch, and do its eight neighbours?
+    inside: Vec<bool>,
+    nodes_per_side: usize,
+    /// Mean and greatest pressure \[kPa\].
+    pressure: Option<Pressure>,
 }
 
 /// Where contact ends on a centred dome.
@@ -68,7 +73,13 @@ impl Contact {
             }
         }
         let area = (0..sheet.len()).map(|k| deformation.deformed_area(k)).collect();
-        Self { force, normal, area }
+        let n = sheet.nodes_per_side();
+        let inside = (0..sheet.len())
+            .map(|k| force[k] > 0.0 && around(k, n).as_flattened().iter().all(|&k| force[k] > 0.0))
+            .collect();
+        let mut contact = Self { force, normal, area, inside, nodes_per_side: n, pressure: None };
+        contact.pressure = contact.find_pressure();
+        contact
     }
 
     /// Vertical force between dome and sheet \[kPa·mm²\].
@@ -85,10 +96,48 @@ impl Contact {
         self.force[node] > 0.0
     }
 
-    /// Normal force / deformed area of a node \[kPa\]; zero where nothing touches.
-    pub(super) fn nodal_pressure(&self, node: usize) -> f64 {
-        let (force, area) = (self.force[node], self.area[node]);
-        if force > 0.0 && area > 0.0 { force / area } else { 0.0 }
+    /// Force and area of some nodes, summed.
+    fn sums(&self, nodes: impl Iterator<Item = usize>) -> (f64, f64) {
+        nodes.fold((0.0, 0.0), |(f, a), k| (f + self.force[k], a + self.area[k]))
+    }
+
+    /// The node and its eight neighbours.
+    fn around(&self, node: usize) -> [[usize; 3]; 3] {
+        around(node, self.nodes_per_side)
+    }
+
+    /// The mean pressure over a node inside of the contact and its neighbours \[kPa\].
+    fn pressure_inside(&self, node: usize) -> f64 {
+        let (force, area) = self.sums(self.around(node).as_flattened().iter().copied());
+        force / area
+    }
+
+    /// Contact pressure at a node \[kPa\], the field whose greatest value [`Self::pressure`] gives; zero
+    /// where nothing touches.
+    ///
+    /// A node at the contact's edge carries only the part of its surroundings that touches, and its force
+    /// over its whole area says little: it has the pressure of the nodes inside beside it. A contact too
+    /// small for that has its mean everywhere.
+    pub(super) fn pressure_at(&self, node: usize) -> f64 {
+        let Some(Pressure { mean, max }) = self.pressure.filter(|_| self.touches(node)) else {
+            return 0.0;
+        };
+        if max <= mean {
+            return mean;
+        }
+        if self.inside[node] {
+            return self.pressure_inside(node);
+        }
+        let beside = self.around(node);
+        let beside = beside.as_flattened().iter().filter(|&&k| self.inside[k]);
+        let (sum, count) =
+            beside.fold((0.0, 0.0), |(sum, n), &k| (sum + self.pressure_inside(k), n + 1.0));
+        if count > 0.0 { sum / count } else { mean }
+    }
+
+    /// Mean and greatest pressure \[kPa\]; `None` without contact.
+    pub(super) fn pressure(&self) -> Option<Pressure> {
+        self.pressure
     }
 
     /// Mean pressure, and the greatest mean over nine nodes that all touch \[kPa\]. `None` without
@@ -97,26 +146,18 @@ impl Contact {
     /// Pressure is smooth up to the contact's edge, where it falls to zero at once. An edge node
     /// carries only the part of its surroundings that touches: that part is its force divided by
     /// the pressure of the nodes well inside beside it.
-    pub(super) fn pressure(&self, sheet: &Sheet) -> Option<Pressure> {
-        let n = sheet.nodes_per_side();
-        let around = |k: usize| [k - n, k, k + n].map(|row| [row - 1, row, row + 1]);
-        let inside: Vec<bool> = (0..sheet.len())
-            .map(|k| self.touches(k) && around(k).as_flattened().iter().all(|&k| self.touches(k)))
-            .collect();
-        let sums = |nodes: &mut dyn Iterator<Item = usize>| {
-            nodes.fold((0.0, 0.0), |(f, a), k| (f + self.force[k], a + self.area[k]))
-        };
+    fn find_pressure(&self) -> Option<Pressure> {
         let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
-        for k in (0..sheet.len()).filter(|&k| self.touches(k)) {
+        for k in (0..self.force.len()).filter(|&k| self.touches(k)) {
             force += self.force[k];
-            if inside[k] {
+            if self.inside[k] {
                 area += self.area[k];
-                let (f, a) = sums(&mut around(k).as_flattened().iter().copied());
-                max = max.max(f / a);
+                max = max.max(self.pressure_inside(k));
                 continue;
             }
-            let beside = around(k);
-            let (f, a) = sums(&mut beside.as_flattened().iter().copied().filter(|&k| inside[k]));
+            let beside = self.around(k);
+            let (f, a) =
+                self.sums(beside.as_flattened().iter().copied().filter(|&k| self.inside[k]));
             area += if f > 0.0 { self.force[k] * a / f } else { self.area[k] };
         }
         let mean = force / area;
@@ -184,6 +225,12 @@ impl Contact {
             _ => Some(Edge { angle: inner.min(wall.angle), material_radius: reach }),
         }
     }
+}
+
+/// A node of a grid that is not at its border, and its eight neighbours.
+fn around(node: usize, nodes_per_side: usize) -> [[usize; 3]; 3] {
+    let n = nodes_per_side;
+    [node - n, node, node + n].map(|row| [row - 1, row, row + 1])
 }
 
 /// Least-squares fit of y = a + b·u + c·u².

@@ -93,7 +93,7 @@ impl Fields {
                 }
                 Field::ContactPressure => {
                     let contact = self.contact(solver);
-                    self.per_node(|k| contact.nodal_pressure(k))
+                    self.per_node(|k| contact.pressure_at(k))
                 }
             }
         })
@@ -114,7 +114,7 @@ impl Fields {
             Field::AreaStretch => Some(self.deformation.area_stretch(node)),
             Field::Stress(layer) => (layer < self.layers.materials().len())
                 .then(|| self.layers.stress(layer, &self.deformation, node)),
-            Field::ContactPressure => self.contact.get().map(|c| c.nodal_pressure(node)),
+            Field::ContactPressure => self.contact.get().map(|c| c.pressure_at(node)),
         }
     }
 

@@ -9,6 +9,7 @@
 //! `deformation` (one pass over the sheet, shared by all) | `layers` (their law and stresses) |
 //! `contact` | `profile` | `fields` (what is drawn, each when it is asked for) | `surface`.
 
+pub mod bands;
 mod contact;
 mod deformation;
 mod fields;
@@ -301,7 +302,7 @@ impl Outcome {
 
         let contact = fields.contact(solver);
         self.contact_force_n = Some(contact.vertical_force() / 1000.0);
-        self.contact_pressure_kpa = contact.pressure(sheet);
+        self.contact_pressure_kpa = contact.pressure();
         self.contact_pressure_mmhg = self
             .contact_pressure_kpa
             .map(|p| Pressure { mean: p.mean * MMHG_PER_KPA, max: p.max * MMHG_PER_KPA });

@@ -12,6 +12,10 @@ use wasm_bindgen::prelude::*;
 
 /// The canvas that the page has for the app.
 const CANVAS: &str = "implant-preview-canvas";
+/// What the picture shows in words; the Tab key comes to it behind the app's last control.
+const SUMMARY: &str = "implant-preview-summary";
+/// The link before the app: the Tab key comes to it before the app's first control.
+const SKIP: &str = "implant-preview-skip";
 
 /// Room that the heap is given at the start \[bytes\]: more than a session at 129 nodes a side takes.
 const HEAP: usize = 26 << 20;
@@ -72,6 +76,20 @@ fn document() -> Result<web_sys::Document, JsValue> {
         .ok_or_else(|| JsValue::from_str("there is no document"))
 }
 
+/// Gives an element of the page the keyboard's focus, once this frame is over: the runner, which has the
+/// focus until then, would take it back.
+fn focus(id: &'static str) {
+    let give = Closure::once_into_js(move || {
+        let element = document().ok().and_then(|document| document.get_element_by_id(id));
+        if let Some(element) = element.and_then(|e| e.dyn_into::<web_sys::HtmlElement>().ok()) {
+            let _ = element.focus();
+        }
+    });
+    if let Some(window) = web_sys::window() {
+        let _ = window.set_timeout_with_callback(give.unchecked_ref());
+    }
+}
+
 /// What is there as long as the page: the app outlives the runner, which ends with its WebGL context.
 struct Stage {
     canvas: web_sys::HtmlCanvasElement,
@@ -103,6 +121,7 @@ impl Stage {
                 target.add_event_listener_with_callback(name, hear.unchecked_ref())
             };
         listen(&stage.canvas, "webglcontextlost", Self::lost)?;
+        listen(&*document()?, "focusin", Self::focused)?;
         listen(&stage.canvas, "webglcontextrestored", Self::restored)?;
         let window = web_sys::window().ok_or("there is no window")?;
         // The runner listens on the document. It must see the tab hidden before its app is taken, and
@@ -137,6 +156,7 @@ impl Stage {
                 let is_kept = kept.is_some();
                 let new = App::new(&cc.egui_ctx, cc.gl.as_ref(), kept.unwrap_or_default())?;
                 let new = app.insert(new);
+                new.has_surroundings();
                 if is_kept {
                     new.tell("The preview had stopped. This is the scene that was open.");
                 }
@@ -146,6 +166,7 @@ impl Stage {
                 summary: String::new(),
                 scene: None,
                 is_loading: true,
+                is_number: false,
             }))
         });
         if let Err(error) = self.runner.start(self.canvas.clone(), options, create).await {
@@ -156,6 +177,32 @@ impl Stage {
         let handle = JsValue::from(Handle { stage: self });
         // Setting a field of the global object does not fail.
         let _ = js_sys::Reflect::set(&js_sys::global(), &"implantPreview".into(), &handle);
+    }
+
+    /// The focus has come to the canvas, or to the hidden field that hears the keys: from before the app,
+    /// or from behind it?
+    fn focused(&'static self, event: web_sys::Event) {
+        let id = |target: Option<web_sys::EventTarget>| {
+            target.and_then(|t| t.dyn_into::<web_sys::Element>().ok()).map(|element| element.id())
+        };
+        let from = event.unchecked_ref::<web_sys::FocusEvent>().related_target();
+        let is_forwards = match id(from).as_deref() {
+            Some(SKIP) => true,
+            Some(SUMMARY) => false,
+            _ => return,
+        };
+        let is_app = id(event.target()).is_some_and(|id| id == CANVAS || id.is_empty());
+        if is_app
+            && let Ok(mut app) = self.app.try_borrow_mut()
+            && let Some(app) = &mut *app
+        {
+            app.enter(is_forwards);
+        }
+    }
+
+    /// The hidden field next to the canvas that hears the keys while a text is typed.
+    fn key_field(&self) -> Option<web_sys::Element> {
+        self.canvas.next_element_sibling().filter(|element| element.tag_name() == "INPUT")
     }
 
     fn lost(&'static self, event: web_sys::Event) {
@@ -202,6 +249,8 @@ struct Page {
     /// The scene that the page was told of last.
     scene: Option<Scene>,
     is_loading: bool,
+    /// Is the touch screen's keyboard one for numbers?
+    is_number: bool,
 }
 
 impl eframe::App for Page {
@@ -218,6 +267,17 @@ impl eframe::App for Page {
         } else if self.is_loading {
             ui.ctx().request_repaint();
         }
+        if app.is_number_wanted() != self.is_number
+            && let Some(field) = self.stage.key_field()
+        {
+            self.is_number = !self.is_number;
+            let mode = if self.is_number { "decimal" } else { "text" };
+            // Setting an attribute of a valid name does not fail.
+            let _ = field.set_attribute("inputmode", mode);
+        }
+        if let Some(is_forwards) = app.leaves() {
+            focus(if is_forwards { SUMMARY } else { SKIP });
+        }
         // After the frame: a scene that stops the app in its first frame is not kept.
         let scene = app.session().scene();
         if self.scene.as_ref() != Some(scene) {
@@ -226,8 +286,7 @@ impl eframe::App for Page {
         }
         let summary = app.summary();
         if summary != self.summary
-            && let Some(element) =
-                document().ok().and_then(|d| d.get_element_by_id("implant-preview-summary"))
+            && let Some(element) = document().ok().and_then(|d| d.get_element_by_id(SUMMARY))
         {
             element.set_text_content(Some(&summary));
             self.summary = summary;
@@ -270,14 +329,32 @@ impl Handle {
         Ok(())
     }
 
-    /// The scene's result (JSON text), or `undefined` while it is being solved.
+    /// The scene's result with the scene, the program's version and the date (JSON text), or `undefined`
+    /// while it is being solved.
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn result(&self) -> Result<Option<String>, JsError> {
+        Ok(self.stage.app()?.result_json())
+    }
+
+    /// The control that has the keyboard's focus, `{ name, x, y, width, height }` in pixels of the page, or
+    /// `undefined`.
+    ///
+    /// # Errors
+    /// Throws if the app is not running.
+    pub fn focused(&self) -> Result<JsValue, JsError> {
         let app = self.stage.app()?;
-        let outcome = app.outcome().filter(|_| !app.session().is_working());
-        Ok(outcome.and_then(|outcome| serde_json::to_string(&outcome).ok()))
+        let Some((name, [x, y, width, height])) = app.focused() else {
+            return Ok(JsValue::UNDEFINED);
+        };
+        Ok(object([
+            ("name", name.into()),
+            ("x", x.into()),
+            ("y", y.into()),
+            ("width", width.into()),
+            ("height", height.into()),
+        ]))
     }
 
     /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, solver_ms_max,
@@ -287,8 +364,7 @@ impl Handle {
     /// Throws if the app is not running.
     pub fn stats(&self) -> Result<JsValue, JsError> {
         let stats = self.stage.app()?.stats();
-        let object = js_sys::Object::new();
-        for (name, value) in [
+        Ok(object([
             ("frames", JsValue::from(stats.frames as f64)),
             ("frame_ms_p50", stats.frame_ms_p50.into()),
             ("frame_ms_p95", stats.frame_ms_p95.into()),
@@ -301,10 +377,16 @@ impl Handle {
             ("work_units", stats.work_units.into()),
             ("tables", JsValue::from(stats.tables as f64)),
             ("measurements", JsValue::from(stats.measurements as f64)),
-        ] {
-            // Setting a field of a fresh object does not fail.
-            let _ = js_sys::Reflect::set(&object, &name.into(), &value);
-        }
-        Ok(object.into())
+        ]))
     }
+}
+
+/// A JavaScript object of these fields.
+fn object<const N: usize>(fields: [(&str, JsValue); N]) -> JsValue {
+    let object = js_sys::Object::new();
+    for (name, value) in fields {
+        // Setting a field of a fresh object does not fail.
+        let _ = js_sys::Reflect::set(&object, &name.into(), &value);
+    }
+    object.into()
 }

@@ -8,6 +8,7 @@
 //! `session` and the platforms.
 
 pub mod read;
+mod repair;
 
 use crate::curve::{Curve, CurveError, CurveSpec, List, Pair, number, object};
 use crate::implant::Dome;
@@ -17,6 +18,7 @@ use crate::solve::{Material, Problem, Progress, Solver};
 pub use crate::springs::Springs;
 use glam::DVec2;
 pub use read::MAX_SCENE_BYTES;
+pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 

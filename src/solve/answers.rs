@@ -194,6 +194,23 @@ impl Solver {
         error / self.problem.dome.base_radius
     }
 
+    /// How far the solve has come, 0 to 1: nested grids count for a third, the finest grid's estimated
+    /// error for the rest. It may fall back where a grid is begun anew.
+    #[must_use]
+    pub fn share_done(&self) -> f64 {
+        let (grid, grids) = match (self.stage, &self.newton) {
+            (Stage::Newton, Some(newton)) => newton.grid(),
+            _ => (1, 1),
+        };
+        let nested = (grid as f64 / grids as f64) / 3.0;
+        if grid < grids {
+            return nested;
+        }
+        let error = self.estimated_position_error().clamp(self.problem.tolerance, 1.0);
+        let least = self.problem.tolerance.min(0.1);
+        nested + (error.ln() / least.ln()).clamp(0.0, 1.0) * 2.0 / 3.0
+    }
+
     /// The coupled springs' law with its tables; `None` for the paper's springs.
     #[must_use]
     pub fn coupled_law(&self) -> Option<&CoupledLaw> {

@@ -1,7 +1,7 @@
 //! The picture of the present shape: its meshes, remade only when what they show has changed.
 
 use crate::implant::Dome;
-use crate::measure::{Fields, Status};
+use crate::measure::Fields;
 use crate::session::Session;
 use crate::solve::Shown;
 use crate::view::body::Body;
@@ -155,9 +155,7 @@ fn take_unused(meshes: &mut Vec<Arc<Mesh>>) -> Vec<Vertex> {
 
 /// No shape is shown where the springs have none, nor one that is not made of numbers.
 fn is_hidden(session: &Session) -> bool {
-    let unstable = !session.is_working()
-        && session.outcome().is_some_and(|outcome| outcome.status == Status::Unstable);
-    unstable || session.shape().iter().any(|p| !p.is_finite())
+    session.has_no_shape() || session.shape().iter().any(|p| !p.is_finite())
 }
 
 #[cfg(test)]

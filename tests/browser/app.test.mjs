@@ -55,7 +55,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.deepEqual(opened.scene, defaults);
     assert.equal(downloads.length, 1);
     assertSameAsNative(opened);
-    assert.match(await page.locator("#implant-preview-summary").textContent(), /^Converged\./);
+    assert.match(await page.locator("#implant-preview-summary").textContent(), /^Up to date\. Skin projection 62\./);
     const frames = await settled(page);
     const before = await stats(page);
     await page.waitForTimeout(2000);
@@ -72,6 +72,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
   test("keys move the implant; the answer is the native one; undo takes it back", async () => {
     const { page, problems, close } = await openApp();
     const before = await solved(page);
+    await harness.focusPicture(page);
     const press = async (key, insertion) => {
       await page.keyboard.press(key);
       await page.waitForFunction(
@@ -94,8 +95,9 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await settled(page);
     const before = await solved(page);
     const insertion = () => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);
-    const slider = await harness.findControl(page, insertion);
-    assert.ok(slider, "no slider answers the pointer");
+    const rail = await harness.control(page, "Insertion (%)");
+    // The handle is at the right end.
+    const slider = { x: rail.x + rail.width - 7, y: rail.y + rail.height / 2 };
     await page.mouse.move(slider.x, slider.y);
     await page.waitForTimeout(300);
     await page.mouse.down();
@@ -149,7 +151,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await close();
   });
 
-  test("fits a phone, in the dark, and is moved by a finger", async () => {
+  test("fits a phone, in the dark; a finger scrolls, moves sliders and reads values", async () => {
     const { page, problems, close } = await openApp({
       viewport: { width: 390, height: 844 },
       // A scale of 2 would be emulated only by half: the size in device pixels that the app asks for is not.
@@ -167,10 +169,50 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.deepEqual(fit, { width: 390, height: 844, scrollable: false, inner: [390, 844] });
     await settled(page);
     await harness.screenshot(page, "phone");
-    const touched = await harness.findControl(page, () => page.evaluate(() => implantPreview.scene()), {
-      finger: true,
-    });
-    assert.ok(touched, "no control answers the finger");
+    const finger = await page.context().newCDPSession(page);
+    /** A finger that goes down, travels and goes up. */
+    const swipe = async (x, y, dx, dy) => {
+      const touch = (type, at) =>
+        finger.send("Input.dispatchTouchEvent", { type, touchPoints: at ? [{ x: at[0], y: at[1] }] : [] });
+      await touch("touchStart", [x, y]);
+      for (let k = 1; k <= 8; k += 1) {
+        await page.waitForTimeout(60);
+        await touch("touchMove", [x + (dx * k) / 8, y + (dy * k) / 8]);
+      }
+      await page.waitForTimeout(60);
+      await touch("touchEnd");
+      await page.waitForTimeout(300);
+    };
+    const before = await page.evaluate(() => implantPreview.scene());
+    let rail = await harness.control(page, "Base radius (mm)");
+    const beside = (at) => [at.x + 0.8 * at.width, at.y + at.height / 2];
+    // Up and down on a slider, the panel scrolls; nothing else moves.
+    await swipe(...beside(rail), 4, -80);
+    assert.equal(await page.evaluate(() => implantPreview.scene()), before);
+    const up = rail.y - (await harness.focused(page)).y;
+    assert.ok(up > 30, `the panel was scrolled by ${up} pixels`);
+    await swipe(...beside(await harness.focused(page)), 4, 100);
+    assert.equal(await page.evaluate(() => implantPreview.scene()), before);
+    // Along it, it moves.
+    rail = await harness.focused(page);
+    await swipe(...beside(rail), -40, 3);
+    const { base_radius_mm } = JSON.parse(await page.evaluate(() => implantPreview.scene())).implant;
+    assert.ok(base_radius_mm < 52, `the radius is ${base_radius_mm} mm`);
+    // A number field asks for the keyboard with digits, nothing else does.
+    const keyboard = () => page.locator("#implant-preview-canvas + input").getAttribute("inputmode");
+    assert.notEqual(await keyboard(), "decimal");
+    await page.touchscreen.tap(rail.x + rail.width + 40, rail.y + rail.height / 2);
+    await page.waitForTimeout(500);
+    assert.equal(await keyboard(), "decimal");
+    assert.equal(await page.evaluate(() => document.activeElement.tagName), "INPUT");
+    // A tap on the picture shows the values there, and puts the keyboard away.
+    const still = await page.screenshot({ clip: { x: 0, y: 80, width: 390, height: 380 } });
+    await page.touchscreen.tap(120, 260);
+    await page.waitForTimeout(800);
+    const tapped = await page.screenshot({ clip: { x: 0, y: 80, width: 390, height: 380 } });
+    assert.ok((await harness.difference(page, still, tapped)) > 2000, "a tap shows no values");
+    assert.equal(await keyboard(), "text");
+    await harness.screenshot(page, "phone-values");
     assertSameAsNative(await solved(page));
     assert.ok((await harness.colours(page)) > 200, "the picture is blank");
     assert.deepEqual(problems, []);

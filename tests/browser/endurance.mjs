@@ -111,6 +111,7 @@ export async function endure(page, seconds, { warm = 0, tell = () => {} } = {}) 
     if (seen.size < 2) await harness.screenshot(page, "endurance");
     assert.ok(seen.size >= 2, `${name} does not move: ${[...seen]}`);
     const colour = String(1 + (drags % 5));
+    await harness.focusPicture(page);
     for (const key of ["Control+z", "Control+z", "Control+Shift+z", colour]) {
       await page.keyboard.press(key);
       await page.waitForTimeout(20);

@@ -151,6 +151,15 @@ export async function colours(page) {
   });
 }
 
+/** The darkest pixel of a picture, 0 to 255. */
+export function darkest(page, picture) {
+  return withPixels(page, [picture], (bytes) => {
+    let least = 255;
+    for (let k = 0; k < bytes.length; k += 4) least = Math.min(least, Math.max(bytes[k], bytes[k + 1], bytes[k + 2]));
+    return least;
+  });
+}
+
 /** How many pixels of two pictures of one size differ by more than 4 of 255 in a channel (rounding). */
 export function difference(page, a, b) {
   return withPixels(page, [a, b], (x, y) => {
@@ -233,6 +242,12 @@ export async function openTab(browser, { init } = {}) {
         await send("Input.dispatchKeyEvent", { type, key, code: key === " " ? "Space" : key, text });
       }
     },
+    click: async (x, y) => {
+      for (const type of ["mouseMoved", "mousePressed", "mouseReleased"]) {
+        await pause(150);
+        await send("Input.dispatchMouseEvent", { type, x, y, button: "left", clickCount: 1 });
+      }
+    },
     show: () => root.send("Target.activateTarget", { targetId }),
     close: () => root.send("Target.closeTarget", { targetId }),
   };
@@ -240,29 +255,60 @@ export async function openTab(browser, { init } = {}) {
 
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/**
- * The app is one canvas: where a control is can only be found by trying. Goes up from the bottom and
- * gives the first point where a click (or a finger) changes what `read` returns.
- */
-export async function findControl(page, read, { finger = false } = {}) {
-  const { width, height } = page.viewportSize();
-  const before = await read();
-  for (let y = height - 8; y > height / 2; y -= 6) {
-    const at = { x: 0.4 * width, y };
-    if (finger) {
-      await page.touchscreen.tap(at.x, at.y);
-      await page.waitForTimeout(150);
-    } else {
-      await page.mouse.move(at.x, at.y);
-      await page.waitForTimeout(80);
-      await page.mouse.down();
-      await page.waitForTimeout(80);
-      await page.mouse.up();
-      await page.waitForTimeout(80);
-    }
-    if ((await read()) !== before) return at;
+/** The control that has the keyboard's focus. */
+export const focused = (page) => page.evaluate(() => implantPreview.focused());
+
+/** What of the page has the keyboard's focus: the app, or what is before or behind it. */
+export const place = (page) =>
+  page.evaluate(() => {
+    const id = document.activeElement?.id;
+    if (id === "implant-preview-skip") return "before";
+    if (id === "implant-preview-summary") return "behind";
+    return id === "implant-preview-canvas" || document.activeElement?.tagName === "INPUT" ? "app" : "page";
+  });
+
+/** Presses the Tab key and waits until the focus is elsewhere. */
+export async function tab(page, { back = false } = {}) {
+  const state = async () => JSON.stringify([await focused(page), await place(page)]);
+  const before = await state();
+  await page.keyboard.press(back ? "Shift+Tab" : "Tab");
+  for (let tries = 0; tries < 100; tries += 1) {
+    if ((await state()) !== before) break;
+    await page.waitForTimeout(30);
   }
-  return null;
+  // Out of the app it takes a frame more, and scrolling too: until nothing more is drawn.
+  const drawn = async () => (await state()) + (await page.evaluate(() => implantPreview.stats().frames));
+  for (let last = before, now; (now = await drawn()) !== last; last = now) await page.waitForTimeout(150);
+}
+
+/** Goes by the Tab key to the control of a name, and gives its place: the app is one canvas. */
+export async function control(page, name) {
+  for (let presses = 0; presses < 150; presses += 1) {
+    const now = await focused(page);
+    if (now?.name === name) return now;
+    await tab(page);
+  }
+  throw new Error(`no control is called ${name}`);
+}
+
+/** Types into the number field of a name, in place of what is there, and presses Enter. */
+export async function type(page, name, text) {
+  // The slider before it has the same name.
+  await control(page, name);
+  await tab(page);
+  await page.keyboard.type(text, { delay: 40 });
+  await page.keyboard.press("Enter");
+  await page.waitForTimeout(300);
+}
+
+/** Gives the picture the focus, by a click on its empty corner: single keys are for it. */
+export async function focusPicture(page) {
+  const { width, height } = page.viewportSize();
+  const at = width < 760 ? [16, 0.35 * height] : [0.38 * width, 0.2 * height];
+  await page.mouse.click(...at);
+  for (let tries = 0; tries < 100 && (await focused(page))?.name !== "3-D view"; tries += 1) {
+    await page.waitForTimeout(30);
+  }
 }
 
 /** The greatest distance [mm] between the points of two profiles. */

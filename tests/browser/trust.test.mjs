@@ -113,6 +113,7 @@ describe("the policy of the page", { timeout: 6 * harness.PATIENCE }, () => {
       buffer: Buffer.from(JSON.stringify(opened)),
     });
     await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.5);
+    await harness.focusPicture(page);
     await page.keyboard.press("4");
     const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Control+s")]);
     assert.equal(download.suggestedFilename(), "scene.json");
@@ -187,6 +188,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
       assert.ok(pixels > 100, `${name} does not show: ${pixels} pixels`);
       seen.push(now);
     };
+    await harness.focusPicture(page);
     await change("the insertion", () => page.keyboard.press("["));
     await change("another insertion", () => page.keyboard.press("["));
     await change("the colours", () => page.keyboard.press("3"));
@@ -231,6 +233,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
 
   test("that does not come back keeps the scene for a reload", async () => {
     const { page, close } = await openApp({ viewport: { width: 390, height: 844 }, options: { colorScheme: "dark" } });
+    await harness.focusPicture(page);
     await page.keyboard.press("[");
     await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.98);
     const scene = await sceneOf(page);
@@ -269,6 +272,9 @@ describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
       implantPreview.setScene(JSON.stringify(scene));
     })()`);
     await tab.waitFor("implantPreview.stats().converged");
+    await tab.evaluate("innerWidth"); // the layout is there
+    await tab.click(400, 200);
+    await tab.waitFor("implantPreview.focused()?.name === '3-D view'");
     await tab.press(" ", " ");
     await tab.waitFor("JSON.parse(implantPreview.scene()).insertion > 0.15");
 

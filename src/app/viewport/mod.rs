@@ -63,8 +63,10 @@ pub(crate) struct Viewport {
     placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
-    /// Did the focus come by a click? Then it needs no frame.
-    focused_by_hand: bool,
+    /// Where a finger has tapped: the values there stay, because a finger does not hover.
+    tapped: Option<Pos2>,
+    /// Where a finger came down last.
+    touched: Option<Pos2>,
     picture: Picture,
     /// Where the clock of the picture starts.
     start: Instant,
@@ -82,7 +84,8 @@ impl Viewport {
             placed: false,
             aspect: 1.4,
             id: None,
-            focused_by_hand: false,
+            tapped: None,
+            touched: None,
             picture: Picture::default(),
             start: Instant::now(),
         };
@@ -166,11 +169,6 @@ impl Viewport {
         }
         overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));
         self.show_values(ui, &painter, &response, session, section);
-        self.focused_by_hand &= response.has_focus();
-        if response.has_focus() && !self.focused_by_hand {
-            let stroke = ui.visuals().selection.stroke;
-            painter.rect_stroke(area.shrink(1.0), 2.0, stroke, egui::StrokeKind::Inside);
-        }
     }
 
     /// A view that no hand has moved goes on fitting when the window changes its form.
@@ -191,7 +189,6 @@ impl Viewport {
         let mut moved = false;
         if response.clicked() || response.drag_started() {
             response.request_focus();
-            self.focused_by_hand = true;
         }
         let to_glam = |v: egui::Vec2| Vec2::new(v.x, v.y);
         let delta = to_glam(response.drag_delta());
@@ -221,6 +218,7 @@ impl Viewport {
         }
         if moved {
             self.fitted = None;
+            self.tapped = None;
         }
         moved || eased
     }
@@ -304,7 +302,7 @@ impl Viewport {
     }
 
     fn show_values(
-        &self,
+        &mut self,
         ui: &Ui,
         painter: &egui::Painter,
         response: &Response,
@@ -312,7 +310,22 @@ impl Viewport {
         section: Section,
     ) {
         let busy = session.is_working() && self.picture.body.nodes_per_side > PICK_WHILE_SOLVING;
-        let Some(pointer) = response.hover_pos() else { return };
+        // A quick finger is down and up again within one frame.
+        ui.input(|input| {
+            for event in &input.events {
+                if let egui::Event::Touch { phase: egui::TouchPhase::Start, pos, .. } = event {
+                    self.touched = Some(*pos);
+                }
+            }
+        });
+        if response.clicked() {
+            let at = self.touched.take();
+            // A second tap on the same place puts the values away.
+            let is_same = |a: Pos2, b: Pos2| a.distance(b) < 24.0;
+            let is_again = self.tapped.zip(at).is_some_and(|(a, b)| is_same(a, b));
+            self.tapped = at.filter(|_| !is_again);
+        }
+        let Some(pointer) = response.hover_pos().or(self.tapped) else { return };
         if busy || response.dragged() {
             return;
         }

@@ -140,6 +140,11 @@ impl NestedNewton {
         &self.levels[self.levels.len() - 1]
     }
 
+    /// Grid at work, counted from 1 for the coarsest, and how many there are.
+    pub(crate) fn grid(&self) -> (usize, usize) {
+        (self.current + 1, self.levels.len())
+    }
+
     /// Is the finest grid being solved?
     pub(crate) fn is_on_finest(&self) -> bool {
         self.current + 1 == self.levels.len()

@@ -1,0 +1,138 @@
+//! A row with a slider: label and unit, rail, typed value, and the reason where one is refused.
+
+use super::number_field::NumberField;
+use super::quantity::{self, Kind};
+use super::rail::Rail;
+use crate::app::theme;
+use eframe::egui::{self, RichText, Sense, Ui};
+use std::ops::RangeInclusive;
+
+/// A slider with label, unit, typed value, double-click to reset and a tooltip.
+pub(in crate::app) struct Control<'a> {
+    pub(in crate::app) label: &'a str,
+    /// Unit behind the label.
+    pub(in crate::app) unit: &'a str,
+    /// What is measured: decides which units may be typed.
+    pub(in crate::app) kind: Kind,
+    /// What the rail shows.
+    pub(in crate::app) range: RangeInclusive<f64>,
+    /// What may be stored; `None`: the rail's range.
+    pub(in crate::app) allowed: Option<RangeInclusive<f64>>,
+    /// Why no more than that.
+    pub(in crate::app) limit: &'a str,
+    pub(in crate::app) reset: f64,
+    /// The least decimals shown.
+    pub(in crate::app) decimals: usize,
+    /// What dragging and keys round to; 0: some digits of the value.
+    pub(in crate::app) step: f64,
+    pub(in crate::app) logarithmic: bool,
+    pub(in crate::app) tooltip: &'a str,
+}
+
+impl Default for Control<'_> {
+    fn default() -> Self {
+        Self {
+            label: "",
+            unit: "",
+            kind: Kind::Plain,
+            range: 0.0..=1.0,
+            allowed: None,
+            limit: "",
+            reset: 0.0,
+            decimals: 1,
+            step: 0.5,
+            logarithmic: false,
+            tooltip: "",
+        }
+    }
+}
+
+/// What came of showing a control.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::app) struct Change {
+    /// Was another value stored?
+    pub(in crate::app) is_changed: bool,
+    /// A value that was asked for in this frame and is not allowed.
+    pub(in crate::app) asked: Option<f64>,
+}
+
+impl Control<'_> {
+    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> Change {
+        let name = match self.unit {
+            "" => self.label.to_owned(),
+            unit => format!("{} ({unit})", self.label),
+        };
+        let allowed = self.allowed.unwrap_or_else(|| self.range.clone());
+        let tooltip = format!(
+            "{}\nDouble-click the name to reset to {}.",
+            self.tooltip,
+            quantity::format(self.reset, 0)
+        );
+        let label = ui.label(RichText::new(&name).color(ui.visuals().weak_text_color()));
+        // Not a stop of the Tab key.
+        let label = label.interact(Sense::CLICK).on_hover_text(&tooltip);
+        let (mut change, mut refusal) = (Change::default(), None);
+        ui.horizontal(|ui| {
+            // The value stands right of the rail, at the same place in every row.
+            let field_width = 62.0;
+            let rail = Rail {
+                name: &name,
+                range: self.range.clone(),
+                allowed: allowed.clone(),
+                step: self.step,
+                logarithmic: self.logarithmic,
+                width: (ui.available_width() - field_width - 26.0).max(60.0),
+            };
+            let moved = rail.show(ui, value);
+            moved.response.on_hover_text(&tooltip);
+            let field = NumberField {
+                name: &name,
+                kind: self.kind,
+                allowed,
+                limit: self.limit,
+                decimals: self.decimals,
+                step: if self.step > 0.0 { self.step } else { 0.1 },
+                width: field_width,
+                is_faulty: false,
+            };
+            let typed = field.show(ui, value);
+            change.is_changed = moved.is_changed || typed.is_changed;
+            change.asked = moved.asked.or(typed.asked);
+            refusal = typed.refusal;
+        });
+        if let Some(refusal) = refusal {
+            refused(ui, &refusal);
+        }
+        if label.double_clicked() && value.to_bits() != self.reset.to_bits() {
+            *value = self.reset;
+            change.is_changed = true;
+        }
+        change
+    }
+}
+
+/// The reason why something typed was not taken.
+pub(in crate::app) fn refused(ui: &mut Ui, reason: &str) {
+    let color = theme::palette(ui.visuals()).bad;
+    ui.add(egui::Label::new(RichText::new(format!("Not taken: {reason}")).color(color)).wrap());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slider_that_no_hand_moves_leaves_its_value_alone() {
+        // Finer than the step, and outside of the range that the slider offers.
+        for given in [55.3, 1.234_567, 130.0] {
+            let mut value = given;
+            let mut changed = false;
+            egui::__run_test_ui(|ui| {
+                let control =
+                    Control { label: "Base radius", range: 10.0..=120.0, ..Control::default() };
+                changed |= control.show(ui, &mut value).is_changed;
+            });
+            assert!(!changed && value.to_bits() == given.to_bits(), "{given} became {value}");
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! What panels are made of: numbers that are typed exactly, sliders, groups, and names for screen readers.
+//!
+//! Uses `theme`. Used by every panel.
+
+mod control;
+mod number_field;
+pub(super) mod quantity;
+mod rail;
+
+pub(super) use control::{Control, refused};
+pub(super) use number_field::NumberField;
+pub(super) use quantity::Kind;
+
+use super::theme::{SPACE, SPACE_SMALL};
+use eframe::egui::{self, Response, RichText, Ui};
+
+/// A titled group that can be folded.
+pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
+    egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(
+        ui,
+        |ui| {
+            add(ui);
+            ui.add_space(SPACE);
+        },
+    );
+}
+
+/// A heading with room above it.
+pub(super) fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(SPACE_SMALL);
+    ui.heading(text);
+    ui.add_space(SPACE_SMALL);
+}
+
+/// Gives a widget whose text is an icon or a number its name for screen readers and tests.
+pub(super) fn name_it(response: &Response, role: egui::Role, name: &str) {
+    response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
+}
+
+/// A button that may have nothing to do: it is then dim and does nothing, but keeps the keyboard's focus,
+/// which a disabled button would take with it. Returns whether it was pressed.
+pub(super) fn button_if(ui: &mut Ui, is_able: bool, text: &str, name: &str, tip: &str) -> bool {
+    let color = if is_able { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
+    let text = RichText::new(text).color(color);
+    let button =
+        if is_able { egui::Button::new(text) } else { egui::Button::new(text).frame(false) };
+    let response = ui.add(button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, is_able, name));
+    let is_pressed = response.clicked();
+    if !tip.is_empty() {
+        response.on_hover_text(tip);
+    }
+    is_able && is_pressed
+}
+
+/// One of the choices of a box, which closes when it is taken, by a key too.
+pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::WidgetText>) -> Response {
+    let response = ui.selectable_label(is_present, text.into());
+    if response.clicked() {
+        ui.close();
+    }
+    response
+}
+
+/// Has a number field the keyboard? Then a touch screen's keyboard should show digits.
+pub(super) fn is_number_wanted(ctx: &egui::Context) -> bool {
+    let focused = ctx.memory(egui::Memory::focused);
+    let number = ctx.data(|data| data.get_temp::<egui::Id>(number_field::focused_key()));
+    focused.is_some() && focused == number
+}

@@ -1,0 +1,261 @@
+//! A field for one number: what is typed is what is stored, or it is refused in words.
+
+use super::quantity::{self, Kind};
+use crate::app::theme;
+use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, Ui};
+use egui::text::{CCursor, CCursorRange};
+use std::ops::RangeInclusive;
+
+/// A number that can be typed, and stepped by the arrow keys.
+pub(in crate::app) struct NumberField<'a> {
+    /// Name for screen readers and tests.
+    pub(in crate::app) name: &'a str,
+    pub(in crate::app) kind: Kind,
+    /// What may be stored.
+    pub(in crate::app) allowed: RangeInclusive<f64>,
+    /// Why no more than that; where empty, the limit is said.
+    pub(in crate::app) limit: &'a str,
+    /// The least decimals shown.
+    pub(in crate::app) decimals: usize,
+    /// Step of the arrow keys.
+    pub(in crate::app) step: f64,
+    /// Width \[points\].
+    pub(in crate::app) width: f32,
+    /// Is the stored value itself refused, by what is around it?
+    pub(in crate::app) is_faulty: bool,
+}
+
+impl Default for NumberField<'_> {
+    fn default() -> Self {
+        Self {
+            name: "",
+            kind: Kind::Plain,
+            allowed: f64::MIN..=f64::MAX,
+            limit: "",
+            decimals: 1,
+            step: 1.0,
+            width: 62.0,
+            is_faulty: false,
+        }
+    }
+}
+
+/// What came of showing a field.
+pub(in crate::app) struct Typed {
+    pub(in crate::app) response: Response,
+    /// Was another value stored?
+    pub(in crate::app) is_changed: bool,
+    /// Why what stands in the field was not stored.
+    pub(in crate::app) refusal: Option<String>,
+    /// A number that was typed now and is out of range.
+    pub(in crate::app) asked: Option<f64>,
+}
+
+/// Text that is being typed, or was refused.
+#[derive(Clone)]
+struct Edit {
+    text: String,
+    /// The value that the text is to replace.
+    of: f64,
+    refusal: Option<String>,
+}
+
+/// Where the field with the keyboard's focus is kept.
+pub(super) fn focused_key() -> Id {
+    Id::unique("number field with the focus")
+}
+
+impl NumberField<'_> {
+    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> Typed {
+        let id = ui.make_persistent_id((self.name, "number"));
+        let before = *value;
+        let kept = ui.data(|data| data.get_temp::<Edit>(id));
+        let mut edit = kept.filter(|edit| edit.of.to_bits() == value.to_bits());
+        let mut asked = None;
+        if ui.memory(|memory| memory.has_focus(id)) {
+            ui.data_mut(|data| data.insert_temp(focused_key(), id));
+            let steps = steps(ui);
+            if steps != 0.0 {
+                // From a value between steps to the next one.
+                let next = if steps > 0.0 { f64::floor } else { f64::ceil };
+                let place = next(*value / self.step + steps.signum() * 1e-9);
+                *value = self.clamped((place + steps) * self.step);
+                edit = None;
+            }
+        }
+        for request in accesskit_values(ui, id) {
+            asked = self.take(value, &mut edit, &request).or(asked);
+        }
+
+        let palette = theme::palette(ui.visuals());
+        let shown = quantity::format(*value, self.decimals);
+        let mut text = edit.as_ref().map_or_else(|| shown.clone(), |edit| edit.text.clone());
+        let is_refused = self.is_faulty || edit.as_ref().is_some_and(|e| e.refusal.is_some());
+        let visuals = ui.visuals();
+        let stroke = if is_refused {
+            egui::Stroke::new(2.0, palette.bad)
+        } else {
+            egui::Stroke::new(1.0, palette.edge)
+        };
+        let frame = egui::Frame::new()
+            .fill(visuals.extreme_bg_color)
+            .stroke(stroke)
+            .corner_radius(visuals.widgets.inactive.corner_radius)
+            .inner_margin(egui::Margin::symmetric(5, 2));
+        let field = egui::TextEdit::singleline(&mut text)
+            .id(id)
+            .frame(frame)
+            .font(egui::TextStyle::Monospace)
+            .align(egui::Align2::RIGHT_CENTER)
+            .desired_width(self.width)
+            .char_limit(64)
+            .event_filter(EventFilter {
+                horizontal_arrows: true,
+                vertical_arrows: true,
+                ..EventFilter::default()
+            })
+            // Enter takes the number and stays here.
+            .return_key(None);
+        let output = field.show(ui);
+        let mut response = output.response.response;
+        if response.gained_focus() {
+            let mut state = output.state;
+            let all = CCursorRange::two(CCursor::new(0), CCursor::new(text.chars().count()));
+            state.cursor.set_char_range(Some(all));
+            state.store(ui.ctx(), id);
+        }
+        let is_typed = text != edit.as_ref().map_or(&shown, |edit| &edit.text).as_str();
+        if is_typed {
+            // A refused number is judged again with every key.
+            let was_refused = edit.as_ref().is_some_and(|edit| edit.refusal.is_some());
+            let refusal = if was_refused { self.read(&text).err() } else { None };
+            edit = Some(Edit { text: text.clone(), of: *value, refusal });
+        }
+        let (enter, escape) =
+            ui.input(|input| (input.key_pressed(Key::Enter), input.key_pressed(Key::Escape)));
+        if escape && (response.lost_focus() || response.has_focus()) {
+            edit = None;
+        } else if (enter && response.has_focus()) || response.lost_focus() {
+            if edit.is_some() {
+                asked = self.take(value, &mut edit, &text).or(asked);
+            }
+            if enter && response.has_focus() {
+                let shown = edit.as_ref().map_or_else(
+                    || quantity::format(*value, self.decimals),
+                    |edit| edit.text.clone(),
+                );
+                select_all(ui, id, &shown);
+            }
+        }
+        let is_changed = value.to_bits() != before.to_bits();
+        let refusal = edit.as_ref().and_then(|edit| edit.refusal.clone());
+        ui.data_mut(|data| match edit {
+            Some(edit) => {
+                data.insert_temp(id, edit);
+            }
+            None => data.remove::<Edit>(id),
+        });
+        self.describe(ui, &response, *value);
+        if let Some(refusal) = &refusal {
+            response = response.on_hover_text(refusal);
+        }
+        Typed { response, is_changed, refusal, asked }
+    }
+
+    /// Stores what was typed, or keeps it with the reason against it; gives a number that is out of range.
+    fn take(&self, value: &mut f64, edit: &mut Option<Edit>, text: &str) -> Option<f64> {
+        match self.read(text) {
+            Ok(number) => {
+                // What only stands for the stored value changes nothing.
+                if text != quantity::format(*value, self.decimals) {
+                    *value = number;
+                }
+                *edit = None;
+                None
+            }
+            Err(refusal) => {
+                *edit = Some(Edit { text: text.to_owned(), of: *value, refusal: Some(refusal) });
+                quantity::parse(text, self.kind).ok()
+            }
+        }
+    }
+
+    fn read(&self, text: &str) -> Result<f64, String> {
+        let number = quantity::parse(text, self.kind)?;
+        if self.allowed.contains(&number) {
+            return Ok(number);
+        }
+        if !self.limit.is_empty() {
+            return Err(self.limit.to_owned());
+        }
+        let unit = self.kind.unit();
+        let end = |value: f64| {
+            let text = quantity::format(value, 0);
+            if unit.is_empty() { text } else { format!("{text} {unit}") }
+        };
+        let (least, most) = (*self.allowed.start(), *self.allowed.end());
+        Err(if number < least {
+            format!("at least {}", end(least))
+        } else {
+            format!("at most {}", end(most))
+        })
+    }
+
+    fn clamped(&self, value: f64) -> f64 {
+        value.max(*self.allowed.start()).min(*self.allowed.end())
+    }
+
+    fn describe(&self, ui: &Ui, response: &Response, value: f64) {
+        use egui::accesskit::Action;
+        response.widget_info(|| egui::WidgetInfo {
+            label: Some(self.name.to_owned()),
+            ..egui::WidgetInfo::drag_value(response.enabled(), value)
+        });
+        ui.ctx().accesskit_node_builder(response.id, |node| {
+            node.set_role(egui::accesskit::Role::SpinButton);
+            node.set_label(self.name);
+            node.set_numeric_value(value);
+            node.set_min_numeric_value(*self.allowed.start());
+            node.set_max_numeric_value(*self.allowed.end());
+            node.set_numeric_value_step(self.step);
+            node.add_action(Action::SetValue);
+        });
+    }
+}
+
+/// Steps asked for by the arrow and page keys since the frame before.
+fn steps(ui: &Ui) -> f64 {
+    ui.input_mut(|input| {
+        let mut sum = 0.0;
+        for (key, step) in [
+            (Key::ArrowUp, 1.0),
+            (Key::ArrowDown, -1.0),
+            (Key::PageUp, 10.0),
+            (Key::PageDown, -10.0),
+        ] {
+            sum += step * input.count_and_consume_key(Modifiers::NONE, key) as f64;
+        }
+        sum
+    })
+}
+
+/// What a screen reader asks to be stored, as text.
+fn accesskit_values(ui: &Ui, id: Id) -> Vec<String> {
+    use egui::accesskit::{Action, ActionData};
+    ui.input(|input| {
+        let requests = input.accesskit_action_requests(id, Action::SetValue);
+        requests
+            .filter_map(|request| match &request.data {
+                Some(ActionData::NumericValue(number)) => Some(number.to_string()),
+                Some(ActionData::Value(text)) => Some(text.to_string()),
+                _ => None,
+            })
+            .collect()
+    })
+}
+
+fn select_all(ui: &Ui, id: Id, text: &str) {
+    let mut state = egui::TextEdit::load_state(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::select_all_str(text)));
+    state.store(ui.ctx(), id);
+}

@@ -1,0 +1,200 @@
+//! Numbers as people type and read them: decimal commas, units, and no digit lost.
+
+/// What a number measures; decides which units may be typed behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::app) enum Kind {
+    /// Length, in mm.
+    Length,
+    /// Stress, in kPa.
+    Stress,
+    /// Fraction shown in percent.
+    Percent,
+    /// Fraction without unit; percent may be typed.
+    Fraction,
+    /// Angle, in degrees.
+    Angle,
+    /// Number without unit.
+    #[default]
+    Plain,
+}
+
+impl Kind {
+    /// What it is called in a message.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Length => "a unit of length",
+            Self::Stress => "a unit of stress",
+            Self::Percent | Self::Fraction => "a unit of strain or share",
+            Self::Angle => "a unit of angle",
+            Self::Plain => "a unit that this number has",
+        }
+    }
+
+    /// Units that may be typed, each with its factor; the first one is meant where none is typed.
+    fn units(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Self::Length => &[
+                ("mm", 1.0),
+                ("cm", 10.0),
+                ("m", 1000.0),
+                ("in", 25.4),
+                ("inch", 25.4),
+                ("\"", 25.4),
+            ],
+            Self::Stress => {
+                &[("kPa", 1.0), ("Pa", 1e-3), ("MPa", 1e3), ("mmHg", 0.133_322), ("N/mm²", 1e3)]
+            }
+            Self::Percent => &[("%", 1.0)],
+            Self::Fraction => &[("", 1.0), ("%", 0.01)],
+            Self::Angle => &[("°", 1.0), ("deg", 1.0)],
+            Self::Plain => &[("", 1.0)],
+        }
+    }
+
+    /// The unit of the stored number.
+    pub(in crate::app) fn unit(self) -> &'static str {
+        self.units()[0].0
+    }
+}
+
+/// Reads a typed number: decimal point or comma, then a unit or none. Gives the value in the first of
+/// the kind's units, as exact as it was typed.
+///
+/// # Errors
+/// One line: what is wrong, and what is understood.
+pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
+    let text = text.trim();
+    if text.is_empty() {
+        return Err("type a number".to_owned());
+    }
+    let ends = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
+    let longest = ends.filter_map(|end| Some((end, number(&text[..end])?))).last();
+    let Some((end, value)) = longest else {
+        return Err(format!("“{}” is not a number", shortened(text)));
+    };
+    let typed = text[end..].trim();
+    let is_meant = |unit: &str| unit.to_lowercase() == typed.to_lowercase();
+    let factor = match kind.units().iter().find(|(unit, _)| is_meant(unit)) {
+        _ if typed.is_empty() => 1.0,
+        Some((_, factor)) => *factor,
+        None if typed.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '-')) => {
+            return Err(format!("“{}” is not a number", shortened(text)));
+        }
+        None => {
+            let known: Vec<&str> = kind.units().iter().map(|(unit, _)| *unit).collect();
+            let known = known.join(" ");
+            let known = if known.is_empty() { "none".to_owned() } else { known };
+            return Err(format!(
+                "“{}” is not {}; understood: {known}",
+                shortened(typed),
+                kind.name()
+            ));
+        }
+    };
+    let value = significant(value * factor);
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("“{}” is too large", shortened(text)))
+    }
+}
+
+/// A number with a decimal point or one decimal comma, and nothing behind it.
+fn number(text: &str) -> Option<f64> {
+    let text = text.trim().replace('−', "-");
+    if !text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',')) {
+        return None; // "inf" and "nan" are no numbers here.
+    }
+    let text = match (text.matches(',').count(), text.contains('.')) {
+        (0, _) => text,
+        (1, false) => text.replace(',', "."),
+        _ => return None,
+    };
+    let digits = text.trim_start_matches(['+', '-']);
+    digits.starts_with(|c: char| c.is_ascii_digit() || c == '.').then(|| text.parse().ok())?
+}
+
+/// Twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
+fn significant(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+fn shortened(text: &str) -> String {
+    const MOST: usize = 16;
+    let line: String = text.chars().filter(|c| !c.is_control()).collect();
+    if line.chars().count() <= MOST {
+        return line;
+    }
+    line.chars().take(MOST).chain(['…']).collect()
+}
+
+/// A value with at least the given decimals, and as many more as it has, up to six.
+pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
+    let is_exact = |text: &str| {
+        let read: f64 = text.parse().unwrap_or(f64::NAN);
+        (read - value).abs() <= 1e-9 * value.abs()
+    };
+    let shown = |d: usize| format!("{value:.d$}");
+    let text = (decimals..6).map(shown).find(|text| is_exact(text)).unwrap_or_else(|| shown(6));
+    // No minus before a zero.
+    if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_typed_is_exact() {
+        for (text, kind, value) in [
+            ("39.8", Kind::Length, 39.8),
+            (" 46,42 ", Kind::Length, 46.42),
+            ("4,5", Kind::Length, 4.5),
+            ("45 mm", Kind::Length, 45.0),
+            ("4.5cm", Kind::Length, 45.0),
+            ("4.64 CM", Kind::Length, 46.4),
+            ("1 in", Kind::Length, 25.4),
+            ("−5", Kind::Length, -5.0),
+            ("1e1", Kind::Plain, 10.0),
+            ("1e2 mm", Kind::Length, 100.0),
+            ("20 %", Kind::Fraction, 0.2),
+            ("0,5", Kind::Fraction, 0.5),
+            ("220 kPa", Kind::Stress, 220.0),
+            ("0.22 MPa", Kind::Stress, 220.0),
+            ("-50°", Kind::Angle, -50.0),
+            (".5", Kind::Plain, 0.5),
+        ] {
+            let read = parse(text, kind).unwrap();
+            assert_eq!(read.to_bits(), f64::to_bits(value), "{text}: {read}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused_in_one_line() {
+        for (text, kind, words) in [
+            ("", Kind::Length, "type a number"),
+            ("abc", Kind::Length, "“abc” is not a number"),
+            ("nan", Kind::Plain, "“nan” is not a number"),
+            ("inf", Kind::Plain, "“inf” is not a number"),
+            ("-inf", Kind::Plain, "“-inf” is not a number"),
+            ("1e999", Kind::Plain, "“1e999” is too large"),
+            ("1,234.5", Kind::Length, "“1,234.5” is not a number"),
+            ("1 2", Kind::Length, "“1 2” is not a number"),
+            ("45 kg", Kind::Length, "“kg” is not a unit of length; understood: mm cm m in inch \""),
+            ("45 mm", Kind::Percent, "“mm” is not a unit of strain or share; understood: %"),
+        ] {
+            assert_eq!(parse(text, kind).unwrap_err(), words);
+        }
+        let long = parse(&"x".repeat(1000), Kind::Plain).unwrap_err();
+        assert!(long.chars().count() < 60 && !long.contains('\n'));
+    }
+
+    #[test]
+    fn a_value_is_shown_with_all_it_has() {
+        assert_eq!(format(46.0, 1), "46.0");
+        assert_eq!(format(46.42, 1), "46.42");
+        assert_eq!(format(46.400_000_000_000_006, 1), "46.4");
+        assert_eq!(format(1.0 / 3.0, 1), "0.333333");
+        assert_eq!(format(-0.0, 1), "0.0");
+    }
+}

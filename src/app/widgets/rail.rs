@@ -1,0 +1,241 @@
+//! The rail of a slider. A mouse moves it from anywhere; a finger by its handle, or once it travels along
+//! the rail: a swipe across it scrolls the panel.
+
+use super::quantity;
+use crate::app::theme;
+use eframe::egui::{
+    self, EventFilter, Id, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2,
+    remap_clamp, vec2,
+};
+use std::ops::RangeInclusive;
+
+/// Radius of the handle \[points\].
+const HANDLE: f32 = 7.0;
+/// A finger this close to the handle has it \[points\].
+const GRASP: f32 = 24.0;
+/// Travel \[points\] that decides between moving the handle and scrolling.
+const TRAVEL: f32 = 8.0;
+const LINE: f32 = 5.0;
+
+/// A rail with a handle.
+pub(super) struct Rail<'a> {
+    pub(super) name: &'a str,
+    /// What the rail shows.
+    pub(super) range: RangeInclusive<f64>,
+    /// What may be stored.
+    pub(super) allowed: RangeInclusive<f64>,
+    /// What dragging and keys round to; 0: three significant digits.
+    pub(super) step: f64,
+    pub(super) logarithmic: bool,
+    /// Width \[points\].
+    pub(super) width: f32,
+}
+
+/// What came of showing a rail.
+pub(super) struct Moved {
+    pub(super) response: Response,
+    /// Was another value stored?
+    pub(super) is_changed: bool,
+    /// A value that was asked for now and is not allowed.
+    pub(super) asked: Option<f64>,
+}
+
+/// What the pointer that is down on the rail does.
+#[derive(Clone, Copy, Default)]
+enum Hold {
+    /// Just begun: in a page, word of the finger comes a frame after that of the press.
+    #[default]
+    New,
+    /// A finger, not clear yet.
+    Undecided { from: Pos2 },
+    /// The handle follows, this far from the pointer.
+    Drag { offset: f32 },
+    /// The panel follows.
+    Scroll,
+}
+
+impl Rail<'_> {
+    pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> Moved {
+        let size = vec2(self.width, ui.spacing().interact_size.y);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let track = rect.x_range().shrink(HANDLE);
+        let before = *value;
+        let mut wanted = None;
+        if let Some(x) =
+            self.pointer(ui, &response, lerp(track.min..=track.max, self.share(*value)))
+        {
+            wanted = Some(self.rounded(self.at(remap_clamp(x, track.min..=track.max, 0.0..=1.0))));
+        }
+        if response.has_focus() {
+            let own = EventFilter {
+                horizontal_arrows: true,
+                vertical_arrows: true,
+                ..EventFilter::default()
+            };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
+            wanted = self.keys(ui, *value).or(wanted);
+        }
+        wanted = set_by_screen_reader(ui, response.id).or(wanted);
+        let mut asked = None;
+        if let Some(wanted) = wanted {
+            *value = wanted.max(*self.allowed.start()).min(*self.allowed.end());
+            let is_beyond = (wanted - *value).abs() > 1e-9 * (1.0 + wanted.abs());
+            asked = is_beyond.then_some(wanted);
+        }
+        self.describe(&response, *value);
+        if ui.is_rect_visible(rect) {
+            self.paint(ui, &response, rect, lerp(track.min..=track.max, self.share(*value)));
+        }
+        Moved { is_changed: value.to_bits() != before.to_bits(), response, asked }
+    }
+
+    /// Where the handle is to go, if the pointer moves it now.
+    fn pointer(&self, ui: &Ui, response: &Response, handle: f32) -> Option<f32> {
+        let id = response.id.with("hold");
+        let held = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
+        let kept = ui.data_mut(|data| data.remove_temp::<Hold>(id));
+        let (is_touch, has_touch, delta) = ui
+            .input(|input| (input.any_touches(), input.has_touch_screen(), input.pointer.delta()));
+        let Some(at) = held else {
+            // A click of a mouse that is quicker than a frame.
+            let is_quick =
+                response.clicked() && !has_touch && !matches!(kept, Some(Hold::Drag { .. }));
+            return response.interact_pointer_pos().filter(|_| is_quick).map(|at| at.x);
+        };
+        let is_new = matches!(kept, Some(Hold::New));
+        let is_grasped = (at.x - handle).abs() <= if is_touch { GRASP } else { HANDLE };
+        let mut hold = match kept {
+            None => Hold::New,
+            Some(Hold::New) => match (is_touch, is_grasped) {
+                (_, true) => Hold::Drag { offset: handle - at.x },
+                (false, false) => Hold::Drag { offset: 0.0 },
+                (true, false) => Hold::Undecided { from: at },
+            },
+            Some(hold) => hold,
+        };
+        if let Hold::Undecided { from } = hold {
+            let travel = (at - from).abs();
+            if travel.x >= TRAVEL && travel.x >= travel.y {
+                hold = Hold::Drag { offset: handle - at.x };
+            } else if travel.y >= TRAVEL {
+                hold = Hold::Scroll;
+            }
+        }
+        if is_new && !is_touch {
+            response.request_focus();
+        }
+        ui.data_mut(|data| data.insert_temp(id, hold));
+        match hold {
+            Hold::New => {
+                ui.ctx().request_repaint();
+                None
+            }
+            Hold::Undecided { .. } => None,
+            Hold::Scroll => {
+                let none = egui::style::ScrollAnimation::none();
+                ui.scroll_with_delta_animation(vec2(0.0, delta.y), none);
+                None
+            }
+            // A handle that is only held stays where it is: the value keeps its last digit.
+            Hold::Drag { offset } => {
+                (delta.x != 0.0 || (is_new && offset == 0.0)).then_some(at.x + offset)
+            }
+        }
+    }
+
+    fn keys(&self, ui: &Ui, value: f64) -> Option<f64> {
+        let (mut steps, mut end) = (0.0, None);
+        ui.input_mut(|input| {
+            for (key, step) in [
+                (Key::ArrowRight, 1.0),
+                (Key::ArrowUp, 1.0),
+                (Key::ArrowLeft, -1.0),
+                (Key::ArrowDown, -1.0),
+                (Key::PageUp, 10.0),
+                (Key::PageDown, -10.0),
+            ] {
+                steps += step * input.count_and_consume_key(Modifiers::NONE, key) as f64;
+            }
+            for (key, value) in [(Key::Home, *self.range.start()), (Key::End, *self.range.end())] {
+                if input.consume_key(Modifiers::NONE, key) {
+                    end = Some(value);
+                }
+            }
+        });
+        if end.is_some() || steps == 0.0 {
+            return end;
+        }
+        let step = self.step_at(value);
+        // From a value between steps to the next one.
+        let whole = if steps > 0.0 { f64::floor } else { f64::ceil };
+        let place = whole(value / step + steps.signum() * 1e-9);
+        let moved = (place + steps) * step;
+        Some(moved.max(*self.range.start()).min(*self.range.end()))
+    }
+
+    /// The step at a value: a hundredth of its power of ten where none is given.
+    fn step_at(&self, value: f64) -> f64 {
+        if self.step > 0.0 {
+            return self.step;
+        }
+        10f64.powf(value.abs().max(1e-12).log10().floor() - 1.0)
+    }
+
+    fn rounded(&self, value: f64) -> f64 {
+        let step = if self.step > 0.0 { self.step } else { 0.1 * self.step_at(value) };
+        let value = (value / step).round() * step;
+        // 3 × 0.1 is 0.30000000000000004.
+        let value = quantity::format(value, 0).parse().unwrap_or(value);
+        value.max(*self.range.start()).min(*self.range.end())
+    }
+
+    /// Share of the rail, 0 to 1, at which a value stands.
+    fn share(&self, value: f64) -> f32 {
+        let [low, high, value] = [*self.range.start(), *self.range.end(), value]
+            .map(|v| if self.logarithmic { v.max(f64::MIN_POSITIVE).ln() } else { v });
+        if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) as f32 } else { 0.0 }
+    }
+
+    fn at(&self, share: f32) -> f64 {
+        let (low, high) = (*self.range.start(), *self.range.end());
+        let share = f64::from(share);
+        if self.logarithmic { low * (high / low).powf(share) } else { low + (high - low) * share }
+    }
+
+    fn describe(&self, response: &Response, value: f64) {
+        use egui::accesskit::Action;
+        response.widget_info(|| egui::WidgetInfo::slider(response.enabled(), value, self.name));
+        response.ctx.accesskit_node_builder(response.id, |node| {
+            node.set_min_numeric_value(*self.range.start());
+            node.set_max_numeric_value(*self.range.end());
+            node.set_numeric_value_step(self.step_at(value));
+            node.add_action(Action::SetValue);
+        });
+    }
+
+    fn paint(&self, ui: &Ui, response: &Response, rect: Rect, handle: f32) {
+        let palette = theme::palette(ui.visuals());
+        let painter = ui.painter();
+        let line = Rect::from_center_size(rect.center(), vec2(rect.width(), LINE));
+        painter.rect_filled(line, 0.5 * LINE, palette.rail);
+        let trailing = line.with_max_x(handle);
+        painter.rect_filled(trailing, 0.5 * LINE, palette.accent);
+        let fill = ui.visuals().panel_fill;
+        let width = if response.hovered() || response.has_focus() { 3.0 } else { 2.0 };
+        let centre = pos2(handle, rect.center().y);
+        painter.circle(centre, HANDLE - 1.0, fill, Stroke::new(width, palette.accent));
+    }
+}
+
+fn set_by_screen_reader(ui: &Ui, id: Id) -> Option<f64> {
+    use egui::accesskit::{Action, ActionData};
+    ui.input(|input| {
+        let requests = input.accesskit_action_requests(id, Action::SetValue);
+        requests
+            .filter_map(|request| match request.data {
+                Some(ActionData::NumericValue(number)) => Some(number),
+                _ => None,
+            })
+            .last()
+    })
+}

@@ -1,0 +1,206 @@
+// The app by the keyboard alone, and what is typed, in the built page.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { after, before, describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+let site;
+let browser;
+before(async () => {
+  site = await harness.serve();
+  browser = await harness.startBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await site?.close();
+});
+
+const openApp = (options) => harness.openApp(browser, site, { viewport: { width: 1000, height: 700 }, ...options });
+const scene = async (page) => JSON.parse(await page.evaluate(() => implantPreview.scene()));
+
+/** Is a ring in the colour of text drawn around what has the focus? Its left side is looked at. */
+async function hasRing(page, { x, y, width, height }) {
+  const size = page.viewportSize();
+  const isLarge = width * height > 0.1 * size.width * size.height;
+  const seen = { top: Math.max(y, 0), bottom: Math.min(y + height, size.height) };
+  const clip = {
+    x: Math.max(0, x - (isLarge ? 0 : 6)),
+    y: Math.round((seen.top + seen.bottom) / 2) - 1,
+    width: 8,
+    height: 2,
+  };
+  if (seen.bottom - seen.top < 4) return false;
+  const strip = await page.screenshot({ clip });
+  return harness.darkest(page, strip).then((level) => level < 70);
+}
+
+describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
+  test("goes through every control both ways, with a ring that is seen, and leaves the app at both ends", async () => {
+    const { page, problems, close } = await openApp();
+    const walk = async (back) => {
+      const names = [];
+      await harness.tab(page, { back });
+      for (let presses = 0; presses < 150 && (await harness.place(page)) === "app"; presses += 1) {
+        const now = await harness.focused(page);
+        assert.ok(now, `the focus is lost after ${names.at(-1)}`);
+        assert.ok(now.name, `a control has no name, after ${names.at(-1)}`);
+        assert.ok(await hasRing(page, now), `no ring is seen around ${now.name}: ${JSON.stringify(now)}`);
+        names.push(now.name);
+        await harness.tab(page, { back });
+      }
+      return names;
+    };
+    const there = await walk(false);
+    assert.equal(await harness.place(page), "behind");
+    await harness.screenshot(page, "summary");
+    const back = await walk(true);
+    assert.equal(await harness.place(page), "before");
+    await harness.screenshot(page, "skip");
+    assert.deepEqual(back, there.toReversed());
+    for (const name of [
+      "File",
+      "Undo",
+      "Colour by",
+      "Section",
+      "Direction of the cut",
+      "About",
+      "Base radius (mm)",
+      "Hemisphere (projection = base radius)",
+      "Pocket radius (mm)",
+      "Thickness (mm)",
+      "Poisson ratio",
+      "Add adipose",
+      "Tolerance (% of the base radius)",
+      "Play",
+      "Insertion (%)",
+      "3-D view",
+    ]) {
+      assert.ok(there.includes(name), `${name} is not among ${there.join(", ")}`);
+    }
+    // Sliders are two stops: the handle and the number.
+    assert.equal(there.filter((name) => name === "Base radius (mm)").length, 2);
+    // The browser goes on from the link to the app, and the link leads to the words.
+    await harness.tab(page);
+    assert.equal((await harness.focused(page)).name, "File");
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("does so on a phone's tabs too", async () => {
+    const { page, close } = await openApp({ viewport: { width: 390, height: 844 } });
+    const names = new Set();
+    for (const name of ["Implant", "Tissue", "Results", "Plots"]) {
+      await harness.control(page, name);
+      await page.keyboard.press("Enter");
+      await page.waitForTimeout(400);
+      for (let presses = 0; presses < 80; presses += 1) {
+        await harness.tab(page);
+        if ((await harness.place(page)) !== "app") break;
+        const now = await harness.focused(page);
+        names.add(now.name);
+        assert.ok(await hasRing(page, now), `no ring is seen around ${now.name}: ${JSON.stringify(now)}`);
+      }
+      assert.notEqual(await harness.place(page), "app", `no way out behind the tab ${name}`);
+      // From behind the app back into it.
+      await harness.tab(page, { back: true });
+    }
+    for (const name of ["Base radius (mm)", "Thickness (mm)", "Shape", "3-D view"]) {
+      assert.ok(names.has(name), `${name} is not among ${[...names].join(", ")}`);
+    }
+    await close();
+  });
+});
+
+describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
+  test("step a slider, commit a number and stay, and close what is open", async () => {
+    const { page, problems, close } = await openApp();
+    const pocket = async () => (await scene(page)).pocket_radius_mm;
+    await harness.control(page, "Pocket radius (mm)");
+    for (const [key, value] of [
+      ["ArrowRight", 70.5],
+      ["PageUp", 75.5],
+      ["PageDown", 70.5],
+      ["End", 200],
+      ["Home", 55],
+    ]) {
+      await page.keyboard.press(key);
+      await page.waitForFunction(
+        (expected) => Math.abs(JSON.parse(implantPreview.scene()).pocket_radius_mm - expected) < 1e-9,
+        value,
+      );
+    }
+    await harness.tab(page);
+    await page.keyboard.type("6,642 cm", { delay: 40 });
+    await page.keyboard.press("Enter");
+    await page.waitForTimeout(300);
+    assert.equal(await pocket(), 66.42);
+    assert.equal((await harness.focused(page)).name, "Pocket radius (mm)");
+    // What is not allowed changes nothing.
+    await page.keyboard.type("-5", { delay: 40 });
+    await page.keyboard.press("Enter");
+    await page.waitForTimeout(300);
+    assert.equal(await pocket(), 66.42);
+    await harness.screenshot(page, "refused");
+    await page.keyboard.press("Escape");
+    // A window that is open closes, and the focus is where it was.
+    await harness.control(page, "About");
+    await page.keyboard.press("Enter");
+    await page.waitForTimeout(500);
+    const open = await page.screenshot();
+    await page.keyboard.press("Escape");
+    await page.waitForTimeout(500);
+    assert.ok((await harness.difference(page, open, await page.screenshot())) > 5000, "About stays open");
+    assert.equal((await harness.focused(page)).name, "About");
+    assert.deepEqual(problems, []);
+    await close();
+  });
+
+  test("that are digits colour nothing unless the picture has the focus", async () => {
+    const { page, problems, close } = await openApp();
+    const picture = () => page.screenshot({ clip: { x: 320, y: 50, width: 350, height: 500 } });
+    await harness.settled(page);
+    const first = await picture();
+    await page.keyboard.type("50", { delay: 60 });
+    await harness.settled(page);
+    assert.equal(await harness.difference(page, first, await picture()), 0, "digits have changed the picture");
+    await harness.focusPicture(page);
+    await page.keyboard.press("5");
+    await harness.settled(page);
+    assert.ok((await harness.difference(page, first, await picture())) > 1000, "the picture does not hear 5");
+    assert.deepEqual(problems, []);
+    await close();
+  });
+});
+
+describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
+  test("is saved with the scene that it is of, and there is none while that is solved", async () => {
+    const { page, problems, close } = await openApp();
+    const seen = await page.evaluate(() => {
+      const wide = JSON.parse(implantPreview.scene());
+      wide.pocket_radius_mm = 178;
+      implantPreview.setScene(JSON.stringify(wide));
+      return [implantPreview.result(), implantPreview.stats().converged];
+    });
+    assert.deepEqual(seen, [undefined, false]);
+    await page.waitForFunction(() => implantPreview.stats().converged);
+    const result = JSON.parse(await page.evaluate(() => implantPreview.result()));
+    assert.deepEqual(result.scene, await scene(page));
+    assert.equal(result.scene.pocket_radius_mm, 178);
+    assert.ok(Math.abs(result.area_before_cm2 - 0.01 * Math.PI * 178 ** 2) < 1e-9);
+    assert.equal(result.program_version, await page.evaluate(() => implantPreviewApi.version()));
+    assert.ok(Math.abs(Date.parse(result.date) - Date.now()) < 600_000, result.date);
+    // The same from the menu.
+    await harness.control(page, "File");
+    await page.keyboard.press("Enter");
+    await page.waitForTimeout(400);
+    for (let presses = 0; presses < 3; presses += 1) await harness.tab(page);
+    assert.equal((await harness.focused(page)).name, "Save result…");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
+    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
+    assert.deepEqual(saved.scene, result.scene);
+    assert.equal(saved.contact_force_n, result.contact_force_n);
+    assert.deepEqual(problems, []);
+    await close();
+  });
+});
