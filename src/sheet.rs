@@ -63,7 +63,7 @@ pub fn rounded_nodes_per_side(asked: usize) -> usize {
 }
 
 impl Sheet {
-    /// A sheet on the disc of the given radius \[mm\] with an odd number of nodes a side, at least 9.
+    /// A sheet on the disc of the given radius \[mm\] with an odd number of nodes a side, at least 5.
     ///
     /// # Panics
     /// If `nodes_per_side` is even or below 5.

@@ -27,6 +27,8 @@ fn app(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, Ap
         .with_size(size)
         .with_max_steps(400)
         .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    // The harness has a context of its own, which gets the app's theme too.
+    drop(App::new(&harness.ctx, None, Scene::default()));
     settle(&mut harness);
     harness
 }

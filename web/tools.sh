@@ -44,6 +44,25 @@ need_packages() {
   DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# Builds a tool of crates.io. Tools run for seconds: compiling them quickly saves more than it costs.
+# The words say how long it takes on two idle cores; dots show that it goes on.
+build_tool() {
+  local words="$1" log="$TOOLS_DIR/build.log" start=$SECONDS
+  shift
+  mkdir -p "$TOOLS_DIR"
+  say "$words, once"
+  CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_CODEGEN_UNITS=256 CARGO_PROFILE_RELEASE_LTO=off \
+    CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_TERM_COLOR=never cargo install "$@" >"$log" 2>&1 &
+  local job=$!
+  while kill -0 "$job" 2>/dev/null; do
+    sleep 1
+    # One line every 15 s: how many crates are compiled.
+    [ $(((SECONDS - start) % 15)) -ne 0 ] || printf '  %3d s, %d crates compiled\n' \
+      $((SECONDS - start)) "$(grep -c '^ *Compiling' "$log" || true)"
+  done
+  wait "$job" || { tail -n 30 "$log" >&2; return 1; }
+}
+
 need_rust() {
   export PATH="$HOME/.cargo/bin:$PATH"
   if ! command -v cargo >/dev/null; then
@@ -61,14 +80,12 @@ need_page_tools() {
   need_rust
   need_packages cc=build-essential npm=npm
   if ! has_version trunk "$TRUNK_VERSION"; then
-    say "building trunk $TRUNK_VERSION (several minutes, once)"
-    cargo install --quiet --locked "trunk@$TRUNK_VERSION"
+    build_tool "building trunk $TRUNK_VERSION (about 3 minutes)" --locked "trunk@$TRUNK_VERSION"
   fi
   local bindgen
   bindgen="$(locked_version wasm-bindgen)"
   if ! has_version wasm-bindgen "$bindgen"; then
-    say "building wasm-bindgen $bindgen (a few minutes, once)"
-    cargo install --quiet "wasm-bindgen-cli@$bindgen"
+    build_tool "building wasm-bindgen $bindgen (about 1.5 minutes)" "wasm-bindgen-cli@$bindgen"
   fi
   # wasm-opt of older Binaryen breaks what wasm-bindgen makes today: only this version is used.
   if ! has_version "$TOOLS_DIR/node_modules/.bin/wasm-opt" "version_${BINARYEN_VERSION%%.*}"; then
@@ -83,8 +100,7 @@ need_test_tools() {
   need_page_tools
   need_packages chromium=chromium chromedriver=chromium-driver
   if ! has_version wasm-pack "$WASM_PACK_VERSION"; then
-    say "building wasm-pack $WASM_PACK_VERSION (a few minutes, once)"
-    cargo install --quiet --locked "wasm-pack@$WASM_PACK_VERSION"
+    build_tool "building wasm-pack $WASM_PACK_VERSION (about 2 minutes)" --locked "wasm-pack@$WASM_PACK_VERSION"
   fi
   local driver
   driver="$(sed -n 's/.*"playwright-core": "\(.*\)".*/\1/p' tests/browser/package.json)"

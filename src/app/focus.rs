@@ -132,7 +132,10 @@ impl Focus {
         if !ui.min_rect().contains(response.rect.center()) || response.layer_id != ui.layer_id() {
             return;
         }
-        // A frame that is drawn in two passes forgets what the first one has asked for.
+        // The place is that of the frame before: a scroll under way is not yet in it.
+        if self.place != Some(response.rect) {
+            return;
+        }
         let (wanted, seen) = (response.rect.expand(theme::SPACE), ui.clip_rect());
         let is_seen = wanted.top() >= seen.top() && wanted.bottom() <= seen.bottom();
         let is_at_end = self.scrolls >= 4;
@@ -153,6 +156,10 @@ impl Focus {
 
     /// Behind the last widget of a frame.
     pub(super) fn end(&mut self, ctx: &Context) {
+        let focused = ctx.memory(egui::Memory::focused);
+        if focused != self.before {
+            self.name.clear();
+        }
         ctx.output(|output| {
             for event in &output.events {
                 if let OutputEvent::FocusGained(info) = event {
@@ -161,12 +168,11 @@ impl Focus {
                 }
             }
         });
-        if self.is_entering {
+        let response = focused.and_then(|id| ctx.read_response(id));
+        let place = response.as_ref().map(|response| response.rect);
+        if std::mem::replace(&mut self.place, place) != place {
             ctx.request_repaint();
         }
-        let focused = ctx.memory(egui::Memory::focused);
-        let response = focused.and_then(|id| ctx.read_response(id));
-        self.place = response.as_ref().map(|response| response.rect);
         if let Some(response) = &response
             && response.layer_id.order == Order::Background
         {

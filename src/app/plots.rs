@@ -4,7 +4,7 @@ use super::theme;
 use super::widgets::group;
 use crate::session::Session;
 use crate::sheet::NodeKind;
-use eframe::egui::{Color32, RichText, Ui};
+use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points, uniform_grid_spacer};
 
 /// Samples of a curve.
@@ -22,6 +22,8 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
             .x_grid_spacer(uniform_grid_spacer(|_| [1.0, 0.5, 0.1]))
             .x_axis_formatter(|mark, _| format!("{:.1}", mark.value))
             .y_axis_label("stress (kPa)")
+            // Not a stop of the Tab key: there is nothing to do in it.
+            .sense(Sense::hover())
             .allow_scroll(false)
             .allow_drag(false)
             .allow_zoom(false)
@@ -112,6 +114,8 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
             .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
             .y_axis_label("height (mm)")
             .include_y(0.0)
+            // Not a stop of the Tab key: there is nothing to do in it.
+            .sense(Sense::hover())
             .allow_scroll(false)
             .allow_drag(false)
             .allow_zoom(false)

@@ -142,7 +142,8 @@ impl Solver {
         (forces, totals.force_scale())
     }
 
-    /// Stiffness of the sheet at small strain, of all layers together \[kPa·mm\].
+    /// Tension of all layers per small strain \[kPa·mm\]: Σ h·Ef′(0)/(1−ν²) for coupled springs (stretched
+    /// one way, held across), Σ h·Ef′(0) for the paper's.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         self.law.stiffness()

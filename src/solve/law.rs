@@ -50,7 +50,8 @@ impl SheetLaw {
         }
     }
 
-    /// Stiffness of the sheet at small strain, Σ h·dEf/dε \[kPa·mm\].
+    /// Tension per small strain \[kPa·mm\], the scale of forces: of the coupled springs stretched one way and
+    /// held across, Σ h·Ef′(0)/(1−ν²); of the paper's edge springs, Σ h·Ef′(0).
     pub(crate) fn stiffness(&self) -> f64 {
         match self {
             Self::Coupled(law) => law.tension_and_energy([1e-6, 0.0]).0[0] * 1e6,

@@ -277,8 +277,13 @@ export async function tab(page, { back = false } = {}) {
     await page.waitForTimeout(30);
   }
   // Out of the app it takes a frame more, and scrolling too: until nothing more is drawn.
-  const drawn = async () => (await state()) + (await page.evaluate(() => implantPreview.stats().frames));
-  for (let last = before, now; (now = await drawn()) !== last; last = now) await page.waitForTimeout(150);
+  const drawn = () =>
+    page.evaluate(async () => {
+      // Frames are slow where they are drawn in software.
+      for (let frames = 0; frames < 3; frames += 1) await new Promise(requestAnimationFrame);
+      return implantPreview.stats().frames;
+    });
+  for (let last = -1, now; (now = await drawn()) !== last; last = now);
 }
 
 /** Goes by the Tab key to the control of a name, and gives its place: the app is one canvas. */

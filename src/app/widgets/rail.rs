@@ -97,9 +97,9 @@ impl Rail<'_> {
         let (is_touch, has_touch, delta) = ui
             .input(|input| (input.any_touches(), input.has_touch_screen(), input.pointer.delta()));
         let Some(at) = held else {
-            // A click of a mouse that is quicker than a frame.
-            let is_quick =
-                response.clicked() && !has_touch && !matches!(kept, Some(Hold::Drag { .. }));
+            // A mouse that is down and up again within a frame or two.
+            let is_over = response.clicked() || response.drag_stopped();
+            let is_quick = is_over && !has_touch && !matches!(kept, Some(Hold::Drag { .. }));
             return response.interact_pointer_pos().filter(|_| is_quick).map(|at| at.x);
         };
         let is_new = matches!(kept, Some(Hold::New));

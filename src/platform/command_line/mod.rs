@@ -1,6 +1,6 @@
 //! The command line: `simulate`, `tension`, `charts`, `stability`, `bench` and `stress`. Native only.
 //!
-//! Exit codes: 0 fine; 2 bad input (one line on standard error: file, field, what is allowed, and
+//! Exit codes: 0 fine; 1 a defect of the program; 2 bad input (one line on standard error: file, field, what is allowed, and
 //! nothing is written); 3 no converged answer (the result is written, with its status).
 //!
 //! Files are written under a temporary name beside their place and renamed, so that nobody ever
@@ -77,6 +77,7 @@ where
     value.ok_or_else(|| format!("allowed: {least} to {most}"))
 }
 
+const DEFECT: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
 
@@ -104,7 +105,7 @@ pub fn run() -> Next {
     })))
 }
 
-/// A defect inside must not end in a stack trace: it is caught here and told in one line.
+/// Catches panics and reports them in one line.
 fn guarded(command: impl FnOnce() -> Result<Answer, Refused>) -> Option<Result<Answer, Refused>> {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(ToString::to_string).unwrap_or_default();
@@ -118,7 +119,8 @@ fn guarded(command: impl FnOnce() -> Result<Answer, Refused>) -> Option<Result<A
 fn finish(ended: Option<Result<Answer, Refused>>) -> ExitCode {
     match ended {
         Some(Ok(Answer::Converged)) => ExitCode::SUCCESS,
-        Some(Ok(Answer::NotConverged)) | None => ExitCode::from(NOT_CONVERGED),
+        Some(Ok(Answer::NotConverged)) => ExitCode::from(NOT_CONVERGED),
+        None => ExitCode::from(DEFECT),
         Some(Err(refused)) => {
             output::complain(&refused.to_string());
             ExitCode::from(BAD_INPUT)
@@ -138,4 +140,20 @@ fn explain(error: &clap::Error) -> ExitCode {
     let said: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     output::complain(said.join(" ").trim_start_matches("error: "));
     ExitCode::from(BAD_INPUT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_defect_does_not_end_like_a_solve_that_has_not_converged() {
+        let hook = std::panic::take_hook();
+        let ended = guarded(|| panic!("a defect"));
+        std::panic::set_hook(hook);
+        assert!(ended.is_none());
+        let code = |ended| format!("{:?}", finish(ended));
+        assert_eq!(code(None), format!("{:?}", ExitCode::from(1)));
+        assert_ne!(code(None), code(Some(Ok(Answer::NotConverged))));
+    }
 }
