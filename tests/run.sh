@@ -60,6 +60,9 @@ check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -
 check lint-core-wasm cargo clippy --locked "${WASM[@]}" --lib --no-default-features -- -D warnings
 check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --no-deps --lib
 suite native cargo test --locked --no-fail-fast
+for example in simulate sweep; do
+  check "example-$example" cargo run --locked --quiet --example "$example"
+done
 # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
 suite wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" --mode no-install . \
   --locked --no-default-features --features js-api --test wasm

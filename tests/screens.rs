@@ -709,6 +709,8 @@ fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
     harness.key_press(egui::Key::Escape);
     harness.run();
     assert_eq!((about(&harness), button(&harness)), (0, true));
+    harness.step();
+    assert_eq!(harness.state().focused().unwrap().0, "About");
     // A box that is opened, and a choice made in it.
     harness.get_by_role_and_label(Role::ComboBox, "Resolution").focus();
     harness.run();

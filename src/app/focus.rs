@@ -15,6 +15,7 @@ pub(super) struct Focus {
     is_by_key: bool,
     /// The last widget of the panels that had the focus: not one of a menu.
     base: Option<Id>,
+    base_name: String,
     /// What had the focus in the frame before.
     before: Option<Id>,
     /// Name of what has the focus, and where it was drawn \[points\].
@@ -158,7 +159,9 @@ impl Focus {
     pub(super) fn end(&mut self, ctx: &Context) {
         let focused = ctx.memory(egui::Memory::focused);
         if focused != self.before {
-            self.name.clear();
+            // What gets the focus back does not say its name again.
+            let is_back = focused.is_some() && focused == self.base;
+            self.name = if is_back { self.base_name.clone() } else { String::new() };
         }
         ctx.output(|output| {
             for event in &output.events {
@@ -177,6 +180,7 @@ impl Focus {
             && response.layer_id.order == Order::Background
         {
             self.base = focused;
+            self.base_name.clone_from(&self.name);
         }
         // A menu that closes, or Escape, takes the focus: it goes back to where it came from.
         let is_pressed = ctx.input(|input| input.pointer.any_pressed());

@@ -1,6 +1,6 @@
 //! The JavaScript API: for the page, for other pages, for the browser tests.
 //!
-//! Scenes and results are JSON text, as documented in the README and by [`schema`].
+//! Scenes and results are JSON text, as documented in `docs/formats.md` and by [`schema`].
 
 use super::text::{text, text_or_nothing};
 use crate::experiment::work_precision::{
