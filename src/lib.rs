@@ -1,10 +1,10 @@
 //! Preview how skin and adipose stretch over an implant or a tissue expander.
 //!
 //! The core: stress–strain curves, spring laws, the sheet, the dome, the equilibrium, and what a
-//! surgeon reads off it. One way through the house, each module using only those before it:
+//! surgeon reads off it. Module order; imports point left only (`tests/modules.rs`):
 //!
 //! `curve` → `springs` → `sheet` → `implant` → `solve` → `measure` → `scene` →
-//! `experiment` → `session` → `view` → `app` → `platform`
+//! `session` → `experiment` → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 

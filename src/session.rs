@@ -3,13 +3,13 @@
 //! The app and the page send [`Command`]s; one place ([`Session::apply`]) carries them out, and a
 //! refused one changes nothing. [`Session::advance`] does a slice of solving.
 //!
-//! Uses everything to its left. Used by `view`, `app` and `platform`.
+//! Uses everything to its left. Used by `experiment`, `view`, `app` and `platform`.
 
-use crate::experiment::stability::Limits;
 use crate::measure::{Field, Fields, Layers, Outcome, Status};
 use crate::scene::{Scene, SceneError};
 use crate::solve::{Fault, Options, Progress, Shown, Solver};
 use crate::springs::Springs;
+use crate::springs::stability::Limits;
 use glam::DVec3;
 use serde::Serialize;
 use std::cell::{Cell, OnceCell};

@@ -5,7 +5,7 @@ use super::curve_editor;
 use super::notice::{Notice, Offer};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
-use super::widgets::{Control, Kind, button_if, choice, group};
+use super::widgets::{Control, Kind, button_if, choice, group, name_it};
 use crate::scene::{Implant, Layer, Scene, Springs, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
@@ -187,13 +187,15 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
     let usual = if layer.tissue == "adipose" { Layer::adipose() } else { Layer::skin() };
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Tissue").color(ui.visuals().weak_text_color()));
-        ui.add(
-            egui::TextEdit::singleline(&mut layer.tissue)
-                .char_limit(40)
-                .desired_width(ui.available_width() - SPACE),
-        )
-        .labelled_by(label.id)
-        .on_hover_text("Free text; skin and adipose have their own colours");
+        let field = egui::TextEdit::singleline(&mut layer.tissue)
+            .char_limit(40)
+            .desired_width(ui.available_width() - SPACE);
+        let response = ui.add(field).labelled_by(label.id);
+        response.widget_info(|| egui::WidgetInfo {
+            label: Some("Tissue".to_owned()),
+            ..egui::WidgetInfo::text_edit(true, "", &layer.tissue, "")
+        });
+        response.on_hover_text("Free text; skin and adipose have their own colours");
     });
     let (least, most) = limits::THICKNESS_MM;
     Control {
@@ -231,7 +233,7 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             Springs::Coupled => "Coupled (exact, isotropic)",
             Springs::Nikolaev => "Nikolaev 2013, as published",
         };
-        egui::ComboBox::from_id_salt("springs")
+        let response = egui::ComboBox::from_id_salt("springs")
             .width(ui.available_width() - SPACE)
             .selected_text(name(scene.springs))
             .show_ui(ui, |ui| {
@@ -242,19 +244,20 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
                 }
             })
             .response
-            .labelled_by(label.id)
-            .on_hover_text(
-                "Coupled springs meet the measured curve and Poisson ratio exactly, in every \
+            .labelled_by(label.id);
+        name_it(&response, egui::Role::ComboBox, "Springs");
+        response.on_hover_text(
+            "Coupled springs meet the measured curve and Poisson ratio exactly, in every \
                  direction. The paper's springs are for comparison: with large strains and Poisson \
                  ratios they have no stable shape.",
-            );
+        );
         if let Some(limits) = session.stability_limits() {
             stability::show(ui, scene, limits, session.greatest_strain());
         }
         ui.add_space(SPACE_SMALL);
         let label = ui.label(RichText::new("Resolution").color(ui.visuals().weak_text_color()));
         let nodes = &mut scene.solver.nodes_per_side;
-        egui::ComboBox::from_id_salt("resolution")
+        let response = egui::ComboBox::from_id_salt("resolution")
             .width(ui.available_width() - SPACE)
             .selected_text(format!("{nodes} nodes a side"))
             .show_ui(ui, |ui| {
@@ -265,7 +268,9 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
                 }
             })
             .response
-            .labelled_by(label.id)
+            .labelled_by(label.id);
+        name_it(&response, egui::Role::ComboBox, "Resolution");
+        response
             .on_hover_text("Finer grids are slower; 129 is within 0.02 % of the exact membrane");
         let mut percent = scene.solver.tolerance * 100.0;
         let (least, most) = limits::TOLERANCE;

@@ -1,7 +1,7 @@
 //! Choosing a layer's stress–strain curve: its kind, its numbers, its marked points.
 
 use super::theme::SPACE;
-use super::widgets::{Control, Kind, NumberField, button_if, choice, refused};
+use super::widgets::{Control, Kind, NumberField, button_if, choice, name_it, refused};
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use eframe::egui::{self, RichText, Ui};
 
@@ -42,8 +42,14 @@ fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
         4 => CurveSpec::Exponential { scale_kpa: slope / 4.0, rate: 4.0 },
         _ => {
             let stress = |e: f64| curve.as_ref().map_or(slope * e, |c| c.stress(e));
-            let points = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|e| [e, stress(e)]);
-            CurveSpec::Points { points: points.to_vec(), interpolation: Interpolation::Spline }
+            // Where the curve changes its form there is a point too.
+            let breaks: Vec<f64> = curve.iter().flat_map(Curve::breaks).collect();
+            let mut strains = vec![0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+            strains.extend(breaks.into_iter().filter(|e| *e > 0.05 && *e < 0.95).take(6));
+            strains.sort_by(f64::total_cmp);
+            strains.dedup_by(|a, b| *a - *b < 0.01);
+            let points = strains.into_iter().map(|e| [e, stress(e)]).collect();
+            CurveSpec::Points { points, interpolation: Interpolation::Spline }
         }
     }
 }
@@ -53,7 +59,7 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
     let label =
         ui.label(RichText::new("Stress–strain curve").color(ui.visuals().weak_text_color()));
     let present = kind(spec);
-    egui::ComboBox::from_id_salt("curve")
+    let response = egui::ComboBox::from_id_salt("curve")
         .width(ui.available_width() - SPACE)
         .selected_text(present.map_or("Sections (from a file)", |k| KINDS[k].0))
         .show_ui(ui, |ui| {
@@ -65,8 +71,9 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
             }
         })
         .response
-        .labelled_by(label.id)
-        .on_hover_text("Nominal stress against engineering strain, as measured");
+        .labelled_by(label.id);
+    name_it(&response, egui::Role::ComboBox, "Stress–strain curve");
+    response.on_hover_text("Nominal stress against engineering strain, as measured");
     match spec {
         CurveSpec::Linear { modulus_kpa } => {
             stress(ui, "Young's modulus", modulus_kpa, 100.0);
@@ -168,6 +175,10 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
         }
     });
     refusals.iter().for_each(|reason| refused(ui, reason));
+    ui.small(
+        "The curve goes through the points; between them it is joined as chosen above, which may \
+              differ a little from the curve that they were taken from.",
+    );
     if let Some(k) = remove {
         table.remove(k);
     }

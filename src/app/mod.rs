@@ -389,6 +389,7 @@ impl App {
     fn command(&mut self, command: Command) -> Result<(), SceneError> {
         let before = self.session.counters().solves;
         self.session.apply(command)?;
+        self.notice = None;
         self.is_replaced = true;
         if self.session.counters().solves != before {
             self.timing.solve_ms = 0.0;
@@ -400,9 +401,8 @@ impl App {
 
     /// Carries out a command; what is refused is told.
     fn run(&mut self, command: Command) {
-        match self.command(command) {
-            Ok(()) => self.notice = None,
-            Err(error) => self.notice = Some(Notice::failed(error.to_string())),
+        if let Err(error) = self.command(command) {
+            self.notice = Some(Notice::failed(error.to_string()));
         }
     }
 
@@ -488,7 +488,7 @@ impl App {
             column("results").show(ui, |ui| {
                 readings::show(ui, &self.session, self.is_long());
                 plots::section(ui, &self.session);
-                plots::curves(ui, &self.session);
+                plots::curves(ui, &self.session, self.is_long());
                 self.focus.scroll(ui);
             });
         });
@@ -531,7 +531,7 @@ impl App {
                     }
                     Sheet::Plots => {
                         plots::section(ui, &self.session);
-                        plots::curves(ui, &self.session);
+                        plots::curves(ui, &self.session, self.is_long());
                     }
                 }
                 self.focus.scroll(ui);
@@ -609,11 +609,12 @@ impl App {
                 is_cancelled = ui.button("Cancel").clicked();
                 let seconds = since.elapsed().as_secs();
                 let bar = egui::ProgressBar::new(share as f32)
-                    .desired_width((ui.available_width() - 150.0).clamp(60.0, 320.0))
-                    .fill(theme::palette(ui.visuals()).accent);
+                    .desired_width((ui.available_width() - 270.0).clamp(40.0, 320.0))
+                    .fill(theme::palette(ui.visuals()).accent)
+                    .animate(true);
                 let bar = ui.add(bar);
                 widgets::name_it(&bar, egui::Role::ProgressIndicator, "Progress of the solve");
-                ui.label(format!("Computing, {seconds} s so far"));
+                ui.label(format!("Computing, {seconds} s so far: the picture is a draft"));
             });
         });
         if is_cancelled || ui.input(|input| input.key_pressed(egui::Key::Escape)) {

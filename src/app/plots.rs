@@ -10,9 +10,11 @@ use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points, uniform_grid_
 /// Samples of a curve.
 const SAMPLES: i32 = 160;
 
-/// Curves of all layers up to strain 1, the used part drawn strong.
-pub(super) fn curves(ui: &mut Ui, session: &Session) {
-    let used = session.greatest_strain().unwrap_or(0.0);
+/// Curves of all layers up to strain 1, the used part drawn strong; not while a long solve is under way
+/// (`is_long`), whose strains are not known.
+pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
+    let used = session.greatest_strain().filter(|_| !is_long);
+    let outcome = session.outcome().filter(|_| !is_long);
     let colors = theme::palette(ui.visuals()).curves;
     group(ui, "Stress–strain curves", |ui| {
         Plot::new("curves")
@@ -43,14 +45,15 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
                     };
                     plot.line(
                         // Without a name it stays out of the legend.
-                        Line::new("", sampled(used.max(1.0)))
+                        Line::new(name.clone(), sampled(used.unwrap_or(0.0).max(1.0)))
                             .color(color.gamma_multiply(0.5))
                             .width(1.0),
                     );
+                    let Some(used) = used else { continue };
                     plot.line(Line::new(name, sampled(used)).color(color).width(3.0));
                     let here = vec![[used, curve.stress(used)]];
                     plot.points(Points::new("", here).color(color).radius(4.0));
-                    let both_ways = session.outcome().and_then(|o| o.layers.get(k)?.max_stress_kpa);
+                    let both_ways = outcome.and_then(|o| o.layers.get(k)?.max_stress_kpa);
                     if let Some(stress) = both_ways {
                         let here = Points::new("", vec![[used, stress]]);
                         plot.points(
@@ -62,11 +65,16 @@ pub(super) fn curves(ui: &mut Ui, session: &Session) {
                     }
                 }
             });
-        ui.small(format!(
-            "Thick line: how far this plan stretches the tissue, {:.0} %. Dot: the stress there if it were \
-             stretched one way, as in the measurement. Diamond: the greatest stress over this implant, \
-             stretched both ways.",
-            100.0 * used
+        ui.small(used.map_or_else(
+            || "How far this plan stretches the tissue is being computed.".to_owned(),
+            |used| {
+                format!(
+                    "Thick line: how far this plan stretches the tissue, {:.0} %. Dot: the stress there if \
+                     it were stretched one way, as in the measurement. Diamond: the greatest stress over \
+                     this implant, stretched both ways.",
+                    100.0 * used
+                )
+            },
         ));
     });
 }

@@ -51,9 +51,8 @@ fn band_color(ui: &Ui, band: usize) -> Color32 {
 
 /// The word of a band in its colour, in a row of its own.
 fn band_row(ui: &mut Ui, band: usize, word: &str) {
-    ui.label("");
     let text = RichText::new(word).small().color(band_color(ui, band));
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(text));
+    ui.add(egui::Label::new(text).wrap_mode(egui::TextWrapMode::Extend));
     ui.end_row();
 }
 

@@ -3,8 +3,8 @@
 
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::widgets::name_it;
-use crate::experiment::stability::{Limits, Load};
 use crate::scene::{Scene, Springs};
+use crate::springs::stability::{Limits, Load};
 use eframe::egui::{self, Align2, RichText, Ui, pos2, vec2};
 
 /// Height of a strip \[points\], and of its stable part.

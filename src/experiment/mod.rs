@@ -1,7 +1,7 @@
 //! Experiments: the paper's stretching of a square sample, where an evenly stretched sheet is stable,
 //! the centred dome without a grid, as a reference, the study of run time against error, stress runs.
 //!
-//! Uses the modules before it (`curve` … `scene`); stress runs use `session`, which uses stability. No
+//! Uses the modules before it (`curve` … `session`). No
 //! files, no clocks, no toolkit. Used by the command line, the JavaScript API and the tests.
 
 pub mod axisymmetric;

@@ -3,7 +3,8 @@
 use super::deformation::{Deformation, gradient, hat_gradients, is_square, square_edges};
 use crate::curve::Curve;
 use crate::sheet::{CellKind, Sheet};
-use crate::solve::{Material, Problem, Solver};
+use crate::solve::{Problem, Solver};
+use crate::springs::Material;
 use crate::springs::coupled::{CoupledLaw, biot_stress, equivalent_strain};
 use glam::DVec3;
 

@@ -336,7 +336,7 @@ fn springs(rest: &Rest, points: [DVec2; 3], x: [DVec3; 3]) -> [SpringShare; 3] {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::solve::Material;
+    use crate::springs::Material;
     use crate::springs::Springs;
 
     fn materials() -> Vec<Material> {

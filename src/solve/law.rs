@@ -1,6 +1,6 @@
 //! The law of a whole stack of layers, as the solver reads it: tables, layers merged.
 
-use super::Material;
+use crate::springs::Material;
 use crate::springs::Springs;
 use crate::springs::coupled::{CoupledLaw, LawLayer};
 use crate::springs::paper::{self, Spring, edge_strain_limit};

@@ -26,10 +26,9 @@ mod soundness;
 mod stretch;
 mod transfer;
 
-use crate::curve::Curve;
 use crate::implant::Dome;
 use crate::sheet::Sheet;
-use crate::springs::Springs;
+use crate::springs::{Material, Springs};
 use fas::FullMultigrid;
 pub use fas::kernels;
 use glam::DVec3;
@@ -37,17 +36,6 @@ use law::SheetLaw;
 pub(crate) use law::coupled_law;
 use newton::{NestedNewton, State};
 pub use soundness::Fault;
-
-/// One layer as the solver needs it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Stress–strain curve.
-    pub curve: Curve,
-    /// Poisson ratio \[-\].
-    pub poisson_ratio: f64,
-    /// Thickness \[mm\].
-    pub thickness_mm: f64,
-}
 
 /// What is to be solved.
 #[derive(Clone, Debug)]

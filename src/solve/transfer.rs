@@ -3,24 +3,24 @@
 //! Displacements are divided by 1 − (r/a)², which is zero on the pocket's border, interpolated, and
 //! multiplied again: plain interpolation would carry the coarse border's polygon into the fine grid.
 
-use super::newton::Newton;
 use crate::sheet::{NodeKind, Sheet};
 use glam::DVec3;
 
-/// Fills the free nodes of `fine.x` from `coarse.x`. The fine grid has twice the cells a side.
-pub(crate) fn refine(coarse: &Newton, fine: &mut Newton) {
-    let scaled = extended(&coarse.sheet, &scaled_displacements(&coarse.sheet, &coarse.x));
-    let (n, nc) = (fine.sheet.nodes_per_side(), coarse.sheet.nodes_per_side());
-    for k in 0..fine.sheet.len() {
-        if fine.sheet.kinds()[k] != NodeKind::Free {
+/// Fills the free nodes of `x` on the sheet `fine` from the positions `coarse_x` on the sheet `coarse`
+/// \[mm\], shapes (nodes_per_side², ). The fine grid has twice the cells a side.
+pub(crate) fn refine(coarse: &Sheet, coarse_x: &[DVec3], fine: &Sheet, x: &mut [DVec3]) {
+    let scaled = extended(coarse, &scaled_displacements(coarse, coarse_x));
+    let (n, nc) = (fine.nodes_per_side(), coarse.nodes_per_side());
+    for k in 0..fine.len() {
+        if fine.kinds()[k] != NodeKind::Free {
             continue;
         }
         let (i, j) = (k % n, k / n);
         let (low, right, up) = (j / 2 * nc + i / 2, i % 2, (j % 2) * nc);
         let mean = 0.25
             * (scaled[low] + scaled[low + right] + scaled[low + up] + scaled[low + up + right]);
-        let rest = fine.sheet.rest()[k];
-        fine.x[k] = rest.extend(0.0) + mean * rim_distance(&fine.sheet, k);
+        let rest = fine.rest()[k];
+        x[k] = rest.extend(0.0) + mean * rim_distance(fine, k);
     }
 }
 

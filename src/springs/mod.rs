@@ -4,8 +4,12 @@
 //! `measure`, `scene` and `experiment`.
 
 pub mod coupled;
+mod layer;
 pub mod paper;
+pub mod stability;
 pub mod table;
+
+pub use layer::Material;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

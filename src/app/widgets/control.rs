@@ -114,7 +114,18 @@ impl Control<'_> {
 /// The reason why something typed was not taken.
 pub(in crate::app) fn refused(ui: &mut Ui, reason: &str) {
     let color = theme::palette(ui.visuals()).bad;
-    ui.add(egui::Label::new(RichText::new(format!("Not taken: {reason}")).color(color)).wrap());
+    let words = RichText::new(format!("Not taken: {reason}")).color(color);
+    let response = ui.add(egui::Label::new(words).wrap());
+    // A new reason is brought into sight, once.
+    let (key, frame) = (response.id.with(reason), ui.ctx().cumulative_frame_nr());
+    let before = ui.data_mut(|data| {
+        let before = data.get_temp::<u64>(key);
+        data.insert_temp(key, frame);
+        before
+    });
+    if before.is_none_or(|before| before + 1 < frame) {
+        response.scroll_to_me(None);
+    }
 }
 
 #[cfg(test)]

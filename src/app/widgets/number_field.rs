@@ -147,6 +147,10 @@ impl NumberField<'_> {
                 select_all(ui, id, &shown);
             }
         }
+        // A click where nothing is being typed takes the whole number, as the first one did.
+        if response.clicked() && edit.as_ref().is_none_or(|edit| edit.refusal.is_some()) {
+            select_all(ui, id, &text);
+        }
         let is_changed = value.to_bits() != before.to_bits();
         let refusal = edit.as_ref().and_then(|edit| edit.refusal.clone());
         ui.data_mut(|data| match edit {
@@ -158,6 +162,9 @@ impl NumberField<'_> {
         self.describe(ui, &response, *value);
         if let Some(refusal) = &refusal {
             response = response.on_hover_text(refusal);
+        } else if quantity::format(*value, self.decimals).len() > 7 {
+            // Longer than the field.
+            response = response.on_hover_text(value.to_string());
         }
         Typed { response, is_changed, refusal, asked }
     }

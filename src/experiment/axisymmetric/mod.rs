@@ -22,7 +22,7 @@ mod shooting;
 
 use crate::implant::Dome;
 use crate::measure::ProfilePoint;
-use crate::solve::Material;
+use crate::springs::Material;
 use shooting::{Knot, Shooting};
 use std::f64::consts::PI;
 

@@ -3,7 +3,7 @@
 use super::AxisymmetricError;
 use super::runge_kutta::{Steps, integrate};
 use crate::implant::Dome;
-use crate::solve::Material;
+use crate::springs::Material;
 use crate::springs::coupled::equivalent_strain;
 
 /// Local error of the last shots, relative to each variable's magnitude \[-\].

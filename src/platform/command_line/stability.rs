@@ -3,9 +3,10 @@
 use super::output::{self, File, number};
 use super::{Answer, Refused};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
-use crate::experiment::stability::{Load, Point, row};
+use crate::experiment::stability::{Point, row};
 use crate::scene::limits;
 use crate::springs::Springs;
+use crate::springs::stability::Load;
 use crate::view::stability_map::{Map, draw};
 use rayon::prelude::*;
 use std::fmt::Write;

@@ -262,8 +262,7 @@ mod tests {
     use crate::curve::{Curve, CurveSpec};
     use crate::implant::Dome;
     use crate::sheet::Sheet;
-    use crate::solve::Material;
-    use crate::springs::Springs;
+    use crate::springs::{Material, Springs};
     use glam::DVec2;
 
     /// Skin over a hemisphere.

@@ -192,8 +192,8 @@ mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
     use crate::sheet::Sheet;
-    use crate::solve::{Material, assemble};
-    use crate::springs::Springs;
+    use crate::solve::assemble;
+    use crate::springs::{Material, Springs};
 
     /// Forces and blocks in lanes of f32 are those of the assembly in f64.
     #[test]

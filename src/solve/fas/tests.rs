@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::curve::{Curve, CurveSpec};
-use crate::solve::{Material, assemble};
-use crate::springs::Springs;
+use crate::solve::assemble;
+use crate::springs::{Material, Springs};
 use glam::{DVec2, DVec3};
 
 /// The finest grid's cycles, before contact is let end between its nodes, only ever lower the energy, as

@@ -99,8 +99,9 @@ impl NestedNewton {
             }
             State::Converged | State::Stalled | State::Saddle if !is_finest => {
                 let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
-                transfer::refine(&coarser[self.current], &mut finer[0]);
-                finer[0].start(dome, self.is_symmetric);
+                let (coarse, fine) = (&coarser[self.current], &mut finer[0]);
+                transfer::refine(&coarse.sheet, &coarse.x, &fine.sheet, &mut fine.x);
+                fine.start(dome, self.is_symmetric);
                 self.current += 1;
             }
             // The energy of the paper's springs has saddles: see whether this is one.

@@ -18,9 +18,9 @@
 //!
 //! Stretched along the grid the sheet is its own mirror image: 0 ≤ kₓ, k_y ≤ π is all there is.
 //!
-//! Uses `springs` and `solve` (for its layers). Used by `stability`.
+//! Uses `coupled` and `paper`. Used by `stability`.
 
-use crate::solve::Material;
+use crate::springs::Material;
 use crate::springs::coupled::principal_response;
 use crate::springs::paper::{self, Spring};
 use std::f64::consts::{FRAC_PI_2, PI};
