@@ -155,8 +155,8 @@ impl Focus {
         Some((&self.name, self.place?))
     }
 
-    /// Behind the last widget of a frame.
-    pub(super) fn end(&mut self, ctx: &Context) {
+    /// Behind the last widget of a frame. `picture`: the widget that a click gives the focus without a word.
+    pub(super) fn end(&mut self, ctx: &Context, picture: Option<Id>) {
         let focused = ctx.memory(egui::Memory::focused);
         if focused != self.before {
             // What gets the focus back does not say its name again.
@@ -171,6 +171,9 @@ impl Focus {
                 }
             }
         });
+        if focused.is_some() && focused == picture {
+            "3-D view".clone_into(&mut self.name);
+        }
         let response = focused.and_then(|id| ctx.read_response(id));
         let place = response.as_ref().map(|response| response.rect);
         if std::mem::replace(&mut self.place, place) != place {

@@ -325,7 +325,7 @@ impl App {
         self.edited(&ctx, &mut scene);
         // An edit takes the line of before away; this one is of the edit.
         self.notice = self.does_not_fit.take().or(self.notice.take());
-        self.focus.end(&ctx);
+        self.focus.end(&ctx, self.viewport.id());
         self.draft = Some(scene);
         self.is_rested = false;
         if self.session.is_working() || self.is_playing {

@@ -8,14 +8,14 @@ import assert from "node:assert/strict";
 import { fileURLToPath } from "node:url";
 import * as harness from "./harness.mjs";
 
-const WANTED = [
-  "implant.base_radius_mm",
-  "implant.center_mm.0",
-  "implant.center_mm.1",
-  "pocket_radius_mm",
-  "layers.0.poisson_ratio",
+// Controls by their names, in the order of the Tab key, and what of the scene each changes.
+const SLIDERS = [
+  ["Base radius (mm)", "implant.base_radius_mm"],
+  ["Position across (mm)", "implant.center_mm.0"],
+  ["Position along (mm)", "implant.center_mm.1"],
+  ["Pocket radius (mm)", "pocket_radius_mm"],
+  ["Poisson ratio", "layers.0.poisson_ratio"],
 ];
-const INSERTION = "insertion";
 
 // The picture is drawn in software: a small one leaves time for what is tested.
 export const VIEWPORT = { width: 1100, height: 720 };
@@ -28,35 +28,20 @@ function leaves(value, path = "") {
 
 const sceneOf = async (page) => new Map(leaves(JSON.parse(await page.evaluate(() => implantPreview.scene()))));
 
-/** The first of the wanted fields that a drag from there changes; a click would fold and tick. */
-async function fieldAt(page, { x, y }, wanted) {
-  const before = await sceneOf(page);
-  await page.mouse.move(x, y);
-  await page.waitForTimeout(50);
-  await page.mouse.down();
-  await page.waitForTimeout(50);
-  await page.mouse.move(x + 20, y, { steps: 2 });
-  await page.waitForTimeout(50);
-  await page.mouse.up();
-  await page.waitForTimeout(80);
-  const after = await sceneOf(page);
-  return wanted.find((name) => after.get(name) !== before.get(name));
-}
-
-/** Where the sliders are: the app is one canvas, and so it can only be found by trying. */
+/** Where the sliders are. */
 async function findSliders(page) {
-  const { width, height } = page.viewportSize();
-  const sliders = new Map();
-  const missing = () => WANTED.filter((name) => !sliders.has(name));
-  for (let y = 100; y < height - 60 && missing().length; y += 12) {
-    const field = await fieldAt(page, { x: 60, y }, missing());
-    if (field) sliders.set(field, { from: { x: 20, y }, to: { x: 180, y } });
-  }
-  for (let y = height - 8; y > height / 2 && !sliders.has(INSERTION); y -= 8) {
-    const field = await fieldAt(page, { x: 0.5 * width, y }, [INSERTION]);
-    if (field) sliders.set(field, { from: { x: 0.46 * width, y }, to: { x: 0.58 * width, y } });
-  }
-  assert.deepEqual([...missing(), ...[INSERTION].filter((name) => !sliders.has(name))], [], "sliders not found");
+  const sliders = [];
+  const found = (field, { x, y, width, height }) => {
+    const at = (share) => ({ x: x + share * width, y: y + height / 2 });
+    sliders.push([field, { from: at(0.1), to: at(0.85) }]);
+  };
+  for (const [control, field] of SLIDERS) found(field, await harness.control(page, control));
+  // Back from the picture: on the way there the panel would be scrolled.
+  await harness.focusPicture(page);
+  for (let k = 0; k < 2; k += 1) await harness.tab(page, { back: true });
+  const insertion = await harness.focused(page);
+  assert.equal(insertion.name, "Insertion (%)");
+  found("insertion", insertion);
   return sliders;
 }
 
@@ -95,8 +80,7 @@ export async function endure(page, seconds, { warm = 0, tell = () => {} } = {}) 
   const cdp = await page.context().newCDPSession(page);
   await cdp.send("Performance.enable");
   const opening = await page.evaluate(() => implantPreview.scene());
-  // The insertion first: what warns of other scenes moves it.
-  const sliders = [...(await findSliders(page))].sort(([name]) => (name === INSERTION ? -1 : 0));
+  const sliders = await findSliders(page);
   const samples = [];
   const start = Date.now();
   const since = () => (Date.now() - start) / 1000;

@@ -136,7 +136,6 @@ impl Viewport {
             ui.available_size().max(egui::Vec2::splat(1.0)),
             Sense::click_and_drag() | Sense::FOCUSABLE,
         );
-        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
         self.id = Some(response.id);
         self.place_camera(session, area.width() / area.height());
         let section = Section {
@@ -152,6 +151,7 @@ impl Viewport {
         let clock = || start.elapsed().as_secs_f64();
         let up_to_date = self.picture.update(session, options.quantity, section, &clock);
         let moved = self.move_camera(ui, &response, area);
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
