@@ -3,7 +3,7 @@
 use super::quantity::{self, Kind};
 use crate::app::theme;
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, Ui};
-use egui::text::{CCursor, CCursorRange};
+use egui::text::CCursorRange;
 use std::ops::RangeInclusive;
 
 /// A number that can be typed, and stepped by the arrow keys.
@@ -76,10 +76,7 @@ impl NumberField<'_> {
             ui.data_mut(|data| data.insert_temp(focused_key(), id));
             let steps = steps(ui);
             if steps != 0.0 {
-                // From a value between steps to the next one.
-                let next = if steps > 0.0 { f64::floor } else { f64::ceil };
-                let place = next(*value / self.step + steps.signum() * 1e-9);
-                *value = self.clamped((place + steps) * self.step);
+                *value = self.clamped(quantity::stepped(*value, self.step, steps));
                 edit = None;
             }
         }
@@ -116,13 +113,9 @@ impl NumberField<'_> {
             })
             // Enter takes the number and stays here.
             .return_key(None);
-        let output = field.show(ui);
-        let mut response = output.response.response;
+        let mut response = ui.add(field);
         if response.gained_focus() {
-            let mut state = output.state;
-            let all = CCursorRange::two(CCursor::new(0), CCursor::new(text.chars().count()));
-            state.cursor.set_char_range(Some(all));
-            state.store(ui.ctx(), id);
+            select_all(ui, id, &text);
         }
         let is_typed = text != edit.as_ref().map_or(&shown, |edit| &edit.text).as_str();
         if is_typed {

@@ -128,6 +128,12 @@ fn shortened(text: &str) -> String {
     line.chars().take(MOST).chain(['…']).collect()
 }
 
+/// A value so many steps on, counted in multiples of the step: from a value between them to the next one.
+pub(super) fn stepped(value: f64, step: f64, steps: f64) -> f64 {
+    let whole = if steps > 0.0 { f64::floor } else { f64::ceil };
+    (whole(value / step + steps.signum() * 1e-9) + steps) * step
+}
+
 /// A value with at least the given decimals, and as many more as it has, up to six.
 pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     let is_exact = |text: &str| {

@@ -165,11 +165,7 @@ impl Rail<'_> {
         if end.is_some() || steps == 0.0 {
             return end;
         }
-        let step = self.step_at(value);
-        // From a value between steps to the next one.
-        let whole = if steps > 0.0 { f64::floor } else { f64::ceil };
-        let place = whole(value / step + steps.signum() * 1e-9);
-        let moved = (place + steps) * step;
+        let moved = quantity::stepped(value, self.step_at(value), steps);
         Some(moved.max(*self.range.start()).min(*self.range.end()))
     }
 
