@@ -7,7 +7,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use implant_preview::scene::{Scene, simulate};
+use implant_preview::scene::Scene;
+use implant_preview::simulate::simulate;
 use std::error::Error;
 
 const SCENE: &str = r#"{

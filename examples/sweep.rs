@@ -6,7 +6,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use implant_preview::scene::{Scene, simulate};
+use implant_preview::scene::Scene;
+use implant_preview::simulate::simulate;
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {

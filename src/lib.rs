@@ -3,21 +3,23 @@
 //! The core: stress–strain curves, spring laws, the sheet, the dome, the equilibrium, and what a
 //! surgeon reads off it. Module order; imports point left only (`tests/modules.rs`):
 //!
-//! `curve` → `springs` → `sheet` → `implant` → `solve` → `measure` → `scene` →
+//! `curve` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
 //! `session` → `experiment` → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
 #[cfg(feature = "app")]
 pub mod app;
+pub mod contact;
 pub mod curve;
 pub mod experiment;
-pub mod implant;
 pub mod measure;
+pub mod mesh;
+mod model;
 pub mod platform;
 pub mod scene;
 pub mod session;
-pub mod sheet;
+pub mod simulate;
 pub mod solve;
 pub mod springs;
 pub mod view;

@@ -3,10 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use glam::DVec2;
+use implant_preview::contact::Dome;
 use implant_preview::curve::Curve;
 use implant_preview::experiment::axisymmetric::{self, AxisymmetricError, Solution};
-use implant_preview::implant::Dome;
-use implant_preview::scene::{Scene, simulate};
+use implant_preview::scene::Scene;
+use implant_preview::simulate::simulate;
 use implant_preview::solve::Problem;
 use implant_preview::springs::Material;
 use implant_preview::springs::coupled::equivalent_strain;
@@ -18,8 +19,9 @@ mod membrane;
 
 /// Without the grid.
 fn solve(scene: &Scene) -> Result<Solution, AxisymmetricError> {
-    let Problem { dome, sheet, materials, .. } = scene.problem().unwrap();
-    axisymmetric::solve(&dome, sheet.radius_mm(), &materials)
+    let Problem { obstacle, patch, materials, .. } = scene.problem().unwrap();
+    let dome = obstacle.dome;
+    axisymmetric::solve(&dome, patch.pocket_radius_mm, &materials)
 }
 
 fn position(solution: &Solution, s_mm: f64) -> (f64, f64) {
@@ -278,15 +280,16 @@ fn the_grid_solver_agrees_on_an_ellipsoid() {
 
 #[test]
 fn what_is_not_axisymmetric_is_refused_in_one_line() {
-    let Problem { dome, sheet, materials, .. } = Scene::default().problem().unwrap();
+    let Problem { obstacle, patch, materials, .. } = Scene::default().problem().unwrap();
+    let dome = obstacle.dome;
     let refused = |dome: Dome, materials: &[Material]| {
-        axisymmetric::solve(&dome, sheet.radius_mm(), materials).unwrap_err()
+        axisymmetric::solve(&dome, patch.pocket_radius_mm, materials).unwrap_err()
     };
     let none = refused(dome, &[]);
     assert_eq!(none, AxisymmetricError::NoLayers);
     let off = refused(Dome { center: DVec2::new(3.0, 4.0), ..dome }, &materials);
     assert_eq!(off, AxisymmetricError::OffCentre { distance_mm: 5.0 });
-    let wide = refused(Dome { base_radius: 1.1 * sheet.radius_mm(), ..dome }, &materials);
+    let wide = refused(Dome { base_radius: 1.1 * patch.pocket_radius_mm, ..dome }, &materials);
     for error in [none, off, wide] {
         let line = error.to_string();
         assert!(line.contains("allowed") && !line.contains('\n') && line.len() < 120, "{line}");

@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+use implant_preview::measure::Fields;
 use implant_preview::measure::{Outcome, Status};
-use implant_preview::scene::{Scene, simulate};
-use implant_preview::sheet::NodeKind;
+use implant_preview::mesh::NodeKind;
+use implant_preview::scene::Scene;
+use implant_preview::simulate::{measure, simulate};
 use implant_preview::solve::{Method, Options, Progress, Solver, Verdict};
 use serde_json::{Value, json};
+use std::sync::Arc;
 
 #[path = "common/membrane.rs"]
 mod membrane;
@@ -159,14 +162,14 @@ fn solved(scene: &Scene, nodes: usize, tolerance: f64) -> Solver {
 /// Greatest distance of two solves' nodes, relative to the base radius.
 fn apart(a: &Solver, b: &Solver) -> f64 {
     let distances = a.positions().iter().zip(b.positions()).map(|(a, b)| a.distance(*b));
-    distances.fold(0.0, f64::max) / a.problem().dome.base_radius
+    distances.fold(0.0, f64::max) / a.problem().obstacle.dome.base_radius
 }
 
 #[test]
 fn contact_forces_are_the_reaction_of_the_border() {
     for scene in odd_scenes() {
         let solver = solved(&scene, 65, 1e-6);
-        let forces = solver.forces();
+        let forces = solver.forces_and_scale().0;
         let kinds = solver.problem().sheet.kinds();
         // The border holds the sheet down with as much as the dome (and the wall) pushes it up.
         let pull: f64 = (0..forces.len())
@@ -174,7 +177,7 @@ fn contact_forces_are_the_reaction_of_the_border() {
             .map(|k| forces[k].z)
             .sum::<f64>()
             / 1000.0;
-        let outcome = scene.measure(&solver);
+        let outcome = measure(&scene, &Fields::new(Arc::new(solver.solution())));
         let force = outcome.contact_force_n.unwrap();
         assert!(force > 0.0);
         assert!((force / pull - 1.0).abs() < 1e-3, "{force} {pull}");
@@ -185,22 +188,22 @@ fn contact_forces_are_the_reaction_of_the_border() {
 fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_dome() {
     for scene in odd_scenes() {
         let solver = solved(&scene, 65, 1e-6);
-        let (problem, forces) = (solver.problem(), solver.forces());
+        let (problem, forces) = (solver.problem(), solver.forces_and_scale().0);
         let scale = forces.iter().map(|f| f.length()).fold(0.0, f64::max);
         for (k, &x) in solver.positions().iter().enumerate() {
             if problem.sheet.kinds()[k] != NodeKind::Free {
                 continue;
             }
-            let distance = problem.dome.closest_point(x).0;
+            let distance = problem.obstacle.dome.closest_point(x).0;
             assert!(distance > -1e-9 && x.z >= 0.0, "{x} {distance}");
             // A node that touches nothing is in balance; one that touches is pressed, not glued. The
             // last ones that touch may stand a little off the dome.
-            let is_last = solver.lifted().iter().any(|(last, _)| *last == k);
-            assert!(!is_last || distance < 2e-3 * problem.dome.base_radius);
+            let is_last = solver.offset_nodes().iter().any(|(last, _)| *last == k);
+            assert!(!is_last || distance < 2e-3 * problem.obstacle.dome.base_radius);
             if distance > 1e-3 && x.z > 1e-3 && !is_last {
                 assert!(forces[k].length() < 1e-4 * scale, "{x}: {}", forces[k]);
             } else {
-                let along = forces[k].dot(problem.dome.normal(x));
+                let along = forces[k].dot(problem.obstacle.dome.normal(x));
                 assert!(along < 1e-4 * scale, "{x}: {along}");
             }
         }

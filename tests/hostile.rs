@@ -7,7 +7,8 @@ use dhat::{HeapStats, Profiler};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::experiment::work_precision::Plan;
 use implant_preview::measure::Status;
-use implant_preview::scene::{Scene, SceneError, read, simulate};
+use implant_preview::scene::{CheckedScene, Scene, SceneError, read};
+use implant_preview::simulate::simulate;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -278,8 +279,8 @@ fn other_encodings_are_text_or_refused() {
     let _alone = ALONE.lock();
     let scene = Scene::default().to_json();
     let same = |bytes: &[u8]| {
-        let scenes = read::scenes(bytes, false).unwrap();
-        assert_eq!(scenes, [Scene::default()]);
+        let scenes = read::scenes(bytes, read::Format::Json).unwrap();
+        assert!(scenes.iter().map(CheckedScene::scene).eq([&Scene::default()]));
     };
     same(scene.as_bytes());
     same(format!("\u{feff}{scene}").as_bytes());
@@ -297,16 +298,19 @@ fn other_encodings_are_text_or_refused() {
         (&[0x89, b'P', b'N', b'G', 0, 255], "UTF-8"),
         (&[0; 1000], "line 1 column 1"),
     ] {
-        refused("encoded", &[wanted], || read::scenes(bytes, false));
+        refused("encoded", &[wanted], || read::scenes(bytes, read::Format::Json));
         refused("encoded", &[], || read::curve(bytes));
     }
     // Old line ends of the Macintosh are one line of JSON; two scenes are not.
     same(scene.replace('\n', "\r").as_bytes());
     let line = with(r#""insertion":0.5"#);
-    assert_eq!(read::scenes(format!("{line}\r\n\r\n{line}").as_bytes(), false).unwrap().len(), 2);
+    assert_eq!(
+        read::scenes(format!("{line}\r\n\r\n{line}").as_bytes(), read::Format::Json).unwrap().len(),
+        2
+    );
     let lines = format!("{line}\n{line}\n{{}}");
-    refused(&lines, &["line 3", "implant"], || read::scenes(lines.as_bytes(), false));
-    refused("", &["empty"], || read::scenes(b"\n \n", true));
+    refused(&lines, &["line 3", "implant"], || read::scenes(lines.as_bytes(), read::Format::Json));
+    refused("", &["empty"], || read::scenes(b"\n \n", read::Format::JsonLines));
 }
 
 #[test]
@@ -372,9 +376,13 @@ fn files_of_very_many_scenes_are_refused() {
     let _alone = ALONE.lock();
     let line = "{\"implant\":{\"base_radius_mm\":50}}\n";
     let many = line.repeat(read::MAX_SCENES + 1);
-    refused("100001 scenes", &["line 100001", "to 100000"], || read::scenes(many.as_bytes(), true));
+    refused("100001 scenes", &["line 100001", "to 100000"], || {
+        read::scenes(many.as_bytes(), read::Format::JsonLines)
+    });
     let long = " ".repeat(read::MAX_LINES_BYTES + 1);
-    refused("100 MB", &["file is 100000001 bytes long"], || read::scenes(long.as_bytes(), true));
+    refused("100 MB", &["file is 100000001 bytes long"], || {
+        read::scenes(long.as_bytes(), read::Format::JsonLines)
+    });
 }
 
 /// What is accepted is solved, or the result says that it is not: with numbers, and with an end to it.

@@ -7,14 +7,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// From left to right, as in ARCHITECTURE.md.
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 14] = [
     "curve",
     "springs",
-    "sheet",
-    "implant",
+    "mesh",
+    "contact",
+    "model",
     "solve",
     "measure",
     "scene",
+    "simulate",
     "session",
     "experiment",
     "view",

@@ -6,7 +6,8 @@
 
 mod common;
 
-use implant_preview::scene::{Scene, simulate};
+use implant_preview::scene::Scene;
+use implant_preview::simulate::simulate;
 use serde_json::{Map, Value};
 
 fn profiles() -> Value {

@@ -180,7 +180,7 @@ fn the_checks_see_what_is_wrong() {
     let mut scene = Scene::default();
     scene.solver.nodes_per_side = 33;
     let solver = Solver::new(scene.problem().unwrap());
-    let (sheet, dome) = (&solver.problem().sheet, &solver.problem().dome);
+    let (sheet, dome) = (&solver.problem().sheet, &solver.problem().obstacle.dome);
     // A sheet over the dome faces outwards, one turned over does not.
     let mut x = solver.start_shape();
     assert!(check::faces_inwards(sheet, &x) < 0.0);

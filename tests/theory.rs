@@ -7,7 +7,8 @@ use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec};
 use implant_preview::experiment::axisymmetric;
 use implant_preview::experiment::sample::Sample;
-use implant_preview::scene::{Scene, simulate};
+use implant_preview::scene::Scene;
+use implant_preview::simulate::simulate;
 use implant_preview::solve::{Method, Options, Problem, Progress, Solver};
 use implant_preview::springs::Springs;
 use serde_json::json;
@@ -112,8 +113,9 @@ fn shapes_extrapolated_to_no_spacing_meet_the_axisymmetric_reference() {
             });
             Scene::from_json(&scene.to_string()).unwrap()
         });
-        let Problem { dome, sheet, materials, .. } = coarse.problem().unwrap();
-        let reference = axisymmetric::solve(&dome, sheet.radius_mm(), &materials).unwrap();
+        let Problem { obstacle, patch, materials, .. } = coarse.problem().unwrap();
+        let reference =
+            axisymmetric::solve(&obstacle.dome, patch.pocket_radius_mm, &materials).unwrap();
         let [coarse, fine] = [coarse, fine].map(|scene| simulate(&scene).unwrap());
         let error = |share: f64| {
             let pairs = coarse.profile.iter().zip(&fine.profile);
@@ -164,10 +166,11 @@ fn every_step_of_newtons_method_lowers_the_energy() {
         scene.springs = Springs::Coupled;
         let options = Options { method: Method::Newton, ..Options::default() };
         let mut solver = Solver::with_options(scene.problem().unwrap(), options);
-        let (mut moves, mut energies) = (solver.moves(), Vec::new());
-        while solver.advance(&mut || true) == Progress::Working && solver.lifted().is_empty() {
-            if solver.moves() != moves {
-                moves = solver.moves();
+        let (mut moves, mut energies) = (solver.revision(), Vec::new());
+        while solver.advance(&mut || true) == Progress::Working && solver.offset_nodes().is_empty()
+        {
+            if solver.revision() != moves {
+                moves = solver.revision();
                 energies.push(energy(&solver));
             }
         }

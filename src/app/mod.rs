@@ -24,7 +24,7 @@ mod widgets;
 use crate::measure::{Outcome, Status, bands, no_shape as no_shape_text};
 use crate::scene::{Scene, SceneError, Springs};
 use crate::session::{Command, Record, Session};
-use crate::solve::{Fault, Progress};
+use crate::solve::{Invalid, Progress};
 use eframe::{egui, glow};
 use egui::{FocusDirection, Ui};
 use files::{FileEvent, Files};
@@ -276,7 +276,7 @@ impl App {
             value.map_or_else(String::new, |v| format!(" {name} {v:.decimals$}{unit}."))
         };
         let state = match outcome.status {
-            Status::Unstable => return no_shape_text(self.session.solver().fault()).to_owned(),
+            Status::Unstable => return no_shape_text(self.session.invalid()).to_owned(),
             Status::NotConverged => "Not finished: do not use these numbers.",
             Status::Converged => "Up to date.",
         };
@@ -356,7 +356,7 @@ impl App {
         let progress = self.session.solve(&mut || start.elapsed() >= slice);
         self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64(), is_opening);
         self.session.conclude();
-        self.solving = Some((since, share.max(self.session.solver().share_done())));
+        self.solving = Some((since, share.max(self.session.fraction_done())));
         if let Some(fault) = self.session.taken_back() {
             self.notice = Some(Notice::failed(format!(
                 "the last change was taken back. {} Redo tries it again.",
@@ -577,7 +577,7 @@ impl App {
             return;
         }
         if self.session.has_no_shape() {
-            no_shape(ui, self.session.solver().fault(), scene);
+            no_shape(ui, self.session.invalid(), scene);
             return;
         }
         if self.is_long() {
@@ -647,7 +647,7 @@ fn message(ui: &mut Ui, heading: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 /// Says why there is no shape, and what can be done.
-fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
+fn no_shape(ui: &mut Ui, fault: Option<Invalid>, scene: &mut Scene) {
     message(ui, "No stable shape", |ui| {
         if fault.is_some() {
             ui.label(no_shape_text(fault));

@@ -2,8 +2,8 @@
 
 use super::theme;
 use super::widgets::group;
+use crate::mesh::NodeKind;
 use crate::session::Session;
-use crate::sheet::NodeKind;
 use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points, uniform_grid_spacer};
 
@@ -30,7 +30,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
             .allow_drag(false)
             .allow_zoom(false)
             .show(ui, |plot| {
-                let materials = &session.solver().problem().materials;
+                let materials = &session.problem().materials;
                 for (k, (layer, material)) in
                     session.scene().layers.iter().zip(materials).enumerate()
                 {
@@ -83,12 +83,12 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
 /// it has a shape.
 pub(super) fn section(ui: &mut Ui, session: &Session) {
     let palette = theme::palette(ui.visuals());
-    let problem = session.solver().problem();
-    let (sheet, dome) = (&problem.sheet, problem.dome);
+    let problem = session.problem();
+    let (sheet, dome) = (&problem.sheet, problem.obstacle.dome);
     let n = sheet.nodes_per_side();
     let row: Vec<usize> =
         (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside).collect();
-    let (x, stack) = (session.shape(), session.fields().stack());
+    let (x, stack) = (session.shape(), session.solution().stack());
     let inner: Vec<[f64; 2]> = row.iter().map(|&k| [x[k].x, x[k].z]).collect();
     let outer: Vec<[f64; 2]> = row
         .iter()

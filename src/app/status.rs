@@ -3,7 +3,7 @@
 use super::theme;
 use crate::measure::{Status, no_shape};
 use crate::session::Session;
-use crate::solve::Shown;
+use crate::solve::Displayed;
 use crate::springs::Springs;
 use eframe::egui::{RichText, Ui};
 use std::collections::VecDeque;
@@ -83,16 +83,18 @@ fn state(session: &Session) -> State {
         return loud("Stopped: not computed", "The solve was cancelled.".to_owned());
     }
     let Some(outcome) = session.result() else {
-        let details = match session.solver().shown() {
-            Shown::Draft if session.scene().springs == Springs::Nikolaev => {
+        let details = match session.displayed() {
+            Displayed::Draft if session.scene().springs == Springs::Nikolaev => {
                 "A draft of the shape; its stability is being tested.".to_owned()
             }
-            Shown::Draft => "A draft of the shape, within 0.1 % of the base radius.".to_owned(),
-            Shown::Coarse { nodes_per_side } => format!(
+            Displayed::Draft => "A draft of the shape, within 0.1 % of the base radius.".to_owned(),
+            Displayed::Coarse { nodes_per_side } => format!(
                 "A draft of the shape on {nodes_per_side} of {} nodes a side.",
-                session.solver().problem().sheet.nodes_per_side()
+                session.problem().sheet.nodes_per_side()
             ),
-            Shown::Before | Shown::Latest => "The shape of before is still shown.".to_owned(),
+            Displayed::Previous | Displayed::Final => {
+                "The shape of before is still shown.".to_owned()
+            }
         };
         return quiet("Updating…", details);
     };
@@ -116,7 +118,7 @@ fn state(session: &Session) -> State {
             let words = "Not finished: do not use these numbers";
             loud(words, format!("The solve ended above its tolerance: {error}."))
         }
-        Status::Unstable => loud("No stable shape", no_shape(session.solver().fault()).to_owned()),
+        Status::Unstable => loud("No stable shape", no_shape(session.invalid()).to_owned()),
     }
 }
 

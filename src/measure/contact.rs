@@ -1,14 +1,10 @@
-//! Contact between dome and sheet: forces, pressure, and where it ends.
+//! Contact between dome and sheet: pressure, and where contact ends.
 
 use super::Pressure;
-use super::deformation::Deformation;
-use super::layers::Layers;
-use crate::sheet::NodeKind;
-use crate::solve::Solver;
+use crate::mesh::NodeKind;
+use crate::solve::Solution;
 use glam::{DVec3, dvec3};
 
-/// A node this close to the dome touches it \[share of the base radius\].
-const TOUCH: f64 = 1e-6;
 /// Nodes this far from the contact, in grid spacings, show where it ends.
 const EDGE_BAND: (f64, f64) = (1.0, 6.0);
 
@@ -17,12 +13,13 @@ const EDGE_BAND: (f64, f64) = (1.0, 6.0);
 pub(super) struct Contact {
     /// Normal force of the dome on the sheet \[kPa·mm²\]; zero where they do not touch.
     force: Vec<f64>,
-    normal: Vec<DVec3>,
     /// Deformed area around each node \[mm²\].
     area: Vec<f64>,
     /// Does the node touch, and do its eight neighbours?
     inside: Vec<bool>,
     nodes_per_side: usize,
+    /// Vertical force \[kPa·mm²\].
+    vertical_force: f64,
     /// Mean and greatest pressure \[kPa\].
     pressure: Option<Pressure>,
 }
@@ -36,55 +33,26 @@ pub(super) struct Edge {
 }
 
 impl Contact {
-    /// The contact of a solver's present shape, whose deformation and layers these are.
-    pub(super) fn find(solver: &Solver, layers: &Layers, deformation: &Deformation) -> Self {
-        let problem = solver.problem();
-        let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
-        let touch = TOUCH * dome.base_radius;
-        let mut normal = vec![DVec3::ZERO; sheet.len()];
-        let mut touching: Vec<bool> = (0..sheet.len())
-            .map(|k| {
-                if sheet.kinds()[k] != NodeKind::Free {
-                    return false;
-                }
-                let (level, gradient) = dome.level_and_gradient(x[k]);
-                let steepness = gradient.length();
-                let touches = level <= touch * steepness;
-                if touches {
-                    normal[k] = gradient / steepness;
-                }
-                touches
-            })
-            .collect();
-        // The last nodes before the contact's edge carry their share, on the dome or a little off it.
-        for &(k, _) in solver.lifted() {
-            touching[k] = true;
-            normal[k] = dome.normal(x[k]);
-        }
-        let spring_force = layers.forces(solver, &touching);
-        let mut force = vec![0.0; sheet.len()];
-        for k in (0..sheet.len()).filter(|&k| touching[k]) {
-            // Where the wall holds the node too, it takes the vertical part that is left.
-            let on_wall = x[k].z <= touch && spring_force[k].z < 0.0;
-            let across = if on_wall { dvec3(1.0, 1.0, 0.0) } else { DVec3::ONE } * normal[k];
-            let share = across.length_squared();
-            if share > 1e-12 {
-                force[k] = (-spring_force[k].dot(across) / share).max(0.0);
-            }
-        }
-        let area = (0..sheet.len()).map(|k| deformation.deformed_area(k)).collect();
-        let n = sheet.nodes_per_side();
-        let inside = (0..sheet.len())
+    /// The contact of a solution.
+    pub(super) fn new(solution: &Solution) -> Self {
+        let (reactions, deformation) = (solution.reactions(), solution.deformation());
+        let force = reactions.force.clone();
+        let nodes = force.len();
+        let area = (0..nodes).map(|k| deformation.deformed_area(k)).collect();
+        let n = solution.problem().sheet.nodes_per_side();
+        let inside = (0..nodes)
             .map(|k| force[k] > 0.0 && around(k, n).as_flattened().iter().all(|&k| force[k] > 0.0))
             .collect();
-        let mut contact = Self { force, normal, area, inside, nodes_per_side: n, pressure: None };
+        let vertical_force = force.iter().zip(&reactions.normal).map(|(f, n)| f * n.z).sum();
+        let mut contact =
+            Self { force, area, inside, nodes_per_side: n, vertical_force, pressure: None };
         contact.pressure = contact.find_pressure();
         contact
     }
 
     /// Vertical force between dome and sheet \[kPa·mm²\].
     pub(super) fn vertical_force(&self) -> f64 {
-        self.force.iter().zip(&self.normal).map(|(f, n)| f * n.z).sum()
+        self.vertical_force
     }
 
     /// How many nodes touch?
@@ -169,9 +137,10 @@ impl Contact {
     /// A membrane leaves the dome tangentially, so the gap opens with the square of the distance
     /// from the edge: over the free nodes near it, position = edge + b·√gap + c·gap, fitted by least
     /// squares, gives the edge between the nodes.
-    pub(super) fn edge(&self, solver: &Solver) -> Option<Edge> {
-        let problem = solver.problem();
-        let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
+    pub(super) fn edge(&self, solution: &Solution) -> Option<Edge> {
+        let problem = solution.problem();
+        let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
+        let pocket_radius = problem.patch.pocket_radius_mm;
         let is_centred = dome.center.length() <= 1e-9 * dome.base_radius;
         let reach = (0..sheet.len())
             .filter(|&k| self.touches(k))
@@ -181,11 +150,8 @@ impl Contact {
             return None;
         }
         let h = sheet.spacing_mm();
-        let wall = Edge {
-            angle: (-dome.base_height / dome.projection).clamp(-1.0, 1.0).acos(),
-            material_radius: sheet.radius_mm(),
-        };
-        if reach > sheet.radius_mm() - 1.5 * h {
+        let wall = Edge { angle: dome.wall_angle(), material_radius: pocket_radius };
+        if reach > pocket_radius - 1.5 * h {
             return Some(wall);
         }
         let (mut for_angle, mut for_radius) = (Fit::default(), Fit::default());

@@ -1,12 +1,10 @@
-//! What is drawn on a shape: nodal fields, each computed when it is first asked for.
+//! What is drawn on a shape: nodal fields, each computed when it is first read.
 
 use super::contact::Contact;
-use super::deformation::{Deformation, LEAST_AREA_STRETCH, thickness_exponent};
-use super::layers::Layers;
-use crate::solve::Solver;
-use glam::Vec3;
+use super::layers;
+use crate::solve::Solution;
 use std::cell::{Cell, OnceCell};
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// A quantity that has a value at every node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,24 +19,11 @@ pub enum Field {
     ContactPressure,
 }
 
-/// The layers' deformed geometry at every node.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stack {
-    /// Unit normals of the deformed sheet, pointing to the skin, shape (nodes_per_side², ); straight
-    /// up outside the sheet.
-    pub normal: Vec<Vec3>,
-    /// Deformed thickness of each layer \[mm\], from the skin inwards, shape (layers, nodes_per_side²);
-    /// zero outside the sheet.
-    pub thickness_mm: Vec<Vec<f32>>,
-}
-
-/// All that is known of one shape: its deformation, and what was asked for so far.
+/// The fields of one solution.
 #[derive(Debug)]
 pub struct Fields {
-    layers: Rc<Layers>,
-    deformation: Deformation,
+    solution: Arc<Solution>,
     contact: OnceCell<Contact>,
-    stack: OnceCell<Stack>,
     principal_strain: OnceCell<Vec<f32>>,
     area_stretch: OnceCell<Vec<f32>>,
     /// One for each layer.
@@ -47,33 +32,31 @@ pub struct Fields {
     computed: Cell<u64>,
 }
 
-/// The fields of a solver's present shape.
-#[must_use]
-pub fn fields(solver: &Solver) -> Fields {
-    Fields::new(solver, Rc::new(Layers::new(solver.problem())))
-}
-
 impl Fields {
-    /// The fields of a solver's present shape, whose layers these are.
+    /// The fields of a solution; nothing is computed yet.
     #[must_use]
-    pub fn new(solver: &Solver, layers: Rc<Layers>) -> Self {
+    pub fn new(solution: Arc<Solution>) -> Self {
         Self {
-            deformation: Deformation::new(&solver.problem().sheet, solver.positions()),
             contact: OnceCell::new(),
-            stack: OnceCell::new(),
             principal_strain: OnceCell::new(),
             area_stretch: OnceCell::new(),
-            stress_kpa: vec![OnceCell::new(); layers.materials().len()],
+            stress_kpa: vec![OnceCell::new(); solution.problem().materials.len()],
             contact_pressure_kpa: OnceCell::new(),
             computed: Cell::new(0),
-            layers,
+            solution,
         }
     }
 
-    /// The values of a field at the nodes, zero outside the sheet, shape (nodes_per_side², ); empty
-    /// for the stress of a layer that is not there. `solver` must still hold this shape.
+    /// The solution whose fields these are.
     #[must_use]
-    pub fn values(&self, field: Field, solver: &Solver) -> &[f32] {
+    pub fn solution(&self) -> &Arc<Solution> {
+        &self.solution
+    }
+
+    /// The values of a field at the nodes, zero outside the sheet, shape (nodes_per_side², ); empty for the
+    /// stress of a layer that the scene does not have.
+    #[must_use]
+    pub fn values(&self, field: Field) -> &[f32] {
         let cell = match field {
             Field::PrincipalStrain => &self.principal_strain,
             Field::AreaStretch => &self.area_stretch,
@@ -85,90 +68,32 @@ impl Fields {
         };
         cell.get_or_init(|| {
             self.computed.set(self.computed.get() + 1);
-            match field {
-                Field::PrincipalStrain => self.per_node(|k| self.deformation.principal(k)[0]),
-                Field::AreaStretch => self.per_node(|k| self.deformation.area_stretch(k)),
-                Field::Stress(layer) => {
-                    self.per_node(|k| self.layers.stress(layer, &self.deformation, k))
-                }
-                Field::ContactPressure => {
-                    let contact = self.contact(solver);
-                    self.per_node(|k| contact.pressure_at(k))
-                }
+            let deformation = self.solution.deformation();
+            let mut values = vec![0.0; deformation.len()];
+            for k in deformation.inside() {
+                values[k] = self.at(field, k).unwrap_or(0.0) as f32;
             }
+            values
         })
     }
 
-    fn per_node(&self, value: impl Fn(usize) -> f64) -> Vec<f32> {
-        let mut values = vec![0.0; self.deformation.len()];
-        self.deformation.inside().for_each(|k| values[k] = value(k) as f32);
-        values
-    }
-
-    /// The value of a field at one node; `None` for a contact pressure that was not asked for while
-    /// the solver held this shape, and for a layer that is not there.
+    /// The value of a field at one node; `None` for a layer that the scene does not have.
     #[must_use]
     pub fn at(&self, field: Field, node: usize) -> Option<f64> {
+        let deformation = self.solution.deformation();
         match field {
-            Field::PrincipalStrain => Some(self.deformation.principal(node)[0]),
-            Field::AreaStretch => Some(self.deformation.area_stretch(node)),
-            Field::Stress(layer) => (layer < self.layers.materials().len())
-                .then(|| self.layers.stress(layer, &self.deformation, node)),
-            Field::ContactPressure => self.contact.get().map(|c| c.pressure_at(node)),
-        }
-    }
-
-    /// Normals and deformed thicknesses of the layers.
-    #[must_use]
-    pub fn stack(&self) -> &Stack {
-        self.stack.get_or_init(|| {
-            let normal = |k| self.deformation.normal(k).as_vec3();
-            Stack {
-                normal: (0..self.deformation.len()).map(normal).collect(),
-                thickness_mm: self.thickness_mm(),
+            Field::PrincipalStrain => Some(deformation.principal(node)[0]),
+            Field::AreaStretch => Some(deformation.area_stretch(node)),
+            Field::Stress(layer) => {
+                let material = self.solution.problem().materials.get(layer)?;
+                Some(layers::stress(material, deformation, node))
             }
-        })
-    }
-
-    /// [`Stack::thickness_mm`]: that at rest times (λ₁λ₂)^(−ν/(1−ν)). In `f32` and by one logarithm
-    /// for all layers, because it is drawn and powers are slow.
-    fn thickness_mm(&self) -> Vec<Vec<f32>> {
-        let materials = self.layers.materials();
-        let logarithm = self.per_node(|k| {
-            let area_stretch = self.deformation.area_stretch(k).max(LEAST_AREA_STRETCH);
-            f64::from((area_stretch as f32).ln())
-        });
-        let mut thickness_mm: Vec<Vec<f32>> = Vec::with_capacity(materials.len());
-        for (k, first) in self.layers.first_alike().enumerate() {
-            let rest = materials[k].thickness_mm;
-            thickness_mm.push(if first < k {
-                let ratio = (rest / materials[first].thickness_mm) as f32;
-                thickness_mm[first].iter().map(|t| t * ratio).collect()
-            } else {
-                let exponent = thickness_exponent(materials[k].poisson_ratio) as f32;
-                let mut values = vec![0.0; logarithm.len()];
-                for node in self.deformation.inside() {
-                    values[node] = rest as f32 * (exponent * logarithm[node]).exp();
-                }
-                values
-            });
+            Field::ContactPressure => Some(self.contact().pressure_at(node)),
         }
-        thickness_mm
     }
 
-    /// The contact of this shape, which `solver` must still hold.
-    pub(super) fn contact(&self, solver: &Solver) -> &Contact {
-        self.contact.get_or_init(|| Contact::find(solver, &self.layers, &self.deformation))
-    }
-
-    pub(super) fn deformation(&self) -> &Deformation {
-        &self.deformation
-    }
-
-    /// The layers of this shape.
-    #[must_use]
-    pub fn layers(&self) -> &Layers {
-        &self.layers
+    pub(super) fn contact(&self) -> &Contact {
+        self.contact.get_or_init(|| Contact::new(&self.solution))
     }
 
     /// Arrays of [`Self::values`] computed so far.

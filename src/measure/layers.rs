@@ -1,21 +1,13 @@
-//! The layers of one scene, as measuring needs them: tables of their law, and their stresses.
+//! Stresses of the layers.
 
-use super::deformation::{Deformation, gradient, hat_gradients, is_square, square_edges};
 use crate::curve::Curve;
-use crate::sheet::{CellKind, Sheet};
-use crate::solve::{Problem, Solver};
+use crate::model::membrane::deformation::Deformation;
+use crate::model::membrane::stack::first_alike;
 use crate::springs::Material;
-use crate::springs::coupled::{CoupledLaw, biot_stress, equivalent_strain};
-use glam::DVec3;
+use crate::springs::coupled::{biot_stress, equivalent_strain};
 
 /// Bins of the equivalent strain in the search for the most stressed node.
 const BINS: usize = 256;
-
-/// The layers that the shapes of a scene share; made once for the same layers.
-#[derive(Debug)]
-pub struct Layers {
-    materials: Vec<Material>,
-}
 
 /// How strongly a layer is loaded.
 pub(super) struct Load {
@@ -25,117 +17,29 @@ pub(super) struct Load {
     pub(super) is_beyond_data: bool,
 }
 
-impl Layers {
-    /// The layers of a problem.
-    #[must_use]
-    pub fn new(problem: &Problem) -> Self {
-        Self { materials: problem.materials.clone() }
-    }
-
-    /// Has the problem these layers?
-    #[must_use]
-    pub fn are_of(&self, problem: &Problem) -> bool {
-        self.materials == problem.materials
-    }
-
-    /// From the skin inwards.
-    #[must_use]
-    pub fn materials(&self) -> &[Material] {
-        &self.materials
-    }
-
-    /// Greatest principal nominal (Biot) stress of a layer at a node \[kPa\]; zero for a layer that
-    /// is not there.
-    #[must_use]
-    pub fn stress(&self, layer: usize, deformation: &Deformation, node: usize) -> f64 {
-        self.materials
-            .get(layer)
-            .map_or(0.0, |m| biot_stress(&m.curve, m.poisson_ratio, deformation.principal(node))[0])
-    }
-
-    /// For each layer the first one of the same Poisson ratio: those share ē and λ₃.
-    pub(super) fn first_alike(&self) -> impl Iterator<Item = usize> + '_ {
-        let nu = |k: usize| self.materials[k].poisson_ratio.to_bits();
-        (0..self.materials.len()).map(move |k| (0..k).find(|&j| nu(j) == nu(k)).unwrap_or(k))
-    }
-
-    /// The load of every layer.
-    pub(super) fn loads(&self, deformation: &Deformation) -> Vec<Load> {
-        let mut sorted: Vec<SortedStrains> = Vec::with_capacity(self.materials.len());
-        let mut loads = Vec::with_capacity(self.materials.len());
-        for (k, first) in self.first_alike().enumerate() {
-            let Material { curve, poisson_ratio, .. } = &self.materials[k];
-            sorted.push(if first == k {
-                SortedStrains::new(deformation, *poisson_ratio)
-            } else {
-                SortedStrains::default()
-            });
-            let stress = |node| self.stress(k, deformation, node);
-            loads.push(Load {
-                max_stress: sorted[first].max_stress(curve, stress),
-                is_beyond_data: curve.is_beyond_data(sorted[first].greatest),
-            });
-        }
-        loads
-    }
-
-    /// Spring forces \[kPa·mm²\] on the nodes where `wanted`, shape (nodes_per_side², ); on other
-    /// nodes they may be incomplete.
-    ///
-    /// Coupled springs in closed form from the metric of each triangle. The paper's springs have
-    /// none: their sum is the solver's.
-    pub(super) fn forces(&self, solver: &Solver, wanted: &[bool]) -> Vec<DVec3> {
-        let Some(law) = solver.coupled_law() else { return solver.forces() };
-        coupled_forces(&solver.problem().sheet, law, &solver.balanced(), wanted)
-    }
+/// Greatest principal nominal (Biot) stress of a layer at a node \[kPa\].
+pub(super) fn stress(material: &Material, deformation: &Deformation, node: usize) -> f64 {
+    biot_stress(&material.curve, material.poisson_ratio, deformation.principal(node))[0]
 }
 
-fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool]) -> Vec<DVec3> {
-    let mut forces = vec![DVec3::ZERO; sheet.len()];
-    let cells = sheet.nodes_per_side() - 1;
-    let spacing = sheet.spacing_mm();
-    for j in 0..cells {
-        for i in 0..cells {
-            let corners = sheet.corners(i, j);
-            if sheet.cell(i, j) == CellKind::Outside || !corners.iter().any(|&k| wanted[k]) {
-                continue;
-            }
-            if !is_square(sheet, corners) {
-                for (triangle, weight) in sheet.cell_triangles(i, j) {
-                    let (gradients, twice) = hat_gradients(triangle.map(|k| sheet.rest()[k]));
-                    let [p1, p2] = tensions(law, gradient(triangle.map(|k| x[k]), gradients));
-                    // −∂W/∂x = −A·P ∇φ.
-                    let [a, b] = gradients.map(|g| (p1 * g.x + p2 * g.y) * (-0.5 * twice * weight));
-                    forces[triangle[0]] -= a + b;
-                    forces[triangle[1]] += a;
-                    forces[triangle[2]] += b;
-                }
-                continue;
-            }
-            let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), 1.0 / spacing);
-            let [along0, across0] = tensions(law, [top, right]);
-            let [along1, across1] = tensions(law, [top, left]);
-            let [along2, across2] = tensions(law, [bottom, left]);
-            let [along3, across3] = tensions(law, [bottom, right]);
-            // Each edge pulls its two ends together; A/h of a triangle of half weight is h/4.
-            let quarter = 0.25 * spacing;
-            let (bottom, top) = ((along2 + along3) * quarter, (along0 + along1) * quarter);
-            let (left, right) = ((across1 + across2) * quarter, (across0 + across3) * quarter);
-            forces[corners[0]] += bottom + left;
-            forces[corners[1]] += right - bottom;
-            forces[corners[2]] -= top + right;
-            forces[corners[3]] += top - left;
-        }
+/// The load of every layer.
+pub(super) fn loads(materials: &[Material], deformation: &Deformation) -> Vec<Load> {
+    let mut sorted: Vec<SortedStrains> = Vec::with_capacity(materials.len());
+    let mut loads = Vec::with_capacity(materials.len());
+    for (k, first) in first_alike(materials).enumerate() {
+        let material = &materials[k];
+        sorted.push(if first == k {
+            SortedStrains::new(deformation, material.poisson_ratio)
+        } else {
+            SortedStrains::default()
+        });
+        let stress = |node| stress(material, deformation, node);
+        loads.push(Load {
+            max_stress: sorted[first].max_stress(&material.curve, stress),
+            is_beyond_data: material.curve.is_beyond_data(sorted[first].greatest),
+        });
     }
-    forces
-}
-
-/// Columns of the first Piola–Kirchhoff tension P = F S \[kPa·mm\].
-#[inline]
-fn tensions(law: &CoupledLaw, [f1, f2]: [DVec3; 2]) -> [DVec3; 2] {
-    let metric = [f1.length_squared(), f2.length_squared(), f1.dot(f2)];
-    let [s11, s22, s12] = law.second_piola_kirchhoff(metric);
-    [f1 * s11 + f2 * s12, f1 * s12 + f2 * s22]
+    loads
 }
 
 /// The sheet's nodes in bins of equal width of the equivalent strain ē, for the layers of one
@@ -213,6 +117,7 @@ impl SortedStrains {
 mod tests {
     use super::*;
     use crate::scene::{Layer, Scene};
+    use crate::solve::Solver;
     use std::cell::Cell;
 
     fn solved(change: impl FnOnce(&mut Scene)) -> Solver {
@@ -231,10 +136,10 @@ mod tests {
                 (scene.insertion, scene.implant.center_mm[0]) = (insertion, center);
                 scene.layers.push(Layer { poisson_ratio: 0.2, ..Layer::skin() });
             });
-            let layers = Layers::new(solver.problem());
+            let materials = &solver.problem().materials;
             let deformation = Deformation::new(&solver.problem().sheet, solver.positions());
-            for (k, load) in layers.loads(&deformation).iter().enumerate() {
-                let all = deformation.inside().map(|node| layers.stress(k, &deformation, node));
+            for (material, load) in materials.iter().zip(loads(materials, &deformation)) {
+                let all = deformation.inside().map(|node| stress(material, &deformation, node));
                 let greatest = all.fold(f64::MIN, f64::max);
                 assert!((load.max_stress - greatest).abs() <= 1e-14 * greatest.abs());
             }
@@ -244,26 +149,13 @@ mod tests {
     #[test]
     fn few_nodes_are_searched_for_the_greatest_stress() {
         let solver = solved(|_| {});
-        let layers = Layers::new(solver.problem());
+        let material = &solver.problem().materials[0];
         let deformation = Deformation::new(&solver.problem().sheet, solver.positions());
         let count = Cell::new(0);
-        SortedStrains::new(&deformation, 0.45).max_stress(&layers.materials[0].curve, |node| {
+        SortedStrains::new(&deformation, 0.45).max_stress(&material.curve, |node| {
             count.set(count.get() + 1);
-            layers.stress(0, &deformation, node)
+            stress(material, &deformation, node)
         });
         assert!((1..deformation.inside().count() / 8).contains(&count.get()), "{count:?}");
-    }
-
-    #[test]
-    fn forces_in_closed_form_are_those_of_the_solver() {
-        let solver = solved(|scene| scene.layers[0].poisson_ratio = 0.3);
-        let all = vec![true; solver.positions().len()];
-        let closed = Layers::new(solver.problem()).forces(&solver, &all);
-        let forces = solver.forces();
-        let scale = forces.iter().map(|f| f.length()).fold(0.0, f64::max);
-        for (a, b) in closed.iter().zip(&forces) {
-            // Both read tables of the law.
-            assert!(a.distance(*b) < 1e-5 * scale, "{a} {b}");
-        }
     }
 }

@@ -1,32 +1,31 @@
 //! What a surgeon reads off: the result of a solved scene.
 //!
-//! Uses `curve`, `springs`, `sheet`, `implant`, `solve`. Used by `scene` and all to its right.
+//! Strains are recovered at the nodes from the triangles around them, areas and forces are sums over the sheet;
+//! the contact's edge is found between nodes, from how the gap opens. Everything is read off a
+//! [`Solution`](crate::solve::Solution).
 //!
-//! Strains are recovered at the nodes from the triangles around them, areas and forces are sums over
-//! the sheet; the contact's edge is found between nodes, from how the gap opens.
-
+//! `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (what is drawn, each when it is first
+//! read) | `surface` (closed surfaces) | `bands` (words of limits).
 //!
-//! `deformation` (one pass over the sheet, shared by all) | `layers` (their law and stresses) |
-//! `contact` | `profile` | `fields` (what is drawn, each when it is asked for) | `surface`.
+//! Uses `curve`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
 pub mod bands;
 mod contact;
-mod deformation;
 mod fields;
 mod layers;
 mod profile;
 mod surface;
 
-pub use deformation::Deformation;
-pub use fields::{Field, Fields, Stack, fields};
-pub use layers::Layers;
+pub use crate::model::membrane::deformation::Deformation;
+pub use crate::model::membrane::stack::Stack;
+pub use fields::{Field, Fields};
+#[cfg(all(test, feature = "command-line"))]
+pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 
-use crate::implant::Dome;
-use crate::sheet::Sheet;
-use crate::solve::{Fault, Method, Problem, Solver, Verdict};
+use crate::model::membrane::deformation::Summary;
+use crate::solve::{Invalid, Method, Problem, Report, Verdict};
 use crate::springs::Springs;
-use deformation::Summary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -185,70 +184,23 @@ pub struct SolverOutcome {
 /// bands, 0.54 is the mean failure strain of excised back skin (54 ± 17 %).
 pub const STRAIN_BANDS: [f64; 3] = [0.25, 0.50, 0.54];
 
-/// Measures a finished solve, whose fields these are. `tissues` are the layers' names, from the skin
-/// inwards.
+/// Measures the solution of a finished solve. `tissues` are the layers' names, from the skin inwards.
 #[must_use]
-pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome {
-    let problem = solver.problem();
-    let (dome, sheet) = (&problem.dome, &problem.sheet);
-    let area_before = PI * sheet.radius_mm().powi(2);
-    let mut outcome = Outcome {
-        schema: RESULT_SCHEMA.to_owned(),
-        status: match solver.verdict() {
-            Verdict::Converged => Status::Converged,
-            Verdict::NotConverged => Status::NotConverged,
-            Verdict::Unstable => Status::Unstable,
-        },
-        apex_stretch: None,
-        contact_angle_deg: None,
-        contact_material_radius_mm: None,
-        contact_force_n: None,
-        contact_pressure_kpa: None,
-        contact_pressure_mmhg: None,
-        projection_mm: None,
-        skin_projection_mm: None,
-        implant_volume_ml: dome.volume() / 1000.0,
-        area_before_cm2: area_before / 100.0,
-        area_after_cm2: None,
-        area_ratio: None,
-        area_gain_cm2: None,
-        strain: None,
-        layers: tissues
-            .iter()
-            .map(|tissue| LayerOutcome {
-                tissue: tissue.clone(),
-                max_stress_kpa: None,
-                beyond_curve_data: false,
-            })
-            .collect(),
-        profile: Vec::new(),
-        solver: SolverOutcome {
-            nodes_per_side: sheet.nodes_per_side(),
-            nodes_solved: solver.nodes_solved(),
-            method: match solver.method() {
-                Method::Newton => SolverMethod::Newton,
-                _ => SolverMethod::Multigrid,
-            },
-            cycles: solver.cycles(),
-            fell_back: solver.fell_back(),
-            work_units: solver.work_units(),
-            time_ms: None,
-            relative_residual: finite(solver.relative_residual()),
-            estimated_position_error: finite(solver.estimated_position_error()),
-        },
-        warnings: Vec::new(),
-    };
-    if outcome.status == Status::Unstable || solver.fault().is_some() {
-        outcome.warnings.push(no_shape(solver.fault()).to_owned());
+pub fn measure(fields: &Fields, tissues: &[String]) -> Outcome {
+    let solution = fields.solution();
+    let (problem, report) = (solution.problem(), solution.report());
+    let mut outcome = Outcome::without_shape(problem, report, tissues);
+    if outcome.status == Status::Unstable || report.invalid.is_some() {
+        outcome.warnings.push(no_shape(report.invalid).to_owned());
         return outcome;
     }
-    let summary = fields.deformation().summary(sheet, STRAIN_BANDS);
-    outcome.measure_shape(solver, fields, &summary, area_before);
-    outcome.warn(problem, &summary, fields.contact(solver).nodes());
-    if solver.is_left_at_rest() {
+    let summary = solution.deformation().summary(&problem.sheet, STRAIN_BANDS);
+    outcome.measure_shape(fields, &summary);
+    outcome.warn(problem, &summary, fields.contact().nodes());
+    if report.is_left_at_rest {
         outcome.warnings.push(
-            "The implant is in by less than the tolerance: the sheet was left as it lies. A smaller \
-             tolerance shows how it is pushed."
+            "The insertion is below the solver tolerance; the tissue was left undeformed. Reduce the \
+             tolerance to resolve it."
                 .to_owned(),
         );
     }
@@ -257,39 +209,79 @@ pub fn measure(solver: &Solver, fields: &Fields, tissues: &[String]) -> Outcome 
 
 /// Why no shape is given.
 #[must_use]
-pub fn no_shape(fault: Option<Fault>) -> &'static str {
-    match fault {
+pub fn no_shape(invalid: Option<Invalid>) -> &'static str {
+    match invalid {
         None => {
             "These springs have no stable shape in this scene; no shape is given. The coupled \
              springs do not lose theirs in tension."
         }
-        Some(Fault::Pierced) => {
+        Some(Invalid::Penetrated) => {
             "The implant sticks out of the sheet between its nodes: the grid is too coarse for it, or \
              the tissue gives way under its tip. No shape is given; take more nodes a side, a flatter \
              implant or tissue whose stress rises with strain."
         }
-        Some(Fault::InsideOut) => "The sheet came out folded over; no shape is given.",
-        Some(Fault::NotFinite) => "A node's place came out as not a number; no shape is given.",
+        Some(Invalid::Inverted) => "The sheet came out folded over; no shape is given.",
+        Some(Invalid::NotFinite) => "A node's place came out as not a number; no shape is given.",
     }
 }
 
-/// JSON has no infinity.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
 impl Outcome {
-    fn measure_shape(
-        &mut self,
-        solver: &Solver,
-        fields: &Fields,
-        summary: &Summary<{ STRAIN_BANDS.len() }>,
-        area_before: f64,
-    ) {
-        let problem = solver.problem();
-        let (dome, sheet, x) = (&problem.dome, &problem.sheet, solver.positions());
+    /// The result of a solve of which no shape is measured yet.
+    fn without_shape(problem: &Problem, report: &Report, tissues: &[String]) -> Self {
+        let layer = |tissue: &String| LayerOutcome {
+            tissue: tissue.clone(),
+            max_stress_kpa: None,
+            beyond_curve_data: false,
+        };
+        Self {
+            schema: RESULT_SCHEMA.to_owned(),
+            status: match report.verdict {
+                Verdict::Converged => Status::Converged,
+                Verdict::NotConverged => Status::NotConverged,
+                Verdict::Unstable => Status::Unstable,
+            },
+            apex_stretch: None,
+            contact_angle_deg: None,
+            contact_material_radius_mm: None,
+            contact_force_n: None,
+            contact_pressure_kpa: None,
+            contact_pressure_mmhg: None,
+            projection_mm: None,
+            skin_projection_mm: None,
+            implant_volume_ml: problem.obstacle.dome.volume() / 1000.0,
+            area_before_cm2: pocket_area(problem) / 100.0,
+            area_after_cm2: None,
+            area_ratio: None,
+            area_gain_cm2: None,
+            strain: None,
+            layers: tissues.iter().map(layer).collect(),
+            profile: Vec::new(),
+            solver: SolverOutcome {
+                nodes_per_side: problem.sheet.nodes_per_side(),
+                nodes_solved: report.nodes_solved,
+                method: match report.method {
+                    Method::Newton => SolverMethod::Newton,
+                    _ => SolverMethod::Multigrid,
+                },
+                cycles: report.cycles,
+                fell_back: report.fell_back,
+                work_units: report.work_units,
+                time_ms: None,
+                relative_residual: report.relative_residual,
+                estimated_position_error: report.estimated_position_error,
+            },
+            warnings: Vec::new(),
+        }
+    }
 
-        let apex = fields.deformation().at_apex(sheet, dome, x);
+    fn measure_shape(&mut self, fields: &Fields, summary: &Summary<{ STRAIN_BANDS.len() }>) {
+        let solution = fields.solution();
+        let problem = solution.problem();
+        let (dome, sheet, x) = (&problem.obstacle.dome, &problem.sheet, solution.inner());
+        let deformation = solution.deformation();
+        let area_before = pocket_area(problem);
+
+        let apex = deformation.at_apex(sheet, dome, x);
         self.apex_stretch = Some(apex.area_stretch().sqrt());
         let height = dome.apex().z;
         let thickness: f64 = problem
@@ -300,13 +292,13 @@ impl Outcome {
         self.projection_mm = Some(height);
         self.skin_projection_mm = Some(height + thickness);
 
-        let contact = fields.contact(solver);
+        let contact = fields.contact();
         self.contact_force_n = Some(contact.vertical_force() / 1000.0);
         self.contact_pressure_kpa = contact.pressure();
         self.contact_pressure_mmhg = self
             .contact_pressure_kpa
             .map(|p| Pressure { mean: p.mean * MMHG_PER_KPA, max: p.max * MMHG_PER_KPA });
-        if let Some(edge) = contact.edge(solver) {
+        if let Some(edge) = contact.edge(solution) {
             self.contact_material_radius_mm = Some(edge.material_radius);
             self.contact_angle_deg = dome.is_hemisphere().then(|| edge.angle.to_degrees());
         }
@@ -321,12 +313,13 @@ impl Outcome {
             mean_area: ratio - 1.0,
             fraction_above: shares.map(|(limit, share)| (format!("{limit:.2}"), share)).collect(),
         });
-        for (layer, load) in self.layers.iter_mut().zip(fields.layers().loads(fields.deformation()))
+        for (layer, load) in
+            self.layers.iter_mut().zip(layers::loads(&problem.materials, deformation))
         {
             layer.max_stress_kpa = Some(load.max_stress);
             layer.beyond_curve_data = load.is_beyond_data;
         }
-        self.profile = profile::along_x(solver);
+        self.profile = profile::along_x(solution);
     }
 
     fn warn(
@@ -348,22 +341,22 @@ impl Outcome {
                 layer.tissue
             ));
         }
-        let Problem { sheet, dome, springs, .. } = problem;
-        if let Some(part) = unresolved_part(sheet, dome, contact_nodes) {
+        let (sheet, springs) = (&problem.sheet, problem.springs);
+        if let Some(part) = unresolved_part(problem, contact_nodes) {
             self.warnings.push(format!(
                 "The grid is coarse for {part}: nodes lie {:.2} mm apart. Strain, stress, pressure and \
                  force there are rough; take more nodes a side.",
                 sheet.spacing_mm()
             ));
         }
-        if *springs == Springs::Nikolaev && summary.greatest > UNEVEN_STRAIN {
+        if springs == Springs::Nikolaev && summary.greatest > UNEVEN_STRAIN {
             self.warnings.push(
                 "The paper's springs have no even shape at large strains: what they show instead \
                  depends on the grid. The coupled springs do not."
                     .to_owned(),
             );
         }
-        if summary.least < -SLACK_STRAIN {
+        if summary.least < -WRINKLING_STRAIN {
             self.warnings.push(
                 "Part of the sheet is compressed: real tissue may wrinkle there, which a sheet \
                  without bending stiffness does not resolve."
@@ -379,11 +372,13 @@ const LEAST_CELLS: f64 = 2.0;
 const UNEVEN_STRAIN: f64 = 0.1;
 
 /// What of the implant, or of its contact with so many nodes, is too small for the grid, if anything is.
-fn unresolved_part(sheet: &Sheet, dome: &Dome, contact_nodes: usize) -> Option<&'static str> {
+fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static str> {
+    let Problem { sheet, patch, obstacle, .. } = problem;
+    let dome = &obstacle.dome;
     let least = LEAST_CELLS * sheet.spacing_mm();
     let (radius, projection) = (dome.base_radius, dome.projection);
     let is_fully_in = dome.base_height >= 0.0;
-    let room = sheet.radius_mm() - dome.center.length() - radius;
+    let room = patch.pocket_radius_mm - dome.center.length() - radius;
     if dome.apex().z <= 0.0 {
         None
     } else if radius * radius / projection < least {
@@ -399,5 +394,10 @@ fn unresolved_part(sheet: &Sheet, dome: &Dome, contact_nodes: usize) -> Option<&
     }
 }
 
-/// Compression below which the sheet is called slack \[-\].
-const SLACK_STRAIN: f64 = 0.02;
+/// Compression from which on a warning of wrinkles is given \[-\].
+const WRINKLING_STRAIN: f64 = 0.02;
+
+/// Area of the pocket at rest \[mm²\].
+fn pocket_area(problem: &Problem) -> f64 {
+    PI * problem.patch.pocket_radius_mm.powi(2)
+}

@@ -1,8 +1,9 @@
 //! The profile: the sheet along +x from the pocket's centre.
 
 use super::{PROFILE_POINTS, ProfilePoint};
-use crate::sheet::NodeKind;
-use crate::solve::Solver;
+use crate::contact::TOUCH_F64;
+use crate::mesh::NodeKind;
+use crate::solve::Solution;
 use glam::{DVec2, DVec3};
 
 /// 41 points, material radius 0 … pocket radius in equal steps. Positions by cubic interpolation
@@ -10,13 +11,14 @@ use glam::{DVec2, DVec3};
 ///
 /// The sheet's curvature jumps where contact ends: a point is interpolated from nodes of its own side,
 /// the outer of which see the last node that touches where the free sheet would go on to it.
-pub(super) fn along_x(solver: &Solver) -> Vec<ProfilePoint> {
-    let (sheet, x) = (&solver.problem().sheet, solver.positions());
+pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
+    let (sheet, x) = (&solution.problem().sheet, solution.inner());
+    let pocket_radius = solution.problem().patch.pocket_radius_mm;
     let n = sheet.nodes_per_side();
     let half = n / 2;
     let row = half * n;
     let (h, rest) = (sheet.spacing_mm(), sheet.rest());
-    let edges = edges(solver, row);
+    let edges = edges(solution, row);
     // Stretch along and across the row at its i-th node.
     let stretches = |i: usize| {
         let k = row + i;
@@ -31,7 +33,7 @@ pub(super) fn along_x(solver: &Solver) -> Vec<ProfilePoint> {
     };
     (0..PROFILE_POINTS)
         .map(|point| {
-            let s = sheet.radius_mm() * point as f64 / (PROFILE_POINTS - 1) as f64;
+            let s = pocket_radius * point as f64 / (PROFILE_POINTS - 1) as f64;
             let place = s / h + half as f64;
             let middle = (place.floor() as usize).clamp(1, n - 3);
             let mut stretch = DVec2::ZERO;
@@ -82,16 +84,17 @@ struct Edge {
     place: f64,
 }
 
-fn edges(solver: &Solver, row: usize) -> Vec<Edge> {
-    let (sheet, dome, x) = (&solver.problem().sheet, &solver.problem().dome, solver.positions());
+fn edges(solution: &Solution, row: usize) -> Vec<Edge> {
+    let problem = solution.problem();
+    let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
     let n = sheet.nodes_per_side();
-    let lifted = |k: usize| solver.lifted().iter().find(|(node, _)| *node == k);
+    let is_offset = |k: usize| solution.offset_nodes().iter().any(|(node, _)| *node == k);
     // Nodes that stand off the dome.
     let is_off = |k: usize| {
-        sheet.kinds()[k] == NodeKind::Free && dome.level(x[k]) > 1e-9 && lifted(k).is_none()
+        sheet.kinds()[k] == NodeKind::Free && dome.gauge(x[k]) > TOUCH_F64 && !is_offset(k)
     };
     let mut edges = Vec::new();
-    for &(k, balanced) in solver.lifted() {
+    for &(k, balanced) in solution.offset_nodes() {
         if k / n != row / n {
             continue;
         }
@@ -100,7 +103,7 @@ fn edges(solver: &Solver, row: usize) -> Vec<Edge> {
                 continue;
             }
             // The gap is own + slope·s + bend·s²/2 in front of the node: contact ends at its least.
-            let [own, near, far] = [balanced, x[next], x[second]].map(|p| dome.level(p));
+            let [own, near, far] = [balanced, x[next], x[second]].map(|p| dome.gauge(p));
             let bend = far - 2.0 * near + own;
             let slope = near - own - 0.5 * bend;
             let node = k - row;

@@ -1,8 +1,9 @@
 //! The deformed tissue as surfaces: the inner face, the faces between the layers, the skin.
 
 use super::Stack;
-use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
-use glam::DVec3;
+use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
+use crate::solve::Solution;
+use glam::Vec3;
 
 /// Surfaces of the deformed tissue; all share the vertices' order and the triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,33 +19,25 @@ pub struct Surfaces {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The surfaces of a shape: each face is the inner one moved along its normal by the deformed
-/// thickness of the layers below.
+/// The surfaces of a solution.
 #[must_use]
-pub fn surfaces(sheet: &Sheet, x: &[DVec3], stack: &Stack) -> Surfaces {
+pub fn surfaces(solution: &Solution) -> Surfaces {
+    let (stack, faces) = (solution.stack(), solution.faces());
+    of_faces(&solution.problem().sheet, stack, &faces)
+}
+
+pub(crate) fn of_faces(sheet: &Sheet, stack: &Stack, faces: &[Vec<Vec3>]) -> Surfaces {
     let nodes: Vec<u32> = (0..sheet.len())
         .filter(|&k| sheet.kinds()[k] != NodeKind::Outside)
         .map(|k| k as u32)
         .collect();
     let mut vertex = vec![u32::MAX; sheet.len()];
     nodes.iter().enumerate().for_each(|(v, &k)| vertex[k as usize] = v as u32);
-    let normals: Vec<[f32; 3]> =
-        nodes.iter().map(|&k| stack.normal[k as usize].to_array()).collect();
-    let inner: Vec<[f32; 3]> = nodes.iter().map(|&k| x[k as usize].as_vec3().to_array()).collect();
-    let mut positions = vec![inner];
-    for thickness in stack.thickness_mm.iter().rev() {
-        let below = &positions[positions.len() - 1];
-        let above = below
-            .iter()
-            .zip(&normals)
-            .zip(&nodes)
-            .map(|((p, n), &k)| {
-                let t = thickness[k as usize];
-                [p[0] + n[0] * t, p[1] + n[1] * t, p[2] + n[2] * t]
-            })
-            .collect();
-        positions.push(above);
-    }
+    let at_nodes = |values: &Vec<Vec3>| -> Vec<[f32; 3]> {
+        nodes.iter().map(|&k| values[k as usize].to_array()).collect()
+    };
+    let normals = at_nodes(&stack.normal);
+    let positions = faces.iter().map(at_nodes).collect();
     let mut triangles = Vec::with_capacity(2 * nodes.len());
     let cells = sheet.nodes_per_side() - 1;
     for c in 0..cells * cells {
@@ -68,9 +61,11 @@ pub fn surfaces(sheet: &Sheet, x: &[DVec3], stack: &Stack) -> Surfaces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::fields;
+    use crate::measure::Fields;
     use crate::scene::Scene;
+    use crate::simulate;
     use crate::solve::Solver;
+    use std::sync::Arc;
 
     #[test]
     fn the_skin_lies_outside_the_inner_face_by_the_thickness_of_the_layers() {
@@ -78,9 +73,8 @@ mod tests {
         scene.solver.nodes_per_side = 33;
         let mut solver = Solver::new(scene.problem().unwrap());
         solver.advance(&mut || false);
-        let sheet = &solver.problem().sheet;
-        let fields = fields(&solver);
-        let surfaces = surfaces(sheet, solver.positions(), fields.stack());
+        let solution = Arc::new(solver.solution());
+        let surfaces = surfaces(&solution);
         assert_eq!(surfaces.positions.len(), 3);
         // One edge more than vertices and triangles allow would be a hole: V − E + T = 1 for a disc.
         let mut edges: Vec<(u32, u32)> = surfaces
@@ -96,7 +90,7 @@ mod tests {
         assert_eq!(used.len() + surfaces.triangles.len(), edges.len() + 1);
         let apex = surfaces.nodes.iter().position(|&k| k == 33 * 33 / 2).unwrap();
         let height = |face: usize| f64::from(surfaces.positions[face][apex][2]);
-        let outcome = scene.measure(&solver);
+        let outcome = simulate::measure(&scene, &Fields::new(solution));
         assert!((height(0) - 55.0).abs() < 1e-3);
         assert!((height(2) - outcome.skin_projection_mm.unwrap()).abs() < 1e-2);
         assert!(height(1) > height(0) && height(2) > height(1));

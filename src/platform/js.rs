@@ -6,8 +6,9 @@ use super::text::{text, text_or_nothing};
 use crate::experiment::work_precision::{
     Case, Piece, Plan, Row, Study, axisymmetric, table, time_to,
 };
-use crate::scene::{self, Scene};
-use crate::solve::{Progress, Solver};
+use crate::scene::{self, CheckedScene, Scene};
+use crate::simulate;
+use crate::solve::Options;
 use crate::view::work_precision::draw;
 use serde_json::json;
 use wasm_bindgen::prelude::*;
@@ -20,15 +21,9 @@ use wasm_bindgen::prelude::*;
 pub fn simulate(
     #[wasm_bindgen(unchecked_param_type = "string")] scene_json: &JsValue,
 ) -> Result<String, JsError> {
-    let scene = Scene::from_json(&text(scene_json, "scene")?)?;
-    let clock = clock();
-    let start = clock();
-    let mut solver = Solver::new(scene.problem()?);
-    while solver.advance(&mut || false) == Progress::Working {}
-    let time_ms = clock() - start;
-    let mut outcome = scene.measure(&solver);
-    outcome.solver.time_ms = Some(time_ms);
-    Ok(serde_json::to_string(&outcome)?)
+    let scene = CheckedScene::from_json(&text(scene_json, "scene")?)?;
+    let simulation = simulate::run(&scene, Options::default(), Some(&clock()));
+    Ok(serde_json::to_string(&simulation.outcome)?)
 }
 
 /// The scene that the app opens on (JSON text).

@@ -1,23 +1,21 @@
-//! What is asked: the scene, as versioned JSON, checked before anything is computed.
+//! The input: a scene as versioned JSON, checked before anything is computed.
 //!
 //! [`Scene`] is the contract with files, the command line, the JS API and the app. Lengths in mm,
 //! stresses in kPa. Everything but `implant.base_radius_mm` has a default, an unknown or
 //! out-of-range field gives one line that names it.
 //!
-//! Uses `curve`, `springs`, `sheet`, `implant`, `solve`, `measure`. Used by `experiment`,
-//! `session` and the platforms.
+//! `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an edit made impossible).
+//!
+//! Uses `curve`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
+mod checked;
 pub mod read;
 mod repair;
 
-use crate::curve::{Curve, CurveError, CurveSpec, List, Pair, number, object};
-use crate::implant::Dome;
-use crate::measure::{self, Fields, Outcome};
-use crate::sheet::{Sheet, rounded_nodes_per_side};
-use crate::solve::{Problem, Progress, Solver};
-use crate::springs::Material;
+use crate::curve::{CurveError, CurveSpec, List, Pair, number, object};
+use crate::solve::Problem;
 pub use crate::springs::Springs;
-use glam::DVec2;
+pub use checked::CheckedScene;
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
@@ -244,10 +242,18 @@ impl TryFrom<SceneFile> for Scene {
     type Error = SceneError;
 
     fn try_from(file: SceneFile) -> Result<Self, SceneError> {
+        CheckedScene::new(file.filled()).map(CheckedScene::into_scene)
+    }
+}
+
+impl SceneFile {
+    /// The scene with defaults for what the file leaves out; nothing is checked.
+    fn filled(self) -> Scene {
+        let file = self;
         let radius = file.implant.base_radius_mm;
         let center_mm = file.implant.center_mm.0;
         let [x, y] = center_mm;
-        let scene = Self {
+        Scene {
             schema: file.schema,
             implant: Implant {
                 base_radius_mm: radius,
@@ -261,9 +267,7 @@ impl TryFrom<SceneFile> for Scene {
             layers: file.layers,
             springs: file.springs,
             solver: file.solver,
-        };
-        scene.validate()?;
-        Ok(scene)
+        }
     }
 }
 
@@ -288,7 +292,7 @@ impl Scene {
     /// # Errors
     /// One line that names the field, what is wrong and what is allowed.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
-        read::scene(json)
+        CheckedScene::from_json(json).map(CheckedScene::into_scene)
     }
 
     /// The scene as JSON text, indented, with every field.
@@ -302,6 +306,11 @@ impl Scene {
     /// # Errors
     /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SceneError> {
+        CheckedScene::new(self.clone()).map(drop)
+    }
+
+    /// Checks every field but the curves.
+    fn check_limits(&self) -> Result<(), SceneError> {
         if self.schema != SCENE_SCHEMA {
             let schema = one_line(&format!("{:?}", self.schema), 40);
             return Err(out_of_range("schema", schema, SCENE_SCHEMA));
@@ -360,7 +369,6 @@ impl Scene {
                     "text without line ends and other control characters",
                 ));
             }
-            Curve::new(&layer.curve).map_err(|source| SceneError::Curve { layer: k, source })?;
         }
         let (least, most) = limits::NODES_PER_SIDE;
         if !(least..=most).contains(&self.solver.nodes_per_side) {
@@ -380,49 +388,7 @@ impl Scene {
     /// # Errors
     /// If the scene is out of its limits.
     pub fn problem(&self) -> Result<Problem, SceneError> {
-        self.validate()?;
-        let materials = self.layers.iter().enumerate().map(|(k, layer)| {
-            let curve = Curve::new(&layer.curve)
-                .map_err(|source| SceneError::Curve { layer: k, source })?;
-            Ok(Material {
-                curve,
-                poisson_ratio: layer.poisson_ratio,
-                thickness_mm: layer.thickness_mm,
-            })
-        });
-        Ok(Problem {
-            sheet: Sheet::new(
-                rounded_nodes_per_side(self.solver.nodes_per_side),
-                self.pocket_radius_mm,
-            ),
-            dome: Dome::new(
-                DVec2::from(self.implant.center_mm),
-                self.implant.base_radius_mm,
-                self.implant.projection_mm,
-                self.insertion,
-            ),
-            materials: materials.collect::<Result<_, _>>()?,
-            springs: self.springs,
-            tolerance: self.solver.tolerance,
-        })
-    }
-
-    /// Measures a finished solve of this scene.
-    #[must_use]
-    pub fn measure(&self, solver: &Solver) -> Outcome {
-        self.measure_fields(solver, &measure::fields(solver))
-    }
-
-    /// Measures a finished solve of this scene, whose fields these are.
-    #[must_use]
-    pub fn measure_fields(&self, solver: &Solver, fields: &Fields) -> Outcome {
-        let tissues: Vec<String> = self.layers.iter().map(|layer| layer.tissue.clone()).collect();
-        let mut outcome = measure::measure(solver, fields, &tissues);
-        let (asked, given) = (self.solver.nodes_per_side, outcome.solver.nodes_per_side);
-        if asked != given {
-            outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
-        }
-        outcome
+        Ok(CheckedScene::new(self.clone())?.problem())
     }
 
     /// Do two scenes ask for the same equilibrium? (They may differ in the tissues' names.)
@@ -449,16 +415,6 @@ impl Scene {
             && self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(|(a, b)| layer(a, b))
     }
-}
-
-/// Solves a scene from scratch and measures it.
-///
-/// # Errors
-/// If the scene is out of its limits.
-pub fn simulate(scene: &Scene) -> Result<Outcome, SceneError> {
-    let mut solver = Solver::new(scene.problem()?);
-    while solver.advance(&mut || false) == Progress::Working {}
-    Ok(scene.measure(&solver))
 }
 
 /// The JSON Schema (draft 2020-12) of the scene, made from the types.

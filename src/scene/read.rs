@@ -1,7 +1,7 @@
 //! From bytes to scenes and curves: text, JSON, JSON lines. What is refused is told in one short line,
 //! however long or odd the input, and lists are not read beyond what is allowed.
 
-use super::{Scene, SceneError, SceneFile, out_of_range, problem};
+use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
 use crate::curve::{Curve, CurveSpec};
 use serde::de::{DeserializeOwned, IgnoredAny};
 
@@ -14,18 +14,26 @@ pub const MAX_LINES_BYTES: usize = 100_000_000;
 /// The most scenes that a file of one scene a line may have.
 pub const MAX_SCENES: usize = 100_000;
 
-/// Reads a file that holds one scene or, where it `is_lines` or its first line is a whole value and
-/// more follow, one scene a line.
+/// How a file holds scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// One scene; one scene a line if the first line is a whole value and more follow.
+    Json,
+    /// One scene a line.
+    JsonLines,
+}
+
+/// Reads and checks the scenes of a file.
 ///
 /// # Errors
 /// One line that names the line, the field, what is wrong and what is allowed.
-pub fn scenes(bytes: &[u8], is_lines: bool) -> Result<Vec<Scene>, SceneError> {
+pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneError> {
     if bytes.len() > MAX_LINES_BYTES {
         return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "to 100 MB"));
     }
     let text = utf8(bytes)?;
-    if !is_lines && !starts_with_a_value(text) {
-        return Ok(vec![Scene::from_json(text)?]);
+    if format == Format::Json && !starts_with_a_value(text) {
+        return Ok(vec![checked_scene(text)?]);
     }
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let mut scenes = Vec::new();
@@ -35,7 +43,7 @@ pub fn scenes(bytes: &[u8], is_lines: bool) -> Result<Vec<Scene>, SceneError> {
             let allowed = format!("to {MAX_SCENES}");
             return Err(at_line(out_of_range("file", "one scene more".to_owned(), &allowed)));
         }
-        scenes.push(Scene::from_json(line).map_err(at_line)?);
+        scenes.push(checked_scene(line).map_err(at_line)?);
     }
     if scenes.is_empty() {
         return Err(out_of_range("file", "empty".to_owned(), "one scene a line"));
@@ -64,8 +72,8 @@ fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
         .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
 }
 
-pub(super) fn scene(text: &str) -> Result<Scene, SceneError> {
-    json::<SceneFile>(text, "scene")?.try_into()
+pub(super) fn checked_scene(text: &str) -> Result<CheckedScene, SceneError> {
+    CheckedScene::new(json::<SceneFile>(text, "scene")?.filled())
 }
 
 /// Reads one JSON object; `whole` is what messages call it.

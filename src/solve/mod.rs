@@ -1,148 +1,59 @@
-//! The equilibrium: the minimum of the sheet's energy outside the dome and above the wall.
+//! The equilibrium: the minimum of the tissue's energy outside of the implant and above the wall.
 //!
-//! Full multigrid in f32 lanes (`fas`) solves it, for a centred dome on one quarter of the sheet,
-//! for one moved along an axis on half of it.
-//! Where a cycle does not lead to the solution, Newton's method on nested grids in f64 takes over
-//! (`newton`). It also refines a shape where f32 is not enough, follows a slack sheet to its fold, and sees
-//! whether a shape of the paper's springs, whose energy has saddles, is stable. Work is cut into pieces of a few passes over the grid, so that a
-//! page can answer between them.
+//! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the sheet, one moved along an axis
+//! on half of it. Newton's method on nested grids in f64 (`newton`) is the fallback; it also refines solutions
+//! below the resolution of f32, follows a sheet with compressive stress to its wrinkled equilibrium, and checks the
+//! stability of the paper's springs, whose energy has saddle points. Work comes in pieces of a few passes over
+//! the grid, so that a page can respond between them.
 //!
-//! The seam: [`Solver`] is what others see of it, `answers` what it tells. `law` | `fas` (full multigrid) |
-//! `stretch` (of one triangle) | `assemble` (energy, forces, Hessian) | `newton` (one grid, contact) | `multigrid` (its linear systems) | `transfer`
-//! (grid to grid) | `soundness` (what may be shown).
+//! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
+//! `fas` | `newton` | `linear` (systems of Newton's method) | `validity` | `reactions`.
 //!
-//! Uses `curve`, `springs`, `sheet`, `implant`. Used by `measure` and all to its right.
+//! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
-mod answers;
-mod assemble;
-mod blocks;
+mod accessors;
 mod fas;
-mod guess;
-mod law;
-mod lift;
-mod multigrid;
+mod initial_guess;
+mod linear;
 mod newton;
-mod soundness;
-mod stretch;
-mod transfer;
+mod problem;
+mod reactions;
+mod solution;
+pub(crate) mod validity;
 
-use crate::implant::Dome;
-use crate::sheet::Sheet;
-use crate::springs::{Material, Springs};
-use fas::FullMultigrid;
+#[doc(hidden)]
 pub use fas::kernels;
+pub use problem::{Method, Options, Problem, Progress};
+pub use reactions::Reactions;
+pub use solution::{Displayed, Record, Report, Solution, Verdict};
+pub use validity::Invalid;
+
+use crate::model::membrane::lanes::Membrane;
+use crate::model::membrane::law::SheetLaw;
+use crate::springs::Springs;
+use fas::{FullMultigrid, Stop};
 use glam::DVec3;
-use law::SheetLaw;
-pub(crate) use law::coupled_law;
-use newton::{NestedNewton, State};
-pub use soundness::Fault;
+use newton::{Mirrors, NestedNewton, Start};
+use std::sync::Arc;
 
-/// What is to be solved.
-#[derive(Clone, Debug)]
-pub struct Problem {
-    /// The finest grid.
-    pub sheet: Sheet,
-    /// The obstacle.
-    pub dome: Dome,
-    /// Layers from the skin inwards.
-    pub materials: Vec<Material>,
-    /// The spring law.
-    pub springs: Springs,
-    /// Greatest node position error allowed \[share of the dome's base radius\].
-    pub tolerance: f64,
-}
-
-/// Is there more to do?
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// Call again.
-    Working,
-    /// The solve has ended; [`Solver::verdict`] tells how.
-    Done,
-}
-
-/// How a solve stands or ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Still working, or ended above the tolerance.
-    NotConverged,
-    /// The estimated position error is within the tolerance.
-    Converged,
-    /// The springs have no stable shape here.
-    Unstable,
-}
-
-/// Which method is to find the equilibrium.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Full multigrid; Newton's method where that does not get there.
-    #[default]
-    Automatic,
-    /// Full multigrid with this many V-cycles on the finest grid, whatever the tolerance: for
-    /// studies of run time against error. The paper's springs are not asked whether they are stable.
-    Multigrid {
-        /// V-cycles on the finest grid.
-        cycles: u32,
-    },
-    /// Newton's method on nested grids.
-    Newton,
-}
-
-/// How a problem is to be solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// The method.
-    pub method: Method,
-    /// Solve a centred dome on one quarter of the sheet, one moved along an axis on half of it; where that
-    /// takes Newton's method, keep the shape its own mirror image.
-    pub use_symmetry: bool,
-    /// A position error \[share of the base radius\] at which [`Solver::advance`] returns once with a
-    /// shape to show, if the tolerance is smaller. A pause before shows what a coarser grid has.
-    pub draft_tolerance: Option<f64>,
-    /// How many times as long as usual Newton's method may go on before it is given up \[-\].
-    pub patience: f64,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { method: Method::Automatic, use_symmetry: true, draft_tolerance: None, patience: 1.0 }
-    }
-}
-
-/// What [`Solver::positions`] shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
-    /// The shape of the problem before, or the sheet at rest.
-    Before,
-    /// The shape that a coarser grid has so far.
-    Coarse {
-        /// Nodes a side of that grid.
-        nodes_per_side: usize,
-    },
-    /// This problem's shape, with an estimated error below the draft tolerance.
-    Draft,
-    /// Newton's method at work, or the end of the solve.
-    Latest,
-}
-
-/// Finds the equilibrium of one problem after the other, in slices.
+/// Solves one problem after the other, in slices.
 pub struct Solver {
-    problem: Problem,
+    problem: Arc<Problem>,
     options: Options,
-    law: SheetLaw,
-    /// Are the law's tables other than those that the multigrid has read?
-    is_law_new: bool,
-    multigrid: Option<FullMultigrid>,
+    law: Arc<SheetLaw>,
+    /// Has the multigrid another law than [`Self::law`]?
+    is_multigrid_law_stale: bool,
+    multigrid: Option<FullMultigrid<Membrane>>,
     newton: Option<NestedNewton>,
     stage: Stage,
-    /// Did Newton's method take over because full multigrid did not get there?
     fell_back: bool,
-    /// Node positions \[mm\] on the finest grid, shape (nodes_per_side², ).
+    /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
-    lifted: Vec<(usize, DVec3)>,
-    fault: Option<Fault>,
-    shown: Shown,
-    moves: u64,
+    offset_nodes: Vec<(usize, DVec3)>,
+    invalid: Option<Invalid>,
+    displayed: Displayed,
+    /// Changes of [`Self::x`].
+    revision: u64,
     tables_built: u64,
     grids_built: u64,
     verdict: Verdict,
@@ -152,79 +63,78 @@ pub struct Solver {
 /// Which method is at work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Nothing to do: the dome is not in.
+    /// Nothing to do: the insertion is below the tolerance.
     Rest,
     Multigrid,
     Newton,
 }
 
-/// A dome whose apex is no higher than this share of the tolerated error moves nothing that matters.
-const REST_SHARE: f64 = 0.5;
+/// Height of the dome's apex up to which the sheet is left at rest \[tolerances\].
+const REST_TOLERANCE: f64 = 0.5;
 
 impl Solver {
-    /// A solver at rest, with everything to do.
+    /// A solver at the start of a problem.
     #[must_use]
     pub fn new(problem: Problem) -> Self {
         Self::with_options(problem, Options::default())
     }
 
-    /// The same with a method of choice.
+    /// The same with options.
     #[must_use]
     pub fn with_options(problem: Problem, options: Options) -> Self {
         let law = SheetLaw::new(problem.springs, &problem.materials);
         let mut solver = Self {
-            x: at_rest(&problem.sheet),
-            lifted: Vec::new(),
-            fault: None,
-            law,
-            is_law_new: true,
+            x: problem.sheet.rest_positions(),
+            offset_nodes: Vec::new(),
+            invalid: None,
+            law: Arc::new(law),
+            is_multigrid_law_stale: true,
             options,
             multigrid: None,
             newton: None,
             stage: Stage::Newton,
             fell_back: false,
-            shown: Shown::Before,
-            moves: 0,
+            displayed: Displayed::Previous,
+            revision: 0,
             tables_built: 1,
             grids_built: 0,
             verdict: Verdict::NotConverged,
             progress: Progress::Working,
-            problem,
+            problem: Arc::new(problem),
         };
         solver.start();
         solver
     }
 
-    /// Takes up another problem; what it has in common with the last one is kept.
+    /// Takes up another problem; tables and grids that both problems share are kept.
     pub fn restart(&mut self, problem: Problem) {
         let same_law =
             problem.springs == self.problem.springs && problem.materials == self.problem.materials;
         let same_grid = problem.sheet == self.problem.sheet;
         if !same_law {
-            self.law = SheetLaw::new(problem.springs, &problem.materials);
+            self.law = Arc::new(SheetLaw::new(problem.springs, &problem.materials));
             self.tables_built += 1;
         }
         if !same_grid {
-            self.x = at_rest(&problem.sheet);
-            self.lifted.clear();
+            self.x = problem.sheet.rest_positions();
+            self.offset_nodes.clear();
             self.newton = None;
         }
-        let before = std::mem::replace(&mut self.problem, problem);
+        let before = std::mem::replace(&mut self.problem, Arc::new(problem));
         let is_warm = same_grid && self.verdict == Verdict::Converged;
-        let dome = self.problem.dome;
-        self.is_law_new |= !same_law;
+        self.is_multigrid_law_stale |= !same_law;
         self.start();
-        let is_symmetric = self.is_symmetric();
-        // Newton's method goes on from the last shape, moved as the dome's geometry moved.
-        if let (Stage::Newton, Some(newton), true) = (self.stage, &mut self.newton, is_warm) {
-            if dome != before.dome {
-                let old = guess::tight_string(&self.problem.sheet, &before.dome);
-                let new = guess::tight_string(&self.problem.sheet, &dome);
+        // Newton's method continues from the last solution, moved as the dome's geometry moved.
+        if self.stage == Stage::Newton && is_warm && self.newton.is_some() {
+            let Problem { sheet, obstacle, .. } = &*self.problem;
+            if *obstacle != before.obstacle {
+                let old = initial_guess::taut_profile(sheet, &before.obstacle.dome);
+                let new = initial_guess::taut_profile(sheet, &obstacle.dome);
                 for k in 0..self.x.len() {
                     self.x[k] += new[k] - old[k];
                 }
             }
-            newton.start_from(&self.x, &dome, is_symmetric);
+            self.start_newton(Start::FromSolution);
         }
     }
 
@@ -232,88 +142,79 @@ impl Solver {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
         self.fell_back = false;
-        self.fault = None;
-        self.shown = Shown::Before;
+        self.invalid = None;
+        self.displayed = Displayed::Previous;
         if let Some(newton) = &mut self.newton {
             newton.clear_work();
         }
         match self.options.method {
             Method::Automatic if self.may_rest() => {
                 self.stage = Stage::Rest;
-                self.x = at_rest(&self.problem.sheet);
-                self.lifted.clear();
-                self.moves += 1;
+                self.x = self.problem.sheet.rest_positions();
+                self.offset_nodes.clear();
+                self.revision += 1;
                 self.end(Verdict::Converged);
             }
-            Method::Automatic | Method::Multigrid { .. } => {
-                self.stage = Stage::Multigrid;
-                let n = self.problem.sheet.nodes_per_side();
-                let dome = &self.problem.dome;
-                let mirrored = dome.mirrored().map(|holds| self.options.use_symmetry && holds);
-                let multigrid = match self.multigrid.take() {
-                    Some(mut multigrid) if multigrid.fits(n, mirrored) => {
-                        if self.is_law_new {
-                            multigrid.set_law(&self.law);
-                        }
-                        multigrid
-                    }
-                    _ => {
-                        let mut multigrid = FullMultigrid::new(n, mirrored);
-                        self.grids_built += 1;
-                        multigrid.set_law(&self.law);
-                        multigrid
-                    }
-                };
-                // A sheet at rest reads no law: the next one to be solved has to.
-                self.is_law_new = false;
-                let multigrid = self.multigrid.insert(multigrid);
-                let cycles = match self.options.method {
-                    Method::Multigrid { cycles } => Some(cycles),
-                    _ => None,
-                };
-                multigrid.start(&self.problem, cycles, self.options.draft_tolerance);
-            }
-            Method::Newton => self.start_newton(false),
+            Method::Automatic => self.start_multigrid(Stop::Tolerance),
+            Method::Multigrid { cycles } => self.start_multigrid(Stop::Cycles(cycles)),
+            Method::Newton => self.start_newton(Start::Cold),
         }
     }
 
-    /// How far the sheet at rest is from the grid's equilibrium at most, relative to the base radius \[-\]:
-    /// no node comes to lie above the dome's apex.
+    fn start_multigrid(&mut self, stop: Stop) {
+        self.stage = Stage::Multigrid;
+        let n = self.problem.sheet.nodes_per_side();
+        let mirrored =
+            self.problem.obstacle.dome.mirrored().map(|holds| self.options.use_symmetry && holds);
+        let multigrid = match self.multigrid.take() {
+            Some(mut multigrid) if multigrid.fits(n, mirrored) => {
+                if self.is_multigrid_law_stale {
+                    multigrid.set_model(Membrane::new(&self.law));
+                }
+                multigrid
+            }
+            _ => {
+                self.grids_built += 1;
+                FullMultigrid::new(n, mirrored, Membrane::new(&self.law))
+            }
+        };
+        self.is_multigrid_law_stale = false;
+        let multigrid = self.multigrid.insert(multigrid);
+        multigrid.start(&self.problem, stop, self.options.draft_tolerance);
+    }
+
+    fn start_newton(&mut self, start: Start) {
+        self.stage = Stage::Newton;
+        // The paper's springs may have an asymmetric equilibrium.
+        let is_symmetric = self.options.use_symmetry && self.problem.springs == Springs::Coupled;
+        let mirrors = if is_symmetric { Mirrors::OfDome } else { Mirrors::None };
+        let Problem { sheet, obstacle, .. } = &*self.problem;
+        let factor = self.options.work_limit_factor;
+        let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet, factor));
+        match start {
+            Start::Cold => newton.start_cold(obstacle, mirrors),
+            Start::FromSolution => newton.start_from(&self.x, obstacle, mirrors),
+        }
+    }
+
+    /// Distance of the sheet at rest from the equilibrium, at most \[base radius\]: no node is above the dome's
+    /// apex in equilibrium.
     fn error_at_rest(&self) -> f64 {
-        let dome = &self.problem.dome;
+        let dome = &self.problem.obstacle.dome;
         dome.apex().z.max(0.0) / dome.base_radius
     }
 
-    /// Is the sheet at rest near enough to the equilibrium, and does the dome not stick out of it?
+    /// Is the sheet at rest a solution?
     fn may_rest(&self) -> bool {
-        let Problem { sheet, dome, tolerance, .. } = &self.problem;
-        let (n, rest) = (sheet.nodes_per_side(), sheet.rest());
-        let at = |i: usize, j: usize| rest[j * n + i].extend(0.0);
-        self.error_at_rest() <= REST_SHARE * tolerance
-            && soundness::fault(sheet, dome, *tolerance, [0; 2], at).is_none()
+        let Problem { sheet, obstacle, tolerance, .. } = &*self.problem;
+        let n = sheet.nodes_per_side();
+        let at = |i: usize, j: usize| sheet.rest_position(j * n + i);
+        self.error_at_rest() <= REST_TOLERANCE * tolerance
+            && validity::invalid(sheet, &obstacle.dome, *tolerance, [0; 2], at).is_none()
     }
 
-    /// Does Newton's method keep a symmetric scene's shape symmetric? The paper's springs may settle in an
-    /// uneven one.
-    fn is_symmetric(&self) -> bool {
-        self.options.use_symmetry && self.problem.springs == Springs::Coupled
-    }
-
-    /// Lets Newton's method begin, from the present shape if that `is_start`.
-    fn start_newton(&mut self, is_start: bool) {
-        self.stage = Stage::Newton;
-        let (is_symmetric, patience) = (self.is_symmetric(), self.options.patience);
-        let Problem { sheet, dome, .. } = &self.problem;
-        let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet, patience));
-        if is_start {
-            newton.start_from(&self.x, dome, is_symmetric);
-        } else {
-            newton.start_cold(dome, is_symmetric);
-        }
-    }
-
-    /// Does pieces of work until `pause` says so or the solve ends. A piece is a few passes over the
-    /// grid (a few milliseconds at 129 nodes a side).
+    /// Does pieces of work until `pause` returns true or the solve ends. A piece is a few passes over the grid (a few
+    /// milliseconds at 129 nodes a side).
     pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         while self.progress == Progress::Working {
             match self.stage {
@@ -326,52 +227,47 @@ impl Solver {
                 Stage::Newton => self.newton_piece(),
             }
             if pause() {
-                self.show_coarse();
+                self.display_coarse();
                 break;
             }
         }
         self.progress
     }
 
-    /// Shows what a coarser grid has, where there is nothing better of this problem.
-    fn show_coarse(&mut self) {
+    /// Displays the solution of a coarser grid, where there is nothing better of this problem.
+    fn display_coarse(&mut self) {
         let is_wanted = self.options.draft_tolerance.is_some()
             && self.stage == Stage::Multigrid
             && self.progress == Progress::Working
-            && self.shown != Shown::Draft;
+            && self.displayed != Displayed::Draft;
         if let (true, Some(multigrid)) = (is_wanted, &mut self.multigrid) {
             let nodes_per_side = multigrid.preview();
-            self.take_multigrid(Shown::Coarse { nodes_per_side });
+            self.display_multigrid(Displayed::Coarse { nodes_per_side });
         }
     }
 
-    /// Shows what full multigrid has if it is sound, and tells so; else leaves what is shown.
-    fn take_multigrid(&mut self, shown: Shown) -> bool {
-        let is_sound = self.multigrid.as_ref().is_some_and(|multigrid| {
-            let is_sound = multigrid.fault(&self.problem).is_none();
-            if is_sound {
-                multigrid.write_positions(&self.problem, &mut self.x, &mut self.lifted);
-            }
-            is_sound
-        });
-        if is_sound {
-            self.shown = shown;
-            self.moves += 1;
+    /// Displays the multigrid solution; false, and no change, if the solution is invalid.
+    fn display_multigrid(&mut self, displayed: Displayed) -> bool {
+        let Some(multigrid) = &self.multigrid else { return false };
+        if multigrid.invalid(&self.problem).is_some() {
+            return false;
         }
-        is_sound
+        multigrid.write_positions(&self.problem, &mut self.x, &mut self.offset_nodes);
+        self.displayed = displayed;
+        self.revision += 1;
+        true
     }
 
     fn multigrid_piece(&mut self) -> fas::State {
         let Some(multigrid) = &mut self.multigrid else {
-            self.start_newton(false);
+            self.start_newton(Start::Cold);
             return fas::State::Failed;
         };
         let mut state = multigrid.step();
-        let is_study = matches!(self.options.method, Method::Multigrid { .. });
-        if matches!(state, fas::State::Draft | fas::State::Converged) {
-            let is_sound = self.take_multigrid(Shown::Draft);
+        if matches!(state, fas::State::Draft | fas::State::Converged)
+            && !self.display_multigrid(Displayed::Draft)
+        {
             state = match state {
-                _ if is_sound => state,
                 fas::State::Draft => fas::State::Working,
                 _ => fas::State::Failed,
             };
@@ -379,73 +275,75 @@ impl Solver {
         match state {
             fas::State::Working | fas::State::Draft => {}
             fas::State::Converged => {
-                if !is_study && self.needs_newton() {
-                    self.start_newton(true);
+                if self.options.method == Method::Automatic && self.needs_newton() {
+                    self.start_newton(Start::FromSolution);
                 } else {
                     self.end(Verdict::Converged);
                 }
             }
             fas::State::Failed => {
                 self.fell_back = true;
-                self.start_newton(false);
+                self.start_newton(Start::Cold);
             }
         }
         state
     }
 
-    /// Is Newton's method to go on from what full multigrid found: below what f32 resolves; where contact
-    /// ends between nodes and the tolerance is far smaller than that; for a slack sheet, to see whether it
-    /// only halts on its way to a fold; and for the paper's springs, whose energy has saddles, to see
-    /// whether it is stable.
+    /// Does Newton's method continue from the multigrid solution? Below the resolution of f32; where contact offsets
+    /// are large against the tolerance; under compression, which may be a stall before a wrinkled equilibrium;
+    /// for the paper's springs, whose solution may be a saddle point.
     fn needs_newton(&self) -> bool {
-        let is_left = |multigrid: &FullMultigrid| multigrid.is_slack || multigrid.leaves_lifts;
+        let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
+            let ending = multigrid.ending();
+            ending.is_compressive || ending.leaves_contact_offsets
+        });
         self.problem.tolerance < fas::LEAST_TOLERANCE
-            || self.multigrid.as_ref().is_some_and(is_left)
+            || is_left
             || self.problem.springs == Springs::Nikolaev
     }
 
     fn newton_piece(&mut self) {
-        let Some(newton) = &mut self.newton else { return self.start_newton(false) };
-        let moves = newton.finest().moves;
-        let dome = &self.problem.dome;
-        let tolerance = self.problem.tolerance * dome.base_radius;
-        let state = newton.step(self.problem.springs, &self.law, dome, tolerance);
-        if newton.is_on_finest() && newton.finest().moves != moves {
-            self.fault = newton.finest().fault(dome, self.problem.tolerance);
-            if self.fault.is_none() {
-                newton.finest().write_positions(dome, &mut self.x, &mut self.lifted);
-                self.moves += 1;
-                self.shown = Shown::Latest;
+        let Some(newton) = &mut self.newton else { return self.start_newton(Start::Cold) };
+        let revision = newton.finest().revision();
+        let Problem { springs, obstacle, tolerance, .. } = &*self.problem;
+        let tolerance_mm = tolerance * obstacle.dome.base_radius;
+        let state = newton.step(*springs, &self.law, obstacle, tolerance_mm);
+        if newton.is_on_finest() && newton.finest().revision() != revision {
+            self.invalid = newton.finest().invalid(&obstacle.dome, *tolerance);
+            if self.invalid.is_none() {
+                let offset_nodes = &mut self.offset_nodes;
+                newton.finest().write_positions(&obstacle.dome, &mut self.x, offset_nodes);
+                self.revision += 1;
+                self.displayed = Displayed::Final;
             }
         }
-        match (state, self.fault) {
-            (State::Working, _) => {}
-            (State::Unstable, _) | (_, Some(Fault::Pierced)) => self.end(Verdict::Unstable),
-            // Once it has slid off, the dome sticks out.
-            (State::Saddle, _) => {
-                self.fault = Some(Fault::Pierced);
+        match (state, self.invalid) {
+            (newton::State::Working, _) => {}
+            (newton::State::Unstable, _) | (_, Some(Invalid::Penetrated)) => {
                 self.end(Verdict::Unstable);
             }
-            (State::Converged, None) => self.end(Verdict::Converged),
-            (State::Converged | State::Stalled, _) => self.end(Verdict::NotConverged),
+            // A node that slides off the dome lets the dome protrude.
+            (newton::State::Saddle, _) => {
+                self.invalid = Some(Invalid::Penetrated);
+                self.end(Verdict::Unstable);
+            }
+            (newton::State::Converged, None) => self.end(Verdict::Converged),
+            (newton::State::Converged | newton::State::Stalled, _) => {
+                self.end(Verdict::NotConverged);
+            }
         }
     }
 
     fn end(&mut self, verdict: Verdict) {
         self.verdict = verdict;
         self.progress = Progress::Done;
-        self.shown = Shown::Latest;
+        self.displayed = Displayed::Final;
     }
 
-    /// Ends the solve as if it had led to a faulty shape.
+    /// Ends the solve as if the last shape were invalid.
     #[cfg(test)]
-    pub(crate) fn end_with(&mut self, fault: Fault) {
-        self.fault = Some(fault);
+    pub(crate) fn end_with(&mut self, invalid: Invalid) {
+        self.invalid = Some(invalid);
         self.end(Verdict::NotConverged);
     }
-}
-
-/// The sheet flat on the wall.
-fn at_rest(sheet: &Sheet) -> Vec<DVec3> {
-    sheet.rest().iter().map(|p| p.extend(0.0)).collect()
 }

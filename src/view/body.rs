@@ -5,7 +5,8 @@
 //! simulated continues the stack on the wall, so that the eye sees a body, not a patch.
 
 use crate::measure::Stack;
-use crate::sheet::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
+use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
+use crate::model::membrane::stack::offset;
 use crate::solve::Problem;
 use glam::{DVec3, Vec3};
 
@@ -75,7 +76,7 @@ impl Body {
             let (above, below) = self.levels.split_at_mut(level + 1);
             let (above, below) = (&mut above[level], &below[0]);
             above.clear();
-            above.extend(below.iter().zip(&along).zip(thickness).map(|((p, a), t)| *p + *a * *t));
+            above.extend(offset(below, &along, thickness));
         }
         self.add_ring_points(problem);
         is_new
@@ -244,15 +245,15 @@ pub(crate) mod tests {
         while session.is_working() {
             session.advance(&mut || false);
         }
-        let body = Body::new(session.solver().problem(), session.shape(), session.fields().stack());
+        let body = Body::new(session.problem(), session.shape(), session.solution().stack());
         (session, body)
     }
 
     #[test]
     fn the_layers_stand_on_each_other_with_their_thickness() {
         let (session, body) = small();
-        let stack = session.fields().stack();
-        let sheet = &session.solver().problem().sheet;
+        let stack = session.solution().stack();
+        let sheet = &session.problem().sheet;
         let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
         for k in (0..sheet.len()).filter(inside) {
             for layer in 0..body.layers() {

@@ -1,6 +1,6 @@
 //! Triangles ready for a graphics card.
 
-use crate::implant::Dome;
+use crate::contact::Dome;
 use crate::view::body::Body;
 use crate::view::color::{IMPLANT, Rgb, WALL};
 use crate::view::section::CapTriangle;
@@ -253,7 +253,7 @@ mod tests {
         check(&tissue(&body, &colors, 1, None));
         let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
         check(&caps(&section.caps(&body, 0), &colors));
-        check(&implant(&session.solver().problem().dome));
+        check(&implant(&session.problem().obstacle.dome));
         check(&wall(80.0));
     }
 

@@ -1,6 +1,6 @@
 //! Picking: what lies under the pointer, and its values.
 
-use crate::implant::Dome;
+use crate::contact::Dome;
 use crate::view::body::Body;
 use crate::view::camera::Ray;
 use crate::view::section::{CapTriangle, Section};
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn from_above_the_apex_is_picked_and_through_the_wedge_the_implant() {
         let (session, body) = small();
-        let dome = session.solver().problem().dome;
+        let dome = session.problem().obstacle.dome;
         let mut section = Section { opening: Opening::Closed, angle: 0.0, axis: Vec2::ZERO };
         let down = Ray { origin: Vec3::new(20.0, 3.0, 400.0), direction: -Vec3::Z };
         let hit = pick(&down, &body, &section, &[], &dome, 0).expect("tissue is there");
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_cut_face_tells_its_layer_and_the_ring_has_no_values() {
         let (session, body) = small();
-        let dome = session.solver().problem().dome;
+        let dome = session.problem().obstacle.dome;
         let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
         let caps = section.caps(&body, 0);
         let apex = |level: usize| body.levels[level][16 * 33 + 16].z;

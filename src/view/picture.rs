@@ -1,9 +1,9 @@
 //! The picture of the present shape: its meshes, remade only when what they show has changed.
 
-use crate::implant::Dome;
+use crate::contact::Dome;
 use crate::measure::Fields;
 use crate::session::Session;
-use crate::solve::Shown;
+use crate::solve::Displayed;
 use crate::view::body::Body;
 use crate::view::color::{self, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh, Vertex};
@@ -28,6 +28,8 @@ pub struct Picture {
     /// In the order of drawing: tissue, cut faces, implant, wall. A mesh that did not change stays
     /// the same `Arc`, and so do its indices.
     pub meshes: [Arc<Mesh>; 4],
+    /// Meshes made so far.
+    pub meshes_made: u64,
     /// The scale's colours.
     pub table: Arc<Vec<Rgb>>,
     /// Meshes of the tissue of before, some of which are still being drawn. Their room is used again: taken
@@ -64,7 +66,7 @@ impl Picture {
         // Values of the present shape fit no other one.
         let start = seconds();
         // A draft answers the hand: it is shown at once.
-        let is_unsettled = session.is_working() && session.solver().shown() != Shown::Draft;
+        let is_unsettled = session.is_working() && session.displayed() != Displayed::Draft;
         let wait = is_unsettled && !recolor && self.should_wait(start);
         let reshape = stale && !wait;
         let recut = self.section_made != Some(section);
@@ -87,7 +89,7 @@ impl Picture {
             self.section_made = Some(section);
         }
         if reshape || recut || rename {
-            self.set_mesh(session, 1, mesh::caps(&self.caps, &colors));
+            self.set_mesh(1, mesh::caps(&self.caps, &colors));
         }
         if rename {
             self.tissues_made = tissues.cloned().collect();
@@ -103,25 +105,25 @@ impl Picture {
     }
 
     fn make_shape(&mut self, session: &Session) {
-        let problem = session.solver().problem();
+        let problem = session.problem();
         self.shape_made = Some(session.revision());
         self.fields = Some(Rc::clone(session.fields()));
         if is_hidden(session) {
             self.body = Body::default();
         } else {
-            let stack = session.fields().stack();
+            let stack = session.solution().stack();
             if self.body.update(problem, session.shape(), stack) {
                 self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body, 0));
             }
         }
-        if self.dome_made != Some(problem.dome) {
-            self.dome_made = Some(problem.dome);
-            self.set_mesh(session, 2, mesh::implant(&problem.dome));
+        if self.dome_made != Some(problem.obstacle.dome) {
+            self.dome_made = Some(problem.obstacle.dome);
+            self.set_mesh(2, mesh::implant(&problem.obstacle.dome));
         }
         let wall_radius = self.body.block_radius.max(problem.sheet.radius_mm() as f32);
         if self.wall_made != Some(wall_radius) {
             self.wall_made = Some(wall_radius);
-            self.set_mesh(session, 3, mesh::wall(wall_radius));
+            self.set_mesh(3, mesh::wall(wall_radius));
         }
     }
 
@@ -133,16 +135,16 @@ impl Picture {
         let vertices = mesh::tissue_vertices(room, &self.body, colors, 0, values);
         let indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
         self.tissues_before.push(Arc::clone(&self.meshes[0]));
-        self.set_mesh(session, 0, Mesh { vertices, indices });
+        self.set_mesh(0, Mesh { vertices, indices });
         let table = self.scale.as_ref().map_or(&[[1.0; 3]][..], |s| &s.table);
         if self.table.as_slice() != table {
             self.table = Arc::new(table.to_vec());
         }
     }
 
-    fn set_mesh(&mut self, session: &Session, place: usize, mesh: Mesh) {
+    fn set_mesh(&mut self, place: usize, mesh: Mesh) {
         self.meshes[place] = Arc::new(mesh);
-        session.count_mesh();
+        self.meshes_made += 1;
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     let problem = small.problem().expect("checked before");
     assert!(problem.sheet.free_nodes() > 0);
     assert_eq!(problem.materials.len(), scene.layers.len());
-    assert!(problem.sheet.radius_mm() >= problem.dome.base_radius * (1.0 - 1e-6));
+    assert!(problem.sheet.radius_mm() >= problem.obstacle.dome.base_radius * (1.0 - 1e-6));
 }
 
 /// A curve as a file of its own.
@@ -63,12 +63,12 @@ pub(crate) fn check_spec(spec: &CurveSpec) -> bool {
 
 /// Scenes in a file, one or one a line.
 pub(crate) fn check_lines(bytes: &[u8]) {
-    for is_lines in [false, true] {
-        match read::scenes(bytes, is_lines) {
+    for format in [read::Format::Json, read::Format::JsonLines] {
+        match read::scenes(bytes, format) {
             Ok(scenes) => {
                 assert!(!scenes.is_empty());
                 for scene in scenes {
-                    check_scene(&Ok(scene));
+                    check_scene(&Ok(scene.into_scene()));
                 }
             }
             Err(error) => check_message(&error),

@@ -145,7 +145,7 @@ impl Viewport {
                 (true, true) => Opening::Half,
             },
             angle: options.section_azimuth_deg.to_radians(),
-            axis: session.solver().problem().dome.center.as_vec2(),
+            axis: session.problem().obstacle.dome.center.as_vec2(),
         };
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
@@ -160,7 +160,7 @@ impl Viewport {
         }
         let painter = ui.painter_at(area);
         overlay::background(&painter, area, dark);
-        let foot = session.solver().problem().dome.wall_radius() as f32;
+        let foot = session.problem().obstacle.dome.wall_radius() as f32;
         self.draw(ui, &painter, area, section, (options.net, foot));
         if let Some(scale) = &self.picture.scale
             && self.picture.body.layers() > 0
@@ -297,7 +297,7 @@ impl Viewport {
         let x = 2.0 * (pointer.x - area.left()) / area.width() - 1.0;
         let y = 1.0 - 2.0 * (pointer.y - area.top()) / area.height();
         let ray = self.camera.ray(Vec2::new(x, y), self.aspect);
-        let dome = &session.solver().problem().dome;
+        let dome = &session.problem().obstacle.dome;
         pick::pick(&ray, &self.picture.body, &section, &self.picture.caps, dome, 0)
     }
 
@@ -345,8 +345,8 @@ impl Viewport {
 
 /// Radius \[mm\] of the ball that holds the body.
 fn radius_to_fit(session: &Session) -> f32 {
-    let problem = session.solver().problem();
+    let problem = session.problem();
     let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
     let radius = problem.sheet.radius_mm();
-    (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.dome.projection) as f32
+    (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.obstacle.dome.projection) as f32
 }

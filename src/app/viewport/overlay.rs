@@ -127,7 +127,7 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<St
             if pressure > 0.0 {
                 lines.push(format!("Pressure {} kPa", three_figures(pressure)));
             }
-            for (k, thickness) in fields.stack().thickness_mm.iter().enumerate() {
+            for (k, thickness) in fields.solution().stack().thickness_mm.iter().enumerate() {
                 let thickness = hit.target.value(thickness).unwrap_or(0.0);
                 let stress = three_figures(value(Field::Stress(k)));
                 lines.push(format!("{}: {stress} kPa, {thickness:.1} mm thick", name(k)));

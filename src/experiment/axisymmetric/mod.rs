@@ -20,7 +20,7 @@
 mod runge_kutta;
 mod shooting;
 
-use crate::implant::Dome;
+use crate::contact::Dome;
 use crate::measure::ProfilePoint;
 use crate::springs::Material;
 use shooting::{Knot, Shooting};

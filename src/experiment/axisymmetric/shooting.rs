@@ -2,7 +2,7 @@
 
 use super::AxisymmetricError;
 use super::runge_kutta::{Steps, integrate};
-use crate::implant::Dome;
+use crate::contact::Dome;
 use crate::springs::Material;
 use crate::springs::coupled::equivalent_strain;
 

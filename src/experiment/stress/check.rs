@@ -3,7 +3,8 @@
 //! Each check starts from positions, dome and sheet alone; only energy and forces come from the
 //! solver's own (f64) assembly.
 
-use crate::sheet::{NodeKind, Sheet};
+use crate::mesh::{NodeKind, Sheet};
+use crate::solve::validity::VIEWPOINT_DEPTH;
 use crate::solve::{Solver, Verdict};
 use crate::springs::Springs;
 use glam::DVec3;
@@ -43,11 +44,11 @@ pub(super) fn hold(findings: &mut Vec<Finding>, check: &'static str, found: f64,
 pub fn check(solver: &Solver) -> Vec<Finding> {
     let mut findings = Vec::new();
     let problem = solver.problem();
-    let (sheet, dome, x) = (&problem.sheet, &problem.dome, solver.positions());
+    let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solver.positions());
     let broken = x.iter().filter(|x| !x.is_finite()).count();
     hold(&mut findings, "nodes that are not finite", broken as f64, 0.0);
     hold(&mut findings, "work units", solver.work_units(), WORK_UNITS);
-    if broken > 0 || solver.verdict() == Verdict::Unstable || solver.fault().is_some() {
+    if broken > 0 || solver.verdict() == Verdict::Unstable || solver.invalid().is_some() {
         return findings;
     }
     let tolerance = problem.tolerance * dome.base_radius;
@@ -67,13 +68,13 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
     for x in start.iter_mut().filter(|x| dome.contains(**x)) {
         *x = dome.onto_surface(*x);
     }
-    for (k, place) in solver.lifted() {
-        let (x, level) = (&mut start[*k], dome.level(*place));
-        if dome.level(*x) < level {
-            *x = dome.onto_level(*x, level);
+    for (k, place) in solver.offset_nodes() {
+        let (x, gauge) = (&mut start[*k], dome.gauge(*place));
+        if dome.gauge(*x) < gauge {
+            *x = dome.project(*x, gauge);
         }
     }
-    let (before, now) = (solver.energy(&start), solver.energy(&solver.balanced()));
+    let (before, now) = (solver.energy(&start), solver.energy(&solver.solution().balanced()));
     let slack =
         ENERGY_SLACK * before.abs() + ENERGY_OF_ERROR * solver.stiffness() * tolerance * tolerance;
     hold(&mut findings, "energy above the start", now - before, slack);
@@ -85,7 +86,7 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
 fn lopsidedness(solver: &Solver) -> f64 {
     let (problem, x) = (solver.problem(), solver.positions());
     let n = problem.sheet.nodes_per_side();
-    let [along_x, along_y] = problem.dome.mirrored();
+    let [along_x, along_y] = problem.obstacle.dome.mirrored();
     let mut most = 0.0_f64;
     for (k, place) in x.iter().enumerate() {
         let (i, j) = (k % n, k / n);
@@ -103,7 +104,7 @@ fn lopsidedness(solver: &Solver) -> f64 {
 
 /// How deep a node lies in the dome \[mm\].
 fn depth_in_dome(solver: &Solver) -> f64 {
-    let dome = &solver.problem().dome;
+    let dome = &solver.problem().obstacle.dome;
     let inside = solver.positions().iter().filter(|x| dome.contains(**x));
     inside.map(|x| -dome.closest_point(*x).0).fold(0.0, f64::max)
 }
@@ -114,7 +115,7 @@ fn depth_in_dome(solver: &Solver) -> f64 {
 /// A sheet that is pulled over a dome is seen from there without a fold.
 #[must_use]
 pub fn faces_inwards(sheet: &Sheet, x: &[DVec3]) -> f64 {
-    let eye = DVec3::new(0.0, 0.0, -0.05 * sheet.radius_mm());
+    let eye = DVec3::new(0.0, 0.0, -VIEWPOINT_DEPTH * sheet.radius_mm());
     sheet
         .triangles()
         .map(|(nodes, _)| {
@@ -129,10 +130,11 @@ pub fn faces_inwards(sheet: &Sheet, x: &[DVec3]) -> f64 {
 /// Norm of the forces on free nodes that neither dome nor wall takes, relative to those of all triangles.
 fn imbalance(solver: &Solver) -> f64 {
     let problem = solver.problem();
-    let (dome, x, (forces, scale)) = (&problem.dome, solver.balanced(), solver.forces_and_scale());
+    let (dome, x, (forces, scale)) =
+        (&problem.obstacle.dome, solver.solution().balanced(), solver.forces_and_scale());
     let touch = 1e-5 * dome.base_radius;
     let mut is_lifted = vec![false; x.len()];
-    solver.lifted().iter().for_each(|&(k, _)| is_lifted[k] = true);
+    solver.offset_nodes().iter().for_each(|&(k, _)| is_lifted[k] = true);
     let mut left = 0.0;
     for (k, kind) in problem.sheet.kinds().iter().enumerate() {
         if *kind != NodeKind::Free {

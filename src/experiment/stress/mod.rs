@@ -10,7 +10,7 @@ mod scenes;
 mod shrink;
 
 use crate::scene::{Scene, Springs};
-use crate::solve::{Fault, Method, Options, Solver, Verdict};
+use crate::solve::{Invalid, Method, Options, Solver, Verdict};
 use check::{Finding, distance, hold};
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
@@ -139,7 +139,9 @@ pub fn examine(scene: Scene) -> Case {
             (_, Verdict::Converged) if is_one_of_several => Ending::Several,
             (_, Verdict::Converged) => Ending::Converged,
             (_, Verdict::NotConverged) => Ending::NotConverged,
-            (_, Verdict::Unstable) if solver.fault() == Some(Fault::Pierced) => Ending::Pierced,
+            (_, Verdict::Unstable) if solver.invalid() == Some(Invalid::Penetrated) => {
+                Ending::Pierced
+            }
             (_, Verdict::Unstable) => Ending::Unstable,
         },
         findings,
@@ -171,11 +173,12 @@ fn solve_to(scene: &Scene, options: Options, share: f64) -> Option<Solver> {
 fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> (bool, u32) {
     let tolerance = WAYS * solver.problem().tolerance * scene.implant.base_radius_mm;
     // Where a node just touches or just does not, so does its lift.
-    let lift = solver.lifted().iter().map(|&(k, place)| place.distance(solver.positions()[k]));
+    let lift =
+        solver.offset_nodes().iter().map(|&(k, place)| place.distance(solver.positions()[k]));
     let allowed = tolerance + lift.fold(0.0, f64::max);
     // Does the same way end in the same place for a far smaller tolerance? It may end above that.
     let is_proven = |scene: &Scene, options: Options, ended: &Solver| {
-        let options = Options { patience: PATIENCE, ..options };
+        let options = Options { work_limit_factor: PATIENCE, ..options };
         solve_to(scene, options, PROOF).is_some_and(|proof| {
             let left = proof.estimated_position_error() * scene.implant.base_radius_mm;
             2.0 * (left + distance(proof.positions(), ended.positions())) <= tolerance

@@ -1,8 +1,8 @@
 //! A plan as JSON text.
 
 use super::{Case, Method, Plan};
+use crate::mesh;
 use crate::scene::{self, SceneError, limits};
-use crate::sheet;
 use serde::Deserialize;
 
 /// What is wanted; what is left out is as in the full plan, or in the quick one.
@@ -18,7 +18,7 @@ struct Choice {
 impl Plan {
     /// A plan from JSON text: an object of `quick` (true or false) and of lists, `cases`,
     /// `nodes_per_side` and `methods`, that take the place of the quick or the full plan's. Numbers of
-    /// nodes are rounded to those that a sheet has (see [`crate::sheet::rounded_nodes_per_side`]);
+    /// nodes are rounded to those that a sheet has (see [`crate::mesh::rounded_nodes_per_side`]);
     /// what a list repeats counts once.
     ///
     /// # Errors
@@ -43,7 +43,7 @@ impl Plan {
                     });
                 }
             }
-            let grids = grids.into_iter().map(sheet::rounded_nodes_per_side).collect();
+            let grids = grids.into_iter().map(mesh::rounded_nodes_per_side).collect();
             plan.nodes_per_side = distinct("nodes_per_side", grids)?;
             plan.nodes_per_side.sort_unstable();
         }

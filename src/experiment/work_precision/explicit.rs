@@ -8,8 +8,8 @@ use super::guess;
 use super::lanes::{Field, LaneSheet, Triangle, Vec3, add, dot, load, scale, sub};
 use super::law::Law;
 use super::watch::{End, Watch};
-use crate::implant::Dome;
-use crate::sheet::NodeKind;
+use crate::contact::Dome;
+use crate::mesh::NodeKind;
 use crate::solve::Problem;
 use glam::DVec3;
 use wide::f32x4;
@@ -85,7 +85,7 @@ impl<'a> Explicit<'a> {
         let triangles =
             problem.sheet.triangles().map(|(t, w)| Triangle::new(&problem.sheet, t, w)).collect();
         let mut new = Self {
-            dome: LaneDome::new(&problem.dome, problem.sheet.spacing_mm()),
+            dome: LaneDome::new(&problem.obstacle.dome, problem.sheet.spacing_mm()),
             u: field(),
             step: field(),
             carry: field(),
@@ -113,8 +113,8 @@ impl<'a> Explicit<'a> {
     pub(super) fn run(&mut self, most_steps: u32, watch: &mut Watch) -> End {
         let problem = self.problem;
         let first = match self.damping {
-            Damping::Paper => guess::drape(&problem.sheet, &problem.dome),
-            Damping::Critical => guess::tight_string(&problem.sheet, &problem.dome),
+            Damping::Paper => guess::drape(&problem.sheet, &problem.obstacle.dome),
+            Damping::Critical => guess::tight_string(&problem.sheet, &problem.obstacle.dome),
         };
         self.sheet.read(&problem.sheet, &first, &mut self.u);
         for field in [&mut self.step, &mut self.carry] {

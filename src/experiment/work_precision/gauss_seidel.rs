@@ -6,8 +6,8 @@ use super::guess;
 use super::lanes::Triangle;
 use super::law::{Corner, Law, Symmetric};
 use super::watch::{End, Watch};
-use crate::implant::Dome;
-use crate::sheet::{NodeKind, Sheet};
+use crate::contact::Dome;
+use crate::mesh::{NodeKind, Sheet};
 use crate::solve::Problem;
 use glam::{DVec2, DVec3};
 
@@ -61,8 +61,11 @@ impl<'a> GaussSeidel<'a> {
         while let Some(coarser) = sheets.last().and_then(Sheet::coarser) {
             sheets.push(coarser);
         }
-        let mut levels: Vec<Level> =
-            sheets.into_iter().rev().map(|sheet| Level::new(sheet, &problem.dome)).collect();
+        let mut levels: Vec<Level> = sheets
+            .into_iter()
+            .rev()
+            .map(|sheet| Level::new(sheet, &problem.obstacle.dome))
+            .collect();
         if let Some(finest) = levels.last_mut() {
             touch.iter().for_each(|&(k, level)| finest.touch[k] = level);
         }
@@ -204,16 +207,16 @@ impl Level {
             if short > 0.0 { step + z * (short / z.z) } else { step }
         };
         step = above(step).clamp_length_max(MOST_MOVE);
-        if self.dome.level(at + step) >= touch {
+        if self.dome.gauge(at + step) >= touch {
             return at + step;
         }
         let normal = self.dome.normal(at);
         let (gap, across) =
-            ((self.dome.level(at) - touch) * self.dome.base_radius, product(&inverse, normal));
+            ((self.dome.gauge(at) - touch) * self.dome.base_radius, product(&inverse, normal));
         let held = step - across * ((normal.dot(step) + gap) / normal.dot(across));
         let mut moved = at + held.clamp_length_max(MOST_MOVE);
         moved.z = moved.z.max(0.0);
-        self.dome.onto_level(moved, touch)
+        self.dome.project(moved, touch)
     }
 
     /// Takes its start from the next coarser grid: the difference from the first shape, interpolated
@@ -231,7 +234,7 @@ impl Level {
                     + difference(low + up + right));
             let mut x = self.guess[k] + mean;
             x.z = x.z.max(0.0);
-            self.x[k] = if self.dome.level(x) < 0.0 { self.dome.onto_surface(x) } else { x };
+            self.x[k] = if self.dome.gauge(x) < 0.0 { self.dome.onto_surface(x) } else { x };
         }
     }
 }

@@ -1,7 +1,7 @@
 //! First shapes over a centred hemisphere, from geometry alone.
 
-use crate::implant::Dome;
-use crate::sheet::{NodeKind, Sheet};
+use crate::contact::Dome;
+use crate::mesh::{NodeKind, Sheet};
 use glam::{DVec2, DVec3};
 
 /// The string pulled tight from the apex over the dome and down to the border, in every vertical

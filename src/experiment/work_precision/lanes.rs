@@ -4,7 +4,7 @@
 //! stored are displacements from the places of the square grid: they keep more digits than positions.
 
 use super::law::Law;
-use crate::sheet::{CellKind, NodeKind, Sheet};
+use crate::mesh::{CellKind, NodeKind, Sheet};
 use glam::{DVec2, DVec3};
 use wide::f32x4;
 

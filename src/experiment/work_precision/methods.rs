@@ -5,8 +5,9 @@ use super::gauss_seidel::GaussSeidel;
 use super::law::Law;
 use super::watch::{End, Judge, Sample, Schedule, Watch};
 use super::{Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Reference, Row, Status};
+use crate::mesh::{NodeKind, Sheet};
+use crate::model::membrane::law::coupled_law;
 use crate::scene::SceneError;
-use crate::sheet::{NodeKind, Sheet};
 use crate::solve::{self, Options, Problem, Progress, Solver, Verdict};
 use glam::{DVec2, DVec3};
 
@@ -26,7 +27,7 @@ pub(super) struct Ground {
     /// The grid's own equilibrium as it is shown \[mm\], shape (nodes_per_side², ).
     own: Vec<DVec3>,
     /// The last nodes that touch the dome, and at which of its levels: contact ends between nodes (see
-    /// [`Solver::lifted`]). The baselines, which have no way to find them, are given these.
+    /// [`Solver::offset_nodes`]). The baselines, which have no way to find them, are given these.
     touch: Vec<(usize, f64)>,
     /// Those of them that are shown on the dome.
     lowered: Vec<usize>,
@@ -46,11 +47,12 @@ impl Ground {
         let problem = scene.problem()?;
         let mut solver = newton(&problem, OWN_TOLERANCE);
         while solver.advance(&mut || false) == Progress::Working {}
-        let dome = &problem.dome;
-        let touch = solver.lifted().iter().map(|&(k, place)| (k, dome.level(place))).collect();
+        let dome = &problem.obstacle.dome;
+        let touch =
+            solver.offset_nodes().iter().map(|&(k, place)| (k, dome.gauge(place))).collect();
         let shown = solver.positions();
         let is_lowered = |&(k, place): &(usize, DVec3)| (shown[k] != place).then_some(k);
-        let lowered = solver.lifted().iter().filter_map(is_lowered).collect();
+        let lowered = solver.offset_nodes().iter().filter_map(is_lowered).collect();
         let own = shown.to_vec();
         let kinds = problem.sheet.kinds();
         let free = (0..problem.sheet.len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
@@ -64,7 +66,7 @@ impl Ground {
                 .and_then(|reference| reference(&scene))
                 .map(|profile| revolved(&profile, &problem.sheet)),
             free,
-            law: Law::new(&solve::coupled_law(&problem.materials)),
+            law: Law::new(&coupled_law(&problem.materials)),
             problem,
         })
     }
@@ -79,7 +81,7 @@ impl Ground {
         let farthest = |answer: &[DVec3]| {
             let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
             let squares = self.free.iter().map(|&k| x[k].distance_squared(answer[k]));
-            squares.fold(0.0, greater).sqrt() / self.problem.dome.base_radius
+            squares.fold(0.0, greater).sqrt() / self.problem.obstacle.dome.base_radius
         };
         (farthest(&self.own), self.reference.as_deref().map(farthest))
     }
@@ -87,7 +89,7 @@ impl Ground {
     /// Puts those nodes of a shape in balance onto the dome that are shown there.
     fn lower(&self, x: &mut [DVec3]) {
         for &k in &self.lowered {
-            x[k] = self.problem.dome.onto_surface(x[k]);
+            x[k] = self.problem.obstacle.dome.onto_surface(x[k]);
         }
     }
 

@@ -102,7 +102,7 @@ impl Method {
 pub struct Plan {
     /// Scenes.
     pub cases: Vec<Case>,
-    /// Nodes a side, rising; see [`crate::sheet::rounded_nodes_per_side`].
+    /// Nodes a side, rising; see [`crate::mesh::rounded_nodes_per_side`].
     pub nodes_per_side: Vec<usize>,
     /// Methods.
     pub methods: Vec<Method>,
@@ -147,11 +147,11 @@ pub type Reference = fn(&Scene) -> Option<Profile>;
 /// The reference of a centred dome under coupled springs; see [`super::axisymmetric`].
 #[must_use]
 pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
-    let Problem { sheet, dome, materials, springs, .. } = scene.problem().ok()?;
+    let Problem { patch, obstacle, materials, springs, .. } = scene.problem().ok()?;
     if springs != Springs::Coupled {
         return None;
     }
-    let solution = axisymmetric::solve(&dome, sheet.radius_mm(), &materials).ok()?;
+    let solution = axisymmetric::solve(&obstacle.dome, patch.pocket_radius_mm, &materials).ok()?;
     Some(Box::new(move |s_mm| {
         let point = solution.point(s_mm);
         (point.r_mm, point.z_mm)

@@ -80,18 +80,18 @@ fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::{Stack, surfaces};
-    use crate::sheet::Sheet;
-    use glam::DVec3;
+    use crate::measure::{Stack, of_faces};
+    use crate::mesh::Sheet;
 
     fn flat(thickness: f32) -> Surface {
         let sheet = Sheet::new(33, 50.0);
-        let x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+        let inner = sheet.rest().iter().map(|p| p.extend(0.0).as_vec3()).collect();
         let stack = Stack {
             thickness_mm: vec![vec![thickness; sheet.len()]],
             normal: vec![Vec3::Z; sheet.len()],
         };
-        Surface::new(&surfaces(&sheet, &x, &stack))
+        let faces = stack.faces(inner, &stack.normal);
+        Surface::new(&of_faces(&sheet, &stack, &faces))
     }
 
     #[test]

@@ -4,9 +4,10 @@ use super::mesh::Surface;
 use super::mesh_formats::Format;
 use super::output::{self, File, number};
 use super::{Answer, Refused, input};
-use crate::measure::{Outcome, Status, fields, surfaces};
-use crate::scene::{Scene, read};
-use crate::solve::{Progress, Solver};
+use crate::measure::{Outcome, Status, surfaces};
+use crate::scene::{CheckedScene, read};
+use crate::simulate::{self, Simulation};
+use crate::solve::Options;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -40,7 +41,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     }
     let wants_surface = format.is_some();
     let solved: Vec<(Outcome, Option<Surface>)> =
-        scenes.par_iter().map(|scene| solve(scene, wants_surface)).collect::<Result<_, _>>()?;
+        scenes.par_iter().map(|scene| solve(scene, wants_surface)).collect();
     let files = outputs(arguments, format, &solved)?;
     output::write_all(&files)?;
     let all_converged = solved.iter().all(|(outcome, _)| outcome.status == Status::Converged);
@@ -77,26 +78,21 @@ fn check_places(arguments: &Arguments) -> Result<(), Refused> {
 }
 
 /// Reads a scene, or one scene a line.
-fn read_scenes(path: &Path) -> Result<Vec<Scene>, Refused> {
+fn read_scenes(path: &Path) -> Result<Vec<CheckedScene>, Refused> {
     let bytes = input::read(path, read::MAX_LINES_BYTES)?;
     // JSON lines by the file's name; `read` also knows them by their first line.
     let is_lines = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
-    read::scenes(&bytes, is_lines).map_err(|error| output::refuse(path, error))
+    let format = if is_lines { read::Format::JsonLines } else { read::Format::Json };
+    read::scenes(&bytes, format).map_err(|error| output::refuse(path, error))
 }
 
-fn solve(scene: &Scene, wants_surface: bool) -> Result<(Outcome, Option<Surface>), Refused> {
+fn solve(scene: &CheckedScene, wants_surface: bool) -> (Outcome, Option<Surface>) {
     let start = Instant::now();
-    let problem = scene.problem().map_err(|error| Refused(error.to_string()))?;
-    let mut solver = Solver::new(problem);
-    while solver.advance(&mut || false) == Progress::Working {}
-    let time_ms = start.elapsed().as_secs_f64() * 1000.0;
-    let mut outcome = scene.measure(&solver);
-    outcome.solver.time_ms = Some(time_ms);
-    let surface = (wants_surface && outcome.status != Status::Unstable).then(|| {
-        let sheet = &solver.problem().sheet;
-        Surface::new(&surfaces(sheet, solver.positions(), fields(&solver).stack()))
-    });
-    Ok((outcome, surface))
+    let clock = || start.elapsed().as_secs_f64() * 1000.0;
+    let Simulation { outcome, solution } = simulate::run(scene, Options::default(), Some(&clock));
+    let has_shape = outcome.status != Status::Unstable;
+    let surface = (wants_surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
+    (outcome, surface)
 }
 
 /// All files of this run, ready to be written. A scene without a stable shape has no mesh.

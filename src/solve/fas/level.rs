@@ -1,97 +1,81 @@
-//! One grid of the hierarchy at work: its shape, its scratch, and what a cycle does to it.
+//! One grid of the hierarchy: state, right-hand side, and the operations of a cycle on the grid.
 
-use super::force::{self, Scratch, Tension};
-use super::grid::{Field, Layout, Mirrored};
-use super::law::CoupledLanes;
-use super::smooth::{self, Contact, LaneDome, Pull};
-use super::springs::{self, LaneSprings};
+use super::parameters::PARAMETERS;
+use super::smoother::{self, Conditions, Contact};
 use super::transfer;
-use crate::implant::Dome;
-use crate::solve::law::SheetLaw;
-use crate::solve::lift;
+use crate::contact::contact_edge;
+use crate::contact::lanes::LaneObstacle;
+use crate::contact::{Dome, Obstacle};
+use crate::mesh::lanes::{Field, Layout, Mirrored};
+use crate::model::{ElasticModel, NodeBlocks, Tension};
 use glam::{DVec2, DVec3};
 
-/// A step of no more than so many roundings of the greatest displacement is one of rounding.
-const ROUNDINGS: f32 = 16.0;
-
-/// What carries the sheet, in lanes; its stiffness at small strain is 1.
+/// A grid with its state and scratch.
 #[derive(Clone, Debug)]
-pub(super) enum LaneLaw {
-    Coupled(CoupledLanes),
-    Paper(LaneSprings),
-}
-
-impl LaneLaw {
-    pub(super) fn new(law: &SheetLaw) -> Self {
-        let stiffness = law.stiffness();
-        match law {
-            SheetLaw::Coupled(law) => Self::Coupled(CoupledLanes::new(law, stiffness)),
-            SheetLaw::Paper(law) => Self::Paper(LaneSprings::new(law, stiffness)),
-        }
-    }
-
-    /// Does contact end between nodes? The paper's does not.
-    pub(super) fn has_lifts(&self) -> bool {
-        matches!(self, Self::Coupled(_))
-    }
-}
-
-/// A grid with its shape and scratch.
-#[derive(Clone, Debug)]
-pub(super) struct Level {
+pub(super) struct Level<M: ElasticModel> {
     pub(super) layout: Layout,
-    pub(super) dome: LaneDome,
+    pub(super) obstacle: LaneObstacle,
     /// The same in f64.
-    pub(super) exact_dome: Dome,
+    pub(super) exact_obstacle: Obstacle,
+    /// Displacements \[spacings\].
     pub(super) u: Field,
-    /// Forces, then residuals, then corrections.
+    /// Forces, residuals or corrections.
     pub(super) f: Field,
-    /// The shape before the correction: at the start of a cycle, or as injected.
+    /// Is `f` the forces at `u`?
+    are_forces_current: bool,
+    /// Displacements at the start of a cycle, or as restricted from the finer grid.
     pub(super) before: Field,
-    /// Right-hand side of a coarse grid.
-    pub(super) tau: Field,
-    pub(super) inverse: [Vec<f32>; 6],
-    pub(super) hold: Vec<f32>,
-    /// Level of the dome at which a held node touches; negative where it is off the dome indeed.
-    pub(super) lift: Vec<f32>,
-    scratch: Scratch,
+    /// Right-hand side of a coarse grid; `None` on the finest.
+    pub(super) tau: Option<Field>,
+    pub(super) inverse: NodeBlocks,
+    /// 1 at active nodes, else 0.
+    pub(super) active: Vec<f32>,
+    /// Gauge of the dome at which an active node touches; negative where the node itself stands off the dome.
+    pub(super) contact_offset: Vec<f32>,
+    scratch: M::Scratch,
 }
 
-impl Level {
+impl<M: ElasticModel> Level<M> {
     pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored, is_finest: bool) -> Self {
         let mut layout = Layout::new(nodes_per_side, mirrored);
         if !is_finest {
             layout.find_extrapolation();
         }
         let length = layout.len();
-        let zeros = || vec![0.0; length];
+        let field = || Field::new(length, M::LAYERS);
+        let nowhere = Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, 1.0, 1.0, 1.0));
         Self {
-            dome: LaneDome::default(),
-            exact_dome: Dome::new(DVec2::ZERO, 1.0, 1.0, 1.0),
-            u: Field::new(length),
-            f: Field::new(length),
-            before: Field::new(length),
-            tau: Field::new(if is_finest { 0 } else { length }),
-            inverse: [zeros(), zeros(), zeros(), zeros(), zeros(), zeros()],
-            hold: zeros(),
-            lift: zeros(),
-            scratch: Scratch::new(&layout),
+            obstacle: LaneObstacle::new(&nowhere),
+            exact_obstacle: nowhere,
+            u: field(),
+            f: field(),
+            are_forces_current: false,
+            before: field(),
+            tau: (!is_finest).then(field),
+            inverse: NodeBlocks::new(length),
+            active: vec![0.0; length],
+            contact_offset: vec![0.0; length],
+            scratch: M::scratch(&layout),
             layout,
         }
     }
-}
 
-impl Level {
-    /// Finds where contact ends between nodes; gives the greatest lift \[grid spacings\].
-    pub(super) fn find_lifts(&mut self) -> f64 {
-        let Self { layout, exact_dome: dome, u, hold, lift, .. } = self;
-        let layout = &*layout;
+    /// Places the obstacle, given in spacings of this grid.
+    pub(super) fn place(&mut self, obstacle: Obstacle) {
+        self.exact_obstacle = obstacle;
+        self.obstacle = LaneObstacle::new(&obstacle);
+    }
+
+    /// Finds where contact ends between nodes; returns the greatest contact offset \[grid spacings\].
+    pub(super) fn find_contact_offsets(&mut self) -> f64 {
+        let Self { layout, exact_obstacle, u, active, contact_offset, .. } = self;
+        let (layout, dome) = (&*layout, &exact_obstacle.dome);
         let mut greatest = 0.0_f64;
-        lift.fill(0.0);
+        contact_offset.fill(0.0);
         layout.free_rows(|j, from, to| {
             for i in from..to {
                 let at = j * layout.pitch + i;
-                if hold[at] <= 0.0 {
+                if active[at] <= 0.0 {
                     continue;
                 }
                 let gap = |di: isize, dj: isize| {
@@ -99,91 +83,116 @@ impl Level {
                     let k = j * layout.pitch + i;
                     let [x, y, z] = u.at(k).map(f64::from);
                     let [rest_x, rest_y] = layout.rest(i, j).map(f64::from);
-                    (hold[k] <= 0.0).then(|| dome.level(DVec3::new(rest_x + x, rest_y + y, z)))
+                    (active[k] <= 0.0).then(|| dome.gauge(DVec3::new(rest_x + x, rest_y + y, z)))
                 };
-                let level = lift::lift(gap);
-                greatest = greatest.max(level.abs());
-                lift[at] = level as f32;
+                let offset = contact_edge::offset(gap);
+                greatest = greatest.max(offset.abs());
+                contact_offset[at] = offset as f32;
             }
         });
         greatest * dome.base_radius.max(dome.projection)
     }
 
-    pub(super) fn invert_blocks(&mut self, law: &LaneLaw) {
+    pub(super) fn invert_blocks(&mut self, model: &M) {
         let Self { layout, u, inverse, scratch, .. } = self;
-        match law {
-            LaneLaw::Coupled(law) => force::add_blocks(layout, law, u, inverse, scratch),
-            LaneLaw::Paper(law) => springs::add_blocks(layout, law, u, inverse, scratch),
-        }
-        force::invert_blocks(layout, inverse);
+        model.blocks(layout, u, inverse, scratch);
+        inverse.invert(layout);
     }
 
-    pub(super) fn forces(&mut self, law: &LaneLaw) {
+    pub(super) fn find_forces(&mut self, model: &M) {
         let Self { layout, u, f, scratch, .. } = self;
-        match law {
-            LaneLaw::Coupled(law) => force::forces(layout, law, u, f, scratch),
-            LaneLaw::Paper(law) => springs::forces(layout, law, u, f, scratch),
+        model.forces(layout, u, f, scratch);
+    }
+
+    pub(super) fn conditions<'a>(
+        obstacle: &'a LaneObstacle,
+        contact: Contact,
+        inverse: &'a NodeBlocks,
+        tau: &'a Option<Field>,
+        contact_offset: &'a [f32],
+    ) -> Conditions<'a> {
+        let tau = tau.as_ref().filter(|_| contact == Contact::Inherited);
+        Conditions { obstacle, contact, inverse, tau, contact_offset }
+    }
+
+    /// A damped step; returns the evaluations of the forces that the step needed.
+    pub(super) fn smooth(&mut self, model: &M, contact: Contact, omega: f32) -> f64 {
+        let is_known = std::mem::take(&mut self.are_forces_current);
+        if !is_known {
+            self.find_forces(model);
         }
+        let Self { layout, obstacle, u, f, tau, inverse, active, contact_offset, .. } = self;
+        let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
+        smoother::step(layout, &conditions, omega, f, active, u);
+        f64::from(u8::from(!is_known))
     }
 
-    /// A damped step of the nodes by the forces found.
-    pub(super) fn step(&mut self, contact: Contact, omega: f32) {
-        let Self { layout, dome, u, f, tau, inverse, hold, lift, .. } = self;
-        let tau = (contact == Contact::Held).then_some(&*tau);
-        smooth::step(layout, dome, contact, omega, (&Pull { inverse, tau, lift }, f, hold), u);
+    /// Sets `f` to the residual without contact forces; returns the sum of squares.
+    pub(super) fn find_residual(&mut self, model: &M, contact: Contact) -> f64 {
+        self.find_forces(model);
+        self.are_forces_current = false;
+        let Self { layout, obstacle, u, active, f, tau, contact_offset, inverse, .. } = self;
+        let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
+        smoother::residual(layout, &conditions, u, active, f)
     }
 
-    pub(super) fn find_residual(&mut self, law: &LaneLaw, contact: Contact) -> f64 {
-        self.forces(law);
-        let tau = (contact == Contact::Held).then_some(&self.tau);
-        let Self { layout, dome, u, hold, f, lift, inverse, .. } = self;
-        smooth::residual(layout, dome, contact, u, &Pull { inverse, tau, lift }, hold, f)
-    }
-
-    /// Is the residual found what f32 rounds? On a flat dome strains are small differences of places.
+    /// Is the step of the residual found within rounding of f32? On a flat dome strains are small differences
+    /// of positions.
     pub(super) fn is_rounded(&self) -> bool {
         let Self { layout, u, f, inverse, .. } = self;
-        let farthest = smooth::greatest_length(layout, |k| u.at(k)).max(1.0);
-        let step = smooth::greatest_length(layout, |k| {
-            let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|p| inverse[p][k]);
-            let [x, y, z] = f.at(k);
-            [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
-        });
-        step <= ROUNDINGS * f32::EPSILON * farthest
+        let farthest = layout.greatest_length(|k| u.at(k)).max(1.0);
+        let step = layout.greatest_length(|k| inverse.times(k, f.at(k)));
+        step <= PARAMETERS.roundings * f32::EPSILON * farthest
     }
 
-    pub(super) fn tension(&mut self, law: &LaneLaw) -> Tension {
+    pub(super) fn tension(&mut self, model: &M) -> Tension {
         let Self { layout, u, scratch, .. } = self;
-        match law {
-            LaneLaw::Coupled(law) => force::tension(layout, law, u, scratch),
-            LaneLaw::Paper(law) => springs::tension(layout, law, u),
+        model.tension(layout, u, scratch)
+    }
+
+    /// Sets up the coarse problem f(u) + τ = 0 from the state and the residual of the finer grid: τ is the
+    /// restricted residual less the forces at the restricted state. A node is active if more than
+    /// `active_weight` of the fine nodes around are.
+    pub(super) fn restrict_from(&mut self, model: &M, fine: &Self, active_weight: f32) {
+        let Self { layout, u, before, active, .. } = self;
+        transfer::inject(layout, &fine.layout, &fine.u, u);
+        transfer::restrict_active_set(layout, &fine.layout, &fine.active, active_weight, active);
+        layout.mirror(u);
+        before.copy_from(u);
+        self.find_forces(model);
+        self.are_forces_current = true;
+        let Self { layout, tau, f, .. } = self;
+        let Some(tau) = tau else { return };
+        transfer::restrict(layout, &fine.layout, &fine.f, tau);
+        for (tau, f) in tau.planes_mut().zip(f.planes()) {
+            layout.free_rows(|j, from, to| {
+                for k in j * layout.pitch + from..j * layout.pitch + to {
+                    tau[k] -= f[k];
+                }
+            });
         }
     }
 
-    /// Takes shape, held nodes and residual of the finer grid; what is to be solved here is
-    /// f(u) + τ = 0 with τ such that f + τ is the restricted residual at the shape taken.
-    pub(super) fn take_over(&mut self, law: &LaneLaw, fine: &Self, hold_share: f32) {
-        let Self { layout, u, hold, tau, .. } = self;
-        transfer::inject(layout, &fine.layout, &fine.u, u);
-        transfer::inject_hold(layout, &fine.layout, &fine.hold, hold_share, hold);
-        smooth::mirror(layout, u);
-        transfer::restrict(layout, &fine.layout, &fine.f, tau);
-        self.before.copy_from(&self.u);
-        self.forces(law);
-        let Self { layout, tau, f, .. } = self;
-        layout.free_rows(|j, from, to| {
-            for k in j * layout.pitch + from..j * layout.pitch + to {
-                tau.x[k] -= f.x[k];
-                tau.y[k] -= f.y[k];
-                tau.z[k] -= f.z[k];
-            }
-        });
+    /// Adds the interpolated correction of the coarser grid. `row` is scratch.
+    pub(super) fn correct(&mut self, coarse: &Self, row: &mut [f32]) {
+        let Self { layout, obstacle, u, active, f, contact_offset, .. } = self;
+        transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
+        smoother::apply_correction(layout, obstacle, f, contact_offset, active, u);
+        self.are_forces_current = false;
     }
 
-    pub(super) fn add_correction(&mut self, coarse: &Self, row: &mut [f32]) {
-        let Self { layout, dome, u, hold, f, lift, .. } = self;
-        transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
-        smooth::correct(layout, dome, f, (lift, hold), u);
+    /// Takes the interpolated state of the coarser grid as a start. `row` is scratch, and so is `coarse.f`.
+    pub(super) fn start_from(&mut self, coarse: &mut Self, row: &mut [f32]) {
+        let Level { layout, u, f, are_forces_current, .. } = coarse;
+        transfer::prolongate_solution(layout, &self.layout, u, f, &mut self.u, row);
+        *are_forces_current = false;
+        self.project_feasible();
+    }
+
+    /// Moves nodes out of the dome and above the wall.
+    pub(super) fn project_feasible(&mut self) {
+        smoother::project_feasible(&self.layout, &self.obstacle, &mut self.u);
+        self.are_forces_current = false;
     }
 }
 
@@ -191,8 +200,10 @@ impl Level {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::sheet::Sheet;
-    use crate::solve::assemble;
+    use crate::mesh::Sheet;
+    use crate::model::membrane::assembly;
+    use crate::model::membrane::lanes::Membrane;
+    use crate::model::membrane::law::SheetLaw;
     use crate::springs::{Material, Springs};
 
     /// Forces and blocks in lanes of f32 are those of the assembly in f64.
@@ -213,7 +224,7 @@ mod tests {
                 let n = 33;
                 let law = SheetLaw::new(springs, &materials);
                 let sheet = Sheet::new(n, (n / 2) as f64);
-                let mut level = Level::new(n, mirrored, true);
+                let mut level = Level::<Membrane>::new(n, mirrored, true);
                 let first = level.layout.first();
                 // A bulge with ripples, symmetric about both axes.
                 let bulge = |p: DVec2| {
@@ -231,16 +242,16 @@ mod tests {
                         (u.x[at], u.y[at], u.z[at]) = (d.x as f32, d.y as f32, d.z as f32);
                     }
                 });
-                smooth::mirror(layout, u);
+                layout.mirror(u);
                 for (k, p) in sheet.rest().iter().enumerate() {
-                    if sheet.kinds()[k] == crate::sheet::NodeKind::Free {
+                    if sheet.kinds()[k] == crate::mesh::NodeKind::Free {
                         x[k] = p.extend(0.0) + bulge(*p);
                     }
                 }
                 let mut exact = vec![DVec3::ZERO; sheet.len()];
-                assemble::forces(&sheet, &law, &x, &mut exact);
+                assembly::forces(&sheet, &law, &x, &mut exact);
                 let greatest = exact.iter().map(|f| f.length()).fold(0.0, f64::max);
-                level.forces(&LaneLaw::new(&law));
+                level.find_forces(&Membrane::new(&law));
                 let Level { layout, f, .. } = &level;
                 layout.free_rows(|j, from, to| {
                     for i in from..to {

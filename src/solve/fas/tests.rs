@@ -1,8 +1,12 @@
-//! What holds of the scheme as a whole.
+//! Properties of the scheme as a whole.
 
+use super::convergence::Offsets;
 use super::*;
 use crate::curve::{Curve, CurveSpec};
-use crate::solve::assemble;
+use crate::mesh::Patch;
+use crate::model::membrane::assembly;
+use crate::model::membrane::lanes::Membrane;
+use crate::model::membrane::law::SheetLaw;
 use crate::springs::{Material, Springs};
 use glam::{DVec2, DVec3};
 
@@ -23,23 +27,26 @@ fn the_energy_falls_in_every_cycle() {
     ] {
         let problem = Problem {
             sheet: Sheet::new(65, 75.0),
-            dome: Dome::new(DVec2::from(center), 50.0, projection, 1.0),
+            patch: Patch::clamped_at_pocket(75.0),
+            obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::from(center), 50.0, projection, 1.0)),
             materials: layers.into_iter().map(|(spec, nu)| material(spec, nu)).collect(),
             springs,
             tolerance: LEAST_TOLERANCE,
         };
         let law = SheetLaw::new(springs, &problem.materials);
-        let mut scheme = FullMultigrid::new(65, problem.dome.mirrored());
-        scheme.set_law(&law);
-        scheme.start(&problem, None, None);
-        let mut x: Vec<DVec3> = problem.sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+        let mirrored = problem.obstacle.dome.mirrored();
+        let mut scheme = FullMultigrid::new(65, mirrored, Membrane::new(&law));
+        scheme.start(&problem, Stop::Tolerance, None);
+        let mut x: Vec<DVec3> = problem.sheet.rest_positions();
         let mut energies = Vec::new();
-        while scheme.step() == State::Working && !scheme.is_lifted {
-            let is_after_cycle = scheme.current + 1 == scheme.levels.len()
-                && scheme.cycles as usize == energies.len() + 1;
+        while scheme.step() == State::Working
+            && !matches!(scheme.convergence.offsets, Offsets::Neglected | Offsets::Applied)
+        {
+            let is_after_cycle =
+                scheme.is_on_finest() && scheme.convergence.cycles as usize == energies.len() + 1;
             if is_after_cycle {
                 scheme.write_positions(&problem, &mut x, &mut Vec::new());
-                energies.push(assemble::energy(&problem.sheet, &law, &x));
+                energies.push(assembly::energy(&problem.sheet, &law, &x));
             }
         }
         println!("{energies:?}");

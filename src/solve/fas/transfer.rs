@@ -1,6 +1,7 @@
-//! From grid to grid: residuals down, corrections up, shapes up.
+//! Transfer between grids: restriction of residuals, displacements and active sets, interpolation of
+//! corrections and of solutions. Every layer of nodes is transferred alike.
 
-use super::grid::{Extrapolated, Field, Layout};
+use crate::mesh::lanes::{Extrapolated, Field, Layout};
 
 /// What the finer grid's stored node at the place of a coarse one in row j is beyond twice its column;
 /// free nodes lie in no first row.
@@ -14,9 +15,9 @@ fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> usize {
 /// A force in spacings of the coarse grid has half the number.
 pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     let pitch = fine.pitch;
-    coarse.free_rows(|j, first, last| {
-        let row = fine_row(coarse, fine, j);
-        let weigh = |from: &[f32], to: &mut [f32]| {
+    for (from, to) in from.planes().zip(to.planes_mut()) {
+        coarse.free_rows(|j, first, last| {
+            let row = fine_row(coarse, fine, j);
             for i in first..last {
                 let f = row + 2 * i;
                 let (below, above) = (f - pitch, f + pitch);
@@ -24,32 +25,28 @@ pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Fi
                 let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
                 to[j * coarse.pitch + i] = 0.5 * from[f] + 0.25 * edges + 0.125 * corners;
             }
-        };
-        weigh(&from.x, &mut to.x);
-        weigh(&from.y, &mut to.y);
-        weigh(&from.z, &mut to.z);
-    });
+        });
+    }
 }
 
-/// Coarse displacements at the places that both grids have.
+/// The displacements of a fine grid at the nodes of a coarse one.
 pub(super) fn inject(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
-    coarse.free_rows(|j, first, last| {
-        let row = fine_row(coarse, fine, j);
-        for i in first..last {
-            let (f, k) = (row + 2 * i, j * coarse.pitch + i);
-            to.x[k] = 0.5 * from.x[f];
-            to.y[k] = 0.5 * from.y[f];
-            to.z[k] = 0.5 * from.z[f];
-        }
-    });
+    for (from, to) in from.planes().zip(to.planes_mut()) {
+        coarse.free_rows(|j, first, last| {
+            let row = fine_row(coarse, fine, j);
+            for i in first..last {
+                to[j * coarse.pitch + i] = 0.5 * from[row + 2 * i];
+            }
+        });
+    }
 }
 
-/// Marks the coarse nodes around which more than a share of the fine ones is marked.
-pub(super) fn inject_hold(
+/// The coarse nodes around which more than a weight of the fine ones is active.
+pub(super) fn restrict_active_set(
     coarse: &Layout,
     fine: &Layout,
     from: &[f32],
-    share: f32,
+    least_weight: f32,
     to: &mut [f32],
 ) {
     let pitch = fine.pitch;
@@ -61,7 +58,7 @@ pub(super) fn inject_hold(
             let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
             let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
             let weight = 0.25 * from[f] + 0.125 * edges + 0.0625 * corners;
-            to[j * coarse.pitch + i] = f32::from(u8::from(weight > share));
+            to[j * coarse.pitch + i] = f32::from(u8::from(weight > least_weight));
         }
     });
 }
@@ -76,12 +73,11 @@ pub(super) fn correction(
     row: &mut [f32],
 ) {
     let [ghost, ghost_row] = fine.ghost();
-    fine.free_rows(|j, first, last| {
-        let low = (j + ghost_row) / 2 * coarse.pitch;
-        let is_between = !(j + ghost_row).is_multiple_of(2);
-        let (from, until) = ((first + ghost) / 2, (last + ghost) / 2 + 1);
-        let mut spread = |now: &[f32], before: &[f32], to: &mut [f32]| {
-            for i in from..until {
+    for ((now, before), to) in now.planes().zip(before.planes()).zip(to.planes_mut()) {
+        fine.free_rows(|j, first, last| {
+            let low = (j + ghost_row) / 2 * coarse.pitch;
+            let is_between = !(j + ghost_row).is_multiple_of(2);
+            for i in (first + ghost) / 2..(last + ghost) / 2 + 1 {
                 let k = low + i;
                 let mut c = 2.0 * (now[k] - before[k]);
                 if is_between {
@@ -99,17 +95,14 @@ pub(super) fn correction(
                     0.5 * (row[k] + row[k + 1])
                 };
             }
-        };
-        spread(&now.x, &before.x, &mut to.x);
-        spread(&now.y, &before.y, &mut to.y);
-        spread(&now.z, &before.z, &mut to.z);
-    });
+        });
+    }
 }
 
 /// A coarse shape as the start of the finer grid's: displacements divided by 1 − (r/a)², which is
 /// zero on the border, interpolated cubically, and multiplied again. Plain interpolation would carry
 /// the coarse border's polygon into the fine grid. `scaled` is scratch of the coarse grid.
-pub(super) fn refine(
+pub(super) fn prolongate_solution(
     coarse: &Layout,
     fine: &Layout,
     from: &Field,
@@ -118,44 +111,31 @@ pub(super) fn refine(
     row: &mut [f32],
 ) {
     let per_area = 1.0 / (coarse.radius() * coarse.radius());
-    coarse.free_rows(|j, first, last| {
-        for i in first..last {
-            let [x, y] = coarse.rest(i, j);
-            let scale = 2.0 / (1.0 - (x * x + y * y) * per_area);
-            let k = j * coarse.pitch + i;
-            scaled.x[k] = from.x[k] * scale;
-            scaled.y[k] = from.y[k] * scale;
-            scaled.z[k] = from.z[k] * scale;
-        }
-    });
-    // Ghosts first, which nodes beyond the border are extrapolated from; then theirs.
-    super::smooth::mirror(coarse, scaled);
-    let mut next = 0;
-    for &Extrapolated { node, count, is_mean } in &coarse.extrapolated {
-        let sources = &coarse.sources[next..next + count as usize];
-        next += count as usize;
-        for part in [&mut scaled.x, &mut scaled.y, &mut scaled.z] {
-            let at = |k: u32| part[k as usize];
-            part[node as usize] = if is_mean {
-                sources.iter().map(|&k| at(k)).sum::<f32>() / count as f32
-            } else {
-                let lines = sources.as_chunks::<2>().0;
-                let sum: f32 = lines.iter().map(|&[near, far]| 2.0 * at(near) - at(far)).sum();
-                sum / lines.len() as f32
-            };
-        }
+    for (from, scaled) in from.planes().zip(scaled.planes_mut()) {
+        coarse.free_rows(|j, first, last| {
+            for i in first..last {
+                let [x, y] = coarse.rest(i, j);
+                let scale = 2.0 / (1.0 - (x * x + y * y) * per_area);
+                let k = j * coarse.pitch + i;
+                scaled[k] = from[k] * scale;
+            }
+        });
     }
-    super::smooth::mirror(coarse, scaled);
+    // Ghosts first, which nodes beyond the border are extrapolated from; then theirs.
+    coarse.mirror(scaled);
+    for plane in scaled.planes_mut() {
+        extrapolate(coarse, plane);
+    }
+    coarse.mirror(scaled);
     let per_area = 1.0 / (fine.radius() * fine.radius());
     let [ghost, ghost_row] = fine.ghost();
-    fine.free_rows(|j, first, last| {
-        let low = (j + ghost_row) / 2;
-        let is_between = !(j + ghost_row).is_multiple_of(2);
-        let (from, until) =
-            (((first + ghost) / 2).saturating_sub(1), ((last + ghost) / 2 + 2).min(coarse.columns));
-        let mut spread = |scaled: &[f32], to: &mut [f32]| {
-            let at = |row: usize, i: usize| scaled[row * coarse.pitch + i];
-            for i in from..until {
+    for (scaled, to) in scaled.planes().zip(to.planes_mut()) {
+        let at = |row: usize, i: usize| scaled[row * coarse.pitch + i];
+        fine.free_rows(|j, first, last| {
+            let low = (j + ghost_row) / 2;
+            let is_between = !(j + ghost_row).is_multiple_of(2);
+            let from = ((first + ghost) / 2).saturating_sub(1);
+            for i in from..((last + ghost) / 2 + 2).min(coarse.columns) {
                 row[i] = if is_between {
                     between(low, coarse.rows, |row| at(row, i))
                 } else {
@@ -173,11 +153,25 @@ pub(super) fn refine(
                 let [x, y] = fine.rest(i, j);
                 out[i] = value * (1.0 - (x * x + y * y) * per_area);
             }
+        });
+    }
+}
+
+/// Values at nodes that are not free, from the free ones beside.
+fn extrapolate(layout: &Layout, values: &mut [f32]) {
+    let mut next = 0;
+    for &Extrapolated { node, count, is_mean } in &layout.extrapolated {
+        let sources = &layout.sources[next..next + count as usize];
+        next += count as usize;
+        let at = |k: u32| values[k as usize];
+        values[node as usize] = if is_mean {
+            sources.iter().map(|&k| at(k)).sum::<f32>() / count as f32
+        } else {
+            let lines = sources.as_chunks::<2>().0;
+            let sum: f32 = lines.iter().map(|&[near, far]| 2.0 * at(near) - at(far)).sum();
+            sum / lines.len() as f32
         };
-        spread(&scaled.x, &mut to.x);
-        spread(&scaled.y, &mut to.y);
-        spread(&scaled.z, &mut to.z);
-    });
+    }
 }
 
 /// The cubic through four values in a row, half-way between `low` and the next; the parabola through

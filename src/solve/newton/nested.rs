@@ -1,166 +1,206 @@
-//! Newton's method on nested grids: each starts from the equilibrium of the grid before.
+//! Newton's method on nested grids: each starts from the interpolated solution of the grid before.
 
-use super::{Newton, State};
-use crate::implant::Dome;
-use crate::sheet::Sheet;
-use crate::solve::law::SheetLaw;
-use crate::solve::{guess, transfer};
+use super::robust::symmetry::Mirrors;
+use super::{Newton, State, prolongation};
+use crate::contact::Obstacle;
+use crate::mesh::Sheet;
+use crate::model::membrane::law::SheetLaw;
+use crate::solve::initial_guess;
 use crate::springs::Springs;
 use glam::DVec3;
 
-/// Coarse grids only have to be good starts \[share of the base radius\].
+/// The tolerance of coarser grids, whose solutions are starts \[base radius\].
 const COARSE_TOLERANCE: f64 = 1e-3;
-/// How often the paper's springs are followed along their true model's step: where they break, at rest, it
-/// may lead on and on.
-const MAX_ASKED: u32 = 10;
-/// Iterations after which a solve from a given shape is begun anew on the coarsest grid.
-const WARM_ITERATIONS: u32 = 8;
+/// How often the exact step is followed with the paper's springs: at an instability at rest it may lead on and on.
+const MAX_EXACT_STEPS: u32 = 10;
+/// Iterations after which a solve from a given solution begins anew on the coarsest grid.
+const MAX_WARM_ITERATIONS: u32 = 8;
 
-/// Newton's method on a grid and the coarser ones below it.
-pub(crate) struct NestedNewton {
+/// What a solve starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::solve) enum Start {
+    /// Geometry alone, on the coarsest grid.
+    Cold,
+    /// The present solution.
+    FromSolution,
+}
+
+/// What is left to be checked of a converged solution.
+#[derive(Clone, Copy, Debug)]
+struct Checks {
+    /// Has the stability of the paper's springs been checked?
+    is_stability_checked: bool,
+    /// Have contact offsets been searched?
+    are_offsets_searched: bool,
+    /// How often the exact step was evaluated.
+    exact_steps: u32,
+}
+
+const UNCHECKED: Checks =
+    Checks { is_stability_checked: false, are_offsets_searched: false, exact_steps: 0 };
+
+/// Newton's method on a grid and the coarser ones.
+pub(in crate::solve) struct NestedNewton {
     /// From the coarsest grid to the finest.
     levels: Vec<Newton>,
-    current: usize,
-    /// Keep the shape of a symmetric scene symmetric?
-    is_symmetric: bool,
-    is_warm: bool,
-    is_probed: bool,
-    is_lifted: bool,
-    /// How often the true model was asked for its step.
-    asked: u32,
+    /// The grid being solved.
+    grid: usize,
+    start: Start,
+    mirrors: Mirrors,
+    checks: Checks,
 }
 
 impl NestedNewton {
-    /// Room for a sheet and the coarser ones. `patience`: how many times as long as usual each may go on.
-    pub(crate) fn new(sheet: &Sheet, patience: f64) -> Self {
+    /// Room for a sheet and the coarser ones. The factor multiplies iteration and work limits.
+    pub(in crate::solve) fn new(sheet: &Sheet, work_limit_factor: f64) -> Self {
         let mut sheets = vec![sheet.clone()];
         while let Some(coarser) = sheets[sheets.len() - 1].coarser() {
             sheets.push(coarser);
         }
-        let levels = sheets.into_iter().rev().map(|sheet| Newton::new(sheet, patience)).collect();
-        Self {
-            levels,
-            current: 0,
-            is_symmetric: false,
-            is_warm: false,
-            is_probed: false,
-            is_lifted: false,
-            asked: 0,
-        }
+        let newton = |sheet| Newton::new(sheet, work_limit_factor);
+        let levels = sheets.into_iter().rev().map(newton).collect();
+        let (start, mirrors) = (Start::Cold, Mirrors::None);
+        Self { levels, grid: 0, start, mirrors, checks: UNCHECKED }
     }
 
-    /// Starts from geometry alone on the coarsest grid; keeps the shape of a symmetric scene symmetric, if
-    /// that is wanted.
-    pub(crate) fn start_cold(&mut self, dome: &Dome, is_symmetric: bool) {
-        self.is_symmetric = is_symmetric;
-        self.is_warm = false;
-        self.is_probed = false;
-        self.is_lifted = false;
-        self.asked = 0;
-        self.current = 0;
+    /// Starts from geometry alone on the coarsest grid.
+    pub(in crate::solve) fn start_cold(&mut self, obstacle: &Obstacle, mirrors: Mirrors) {
+        self.mirrors = mirrors;
+        self.start = Start::Cold;
+        self.checks = UNCHECKED;
+        self.grid = 0;
         let coarsest = &mut self.levels[0];
-        coarsest.x = guess::tight_string(&coarsest.sheet, dome);
-        coarsest.start(dome, is_symmetric);
+        coarsest.x = initial_guess::taut_profile(&coarsest.sheet, &obstacle.dome);
+        coarsest.start(obstacle, mirrors);
     }
 
-    /// Starts from a shape of the finest grid.
-    pub(crate) fn start_from(&mut self, x: &[DVec3], dome: &Dome, is_symmetric: bool) {
-        self.is_symmetric = is_symmetric;
-        self.is_warm = true;
-        self.is_probed = false;
-        self.is_lifted = false;
-        self.asked = 0;
-        self.current = self.levels.len() - 1;
-        let finest = &mut self.levels[self.current];
+    /// Starts from positions on the finest grid.
+    pub(in crate::solve) fn start_from(
+        &mut self,
+        x: &[DVec3],
+        obstacle: &Obstacle,
+        mirrors: Mirrors,
+    ) {
+        self.mirrors = mirrors;
+        self.start = Start::FromSolution;
+        self.checks = UNCHECKED;
+        self.grid = self.levels.len() - 1;
+        let finest = &mut self.levels[self.grid];
         finest.x.copy_from_slice(x);
-        finest.start(dome, is_symmetric);
+        finest.start(obstacle, mirrors);
     }
 
     /// Does the next piece of work; `tolerance` is that of the finest grid \[mm\]. The last state is
     /// the finest grid's.
-    pub(crate) fn step(
+    pub(in crate::solve) fn step(
         &mut self,
         springs: Springs,
         law: &SheetLaw,
-        dome: &Dome,
+        obstacle: &Obstacle,
         tolerance: f64,
     ) -> State {
-        let last = self.levels.len() - 1;
-        let is_finest = self.current == last;
-        let tolerance = if is_finest { tolerance } else { COARSE_TOLERANCE * dome.base_radius };
-        let level = &mut self.levels[self.current];
-        let state = level.step(law, dome, tolerance);
-        let is_slow = self.is_warm && level.iterations > WARM_ITERATIONS;
-        match state {
-            State::Working if is_slow => self.start_cold(dome, self.is_symmetric),
-            State::Working => {}
-            State::Stalled | State::Unstable | State::Saddle if self.is_warm => {
-                self.start_cold(dome, self.is_symmetric);
-            }
-            State::Converged | State::Stalled | State::Saddle if !is_finest => {
-                let (coarser, finer) = self.levels.split_at_mut(self.current + 1);
-                let (coarse, fine) = (&coarser[self.current], &mut finer[0]);
-                transfer::refine(&coarse.sheet, &coarse.x, &fine.sheet, &mut fine.x);
-                fine.start(dome, self.is_symmetric);
-                self.current += 1;
-            }
-            // The energy of the paper's springs has saddles: see whether this is one.
-            State::Converged | State::Stalled
-                if springs == Springs::Nikolaev && !self.is_probed && !level.is_asked =>
-            {
-                self.is_probed = true;
-                level.begin_stability(state);
-            }
-            State::Converged if level.is_doubtful(springs, law) => {
-                self.asked += 1;
-                if springs == Springs::Nikolaev && self.asked > MAX_ASKED {
-                    return level.finish(law, dome, tolerance, State::Stalled);
-                }
-                self.is_probed = false; // Where its step leads, the shape is another one.
-                level.begin_true_step();
-            }
-            State::Converged
-                if springs == Springs::Coupled && !std::mem::replace(&mut self.is_lifted, true) =>
-            {
-                if !level.find_lifts(dome, tolerance) {
-                    return level.finish(law, dome, tolerance, state);
-                }
-            }
-            // Lifts are of the shape without them: where it cannot be had with them, it is taken as it was.
-            State::Stalled if level.drop_lifts(dome) => {}
-            State::Unstable | State::Saddle => return state,
-            State::Stalled | State::Converged => {
-                return level.finish(law, dome, tolerance, state);
+        let is_finest = self.is_on_finest();
+        let tolerance =
+            if is_finest { tolerance } else { COARSE_TOLERANCE * obstacle.dome.base_radius };
+        let level = &mut self.levels[self.grid];
+        let state = level.step(law, obstacle, tolerance);
+        if self.start == Start::FromSolution {
+            let is_slow = state == State::Working && level.iterations > MAX_WARM_ITERATIONS;
+            let has_failed = matches!(state, State::Stalled | State::Unstable | State::Saddle);
+            if is_slow || has_failed {
+                self.start_cold(obstacle, self.mirrors);
+                return State::Working;
             }
         }
-        State::Working
+        match state {
+            State::Working => State::Working,
+            State::Unstable => State::Unstable,
+            State::Converged | State::Stalled | State::Saddle if !is_finest => {
+                self.refine(obstacle);
+                State::Working
+            }
+            State::Saddle => State::Saddle,
+            State::Converged | State::Stalled => {
+                self.check(springs, law, obstacle, tolerance, state)
+            }
+        }
+    }
+
+    /// Interpolates the solution to the next finer grid.
+    fn refine(&mut self, obstacle: &Obstacle) {
+        let (coarser, finer) = self.levels.split_at_mut(self.grid + 1);
+        let (coarse, fine) = (&coarser[self.grid], &mut finer[0]);
+        prolongation::prolongate(&coarse.sheet, &coarse.x, &fine.sheet, &mut fine.x);
+        fine.start(obstacle, self.mirrors);
+        self.grid += 1;
+    }
+
+    /// Checks what the finest grid's iteration ended with; continues where a check says so.
+    fn check(
+        &mut self,
+        springs: Springs,
+        law: &SheetLaw,
+        obstacle: &Obstacle,
+        tolerance: f64,
+        state: State,
+    ) -> State {
+        let level = &mut self.levels[self.grid];
+        let checks = &mut self.checks;
+        let is_paper = springs == Springs::Nikolaev;
+        let is_converged = state == State::Converged;
+        // The energy of the paper's springs has saddle points.
+        if is_paper && !checks.is_stability_checked && !level.has_exact_step() {
+            checks.is_stability_checked = true;
+            level.begin_stability(state);
+            return State::Working;
+        }
+        if is_converged && level.needs_exact_step(springs, law) {
+            checks.exact_steps += 1;
+            if is_paper && checks.exact_steps > MAX_EXACT_STEPS {
+                return level.finish(law, obstacle, tolerance, State::Stalled);
+            }
+            // The shape after the exact step is another one.
+            checks.is_stability_checked = false;
+            level.begin_exact_step();
+            return State::Working;
+        }
+        if is_converged && !is_paper && !checks.are_offsets_searched {
+            checks.are_offsets_searched = true;
+            if level.find_contact_offsets(obstacle, tolerance) {
+                return State::Working;
+            }
+        }
+        // Where there is no equilibrium with the contact offsets, that without is the solution.
+        if !is_converged && level.drop_contact_offsets(obstacle) {
+            return State::Working;
+        }
+        level.finish(law, obstacle, tolerance, state)
     }
 
     /// The finest grid.
-    pub(crate) fn finest(&self) -> &Newton {
+    pub(in crate::solve) fn finest(&self) -> &Newton {
         &self.levels[self.levels.len() - 1]
     }
 
-    /// Grid at work, counted from 1 for the coarsest, and how many there are.
-    pub(crate) fn grid(&self) -> (usize, usize) {
-        (self.current + 1, self.levels.len())
+    /// The grid being solved, counted from 1 for the coarsest, and the number of grids.
+    pub(in crate::solve) fn grid(&self) -> (usize, usize) {
+        (self.grid + 1, self.levels.len())
     }
 
     /// Is the finest grid being solved?
-    pub(crate) fn is_on_finest(&self) -> bool {
-        self.current + 1 == self.levels.len()
+    pub(in crate::solve) fn is_on_finest(&self) -> bool {
+        self.grid + 1 == self.levels.len()
     }
 
-    /// Work since the last [`Self::clear_work`], in units of one evaluation of all nodal forces on the
-    /// finest grid.
-    pub(crate) fn work_units(&self) -> f64 {
+    /// Work since the last [`Self::clear_work`] \[evaluations of all nodal forces on the finest grid\].
+    pub(in crate::solve) fn work_units(&self) -> f64 {
         let finest = self.finest().sheet.len() as f64;
         let scaled = |level: &Newton| level.work_units * level.sheet.len() as f64 / finest;
         self.levels.iter().map(scaled).sum()
     }
 
-    /// Begins to count anew.
-    pub(crate) fn clear_work(&mut self) {
+    /// Counts work anew.
+    pub(in crate::solve) fn clear_work(&mut self) {
         self.levels.iter_mut().for_each(|level| level.work_units = 0.0);
     }
 }

@@ -1,0 +1,347 @@
+//! The implant: a half-ellipsoid of revolution.
+//!
+//! (x²+y²)/R² + (z−z₀)²/p² = 1, z ≥ z₀; a hemisphere when p = R. Insertion t raises the dome:
+//! z₀ = (t − 1)·p, apex at t·p. The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 is negative inside and zero on
+//! the surface.
+
+use crate::mesh::stencil::outer;
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// A dome in place. Lengths in mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dome {
+    /// Centre of its base in the pocket \[mm\].
+    pub center: DVec2,
+    /// Base radius R \[mm\].
+    pub base_radius: f64,
+    /// Projection p \[mm\].
+    pub projection: f64,
+    /// Height z₀ of its base above the wall \[mm\], −p to 0.
+    pub base_height: f64,
+}
+
+impl Dome {
+    /// A dome raised by `insertion` (0: its apex at the wall; 1: its base on the wall).
+    #[must_use]
+    pub fn new(center: DVec2, base_radius: f64, projection: f64, insertion: f64) -> Self {
+        Self { center, base_radius, projection, base_height: (insertion - 1.0) * projection }
+    }
+
+    /// Centre of the ellipsoid \[mm\].
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.center.extend(self.base_height)
+    }
+
+    /// Highest point \[mm\].
+    #[must_use]
+    pub fn apex(&self) -> DVec3 {
+        self.center.extend(self.base_height + self.projection)
+    }
+
+    /// Is it a hemisphere?
+    #[must_use]
+    pub fn is_hemisphere(&self) -> bool {
+        (self.base_radius - self.projection).abs() <= 1e-9 * self.base_radius
+    }
+
+    /// Volume of the whole implant \[mm³\], ⅔πR²p.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        2.0 / 3.0 * PI * self.base_radius.powi(2) * self.projection
+    }
+
+    /// Radius of the circle in which the dome meets the wall \[mm\].
+    #[must_use]
+    pub fn wall_radius(&self) -> f64 {
+        let height = self.base_height / self.projection;
+        self.base_radius * (1.0 - height * height).max(0.0).sqrt()
+    }
+
+    /// Surface area above the wall \[mm²\] (closed form for the hemisphere; else by Simpson's rule
+    /// over the polar angle, relative error below 1e-9).
+    #[must_use]
+    pub fn area_above_wall(&self) -> f64 {
+        if self.is_hemisphere() {
+            return 2.0 * PI * self.base_radius * (self.base_height + self.projection);
+        }
+        let (r, p) = (self.base_radius, self.projection);
+        let last = self.wall_angle();
+        let ring = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            2.0 * PI * r * sin * (r * cos).hypot(p * sin)
+        };
+        let steps = 2000;
+        let step = last / f64::from(steps);
+        let weight = |k: i32| match k {
+            0 => 1.0,
+            k if k == steps => 1.0,
+            k if k % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        (0..=steps).map(|k| weight(k) * ring(f64::from(k) * step)).sum::<f64>() * step / 3.0
+    }
+
+    /// The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 \[-\]: negative inside, zero on the surface.
+    #[must_use]
+    pub fn gauge(&self, point: DVec3) -> f64 {
+        self.scaled(point).length() - 1.0
+    }
+
+    /// Gradient of [`Self::gauge`] \[1/mm\]; straight up at the ellipsoid's centre.
+    #[must_use]
+    pub fn gauge_gradient(&self, point: DVec3) -> DVec3 {
+        let s = self.scaled(point);
+        let direction = s.try_normalize().unwrap_or(DVec3::Z);
+        DVec3::new(
+            direction.x / self.base_radius,
+            direction.y / self.base_radius,
+            direction.z / self.projection,
+        )
+    }
+
+    /// [`Self::gauge`] and [`Self::gauge_gradient`] of one point.
+    #[must_use]
+    pub fn gauge_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
+        let s = self.scaled(point);
+        let length = s.length();
+        let direction = if length > 0.0 { s / length } else { DVec3::Z };
+        let axes = DVec3::new(self.base_radius, self.base_radius, self.projection);
+        (length - 1.0, direction / axes)
+    }
+
+    /// Second derivative of [`Self::gauge`] \[1/mm²\].
+    #[must_use]
+    pub fn gauge_curvature(&self, point: DVec3) -> DMat3 {
+        let scale = DVec3::new(
+            1.0 / (self.base_radius * self.base_radius),
+            1.0 / (self.base_radius * self.base_radius),
+            1.0 / (self.projection * self.projection),
+        );
+        let gradient = self.gauge_gradient(point);
+        (DMat3::from_diagonal(scale) - outer(gradient, gradient))
+            * (1.0 / (self.gauge(point) + 1.0))
+    }
+
+    /// Outer unit normal of the gauge's level surface through a point.
+    #[must_use]
+    pub fn normal(&self, point: DVec3) -> DVec3 {
+        self.gauge_gradient(point).normalize()
+    }
+
+    /// The point moved onto the surface, as [`Self::project`] moves it.
+    #[must_use]
+    pub fn onto_surface(&self, point: DVec3) -> DVec3 {
+        self.project(point, 0.0)
+    }
+
+    /// The point moved to where [`Self::gauge`] has the given value \[-\]: along the ray from the
+    /// ellipsoid's centre or upright, whichever is the shorter way. On a flat dome the ray leads far
+    /// aside.
+    #[must_use]
+    pub fn project(&self, point: DVec3, gauge: f64) -> DVec3 {
+        let (s, length) = (self.scaled(point), 1.0 + gauge);
+        let scale = s.length() / length;
+        if scale < 1e-12 {
+            return self.apex();
+        }
+        let from_origin = point - self.origin();
+        let along_ray = from_origin * (1.0 / scale - 1.0);
+        let height = length * length - s.truncate().length_squared();
+        let upright = self.projection * (height.max(0.0).sqrt().copysign(s.z) - s.z);
+        if height > 0.0 && upright * upright < along_ray.length_squared() {
+            point + DVec3::Z * upright
+        } else {
+            point + along_ray
+        }
+    }
+
+    /// Is it its own image mirrored along x, along y, about the pocket's centre?
+    #[must_use]
+    pub fn mirrored(&self) -> [bool; 2] {
+        self.center.to_array().map(|c| c == 0.0)
+    }
+
+    /// Is the point strictly inside the dome?
+    #[must_use]
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.z >= self.base_height && self.gauge(point) < 0.0
+    }
+
+    /// A test: is a point above the base inside by more than a fraction of the half axes, and of the base radius
+    /// as a distance? The gauge's gradient turns a gauge into a distance; near the tip of a needle it is small.
+    pub(crate) fn is_deeper_than(&self, fraction: f64) -> impl Fn(DVec3) -> bool + use<> {
+        let Self { base_radius, base_height, projection, .. } = *self;
+        let scale = DVec3::new(base_radius, base_radius, projection).recip();
+        let origin = self.origin();
+        move |point| {
+            let s = (point - origin) * scale;
+            let length = s.length();
+            let steepness = (s * scale).length() / length * base_radius;
+            point.z >= base_height && length < 1.0 && 1.0 - length > fraction * steepness.min(1.0)
+        }
+    }
+
+    /// The meridian at a polar angle of the ellipse's parameter, 0 at the apex: distance from the axis and height
+    /// above the wall \[mm\].
+    #[must_use]
+    pub fn meridian(&self, angle: f64) -> DVec2 {
+        DVec2::new(self.base_radius * angle.sin(), self.base_height + self.projection * angle.cos())
+    }
+
+    /// The parameter of [`Self::meridian`] where the dome meets the wall \[rad\].
+    #[must_use]
+    pub fn wall_angle(&self) -> f64 {
+        (-self.base_height / self.projection).clamp(0.0, 1.0).acos()
+    }
+
+    /// Signed distance to the ellipsoid's surface \[mm\] (negative inside) and the closest point of it.
+    ///
+    /// The closest point of an ellipse, by Newton's method kept in its bracket (D. Eberly,
+    /// "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid", 2013).
+    #[must_use]
+    pub fn closest_point(&self, point: DVec3) -> (f64, DVec3) {
+        let d = point - self.origin();
+        let radial = d.truncate().length();
+        let across = if radial > 0.0 { d.truncate() / radial } else { DVec2::X };
+        let foot = closest_on_ellipse(
+            DVec2::new(self.base_radius, self.projection),
+            DVec2::new(radial, d.z.abs()),
+        );
+        let closest = self.origin() + (across * foot.x).extend(foot.y.copysign(d.z));
+        (point.distance(closest).copysign(self.gauge(point)), closest)
+    }
+
+    fn scaled(&self, point: DVec3) -> DVec3 {
+        let d = point - self.origin();
+        DVec3::new(d.x / self.base_radius, d.y / self.base_radius, d.z / self.projection)
+    }
+}
+
+/// Closest point of the ellipse with the given half axes to a point of the first quadrant.
+fn closest_on_ellipse(axes: DVec2, point: DVec2) -> DVec2 {
+    // With the longer half axis first.
+    let swap = axes.y > axes.x;
+    let order = |v: DVec2| if swap { DVec2::new(v.y, v.x) } else { v };
+    let (e, y) = (order(axes), order(point));
+    if y.y <= 0.0 {
+        // On the long axis: the foot leaves the axis inside the evolute.
+        let numerator = e.x * y.x;
+        let denominator = e.x * e.x - e.y * e.y;
+        if numerator < denominator {
+            let c = numerator / denominator;
+            return order(DVec2::new(e.x * c, e.y * (1.0 - c * c).sqrt()));
+        }
+        return order(DVec2::new(e.x, 0.0));
+    }
+    if y.x <= 0.0 {
+        return order(DVec2::new(0.0, e.y));
+    }
+    // Root of (e0 y0/(t+e0²))² + (e1 y1/(t+e1²))² = 1, decreasing and convex right of −e1²: Newton
+    // steps from the left rise towards it and never pass it.
+    let mut t = (e.y * (y.y - e.y)).max(e.x * (y.x - e.x));
+    for _ in 0..100 {
+        let (a, b) = (t + e.x * e.x, t + e.y * e.y);
+        let (u, v) = ((e.x * y.x / a).powi(2), (e.y * y.y / b).powi(2));
+        let next = t + 0.5 * (u + v - 1.0) / (u / a + v / b);
+        if next <= t {
+            break;
+        }
+        t = next;
+    }
+    order(DVec2::new(e.x * e.x * y.x / (t + e.x * e.x), e.y * e.y * y.y / (t + e.y * e.y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn domes() -> [Dome; 3] {
+        [
+            Dome::new(DVec2::ZERO, 55.0, 55.0, 1.0),
+            Dome::new(DVec2::new(5.0, -3.0), 60.0, 25.0, 0.6),
+            Dome::new(DVec2::new(-8.0, 2.0), 40.0, 70.0, 0.9),
+        ]
+    }
+
+    #[test]
+    fn the_closest_point_lies_on_the_surface_along_its_normal() {
+        for dome in domes() {
+            for k in 0..500 {
+                let t = f64::from(k);
+                let point = dome.origin()
+                    + DVec3::new(90.0 * (t * 0.7).sin(), 80.0 * (t * 1.3).cos(), (t * 0.17) % 95.0);
+                let (distance, closest) = dome.closest_point(point);
+                assert!(dome.gauge(closest).abs() < 1e-9);
+                assert_eq!(distance < 0.0, dome.gauge(point) < 0.0);
+                let along = (point - closest).cross(dome.normal(closest)).length();
+                assert!(along < 1e-6, "{along} at {point}");
+                // No sampled point of the surface is closer.
+                for j in 0..60 {
+                    let (a, b) = (f64::from(j) * 0.4, f64::from(j) * 0.026);
+                    let other = dome.onto_surface(
+                        dome.origin() + DVec3::new(a.cos() * b.sin(), a.sin() * b.sin(), b.cos()),
+                    );
+                    assert!(point.distance(other) >= distance.abs() - 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_way_onto_a_level_is_no_longer_than_along_the_ray_and_a_few_times_the_nearest() {
+        let flat = Dome::new(DVec2::new(3.0, 1.0), 80.0, 2.4, 1.0);
+        for dome in domes().into_iter().chain([flat]) {
+            for k in 0..500 {
+                let t = f64::from(k);
+                let axes = DVec3::new(dome.base_radius, dome.base_radius, dome.projection);
+                let share = DVec3::new((t * 0.7).sin(), (t * 1.3).cos(), (t * 0.17) % 1.0);
+                let point = dome.origin() + axes * share * 0.7;
+                for gauge in [0.0, 0.01] {
+                    let moved = dome.project(point, gauge);
+                    assert!((dome.gauge(moved) - gauge).abs() < 1e-12);
+                    let ray =
+                        (point - dome.origin()) * ((1.0 + gauge) / (1.0 + dome.gauge(point)) - 1.0);
+                    let way = moved.distance(point);
+                    assert!(way <= ray.length() * (1.0 + 1e-12));
+                    if gauge == 0.0 {
+                        let nearest = dome.closest_point(point).0.abs();
+                        assert!(way <= 2.0 * nearest + 1e-9, "{way} of {nearest} at {point}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn areas_agree_with_closed_forms() {
+        let cap = Dome::new(DVec2::ZERO, 40.0, 40.0, 0.6);
+        assert!((cap.area_above_wall() - 2.0 * PI * 40.0 * 24.0).abs() < 1e-9);
+        // Oblate half-spheroid: πR² (1 + (1−e²)/e · artanh e).
+        let (r, p) = (60.0_f64, 25.0_f64);
+        let e = (1.0 - (p / r).powi(2)).sqrt();
+        let exact = PI * r * r * (1.0 + (1.0 - e * e) / e * e.atanh());
+        let dome = Dome::new(DVec2::ZERO, r, p, 1.0);
+        assert!((dome.area_above_wall() / exact - 1.0).abs() < 1e-9);
+        // Prolate: πR² (1 + p/(R e) · asin e).
+        let (r, p) = (40.0_f64, 70.0_f64);
+        let e = (1.0 - (r / p).powi(2)).sqrt();
+        let exact = PI * r * r * (1.0 + p / (r * e) * e.asin());
+        let dome = Dome::new(DVec2::ZERO, r, p, 1.0);
+        assert!((dome.area_above_wall() / exact - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn gradient_is_the_slope_of_the_level() {
+        for dome in domes() {
+            let point = dome.origin() + DVec3::new(13.0, -21.0, 34.0);
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                let step = 1e-4;
+                let slope = (dome.gauge(point + axis * step) - dome.gauge(point - axis * step))
+                    / (2.0 * step);
+                assert!((slope - dome.gauge_gradient(point).dot(axis)).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Contact of four neighbouring nodes at a time, in f32.
+//!
+//! Displacements are in spacings of a grid whose nodes rest on the plane z = 0; coordinates count from the
+//! grid's centre. `length` is the dome's gauge plus one: one on the surface.
+
+use super::{Dome, Obstacle, TOUCH_F32, Wall};
+use crate::mesh::vec3::{Block, Vec3, add, dot, times};
+use wide::f32x4;
+
+/// The greatest move of a node in one step \[grid spacings, along each axis\].
+pub(crate) const MAX_STEP: f32 = 0.5;
+
+/// A dome and a wall in spacings of a grid, about the grid's centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LaneObstacle {
+    center: [f32; 2],
+    base_height: f32,
+    per_radius: f32,
+    per_projection: f32,
+    wall: Wall,
+}
+
+/// The contact condition of four nodes.
+#[derive(Clone, Copy)]
+pub(crate) struct Touch {
+    /// Gauge plus one at which each node touches.
+    pub(crate) length: f32x4,
+    /// Nodes that a finer grid holds active, as a mask: they keep their gauge.
+    pub(crate) active: f32x4,
+}
+
+/// Four nodes beside the dome.
+pub(crate) struct Nodes {
+    /// Positions relative to the ellipsoid's centre.
+    position: Vec3,
+    /// Gauge plus one.
+    length: f32x4,
+    /// Gradient of the gauge.
+    gradient: Vec3,
+}
+
+impl LaneObstacle {
+    /// Of an obstacle in grid spacings.
+    pub(crate) fn new(Obstacle { dome, wall }: &Obstacle) -> Self {
+        let Dome { center, base_radius, projection, base_height } = *dome;
+        Self {
+            center: [center.x as f32, center.y as f32],
+            base_height: base_height as f32,
+            per_radius: (1.0 / base_radius) as f32,
+            per_projection: (1.0 / projection) as f32,
+            wall: *wall,
+        }
+    }
+
+    /// May a node touch the dome? A test without roots and divisions, true within 0.05 % of the radius.
+    #[inline(always)]
+    pub(crate) fn is_near(&self, rest: [f32; 2], u: [f32; 3]) -> bool {
+        let x = (rest[0] + u[0] - self.center[0]) * self.per_radius;
+        let y = (rest[1] + u[1] - self.center[1]) * self.per_radius;
+        let z = (u[2] - self.base_height) * self.per_projection;
+        x * x + y * y + z * z < 1.0 + 1e-3
+    }
+
+    #[inline(always)]
+    fn scaled(&self, p: Vec3) -> Vec3 {
+        [p[0] * self.per_radius, p[1] * self.per_radius, p[2] * self.per_projection]
+    }
+
+    /// Four nodes at their positions at rest and displacements.
+    #[inline(always)]
+    pub(crate) fn nodes(&self, [x, y]: [f32x4; 2], u: Vec3) -> Nodes {
+        let p = [x + u[0] - self.center[0], y + u[1] - self.center[1], u[2] - self.base_height];
+        let s = self.scaled(p);
+        let length = dot(s, s).sqrt();
+        let per = f32x4::ONE / length.fast_max(f32x4::splat(1e-6));
+        let gradient = [
+            s[0] * per * self.per_radius,
+            s[1] * per * self.per_radius,
+            s[2] * per * self.per_projection,
+        ];
+        Nodes { position: p, length, gradient }
+    }
+
+    /// The move along a nearby gradient from a position to the given gauge plus one: a root of a quadratic
+    /// equation, at most [`MAX_STEP`].
+    #[inline(always)]
+    fn along_gradient(&self, position: Vec3, gradient: Vec3, length: f32x4) -> Vec3 {
+        let (s, g) = (self.scaled(position), self.scaled(gradient));
+        let (a, b, c) = (dot(g, g), dot(s, g), dot(s, s) - length * length);
+        let root = (b * b - a * c).fast_max(f32x4::ZERO).sqrt();
+        let factor = -c / (b + root).fast_max(f32x4::splat(1e-20));
+        let most = f32x4::splat(MAX_STEP);
+        gradient.map(|g| (g * factor).fast_max(-most).fast_min(most))
+    }
+
+    /// The move of a position inside onto the surface: along the ray from the centre or upright, whichever
+    /// is shorter. On a flat dome the ray leads far aside.
+    #[inline(always)]
+    fn outwards(&self, p: Vec3, length: f32x4) -> Vec3 {
+        let zero = f32x4::ZERO;
+        let ray = ((f32x4::ONE - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(zero);
+        let s = self.scaled(p);
+        let height = (f32x4::ONE - s[0] * s[0] - s[1] * s[1]).fast_max(zero).sqrt();
+        let upright = ((height - s[2]) / self.per_projection).fast_max(zero);
+        let is_upright = (upright * upright).simd_lt(ray * ray * dot(p, p));
+        let [x, y, z] = p.map(|p| p * ray);
+        [
+            is_upright.bitselect(zero, x),
+            is_upright.bitselect(zero, y),
+            is_upright.bitselect(upright, z),
+        ]
+    }
+
+    /// The displacements after a step `d` under the constraints.
+    ///
+    /// A step that leads into the dome solves H d = f + μn with n·d = −gap, H⁻¹ the `compliance`, and ends
+    /// on the surface: its fixed points are those of the contact problem. Nodes without compliance stay.
+    #[inline(always)]
+    pub(crate) fn step(
+        &self,
+        rest: [f32x4; 2],
+        at: Vec3,
+        step: Vec3,
+        compliance: Block,
+        touch: Touch,
+    ) -> Vec3 {
+        let mut d = step;
+        let Nodes { position, length, gradient: g } = self.nodes(rest, at);
+        let touching = touch.active.bitselect(length, touch.length);
+        let penetration = length - touching + dot(g, d);
+        let is_movable = compliance[0].simd_gt(f32x4::ZERO);
+        let is_active = (touch.active | penetration.simd_lt(f32x4::ZERO)) & is_movable;
+        let mut moved = add(at, d);
+        if is_active.any() {
+            let s = times(compliance, g);
+            let multiplier = penetration / dot(g, s).fast_max(f32x4::splat(1e-30));
+            d = [0, 1, 2].map(|a| d[a] - s[a] * multiplier);
+            let back = self.along_gradient(add(position, d), g, touching);
+            moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));
+        }
+        let above = self.wall.projected(moved);
+        [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
+    }
+
+    /// The displacements of nodes inside the dome or below the wall, moved onto the surface.
+    #[inline(always)]
+    pub(crate) fn projected(&self, rest: [f32x4; 2], at: Vec3) -> Vec3 {
+        let at = self.wall.projected(at);
+        let Nodes { position, length, .. } = self.nodes(rest, at);
+        add(at, self.outwards(position, length))
+    }
+
+    /// The displacements after a correction from a coarser grid: active nodes move along the dome, no node
+    /// enters the dome or the wall.
+    #[inline(always)]
+    pub(crate) fn corrected(
+        &self,
+        rest: [f32x4; 2],
+        at: Vec3,
+        correction: Vec3,
+        touch: Touch,
+    ) -> Vec3 {
+        let mut c = correction;
+        let Nodes { position, length, gradient: g } = self.nodes(rest, at);
+        let normal_part = dot(c, g) / dot(g, g);
+        c = [0, 1, 2].map(|a| touch.active.bitselect(c[a] - g[a] * normal_part, c[a]));
+        let touching = touch.active.bitselect(length, touch.length);
+        let back = self.along_gradient(add(position, c), g, touching);
+        let is_put_back = touch.active | dot(back, g).simd_gt(f32x4::ZERO);
+        self.wall.projected(
+            [0, 1, 2].map(|a| at[a] + c[a] + is_put_back.bitselect(back[a], f32x4::ZERO)),
+        )
+    }
+
+    /// The nodes that press on the dome, as a mask: they touch, and their force points inwards. A node near
+    /// the surface may be free: it is active if its own step, of the given compliance, enters the dome.
+    #[inline(always)]
+    pub(crate) fn active(
+        nodes: &Nodes,
+        force: Vec3,
+        compliance: impl FnOnce() -> Block,
+        touching: f32x4,
+    ) -> f32x4 {
+        let Nodes { length, gradient: g, .. } = *nodes;
+        let zero = f32x4::ZERO;
+        let mut is_active =
+            length.simd_lt(touching + TOUCH_F32 as f32) & dot(force, g).simd_lt(zero);
+        if is_active.any() {
+            let gap = (length - touching).fast_max(zero);
+            is_active &= (gap + dot(g, times(compliance(), force))).simd_lt(zero);
+        }
+        is_active
+    }
+
+    /// The forces without what dome (on active nodes) and wall carry.
+    #[inline(always)]
+    pub(crate) fn unsupported(&self, nodes: &Nodes, at: Vec3, force: Vec3, active: f32x4) -> Vec3 {
+        let g = nodes.gradient;
+        let pressing = active.bitselect(dot(force, g) / dot(g, g), f32x4::ZERO);
+        self.wall.unsupported(at, [0, 1, 2].map(|a| force[a] - g[a] * pressing))
+    }
+}

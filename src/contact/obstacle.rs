@@ -1,0 +1,29 @@
+//! Dome and wall together: where a node may be.
+
+use super::{Dome, Wall};
+use glam::DVec3;
+
+/// What the tissue may not enter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstacle {
+    /// The implant.
+    pub dome: Dome,
+    /// The chest wall.
+    pub wall: Wall,
+}
+
+impl Obstacle {
+    /// A dome on the flat wall.
+    #[must_use]
+    pub fn on_flat_wall(dome: Dome) -> Self {
+        Self { dome, wall: Wall::Plane }
+    }
+
+    /// The nearest admissible point along simple paths: up to the wall, then out of the dome to the given
+    /// gauge \[-\] or more.
+    #[must_use]
+    pub fn project(&self, point: DVec3, gauge: f64) -> DVec3 {
+        let point = self.wall.project(point);
+        if self.dome.gauge(point) < gauge { self.dome.project(point, gauge) } else { point }
+    }
+}

@@ -1,0 +1,479 @@
+//! A grid for lanes of four f32: flat arrays in rows, lengths in grid spacings.
+//!
+//! Displacements from rest are stored, not positions: they are zero on the border and keep more
+//! digits. A mirrored grid holds what lies on one side of an axis of symmetry, x ≥ 0 or y ≥ 0, and one
+//! ghost column or row beyond it: half of the sheet, or a quarter where both are mirrored.
+
+use super::{CellKind, NodeKind, Sheet};
+use glam::DVec2;
+use wide::f32x4;
+
+/// Lanes that a row or an array may be read beyond its end.
+const PADDING: usize = 8;
+
+/// A vector at every stored node, component by component. A column through the thickness has one node
+/// or several: each component has a plane of [`Layout::len`] values for every layer of nodes, the inner
+/// face first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Field {
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    pub(crate) z: Vec<f32>,
+    /// Values of a plane.
+    plane: usize,
+}
+
+impl Field {
+    /// Zeros on `layers` planes of `plane` values.
+    pub(crate) fn new(plane: usize, layers: usize) -> Self {
+        let zeros = || vec![0.0; plane * layers];
+        Self { x: zeros(), y: zeros(), z: zeros(), plane }
+    }
+
+    /// All planes: those of x, of y, of z.
+    pub(crate) fn planes(&self) -> impl Iterator<Item = &[f32]> {
+        [&self.x, &self.y, &self.z].into_iter().flat_map(|part| part.chunks_exact(self.plane))
+    }
+
+    /// The same to be written to.
+    pub(crate) fn planes_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
+        let plane = self.plane;
+        [&mut self.x, &mut self.y, &mut self.z]
+            .into_iter()
+            .flat_map(move |part| part.chunks_exact_mut(plane))
+    }
+
+    /// The offsets of the planes of each component.
+    pub(crate) fn layers(&self) -> impl Iterator<Item = usize> + use<> {
+        (0..self.x.len()).step_by(self.plane)
+    }
+
+    pub(crate) fn fill_zero(&mut self) {
+        for part in [&mut self.x, &mut self.y, &mut self.z] {
+            part.fill(0.0);
+        }
+    }
+
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.x.copy_from_slice(&other.x);
+        self.y.copy_from_slice(&other.y);
+        self.z.copy_from_slice(&other.z);
+    }
+
+    #[inline(always)]
+    pub(crate) fn load(&self, k: usize) -> [f32x4; 3] {
+        [load(&self.x, k), load(&self.y, k), load(&self.z, k)]
+    }
+
+    #[inline(always)]
+    pub(crate) fn store(&mut self, k: usize, [x, y, z]: [f32x4; 3]) {
+        store(&mut self.x, k, x);
+        store(&mut self.y, k, y);
+        store(&mut self.z, k, z);
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(&self, k: usize) -> [f32; 3] {
+        [self.x[k], self.y[k], self.z[k]]
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, k: usize, [x, y, z]: [f32; 3]) {
+        self.x[k] += x;
+        self.y[k] += y;
+        self.z[k] += z;
+    }
+}
+
+#[inline(always)]
+pub(crate) fn load(values: &[f32], k: usize) -> f32x4 {
+    let lanes = &values[k..k + 4];
+    f32x4::new([lanes[0], lanes[1], lanes[2], lanes[3]])
+}
+
+#[inline(always)]
+pub(crate) fn store(values: &mut [f32], k: usize, lanes: f32x4) {
+    values[k..k + 4].copy_from_slice(&lanes.to_array());
+}
+
+/// A node beyond the free ones, as a finer grid's interpolation needs it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extrapolated {
+    pub(crate) node: u32,
+    /// How many of [`Layout::sources`] are its own.
+    pub(crate) count: u32,
+    /// The mean of its sources; else that of the straight lines through each two of them, the near
+    /// one first.
+    pub(crate) is_mean: bool,
+}
+
+/// A triangle at the border, whose shape at rest is not that of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BorderTriangle {
+    /// Stored nodes, counter-clockwise, the right angle first.
+    pub(crate) nodes: [u32; 3],
+    /// The nodes' positions at rest \[spacings\].
+    pub(crate) rest: [DVec2; 3],
+    /// Fraction of its area that counts.
+    pub(crate) weight: f64,
+}
+
+/// Four neighbouring nodes of a row.
+pub(crate) struct Group {
+    /// Where the first of the four is stored.
+    pub(crate) first: usize,
+    /// How many of the four are free.
+    pub(crate) count: usize,
+    /// Positions at rest about the grid's centre.
+    pub(crate) rest: [f32x4; 2],
+    /// Is the group the first of its row?
+    pub(crate) is_row_start: bool,
+}
+
+/// Is the shape its own image mirrored along x, along y?
+pub(crate) type Mirrored = [bool; 2];
+
+/// Where the stored nodes and cells of a grid lie and what they are. Depends on the number of nodes
+/// alone.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    /// Nodes a side of the whole grid.
+    pub(crate) nodes_per_side: usize,
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) pitch: usize,
+    /// Is x ≥ 0 all that is stored, is y ≥ 0?
+    pub(crate) mirrored: Mirrored,
+    /// Free nodes of each stored row: half-open range of stored columns, ghosts left out.
+    pub(crate) free: Vec<(u32, u32)>,
+    /// Cells of each stored row with four free corners.
+    pub(crate) regular: Vec<(u32, u32)>,
+    /// Triangles of the other cells.
+    pub(crate) border: Vec<BorderTriangle>,
+    /// Nodes that are not free but within two cells of one, in the order in which they can be
+    /// extrapolated; of grids alone that have a finer one.
+    pub(crate) extrapolated: Vec<Extrapolated>,
+    /// The stored nodes that they are extrapolated from, one after the other.
+    pub(crate) sources: Vec<u32>,
+}
+
+impl Layout {
+    pub(crate) fn new(nodes_per_side: usize, mirrored: Mirrored) -> Self {
+        let half = nodes_per_side / 2;
+        let sheet = Sheet::new(nodes_per_side, half as f64);
+        let first = mirrored.map(|is_mirrored| if is_mirrored { half - 1 } else { 0 });
+        let [columns, rows] = first.map(|first| nodes_per_side - first);
+        // The last cell with free corners is two before the last column; its group of four takes the nodes
+        // of the next group too.
+        let pitch = (columns + 1).next_multiple_of(4).max(4 * ((columns - 3) / 4 + 2));
+        let mut layout = Self {
+            nodes_per_side,
+            columns,
+            rows,
+            pitch,
+            mirrored,
+            free: Vec::with_capacity(rows),
+            regular: Vec::with_capacity(rows - 1),
+            border: Vec::new(),
+            extrapolated: Vec::new(),
+            sources: Vec::new(),
+        };
+        let is_free = |i: usize, j: usize| {
+            sheet.kinds()[(j + first[1]) * nodes_per_side + i + first[0]] == NodeKind::Free
+        };
+        let [ghost, _] = layout.ghost();
+        for j in 0..rows {
+            let from = (ghost..columns).find(|&i| is_free(i, j));
+            let to = (ghost..columns).rfind(|&i| is_free(i, j)).map_or(0, |i| i + 1);
+            layout.free.push((from.unwrap_or(to) as u32, to as u32));
+        }
+        let stored = |k: usize| {
+            ((k / nodes_per_side - first[1]) * pitch + k % nodes_per_side - first[0]) as u32
+        };
+        for j in 0..rows - 1 {
+            let regular = |i: usize| {
+                [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].iter().all(|&(i, j)| is_free(i, j))
+            };
+            let from = (0..columns - 1).find(|&i| regular(i));
+            let to = (0..columns - 1).rfind(|&i| regular(i)).map_or(0, |i| i + 1);
+            let from = from.unwrap_or(to);
+            layout.regular.push((from as u32, to as u32));
+            for i in (0..from).chain(to..columns - 1) {
+                let (i, j) = (i + first[0], j + first[1]);
+                if sheet.cell(i, j) != CellKind::Outside {
+                    layout.border.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
+                        let rest = nodes.map(|k| sheet.rest()[k]);
+                        BorderTriangle { nodes: nodes.map(stored), rest, weight }
+                    }));
+                }
+            }
+        }
+        layout
+    }
+
+    /// Length of an array over the stored nodes.
+    pub(crate) fn len(&self) -> usize {
+        self.rows * self.pitch + PADDING
+    }
+
+    /// Stored column and row of the grid's centre.
+    pub(crate) fn center(&self) -> [usize; 2] {
+        self.mirrored.map(|is_mirrored| if is_mirrored { 1 } else { self.nodes_per_side / 2 })
+    }
+
+    /// Column and row of the whole grid that are stored first.
+    pub(crate) fn first(&self) -> [usize; 2] {
+        self.center().map(|center| self.nodes_per_side / 2 - center)
+    }
+
+    /// Rest place of the node of a stored column and row, about the grid's centre.
+    #[inline(always)]
+    pub(crate) fn rest(&self, i: usize, j: usize) -> [f32; 2] {
+        let [x, y] = self.center().map(|center| center as f32);
+        [i as f32 - x, j as f32 - y]
+    }
+
+    /// The first column and row that are not ghosts.
+    pub(crate) fn ghost(&self) -> [usize; 2] {
+        self.mirrored.map(usize::from)
+    }
+
+    /// The grid's radius, in spacings.
+    pub(crate) fn radius(&self) -> f32 {
+        (self.nodes_per_side / 2) as f32
+    }
+
+    /// Free nodes solved for.
+    pub(crate) fn free_nodes(&self) -> usize {
+        self.free[self.ghost()[1]..].iter().map(|(from, to)| (to - from) as usize).sum()
+    }
+
+    /// The same, each row filled up to whole groups of four.
+    pub(crate) fn lanes(&self) -> usize {
+        let groups = |&(from, to): &(u32, u32)| (to - from).next_multiple_of(4) as usize;
+        self.free[self.ghost()[1]..].iter().map(groups).sum()
+    }
+
+    /// Calls `visit(row, from, to)` for the free span of every stored row but the ghost.
+    #[inline(always)]
+    pub(crate) fn free_rows(&self, mut visit: impl FnMut(usize, usize, usize)) {
+        for j in self.ghost()[1]..self.rows {
+            let (from, to) = self.free[j];
+            if from < to {
+                visit(j, from as usize, to as usize);
+            }
+        }
+    }
+
+    /// Calls `visit` for the groups of four of the free span of every stored row but the ghost.
+    #[inline(always)]
+    pub(crate) fn free_groups(&self, mut visit: impl FnMut(Group)) {
+        self.free_rows(|j, from, to| {
+            let mut i = from;
+            while i < to {
+                let [x, y] = self.rest(i, j);
+                visit(Group {
+                    first: j * self.pitch + i,
+                    count: (to - i).min(4),
+                    rest: [f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y)],
+                    is_row_start: i == from,
+                });
+                i += 4;
+            }
+        });
+    }
+
+    /// Where the node of a stored row and column, or its mirror image, is stored if it is free.
+    pub(crate) fn place(&self, i: isize, j: isize) -> Option<(usize, usize)> {
+        let within = |k: isize, is_mirrored| if is_mirrored && k < 1 { 2 - k } else { k };
+        let (i, j) = (within(i, self.mirrored[0]), within(j, self.mirrored[1]));
+        self.is_free(i, j).then_some((i as usize, j as usize))
+    }
+
+    fn is_free(&self, i: isize, j: isize) -> bool {
+        // A ghost is free where its mirror image is.
+        let across = |k: isize, is_mirrored| if is_mirrored && k == 0 { 2 } else { k };
+        let (i, j) = (across(i, self.mirrored[0]), across(j, self.mirrored[1]));
+        (0..self.rows as isize).contains(&j) && {
+            let (from, to) = self.free[j as usize];
+            (from as isize..to as isize).contains(&i)
+        }
+    }
+
+    /// Two rings around the free nodes: straight on where two lie in a row, else the mean.
+    pub(crate) fn find_extrapolation(&mut self) {
+        let [columns, rows] = [self.columns as isize, self.rows as isize];
+        let [first_column, first_row] = self.ghost().map(|ghost| ghost as isize);
+        let mut known = vec![false; (columns * rows) as usize];
+        for j in 0..rows {
+            for i in 0..columns {
+                known[(j * columns + i) as usize] = self.is_free(i, j);
+            }
+        }
+        for _ in 0..2 {
+            let before = known.clone();
+            let is_known = |i: isize, j: isize| {
+                (0..columns).contains(&i)
+                    && (0..rows).contains(&j)
+                    && before[(j * columns + i) as usize]
+            };
+            for j in first_row..rows {
+                for i in first_column..columns {
+                    if is_known(i, j) {
+                        continue;
+                    }
+                    let place = |i: isize, j: isize| (j * self.pitch as isize + i) as u32;
+                    let (mut lines, mut means) = (Vec::new(), Vec::new());
+                    for (di, dj) in
+                        [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
+                    {
+                        if is_known(i + di, j + dj) {
+                            means.push(place(i + di, j + dj));
+                            if is_known(i + 2 * di, j + 2 * dj) {
+                                lines.push(place(i + di, j + dj));
+                                lines.push(place(i + 2 * di, j + 2 * dj));
+                            }
+                        }
+                    }
+                    let is_mean = lines.is_empty();
+                    let sources = if is_mean { means } else { lines };
+                    if sources.is_empty() {
+                        continue;
+                    }
+                    known[(j * columns + i) as usize] = true;
+                    let (node, count) = (place(i, j), sources.len() as u32);
+                    self.extrapolated.push(Extrapolated { node, count, is_mean });
+                    self.sources.extend(sources);
+                }
+            }
+        }
+    }
+}
+
+/// Symmetry and norms.
+impl Layout {
+    /// Fills the ghosts of a mirrored grid.
+    pub(crate) fn mirror(&self, field: &mut Field) {
+        let pitch = self.pitch;
+        let [along_x, along_y] = self.mirrored;
+        for layer in field.layers() {
+            if along_x {
+                for j in 0..self.rows {
+                    let row = layer + j * pitch;
+                    field.x[row + 1] = 0.0;
+                    field.x[row] = -field.x[row + 2];
+                    field.y[row] = field.y[row + 2];
+                    field.z[row] = field.z[row + 2];
+                }
+            }
+            if along_y {
+                field.y[layer + pitch..layer + 2 * pitch].fill(0.0);
+                for k in layer..layer + self.columns {
+                    field.x[k] = field.x[k + 2 * pitch];
+                    field.y[k] = -field.y[k + 2 * pitch];
+                    field.z[k] = field.z[k + 2 * pitch];
+                }
+            }
+        }
+    }
+
+    /// The same for marks of nodes.
+    pub(crate) fn mirror_marks(&self, marks: &mut [f32]) {
+        let pitch = self.pitch;
+        let [along_x, along_y] = self.mirrored;
+        if along_x {
+            for j in 0..self.rows {
+                marks[j * pitch] = marks[j * pitch + 2];
+            }
+        }
+        if along_y {
+            marks.copy_within(2 * pitch..3 * pitch, 0);
+        }
+    }
+
+    /// The greatest length of a vector at a free node; not a number where one is none.
+    pub(crate) fn greatest_length(&self, vector: impl Fn(usize) -> [f32; 3]) -> f32 {
+        let mut greatest = 0.0_f32;
+        self.free_rows(|j, from, to| {
+            let row = j * self.pitch;
+            for k in row + from..row + to {
+                let d = vector(k);
+                let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+                // Written so that what is not a number is kept.
+                greatest = if square <= greatest { greatest } else { square };
+            }
+        });
+        greatest.sqrt()
+    }
+
+    /// The greatest distance between two fields at a free node.
+    pub(crate) fn greatest_difference(&self, a: &Field, b: &Field) -> f32 {
+        let of_layer = |layer: usize| {
+            self.greatest_length(|k| {
+                let (p, q) = (a.at(layer + k), b.at(layer + k));
+                [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+            })
+        };
+        let greater = |a: f32, b: f32| if b <= a { a } else { b };
+        a.layers().map(of_layer).fold(0.0, greater)
+    }
+
+    /// ⟨u − before, step⟩ and ⟨step, step⟩ over the free nodes.
+    pub(crate) fn products(&self, u: &Field, before: &Field, step: &Field) -> (f64, f64) {
+        let (mut product, mut square) = (0.0, 0.0);
+        for layer in u.layers() {
+            self.free_rows(|j, from, to| {
+                let (mut row_product, mut row_square) = (0.0_f32, 0.0_f32);
+                for k in layer + j * self.pitch + from..layer + j * self.pitch + to {
+                    let (p, q, s) = (u.at(k), before.at(k), step.at(k));
+                    row_product +=
+                        (p[0] - q[0]) * s[0] + (p[1] - q[1]) * s[1] + (p[2] - q[2]) * s[2];
+                    row_square += s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+                }
+                product += f64::from(row_product);
+                square += f64::from(row_square);
+            });
+        }
+        (product, square)
+    }
+}
+
+impl Field {
+    /// Sets the field to u − before.
+    pub(crate) fn set_difference(&mut self, u: &Self, before: &Self) {
+        for ((to, u), before) in self.planes_mut().zip(u.planes()).zip(before.planes()) {
+            for ((to, u), before) in to.iter_mut().zip(u).zip(before) {
+                *to = u - before;
+            }
+        }
+    }
+
+    /// Moves the field by a fraction of the difference to another one.
+    pub(crate) fn blend(&mut self, other: &Self, fraction: f32) {
+        for (u, other) in self.planes_mut().zip(other.planes()) {
+            for (u, other) in u.iter_mut().zip(other) {
+                *u += fraction * (other - *u);
+            }
+        }
+    }
+}
+
+/// Stores the first `count` of four lanes.
+#[inline(always)]
+pub(crate) fn store_first(field: &mut Field, k: usize, count: usize, lanes: [f32x4; 3]) {
+    if count == 4 {
+        field.store(k, lanes);
+        return;
+    }
+    let [x, y, z] = lanes.map(f32x4::to_array);
+    field.x[k..k + count].copy_from_slice(&x[..count]);
+    field.y[k..k + count].copy_from_slice(&y[..count]);
+    field.z[k..k + count].copy_from_slice(&z[..count]);
+}
+
+/// Lanes of the block `b` that lie in a half-open range of columns.
+#[inline(always)]
+pub(crate) fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
+    let columns = f32x4::new([0.0, 1.0, 2.0, 3.0]) + (4 * b) as f32;
+    columns.simd_ge(f32x4::splat(from as f32)) & columns.simd_lt(f32x4::splat(to as f32))
+}

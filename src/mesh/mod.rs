@@ -1,0 +1,15 @@
+//! Grids on the pocket's disc.
+//!
+//! `disc_grid` (nodes and cells, their shapes at rest) | `patch` (what is simulated and what holds it) |
+//! `stencil` (the sparse matrix of a grid) | `lanes`, `vec3` (the same grid for four f32 at a time).
+//!
+//! Uses nothing of this crate. Used by `contact`, `model`, `solve` and all to their right.
+
+mod disc_grid;
+pub(crate) mod lanes;
+mod patch;
+pub(crate) mod stencil;
+pub(crate) mod vec3;
+
+pub use disc_grid::{CELL_TRIANGLES, CellKind, NodeKind, Sheet, rounded_nodes_per_side};
+pub use patch::{Edge, Patch};

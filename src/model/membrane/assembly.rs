@@ -1,0 +1,630 @@
+//! Energy, forces and Hessian of a sheet: sums over its triangles.
+//!
+//! A triangle's deformation gradient is F = Σ x ⊗ ∇φ, its principal stretches λ and directions N
+//! (at rest), u = F N/λ (deformed). Coupled springs: P = Σ T u ⊗ N, and the second derivative has
+//! closed-form modes (stretch, shear, twist, out of plane; cf. B. Smith et al., "Analytic
+//! eigensystems for isotropic distortion energies", ACM TOG 38(1), 2019), so that negative
+//! stiffness can be left out of the Hessian mode by mode. Forces are never changed.
+
+use super::deformation::{gradient, hat_gradients, is_square, square_edges};
+use super::law::{PaperLaw, SheetLaw};
+use super::triangle::{Principal, Rest};
+use crate::mesh::stencil::{BlockStencil9, outer};
+use crate::mesh::{CELL_TRIANGLES, CellKind, Sheet};
+use crate::model::COMPRESSIVE;
+use crate::springs::coupled::CoupledLaw;
+use glam::{DMat3, DVec2, DVec3};
+use std::ops::Range;
+
+/// Which second derivative to assemble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stiffness {
+    /// The true Hessian.
+    True,
+    /// Without its negative modes, triangle by triangle: positive semidefinite.
+    Positive,
+}
+
+/// Sums over the sheet, or over the rows of cells so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Totals {
+    /// Strain energy \[kPa·mm³\].
+    pub(crate) energy: f64,
+    /// Sum of the squared forces that triangles exert on their nodes \[(kPa·mm²)²\].
+    squared_forces: f64,
+    triangles: u32,
+    /// The strongest push of a triangle, as its tension² × area \[(kPa·mm²)²\]; of coupled springs alone.
+    greatest_push: f64,
+    /// Is a spring outside of the range where its law has a meaning?
+    pub(crate) outside_law: bool,
+}
+
+impl Totals {
+    /// Root of the sum of the squared forces of all triangles \[kPa·mm²\]: what the residual is
+    /// measured against.
+    pub(crate) fn force_scale(&self) -> f64 {
+        self.squared_forces.sqrt()
+    }
+
+    /// Does a triangle push by more than a share of the mean pull? There the sheet is slack, and may fold.
+    /// `force_scale` is [`Self::force_scale`], or more where that is nothing but rounding.
+    pub(crate) fn is_compressive(&self, force_scale: f64) -> bool {
+        // Of a triangle in tension t along one direction, the forces' squares sum to t² × area.
+        let mean_pull = force_scale.powi(2) / f64::from(self.triangles.max(1));
+        self.greatest_push > COMPRESSIVE * COMPRESSIVE * mean_pull
+    }
+}
+
+/// Corner pairs whose blocks a cell adds: (from, to, which array: 4 = diagonal, else upper).
+const PAIRS: [(usize, usize, usize); 10] = [
+    (0, 0, 4),
+    (1, 1, 4),
+    (2, 2, 4),
+    (3, 3, 4),
+    (0, 1, 0),
+    (3, 2, 0),
+    (0, 3, 1),
+    (1, 2, 1),
+    (0, 2, 2),
+    (1, 3, 3),
+];
+
+/// For corners a, b: the place in [`PAIRS`], and whether the pair stands there as (b, a).
+const PLACE: [[(usize, bool); 4]; 4] = [
+    [(0, false), (4, false), (8, false), (6, false)],
+    [(4, true), (1, false), (7, false), (9, false)],
+    [(8, true), (7, true), (2, false), (5, true)],
+    [(6, true), (9, true), (5, false), (3, false)],
+];
+
+/// Strain energy of a shape \[kPa·mm³\].
+pub(crate) fn energy(sheet: &Sheet, law: &SheetLaw, x: &[DVec3]) -> f64 {
+    let rest = sheet.rest();
+    let mut sum = 0.0;
+    for (nodes, weight) in sheet.triangles() {
+        let triangle = Rest::new(nodes.map(|k| rest[k]), weight);
+        let x = nodes.map(|k| x[k]);
+        sum += match law {
+            SheetLaw::Coupled(law) => {
+                let [a, b] = Principal::stretches(Principal::columns(&triangle, x));
+                triangle.area * law.energy([a - 1.0, b - 1.0])
+            }
+            SheetLaw::Paper(law) => springs(&triangle, nodes.map(|k| rest[k]), x)
+                .iter()
+                .map(|s| s.width * s.rest_length * s.table(law).integral_from_zero(s.strain()))
+                .sum(),
+        };
+    }
+    sum
+}
+
+/// Energy and nodal forces −∂E/∂x \[kPa·mm²\] of every node, clamped ones included.
+pub(crate) fn forces(sheet: &Sheet, law: &SheetLaw, x: &[DVec3], forces: &mut [DVec3]) -> Totals {
+    forces.fill(DVec3::ZERO);
+    let mut totals = Totals::default();
+    accumulate(sheet, law, x, 0..sheet.nodes_per_side() - 1, forces, None, &mut totals);
+    totals
+}
+
+/// The sums that [`linearize_rows`] adds to.
+pub(crate) struct Sums<'a> {
+    pub(crate) forces: &'a mut [DVec3],
+    pub(crate) hessian: &'a mut BlockStencil9,
+    pub(crate) totals: &'a mut Totals,
+}
+
+/// Adds rows of cells to the forces, the Hessian of the energy and the totals; all are zero before the first row.
+pub(crate) fn linearize_rows(
+    sheet: &Sheet,
+    law: &SheetLaw,
+    x: &[DVec3],
+    rows: Range<usize>,
+    stiffness: Stiffness,
+    Sums { forces, hessian, totals }: Sums,
+) {
+    accumulate(sheet, law, x, rows, forces, Some((stiffness, hessian)), totals);
+}
+
+/// Spring forces \[kPa·mm²\] on the nodes where `wanted`, shape (nodes_per_side², ); on other nodes they may be
+/// incomplete. Coupled springs in closed form, from the metric of each triangle.
+pub(crate) fn forces_at(sheet: &Sheet, law: &SheetLaw, x: &[DVec3], wanted: &[bool]) -> Vec<DVec3> {
+    match law {
+        SheetLaw::Coupled(law) => coupled_forces(sheet, law, x, wanted),
+        SheetLaw::Paper(_) => {
+            let mut all = vec![DVec3::ZERO; sheet.len()];
+            forces(sheet, law, x, &mut all);
+            all
+        }
+    }
+}
+
+fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool]) -> Vec<DVec3> {
+    let mut forces = vec![DVec3::ZERO; sheet.len()];
+    let cells = sheet.nodes_per_side() - 1;
+    let spacing = sheet.spacing_mm();
+    for j in 0..cells {
+        for i in 0..cells {
+            let corners = sheet.corners(i, j);
+            if sheet.cell(i, j) == CellKind::Outside || !corners.iter().any(|&k| wanted[k]) {
+                continue;
+            }
+            if !is_square(sheet, corners) {
+                for (triangle, weight) in sheet.cell_triangles(i, j) {
+                    let (gradients, twice) = hat_gradients(triangle.map(|k| sheet.rest()[k]));
+                    let [p1, p2] = tensions(law, gradient(triangle.map(|k| x[k]), gradients));
+                    // −∂W/∂x = −A·P ∇φ.
+                    let [a, b] = gradients.map(|g| (p1 * g.x + p2 * g.y) * (-0.5 * twice * weight));
+                    forces[triangle[0]] -= a + b;
+                    forces[triangle[1]] += a;
+                    forces[triangle[2]] += b;
+                }
+                continue;
+            }
+            let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), 1.0 / spacing);
+            let [along0, across0] = tensions(law, [top, right]);
+            let [along1, across1] = tensions(law, [top, left]);
+            let [along2, across2] = tensions(law, [bottom, left]);
+            let [along3, across3] = tensions(law, [bottom, right]);
+            // Each edge pulls its two ends together; A/h of a triangle of half weight is h/4.
+            let quarter = 0.25 * spacing;
+            let (bottom, top) = ((along2 + along3) * quarter, (along0 + along1) * quarter);
+            let (left, right) = ((across1 + across2) * quarter, (across0 + across3) * quarter);
+            forces[corners[0]] += bottom + left;
+            forces[corners[1]] += right - bottom;
+            forces[corners[2]] -= top + right;
+            forces[corners[3]] += top - left;
+        }
+    }
+    forces
+}
+
+/// Columns of the first Piola–Kirchhoff tension P = F S \[kPa·mm\].
+#[inline(always)]
+fn tensions(law: &CoupledLaw, [f1, f2]: [DVec3; 2]) -> [DVec3; 2] {
+    let metric = [f1.length_squared(), f2.length_squared(), f1.dot(f2)];
+    let [s11, s22, s12] = law.second_piola_kirchhoff(metric);
+    [f1 * s11 + f2 * s12, f1 * s12 + f2 * s22]
+}
+
+fn accumulate(
+    sheet: &Sheet,
+    law: &SheetLaw,
+    x: &[DVec3],
+    rows: Range<usize>,
+    forces: &mut [DVec3],
+    mut hessian: Option<(Stiffness, &mut BlockStencil9)>,
+    totals: &mut Totals,
+) {
+    let rest = sheet.rest();
+    for j in rows {
+        let (first, last) = cell_span(sheet, j);
+        for i in first..last {
+            let (range, weight) = match sheet.cell(i, j) {
+                CellKind::Whole => (0..4, 0.5),
+                CellKind::WithoutCorner(k) => (usize::from(k)..usize::from(k) + 1, 1.0),
+                CellKind::Outside => continue,
+            };
+            let corners = sheet.corners(i, j);
+            let mut blocks = [DMat3::ZERO; 10];
+            for local in &CELL_TRIANGLES[range] {
+                let nodes = local.map(|c| corners[c]);
+                let mut triangle = Triangle {
+                    rest: Rest::new(nodes.map(|k| rest[k]), weight),
+                    rest_points: nodes.map(|k| rest[k]),
+                    x: nodes.map(|k| x[k]),
+                    forces: [DVec3::ZERO; 3],
+                    blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),
+                    push: 0.0,
+                };
+                match law {
+                    SheetLaw::Coupled(law) => totals.energy += triangle.add_coupled(law),
+                    SheetLaw::Paper(law) => {
+                        let (energy, outside) = triangle.add_paper(law);
+                        totals.energy += energy;
+                        totals.outside_law |= outside;
+                    }
+                }
+                totals.triangles += 1;
+                totals.greatest_push = totals.greatest_push.max(triangle.push);
+                for (k, force) in nodes.into_iter().zip(triangle.forces) {
+                    forces[k] += force;
+                    totals.squared_forces += force.length_squared();
+                }
+            }
+            if let Some((_, hessian)) = &mut hessian {
+                for ((from, _, array), block) in PAIRS.iter().zip(&blocks) {
+                    let k = corners[*from];
+                    match hessian.upper.get_mut(*array) {
+                        Some(upper) => upper[k] += *block,
+                        None => hessian.diagonal[k] += *block,
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The cells of row j that can belong to the sheet.
+fn cell_span(sheet: &Sheet, j: usize) -> (usize, usize) {
+    let (below, above) = (sheet.row_spans()[j], sheet.row_spans()[j + 1]);
+    (below.0.min(above.0), below.1.max(above.1).saturating_sub(1))
+}
+
+/// A triangle being added up.
+struct Triangle<'a> {
+    rest: Rest,
+    rest_points: [DVec2; 3],
+    x: [DVec3; 3],
+    forces: [DVec3; 3],
+    /// Which Hessian, the triangle's corners in its cell, the cell's blocks.
+    blocks: Option<(Stiffness, &'a [usize; 3], &'a mut [DMat3; 10])>,
+    /// Where it pushes, tension² × area \[(kPa·mm²)²\].
+    push: f64,
+}
+
+impl Triangle<'_> {
+    fn add_coupled(&mut self, law: &CoupledLaw) -> f64 {
+        let area = self.rest.area;
+        let principal = Principal::new(Principal::columns(&self.rest, self.x));
+        let [l1, l2] = principal.stretch;
+        let strain = [l1 - 1.0, l2 - 1.0];
+        let [n1, n2] = principal.rest;
+        let [u1, u2] = principal.deformed;
+        let along = self.rest.gradients.map(|g| (g.dot(n1), g.dot(n2)));
+        let Some((kind, local, blocks)) = &mut self.blocks else {
+            let ([t1, t2], energy) = law.tension_and_energy(strain);
+            for (force, (p, q)) in self.forces.iter_mut().zip(along) {
+                *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
+            }
+            return area * energy;
+        };
+        let response = law.response(strain);
+        let [t1, t2] = response.tension;
+        self.push = t1.min(t2).min(0.0).powi(2) * area;
+        for (force, (p, q)) in self.forces.iter_mut().zip(along) {
+            *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
+        }
+        let [w11, w12, w22] = response.stiffness.map(|w| w * area);
+        let mut twist = (t1 + t2) / (l1 + l2) * area;
+        let mut out = [t1 / l1.max(1e-9) * area, t2 / l2.max(1e-9) * area];
+        if *kind == Stiffness::Positive {
+            twist = twist.max(0.0);
+            // A flat sheet without tension still needs an inverse.
+            let least = 1e-7 * (w11 + w22);
+            out = out.map(|o| o.max(least));
+        }
+        let shear = response.shear * area;
+        let (same, cross) = (0.5 * (shear + twist), 0.5 * (shear - twist));
+        let modes = [outer(u1, u1), outer(u1, u2), outer(u2, u1), outer(u2, u2)];
+        let normal = u1.cross(u2);
+        let normal = outer(normal, normal);
+        let block = |a: usize, b: usize| {
+            let ((pa, qa), (pb, qb)) = (along[a], along[b]);
+            let (pp, qq) = (pa * pb, qa * qb);
+            modes[0] * (w11 * pp + same * qq)
+                + modes[1] * (w12 * pa * qb + cross * qa * pb)
+                + modes[2] * (w12 * qa * pb + cross * pa * qb)
+                + modes[3] * (w22 * qq + same * pp)
+                + normal * (out[0] * pp + out[1] * qq)
+        };
+        // The gradients of the three nodes sum to zero, and so do the rows of blocks.
+        let (b11, b12, b22) = (block(1, 1), block(1, 2), block(2, 2));
+        let (b10, b20) = (-(b11 + b12), -(b12.transpose() + b22));
+        place(blocks, local[1], local[1], &b11);
+        place(blocks, local[1], local[2], &b12);
+        place(blocks, local[2], local[2], &b22);
+        place(blocks, local[1], local[0], &b10);
+        place(blocks, local[2], local[0], &b20);
+        place(blocks, local[0], local[0], &-(b10 + b20));
+        area * response.energy
+    }
+
+    fn add_paper(&mut self, law: &PaperLaw) -> (f64, bool) {
+        let (mut energy, mut outside) = (0.0, false);
+        for s in springs(&self.rest, self.rest_points, self.x) {
+            let strain = s.strain();
+            let table = s.table(law);
+            outside |= strain > table.end();
+            let (tension, slope) = table.value_and_slope(strain);
+            energy += s.width * s.rest_length * table.integral_from_zero(strain);
+            let length = s.vector.length().max(1e-12);
+            let direction = s.vector / length;
+            let force = direction * (tension * s.width);
+            self.forces[s.ends.0] += force;
+            self.forces[s.ends.1] -= force;
+            if let Some((kind, local, blocks)) = &mut self.blocks {
+                let mut along = slope * s.width / s.rest_length;
+                let mut across = tension * s.width / length;
+                if *kind == Stiffness::Positive {
+                    let least = 1e-6 * (slope.abs() + tension.abs()) * s.width / s.rest_length;
+                    (along, across) = (along.max(least), across.max(least));
+                }
+                let block =
+                    outer(direction, direction) * (along - across) + DMat3::IDENTITY * across;
+                let (a, b) = (local[s.ends.0], local[s.ends.1]);
+                place(blocks, a, a, &block);
+                place(blocks, b, b, &block);
+                place(blocks, a, b, &-block);
+            }
+        }
+        (energy, outside)
+    }
+}
+
+#[inline]
+fn place(blocks: &mut [DMat3; 10], a: usize, b: usize, block: &DMat3) {
+    let (place, swapped) = PLACE[a][b];
+    blocks[place] += if swapped { block.transpose() } else { *block };
+}
+
+/// One spring's share in a triangle.
+struct SpringShare {
+    /// Places of its ends in the triangle.
+    ends: (usize, usize),
+    is_diagonal: bool,
+    /// From the first end to the second, deformed \[mm\].
+    vector: DVec3,
+    rest_length: f64,
+    /// The width it stands for \[mm\].
+    width: f64,
+}
+
+impl SpringShare {
+    fn strain(&self) -> f64 {
+        self.vector.length() / self.rest_length - 1.0
+    }
+
+    fn table<'a>(&self, law: &'a PaperLaw) -> &'a crate::springs::table::Table {
+        if self.is_diagonal { &law.diagonal } else { &law.edge }
+    }
+}
+
+/// The two edges and the diagonal of a triangle, the right angle at its first node.
+///
+/// Widths: in a square cell L/2 for every spring (the paper); with the triangle's area A, an edge
+/// of length l has A/l and the diagonal √2·A/l, which is the same there and fits the border.
+fn springs(rest: &Rest, points: [DVec2; 3], x: [DVec3; 3]) -> [SpringShare; 3] {
+    [(0, 1, false), (0, 2, false), (1, 2, true)].map(|(a, b, is_diagonal)| {
+        let rest_length = points[a].distance(points[b]);
+        let share = if is_diagonal { std::f64::consts::SQRT_2 } else { 1.0 };
+        SpringShare {
+            ends: (a, b),
+            is_diagonal,
+            vector: x[b] - x[a],
+            rest_length,
+            width: share * rest.area / rest_length,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{Curve, CurveSpec};
+    use crate::springs::Material;
+    use crate::springs::Springs;
+
+    fn materials() -> Vec<Material> {
+        let layer = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
+            curve: Curve::new(spec).unwrap(),
+            poisson_ratio,
+            thickness_mm,
+        };
+        vec![layer(&CurveSpec::Skin {}, 0.45, 1.5), layer(&CurveSpec::Adipose {}, 0.3, 10.0)]
+    }
+
+    /// A sheet in tension, bulged and bumpy.
+    fn bumpy(sheet: &Sheet) -> Vec<DVec3> {
+        let bump = |k: usize, f: f64| 0.02 * (f * k as f64).sin();
+        (0..sheet.len())
+            .map(|k| {
+                let p = sheet.rest()[k];
+                let z = 0.4 * (1.0 - p.length_squared());
+                DVec3::new(1.2 * p.x + bump(k, 1.3), 1.15 * p.y + bump(k, 2.1), z + bump(k, 3.7))
+            })
+            .collect()
+    }
+
+    fn both() -> [SheetLaw; 2] {
+        [Springs::Coupled, Springs::Nikolaev].map(|springs| SheetLaw::new(springs, &materials()))
+    }
+
+    #[test]
+    fn forces_are_the_negative_slope_of_the_energy() {
+        let sheet = Sheet::new(9, 1.0);
+        for law in both() {
+            let mut x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let totals = forces(&sheet, &law, &x, &mut f);
+            assert!((totals.energy - energy(&sheet, &law, &x)).abs() < 1e-12 * totals.energy.abs());
+            for (nodes, _) in sheet.triangles().step_by(3) {
+                let k = nodes[0];
+                for axis in 0..3 {
+                    let (home, step) = (x[k], 1e-6);
+                    x[k][axis] = home[axis] + step;
+                    let up = energy(&sheet, &law, &x);
+                    x[k][axis] = home[axis] - step;
+                    let down = energy(&sheet, &law, &x);
+                    x[k] = home;
+                    let slope = (up - down) / (2.0 * step);
+                    let error = (slope + f[k][axis]).abs();
+                    assert!(
+                        error < 1e-5 * totals.force_scale(),
+                        "{k} {axis}: {slope} {}",
+                        f[k][axis]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_true_hessian_is_the_slope_of_the_forces() {
+        let sheet = Sheet::new(9, 1.0);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let mut hessian = BlockStencil9::new(9);
+            let mut totals = Totals::default();
+            let mut add = |rows| {
+                let to = Sums { forces: &mut f, hessian: &mut hessian, totals: &mut totals };
+                linearize_rows(&sheet, &law, &x, rows, Stiffness::True, to);
+            };
+            // In pieces, as the solver does.
+            add(0..3);
+            add(3..8);
+            let direction: Vec<DVec3> = (0..sheet.len())
+                .map(|k| {
+                    let t = k as f64;
+                    DVec3::new((5.1 * t).sin(), (3.3 * t).cos(), (2.7 * t).sin())
+                })
+                .collect();
+            let step = 1e-7;
+            let moved = |sign: f64| -> Vec<DVec3> {
+                let x: Vec<DVec3> =
+                    x.iter().zip(&direction).map(|(x, d)| *x + *d * (sign * step)).collect();
+                let mut f = vec![DVec3::ZERO; sheet.len()];
+                forces(&sheet, &law, &x, &mut f);
+                f
+            };
+            let (up, down) = (moved(1.0), moved(-1.0));
+            let (mut error, mut scale) = (0.0_f64, 0.0_f64);
+            for k in 0..sheet.len() {
+                // Free nodes are inside the array; the others' rows need no boundary care.
+                if sheet.kinds()[k] == crate::mesh::NodeKind::Free {
+                    let slope = (down[k] - up[k]) / (2.0 * step);
+                    error = error.max((slope - hessian.row(k, &direction)).length());
+                    scale = scale.max(slope.length());
+                }
+            }
+            assert!(error < 1e-4 * scale, "{error} of {scale}");
+        }
+    }
+
+    #[test]
+    fn the_hessian_is_symmetric() {
+        let n = 17;
+        let sheet = Sheet::new(n, 1.0);
+        let free = |k: &usize| sheet.kinds()[*k] == crate::mesh::NodeKind::Free;
+        let wave = |f: f64| -> Vec<DVec3> {
+            let at = |k: usize| DVec3::new(k as f64, 0.3, 1.7 * k as f64) * f;
+            let at = |k: usize| {
+                if free(&k) { at(k).to_array().map(f64::sin).into() } else { DVec3::ZERO }
+            };
+            (0..sheet.len()).map(at).collect()
+        };
+        let (u, v) = (wave(5.1), wave(3.3));
+        for law in both() {
+            for stiffness in [Stiffness::True, Stiffness::Positive] {
+                let mut f = vec![DVec3::ZERO; sheet.len()];
+                let mut hessian = BlockStencil9::new(n);
+                let mut totals = Totals::default();
+                let to = Sums { forces: &mut f, hessian: &mut hessian, totals: &mut totals };
+                linearize_rows(&sheet, &law, &bumpy(&sheet), 0..n - 1, stiffness, to);
+                let bend = |u: &[DVec3], v: &[DVec3]| -> f64 {
+                    let nodes = (0..sheet.len()).filter(free);
+                    nodes.map(|k| u[k].dot(hessian.row(k, v))).sum()
+                };
+                let scale = (bend(&u, &u) * bend(&v, &v)).abs().sqrt();
+                let difference = (bend(&u, &v) - bend(&v, &u)).abs();
+                assert!(difference < 1e-12 * scale, "{stiffness:?}: {difference} of {scale}");
+            }
+        }
+    }
+
+    /// The patch test, border cells included: coupled springs keep an evenly stretched sheet in balance
+    /// at every free node, and the virial −Σ f⊗X/A of all nodes is Ef(ε) along a uniaxial pull and
+    /// nothing across.
+    #[test]
+    fn an_evenly_pulled_sheet_is_balanced_and_shows_the_curve_in_every_direction() {
+        let sheet = Sheet::new(21, 1.0);
+        let area: f64 = sheet.triangles().map(|(t, w)| w * sheet.rest_area(t)).sum();
+        let irregular = sheet
+            .triangles()
+            .filter(|(t, _)| t.iter().any(|k| sheet.kinds()[*k] == crate::mesh::NodeKind::Clamped));
+        assert!(irregular.count() > 50);
+        for (spec, nu) in [(CurveSpec::Skin {}, 0.45), (CurveSpec::Adipose {}, 0.2)] {
+            let curve = Curve::new(&spec).unwrap();
+            let material = Material { curve: curve.clone(), poisson_ratio: nu, thickness_mm: 1.0 };
+            let law = SheetLaw::new(Springs::Coupled, &[material]);
+            for degrees in (0..180).step_by(7) {
+                for strain in [0.01, 0.3, 0.8] {
+                    let along = DVec2::from_angle(f64::from(degrees).to_radians());
+                    let across = along.perp();
+                    let pulled = |p: &DVec2| {
+                        let [a, b] = [p.dot(along), p.dot(across)];
+                        (along * (a * (1.0 + strain)) + across * (b * (1.0 - nu * strain)))
+                            .extend(0.0)
+                    };
+                    let x: Vec<DVec3> = sheet.rest().iter().map(pulled).collect();
+                    let mut f = vec![DVec3::ZERO; sheet.len()];
+                    forces(&sheet, &law, &x, &mut f);
+                    let stress = curve.stress(strain);
+                    let mut virial = [0.0; 3];
+                    for (k, f) in f.iter().enumerate() {
+                        if sheet.kinds()[k] == crate::mesh::NodeKind::Free {
+                            let error = f.length();
+                            assert!(error < 1e-13 * stress, "{degrees}° {strain}: {error}");
+                        }
+                        let (f, p) = (f.truncate(), sheet.rest()[k]);
+                        virial[0] -= f.dot(along) * p.dot(along) / area;
+                        virial[1] -= f.dot(across) * p.dot(across) / area;
+                        virial[2] -= f.dot(across) * p.dot(along) / area;
+                    }
+                    // The law's table is good to 1e-5 of its peak.
+                    let tolerance = 1e-5 * curve.stress(curve.line_start());
+                    let wanted = [stress, 0.0, 0.0];
+                    for (found, wanted) in virial.iter().zip(wanted) {
+                        assert!(
+                            (found - wanted).abs() < tolerance,
+                            "{degrees}° {strain}: {virial:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn forces_sum_to_zero_and_give_no_torque() {
+        let sheet = Sheet::new(17, 1.0);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let scale = forces(&sheet, &law, &x, &mut f).force_scale();
+            let sum: DVec3 = f.iter().sum();
+            let torque: DVec3 = x.iter().zip(&f).map(|(x, f)| x.cross(*f)).sum();
+            assert!(sum.length() < 1e-12 * scale && torque.length() < 1e-12 * scale);
+        }
+    }
+
+    #[test]
+    fn a_rotated_sheet_has_rotated_forces() {
+        let sheet = Sheet::new(17, 1.0);
+        let turn = DMat3::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 1.1);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let turned: Vec<DVec3> = x.iter().map(|x| turn * *x).collect();
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            let mut g = f.clone();
+            let scale = forces(&sheet, &law, &x, &mut f).force_scale();
+            forces(&sheet, &law, &turned, &mut g);
+            assert!(f.iter().zip(&g).all(|(f, g)| (turn * *f - *g).length() < 1e-12 * scale));
+        }
+    }
+
+    #[test]
+    fn forces_in_closed_form_are_those_of_the_principal_strains() {
+        let sheet = Sheet::new(17, 1.0);
+        for law in both() {
+            let x = bumpy(&sheet);
+            let mut f = vec![DVec3::ZERO; sheet.len()];
+            forces(&sheet, &law, &x, &mut f);
+            let scale = f.iter().map(|f| f.length()).fold(0.0, f64::max);
+            let closed = forces_at(&sheet, &law, &x, &vec![true; sheet.len()]);
+            for (a, b) in closed.iter().zip(&f) {
+                assert!(a.distance(*b) < 1e-11 * scale, "{a} {b}");
+            }
+        }
+    }
+}

@@ -1,0 +1,338 @@
+//! How a shape is deformed at its nodes: what every result and every field is made from.
+//!
+//! One pass over the cells. On the square cells inside the pocket a triangle's deformation gradient
+//! F is two edges of its cell over the spacing; only the cells at the fitted border need their own
+//! gradients.
+
+use crate::contact::Dome;
+use crate::mesh::{CellKind, NodeKind, Sheet};
+use glam::{DVec2, DVec3};
+use std::ops::{Add, AddAssign};
+
+/// An area stretch below this has no thickness: the sheet is folded \[-\].
+pub(crate) const LEAST_AREA_STRETCH: f64 = 1e-6;
+
+/// The power of the area stretch that is the thickness stretch: −ν/(1−ν).
+pub(crate) fn thickness_exponent(poisson_ratio: f64) -> f64 {
+    -poisson_ratio / (1.0 - poisson_ratio)
+}
+
+/// A symmetric 2 × 2 tensor in the sheet's rest frame: the metric C, or the stretch tensor U.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Stretch {
+    xx: f64,
+    yy: f64,
+    xy: f64,
+}
+
+impl Stretch {
+    /// U = √C of a metric C, by Cayley–Hamilton: U = (C + √det C · I) / √(tr C + 2√det C).
+    fn of_metric(metric: Self) -> Self {
+        let Self { xx, yy, xy } = metric;
+        let area = (xx * yy - xy * xy).max(0.0).sqrt();
+        let scale = 1.0 / (xx + yy + 2.0 * area).sqrt().max(f64::MIN_POSITIVE);
+        Self { xx: (xx + area) * scale, yy: (yy + area) * scale, xy: xy * scale }
+    }
+
+    fn scaled(self, factor: f64) -> Self {
+        Self { xx: self.xx * factor, yy: self.yy * factor, xy: self.xy * factor }
+    }
+
+    /// Principal engineering strains, the greater first \[-\].
+    pub(crate) fn principal(self) -> [f64; 2] {
+        let mean = 0.5 * (self.xx + self.yy);
+        let half = 0.5 * (self.xx - self.yy);
+        let radius = (half * half + self.xy * self.xy).sqrt();
+        [mean + radius - 1.0, mean - radius - 1.0]
+    }
+
+    /// λ₁λ₂ \[-\].
+    pub(crate) fn area_stretch(self) -> f64 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+
+    /// λ₃ = (λ₁λ₂)^(−ν/(1−ν)): plane stress in logarithmic strains \[-\].
+    pub(crate) fn thickness_stretch(self, poisson_ratio: f64) -> f64 {
+        self.area_stretch().max(LEAST_AREA_STRETCH).powf(thickness_exponent(poisson_ratio))
+    }
+}
+
+impl Add for Stretch {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { xx: self.xx + other.xx, yy: self.yy + other.yy, xy: self.xy + other.xy }
+    }
+}
+
+/// What belongs to a node: first the sums over its triangles, then their means.
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    /// Σ C·A, then U of the mean metric C \[-\].
+    stretch: Stretch,
+    /// Σ of the deformed triangles' area vectors times two \[mm²\]; points to the skin.
+    normal: DVec3,
+    /// A third of the triangles' rest areas \[mm²\].
+    rest_area: f64,
+    /// A third of the triangles' deformed areas \[mm²\].
+    deformed_area: f64,
+}
+
+impl Add for Node {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            stretch: self.stretch + other.stretch,
+            normal: self.normal + other.normal,
+            rest_area: self.rest_area + other.rest_area,
+            deformed_area: self.deformed_area + other.deformed_area,
+        }
+    }
+}
+
+impl AddAssign for Node {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+/// What a triangle with the columns f₁, f₂ of F and the rest area gives to each of its nodes.
+#[inline]
+fn share([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
+    let across = f1.cross(f2) * rest_area;
+    let third = rest_area / 3.0;
+    let metric = Stretch { xx: f1.length_squared(), yy: f2.length_squared(), xy: f1.dot(f2) };
+    Node {
+        stretch: metric.scaled(third),
+        normal: across,
+        rest_area: third,
+        deformed_area: across.length() / 3.0,
+    }
+}
+
+/// Gradients ∇φ of the hat functions of a triangle's second and third node \[1/mm\], and twice its
+/// rest area \[mm²\]. The first node's gradient is minus their sum.
+#[inline]
+pub(crate) fn hat_gradients([o, a, b]: [DVec2; 3]) -> ([DVec2; 2], f64) {
+    let (a, b) = (a - o, b - o);
+    let twice_area = a.perp_dot(b);
+    ([DVec2::new(b.y, -b.x) / twice_area, DVec2::new(-a.y, a.x) / twice_area], twice_area)
+}
+
+/// Columns ∂x/∂X and ∂x/∂Y of a triangle's deformation gradient F \[-\].
+#[inline]
+pub(crate) fn gradient([o, a, b]: [DVec3; 3], [g1, g2]: [DVec2; 2]) -> [DVec3; 2] {
+    let (a, b) = (a - o, b - o);
+    [a * g1.x + b * g2.x, a * g1.y + b * g2.y]
+}
+
+/// Is the cell with these corners a square of the grid, no corner moved onto the border?
+#[inline]
+pub(crate) fn is_square(sheet: &Sheet, corners: [usize; 4]) -> bool {
+    corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free)
+}
+
+/// The edges of a deformed square cell over the spacing: bottom, top, left, right. The columns of F
+/// in the k-th of [`CELL_TRIANGLES`](crate::mesh::CELL_TRIANGLES) are `(top, right)`, `(top, left)`, `(bottom, left)`,
+/// `(bottom, right)`.
+#[inline]
+pub(crate) fn square_edges(corners: [DVec3; 4], per_spacing: f64) -> [DVec3; 4] {
+    let [a, b, c, d] = corners;
+    [(b - a) * per_spacing, (c - d) * per_spacing, (d - a) * per_spacing, (c - b) * per_spacing]
+}
+
+/// Stretch, normal and area at every node, from the triangles around it, weighted by area at rest:
+/// second-order accurate inside the sheet, first-order on its border.
+#[derive(Clone, Debug, Default)]
+pub struct Deformation {
+    /// Shape (nodes_per_side², ); zero outside the sheet.
+    nodes: Vec<Node>,
+    /// Principal engineering strains, the greater first \[-\], shape (nodes_per_side², ).
+    principal: Vec<[f64; 2]>,
+}
+
+impl Deformation {
+    /// The deformation of the sheet with its nodes at `x` \[mm\], shape (nodes_per_side², ).
+    #[must_use]
+    pub fn new(sheet: &Sheet, x: &[DVec3]) -> Self {
+        let mut nodes = vec![Node::default(); sheet.len()];
+        let cells = sheet.nodes_per_side() - 1;
+        let spacing = sheet.spacing_mm();
+        let (per_spacing, quarter) = (1.0 / spacing, 0.25 * spacing * spacing);
+        for j in 0..cells {
+            for i in 0..cells {
+                if sheet.cell(i, j) == CellKind::Outside {
+                    continue;
+                }
+                let corners = sheet.corners(i, j);
+                if !is_square(sheet, corners) {
+                    for (triangle, weight) in sheet.cell_triangles(i, j) {
+                        let (gradients, twice) = hat_gradients(triangle.map(|k| sheet.rest()[k]));
+                        let columns = gradient(triangle.map(|k| x[k]), gradients);
+                        let share = share(columns, 0.5 * twice * weight);
+                        triangle.into_iter().for_each(|k| nodes[k] += share);
+                    }
+                    continue;
+                }
+                let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), per_spacing);
+                let upper = [share([top, right], quarter), share([top, left], quarter)];
+                let lower = [share([bottom, left], quarter), share([bottom, right], quarter)];
+                // The k-th triangle leaves out corner k.
+                let (above, below) = (upper[0] + upper[1], lower[0] + lower[1]);
+                nodes[corners[0]] += upper[1] + below;
+                nodes[corners[1]] += upper[0] + below;
+                nodes[corners[2]] += above + lower[1];
+                nodes[corners[3]] += above + lower[0];
+            }
+        }
+        let principal = nodes
+            .iter_mut()
+            .map(|node| {
+                if node.rest_area > 0.0 {
+                    node.stretch = Stretch::of_metric(node.stretch.scaled(1.0 / node.rest_area));
+                    node.stretch.principal()
+                } else {
+                    [0.0; 2]
+                }
+            })
+            .collect();
+        Self { nodes, principal }
+    }
+
+    /// Number of grid nodes, those outside included.
+    pub(crate) fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The nodes of the sheet's triangles.
+    pub(crate) fn inside(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.nodes.len()).filter(|&k| self.nodes[k].rest_area > 0.0)
+    }
+
+    /// Principal engineering strains at a node, the greater first \[-\].
+    #[must_use]
+    pub fn principal(&self, node: usize) -> [f64; 2] {
+        self.principal[node]
+    }
+
+    /// Area stretch λ₁λ₂ at a node \[-\].
+    #[must_use]
+    pub fn area_stretch(&self, node: usize) -> f64 {
+        self.nodes[node].stretch.area_stretch()
+    }
+
+    /// Unit normal at a node, pointing to the skin; straight up outside the sheet.
+    #[must_use]
+    pub fn normal(&self, node: usize) -> DVec3 {
+        self.nodes[node].normal.normalize_or(DVec3::Z)
+    }
+
+    /// Deformed area around a node \[mm²\].
+    pub(crate) fn deformed_area(&self, node: usize) -> f64 {
+        self.nodes[node].deformed_area
+    }
+
+    /// Strains of the whole sheet, with the share of its rest area above each limit.
+    pub(crate) fn summary<const N: usize>(&self, sheet: &Sheet, limits: [f64; N]) -> Summary<N> {
+        let (mut rest, mut deformed, mut above) = (0.0, 0.0, [0.0; N]);
+        let (mut greatest, mut least) = (f64::MIN, f64::MAX);
+        for k in self.inside() {
+            let (node, [first, second]) = (&self.nodes[k], self.principal[k]);
+            rest += node.rest_area;
+            deformed += node.deformed_area;
+            greatest = greatest.max(first);
+            if sheet.kinds()[k] == NodeKind::Free {
+                least = least.min(second);
+            }
+            for (above, limit) in above.iter_mut().zip(limits) {
+                *above += if first > limit { node.rest_area } else { 0.0 };
+            }
+        }
+        Summary {
+            greatest,
+            least,
+            area_ratio: deformed / rest,
+            share_above: above.map(|area| area / rest),
+        }
+    }
+
+    /// Stretch at the sheet's point on the dome's apex.
+    pub(crate) fn at_apex(&self, sheet: &Sheet, dome: &Dome, x: &[DVec3]) -> Stretch {
+        let n = sheet.nodes_per_side();
+        let target = dome.center;
+        let mut nearest = (f64::INFINITY, n * n / 2);
+        for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+            let distance = x[k].truncate().distance_squared(target);
+            if distance < nearest.0 {
+                nearest = (distance, k);
+            }
+        }
+        let nearest = nearest.1;
+        // The material point over the target, from the slope of the nodes' horizontal positions.
+        let h = sheet.spacing_mm();
+        let along = (x[nearest + 1] - x[nearest - 1]).truncate() / (2.0 * h);
+        let across = (x[nearest + n] - x[nearest - n]).truncate() / (2.0 * h);
+        let offset = target - x[nearest].truncate();
+        let det = along.perp_dot(across);
+        let local = DVec2::new(offset.perp_dot(across), along.perp_dot(offset)) / (det * h);
+        let local = if local.is_finite() { local } else { DVec2::ZERO };
+        let local = local.clamp(DVec2::splat(-1.0), DVec2::ONE);
+        let (right, up) = (local.x >= 0.0, local.y >= 0.0);
+        let beside = if right { nearest + 1 } else { nearest - 1 };
+        let step = |k: usize| if up { k + n } else { k - n };
+        let (u, v) = (local.x.abs(), local.y.abs());
+        let mut sum = Stretch::default();
+        for (k, weight) in [
+            (nearest, (1.0 - u) * (1.0 - v)),
+            (beside, u * (1.0 - v)),
+            (step(nearest), (1.0 - u) * v),
+            (step(beside), u * v),
+        ] {
+            let k = if sheet.kinds()[k] == NodeKind::Outside { nearest } else { k };
+            sum = sum + self.nodes[k].stretch.scaled(weight);
+        }
+        sum
+    }
+}
+
+/// Strains of a whole sheet \[-\].
+pub(crate) struct Summary<const N: usize> {
+    /// Greatest principal strain.
+    pub(crate) greatest: f64,
+    /// Least principal strain, without the border, where strains are first-order accurate.
+    pub(crate) least: f64,
+    /// Deformed area / rest area of the triangles.
+    pub(crate) area_ratio: f64,
+    /// Share of the rest area whose greatest principal strain is above each limit.
+    pub(crate) share_above: [f64; N],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_even_stretch_is_recovered_at_every_node() {
+        let sheet = Sheet::new(33, 50.0);
+        let (along, across, shear) = (1.4, 1.1, 0.2);
+        let x: Vec<DVec3> = sheet
+            .rest()
+            .iter()
+            .map(|p| DVec3::new(along * p.x + shear * p.y, across * p.y, 0.3 * p.x))
+            .collect();
+        let deformation = Deformation::new(&sheet, &x);
+        let normal = DVec3::new(along, 0.0, 0.3).cross(DVec3::new(shear, across, 0.0));
+        // λ₁² + λ₂² = tr C, λ₁λ₂ = √det C.
+        let trace = along * along + 0.09 + shear * shear + across * across;
+        for k in deformation.inside() {
+            let [first, second] = deformation.principal(k).map(|e| e + 1.0);
+            assert!((first * first + second * second - trace).abs() < 1e-12);
+            assert!((deformation.area_stretch(k) - normal.length()).abs() < 1e-12);
+            assert!(deformation.normal(k).distance(normal.normalize()) < 1e-12);
+        }
+        let summary = deformation.summary(&sheet, [0.0, 1.0]);
+        assert!((summary.area_ratio - normal.length()).abs() < 1e-12);
+        assert!((summary.share_above[0] - 1.0).abs() < 1e-12 && summary.share_above[1] < 1e-12);
+    }
+}

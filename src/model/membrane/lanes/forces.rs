@@ -1,0 +1,313 @@
+//! Forces of the sheet and the diagonal blocks of its stiffness, four cells at a time.
+//!
+//! A regular cell has four right-angled triangles on the edges B (bottom), T (top), L (left) and R
+//! (right); a triangle pulls at its edges e₁, e₂ with M₁₁e₁ + M₁₂e₂ and M₁₂e₁ + M₂₂e₂ (see
+//! [`super::law`]). Cells at the border, whose rest shapes differ, are in [`super::border`].
+
+use super::Scratch;
+use super::coupled::{CoupledLanes, LEAST_AREA, Law, add_stretch};
+use crate::mesh::lanes::{Field, Layout, in_range};
+use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
+use crate::model::NodeBlocks;
+use wide::f32x4;
+
+/// Lanes one place to the left; the last comes from the following four.
+#[inline(always)]
+fn shifted_left(now: f32x4, next: f32x4) -> f32x4 {
+    let (a, b) = (now.to_array(), next.to_array());
+    f32x4::new([a[1], a[2], a[3], b[0]])
+}
+
+/// Lanes one place to the right; the first comes from the four before.
+#[inline(always)]
+fn shifted_right(before: f32x4, now: f32x4) -> f32x4 {
+    let (a, b) = (before.to_array(), now.to_array());
+    f32x4::new([a[3], b[0], b[1], b[2]])
+}
+
+/// A row of nodes in blocks of four.
+#[derive(Clone, Copy)]
+pub(super) struct Row<'a> {
+    x: &'a [[f32; 4]],
+    y: &'a [[f32; 4]],
+    z: &'a [[f32; 4]],
+}
+
+impl<'a> Row<'a> {
+    /// `count` blocks of the row that begins at node `start`.
+    #[inline(always)]
+    pub(super) fn new(field: &'a Field, start: usize, count: usize) -> Self {
+        let cut = |part: &'a [f32]| &part[start..start + 4 * count].as_chunks().0[..count];
+        Self { x: cut(&field.x), y: cut(&field.y), z: cut(&field.z) }
+    }
+
+    #[inline(always)]
+    fn block(&self, b: usize) -> Vec3 {
+        [f32x4::new(self.x[b]), f32x4::new(self.y[b]), f32x4::new(self.z[b])]
+    }
+}
+
+/// The same to be added to.
+struct Sums<'a> {
+    x: &'a mut [[f32; 4]],
+    y: &'a mut [[f32; 4]],
+    z: &'a mut [[f32; 4]],
+}
+
+impl<'a> Sums<'a> {
+    /// Two rows, one after the other.
+    #[inline(always)]
+    fn pair(field: &'a mut Field, start: usize, pitch: usize, count: usize) -> (Self, Self) {
+        let cut = |part: &'a mut [f32]| {
+            let (lower, upper) = part[start..].split_at_mut(pitch);
+            (
+                &mut lower[..4 * count].as_chunks_mut().0[..count],
+                &mut upper[..4 * count].as_chunks_mut().0[..count],
+            )
+        };
+        let ((x, x2), (y, y2), (z, z2)) = (cut(&mut field.x), cut(&mut field.y), cut(&mut field.z));
+        (Self { x, y, z }, Self { x: x2, y: y2, z: z2 })
+    }
+
+    #[inline(always)]
+    fn add(&mut self, b: usize, v: Vec3) {
+        self.x[b] = (f32x4::new(self.x[b]) + v[0]).to_array();
+        self.y[b] = (f32x4::new(self.y[b]) + v[1]).to_array();
+        self.z[b] = (f32x4::new(self.z[b]) + v[2]).to_array();
+    }
+}
+
+/// The edges of four neighbouring cells.
+struct Cells {
+    bottom: Vec3,
+    top: Vec3,
+    left: Vec3,
+    right: Vec3,
+}
+
+impl Cells {
+    /// From the lower and the upper row of nodes: these four, the next four.
+    #[inline(always)]
+    fn new(a: Vec3, a_next: Vec3, d: Vec3, d_next: Vec3) -> Self {
+        let shift = |now: Vec3, next: Vec3| [0, 1, 2].map(|k| shifted_left(now[k], next[k]));
+        let (b, c) = (shift(a, a_next), shift(d, d_next));
+        let one = f32x4::ONE;
+        let mut cells =
+            Self { bottom: sub(b, a), top: sub(c, d), left: sub(d, a), right: sub(c, b) };
+        cells.bottom[0] += one;
+        cells.top[0] += one;
+        cells.left[1] += one;
+        cells.right[1] += one;
+        cells
+    }
+}
+
+/// −∂E/∂u of every stored node; entries of ghost and clamped nodes are unspecified.
+pub(super) fn forces(
+    layout: &Layout,
+    law: &CoupledLanes,
+    u: &Field,
+    f: &mut Field,
+    scratch: &mut Scratch,
+) {
+    match law.groups() {
+        [one] => all_forces(layout, one, u, f, scratch),
+        many => all_forces(layout, many, u, f, scratch),
+    }
+}
+
+fn all_forces<L: Law + ?Sized>(
+    layout: &Layout,
+    law: &L,
+    u: &Field,
+    f: &mut Field,
+    Scratch { border, on_border, row }: &mut Scratch,
+) {
+    f.fill_zero();
+    for (j, &(from, to)) in layout.regular.iter().enumerate() {
+        if from >= to {
+            continue;
+        }
+        let (from, to) = (from as usize, to as usize);
+        let (first, last) = (from / 4, (to - 1) / 4);
+        let (start, count) = (j * layout.pitch + 4 * first, last - first + 1);
+        // One block more: the nodes to the right of the last cells.
+        let lower = Row::new(u, start, count + 1);
+        let upper = Row::new(u, start + layout.pitch, count + 1);
+        let sums = Sums::pair(f, start, layout.pitch, count + 1);
+        let row = &mut row[..count];
+        // Three short loops: one long one would wait for its own square roots.
+        measure_row(lower, upper, row);
+        for cells in row.iter_mut() {
+            for triangle in &mut cells.triangles {
+                let [i1, s, t] = *triangle;
+                let (p, q) = law.tension(i1, s, t);
+                (triangle[0], triangle[1]) = (p, q);
+            }
+        }
+        let spare = 4 * first;
+        pull_row(lower, upper, row, sums, (from - spare, to - spare));
+    }
+    border.add_forces(law, u, f, on_border);
+}
+
+/// Four neighbouring cells on their way through the law.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CellLanes {
+    /// B·B, T·T, L·L, R·R, B·L, B·R, T·L, T·R.
+    pub(super) dots: [f32x4; 8],
+    /// I₁, s and t of the triangles at the four corners, then P and Q.
+    pub(super) triangles: [[f32x4; 3]; 4],
+}
+
+/// The invariants of a row of cells.
+#[inline(always)]
+pub(super) fn measure_row(lower: Row, upper: Row, row: &mut [CellLanes]) {
+    let (mut a, mut d) = (lower.block(0), upper.block(0));
+    for (b, out) in row.iter_mut().enumerate() {
+        let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
+        let Cells { bottom, top, left, right } = Cells::new(a, a_next, d, d_next);
+        (a, d) = (a_next, d_next);
+        let (bb, tt, ll, rr) =
+            (dot(bottom, bottom), dot(top, top), dot(left, left), dot(right, right));
+        let (bl, br) = (dot(bottom, left), dot(bottom, right));
+        let (tl, tr) = (dot(top, left), dot(top, right));
+        let invariants = |g11: f32x4, g22: f32x4, g12: f32x4| {
+            let s = (g11 * g22 - g12 * g12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+            let i1 = g11 + g22;
+            [i1, s, (i1 + s + s).sqrt()]
+        };
+        *out = CellLanes {
+            dots: [bb, tt, ll, rr, bl, br, tl, tr],
+            triangles: [
+                invariants(bb, ll, bl),
+                invariants(bb, rr, br),
+                invariants(tt, rr, tr),
+                invariants(tt, ll, tl),
+            ],
+        };
+    }
+}
+
+/// Adds what a row of cells pulls at the two rows of nodes below and above; cells outside of the
+/// half-open range do not count.
+#[inline(always)]
+fn pull_row(
+    lower: Row,
+    upper: Row,
+    row: &[CellLanes],
+    (mut f_lower, mut f_upper): (Sums, Sums),
+    (from, to): (usize, usize),
+) {
+    let count = row.len();
+    let (mut a, mut d) = (lower.block(0), upper.block(0));
+    let mut before_lower = [f32x4::ZERO; 3];
+    let mut before_upper = [f32x4::ZERO; 3];
+    for (b, cells) in row.iter().enumerate() {
+        let [bb, tt, ll, rr, bl, br, tl, tr] = cells.dots;
+        let [[pa, qa, _], [pb, qb, _], [pc, qc, _], [pd, qd, _]] = cells.triangles;
+        let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
+        let Cells { bottom, top, left, right } = Cells::new(a, a_next, d, d_next);
+        (a, d) = (a_next, d_next);
+        let (la, lb, lc, ld) = (qa * bl, qb * br, qc * tr, qd * tl);
+        let edge = |own: f32x4, e: Vec3, one: f32x4, e1: Vec3, two: f32x4, e2: Vec3| {
+            sub(scale(e, own), add(scale(e1, one), scale(e2, two)))
+        };
+        let mut on_bottom = edge(pa + pb + qa * ll + qb * rr, bottom, la, left, lb, right);
+        let mut on_top = edge(pc + pd + qc * rr + qd * ll, top, lc, right, ld, left);
+        let mut on_left = edge(pa + pd + qa * bb + qd * tt, left, la, bottom, ld, top);
+        let mut on_right = edge(pb + pc + qb * bb + qc * tt, right, lb, bottom, lc, top);
+        if b == 0 || b + 1 == count {
+            let counts = in_range(b, from, to);
+            for force in [&mut on_bottom, &mut on_top, &mut on_left, &mut on_right] {
+                *force = force.map(|part| part & counts);
+            }
+        }
+        let (on_a, on_b) = (add(on_bottom, on_left), sub(on_right, on_bottom));
+        let (on_d, minus_c) = (sub(on_top, on_left), add(on_top, on_right));
+        let shift = |before: Vec3, now: Vec3| [0, 1, 2].map(|k| shifted_right(before[k], now[k]));
+        f_lower.add(b, add(on_a, shift(before_lower, on_b)));
+        f_upper.add(b, sub(on_d, shift(before_upper, minus_c)));
+        (before_lower, before_upper) = (on_b, minus_c);
+    }
+    let rest = |before: Vec3| before.map(|part| shifted_right(part, f32x4::ZERO));
+    f_lower.add(count, rest(before_lower));
+    f_upper.add(count, sub([f32x4::ZERO; 3], rest(before_upper)));
+}
+
+/// The diagonal blocks of the stiffness; entries of nodes that are not free are unspecified.
+///
+/// The stiffness is taken at the middle of each cell: around a node the differences cancel.
+pub(super) fn blocks(
+    layout: &Layout,
+    law: &CoupledLanes,
+    u: &Field,
+    blocks: &mut NodeBlocks,
+    Scratch { border, on_border, .. }: &mut Scratch,
+) {
+    blocks.fill_zero();
+    for (j, &(from, to)) in layout.regular.iter().enumerate() {
+        if from < to {
+            let row = j * layout.pitch;
+            block_row(law, u, row, layout.pitch, (from as usize, to as usize), blocks);
+        }
+    }
+    border.add_blocks(law, u, blocks, on_border);
+}
+
+fn block_row(
+    law: &CoupledLanes,
+    u: &Field,
+    row: usize,
+    pitch: usize,
+    (from, to): (usize, usize),
+    blocks: &mut NodeBlocks,
+) {
+    let (first, last) = (from / 4, (to - 1) / 4);
+    let (start, count) = (row + 4 * first, last - first + 1);
+    let (lower, upper) = (Row::new(u, start, count + 1), Row::new(u, start + pitch, count + 1));
+    let (mut a, mut d) = (lower.block(0), upper.block(0));
+    let mut before = [f32x4::ZERO; 6];
+    for b in 0..=count {
+        let mut block = [f32x4::ZERO; 6];
+        if b < count {
+            let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
+            let counts = in_range(first + b, from, to);
+            block = cell_block(law, &Cells::new(a, a_next, d, d_next)).map(|part| part & counts);
+            (a, d) = (a_next, d_next);
+        }
+        // Each cell adds the same to its four corners.
+        let sum = [0, 1, 2, 3, 4, 5].map(|p| block[p] + shifted_right(before[p], block[p]));
+        blocks.add(start + 4 * b, sum);
+        blocks.add(start + 4 * b + pitch, sum);
+        before = block;
+    }
+}
+
+/// What four neighbouring cells add to the blocks of each of their corners.
+#[inline(always)]
+fn cell_block(law: &CoupledLanes, cells: &Cells) -> Block {
+    let half = f32x4::HALF;
+    let e1 = scale(add(cells.bottom, cells.top), half);
+    let e2 = scale(add(cells.left, cells.right), half);
+    let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
+    let s = (g11 * g22 - g12 * g12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+    let i1 = g11 + g22;
+    let k = law.stiffness(i1, s);
+    let per_s = f32x4::ONE / s;
+    let per_t = f32x4::ONE / k.t;
+    let n = scale(cross(e1, e2), per_s);
+    let all = k.p + k.p;
+    let across = (k.beta_t * i1 * per_s).fast_max(k.least_normal - all);
+    let mut block = [f32x4::ZERO; 6];
+    add_outer(&mut block, scale(n, across), n);
+    let tau1 = scale(add(e1, scale(sub(scale(e1, g22), scale(e2, g12)), per_s)), per_t);
+    let tau2 = scale(add(e2, scale(sub(scale(e2, g11), scale(e1, g12)), per_s)), per_t);
+    add_stretch(&mut block, &k, e1, tau1);
+    add_stretch(&mut block, &k, e2, tau2);
+    block[0] += all;
+    block[3] += all;
+    block[5] += all;
+    // A regular triangle's share is in the law: a cell gives each corner twice its block.
+    block.map(|part| part + part)
+}

@@ -1,0 +1,44 @@
+//! The tension of a coupled sheet: scale of residuals, compression.
+
+use super::Scratch;
+use super::coupled::{CoupledLanes, Law};
+use super::forces::{Row, measure_row};
+use crate::mesh::lanes::{Field, Layout, in_range};
+use crate::model::Tension;
+use wide::f32x4;
+
+/// The tension of the whole cells: what the sheet pulls at the two edges B and L of every cell, squared, and
+/// the least principal tension.
+pub(super) fn tension(
+    layout: &Layout,
+    law: &CoupledLanes,
+    u: &Field,
+    scratch: &mut Scratch,
+) -> Tension {
+    let (mut sum, mut least) = (0.0, f32x4::ZERO);
+    for (j, &(from, to)) in layout.regular.iter().enumerate() {
+        if from >= to {
+            continue;
+        }
+        let (from, to) = (from as usize, to as usize);
+        let (first, last) = (from / 4, (to - 1) / 4);
+        let (start, count) = (j * layout.pitch + 4 * first, last - first + 1);
+        let row = &mut scratch.row[..count];
+        let lower = Row::new(u, start, count + 1);
+        measure_row(lower, Row::new(u, start + layout.pitch, count + 1), row);
+        for (b, cells) in row.iter().enumerate() {
+            let [g11, _, g22, _, g12, ..] = cells.dots;
+            let [i1, s, t] = cells.triangles[0];
+            let (p, q) = law.groups().tension(i1, s, t);
+            let (m11, m12, m22) = (p + q * g22, -q * g12, p + q * g11);
+            let squares = m11 * (m11 * g11 + m12 * g12 * 2.0)
+                + m22 * (m22 * g22 + m12 * g12 * 2.0)
+                + m12 * m12 * (g11 + g22);
+            let counts = in_range(first + b, from, to);
+            sum += f64::from((squares & counts).reduce_add());
+            let (mean, half) = ((m11 + m22) * f32x4::HALF, (m11 - m22) * f32x4::HALF);
+            least = least.fast_min((mean - (half * half + m12 * m12).sqrt()) & counts);
+        }
+    }
+    Tension { squares: sum, least: least.to_array().into_iter().fold(0.0, f32::min) }
+}

@@ -1,0 +1,80 @@
+//! The layers of a deformed membrane: normals and thicknesses.
+
+use super::deformation::{Deformation, LEAST_AREA_STRETCH, thickness_exponent};
+use crate::springs::Material;
+use glam::Vec3;
+
+/// The layers' deformed geometry at every node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stack {
+    /// Unit normals of the deformed sheet, pointing to the skin, shape (nodes_per_side², ); straight
+    /// up outside the sheet.
+    pub normal: Vec<Vec3>,
+    /// Deformed thickness of each layer \[mm\], from the skin inwards, shape (layers, nodes_per_side²);
+    /// zero outside the sheet.
+    pub thickness_mm: Vec<Vec<f32>>,
+}
+
+impl Stack {
+    /// The stack of these layers, from the skin inwards, on a deformed sheet.
+    pub(crate) fn new(materials: &[Material], deformation: &Deformation) -> Self {
+        let normal = |k| deformation.normal(k).as_vec3();
+        Self {
+            normal: (0..deformation.len()).map(normal).collect(),
+            thickness_mm: thickness_mm(materials, deformation),
+        }
+    }
+
+    /// Positions of the faces: `inner`, the faces between the layers, the skin; each is the one below moved along
+    /// `directions` by the thickness of the layer between them. Shape (layers + 1, `inner.len()`).
+    #[must_use]
+    pub fn faces(&self, inner: Vec<Vec3>, directions: &[Vec3]) -> Vec<Vec<Vec3>> {
+        let mut faces = Vec::with_capacity(self.thickness_mm.len() + 1);
+        faces.push(inner);
+        for thickness in self.thickness_mm.iter().rev() {
+            let below = &faces[faces.len() - 1];
+            faces.push(offset(below, directions, thickness).collect());
+        }
+        faces
+    }
+}
+
+/// Points moved along directions by thicknesses.
+pub(crate) fn offset(
+    points: &[Vec3],
+    directions: &[Vec3],
+    thickness: &[f32],
+) -> impl Iterator<Item = Vec3> {
+    points.iter().zip(directions).zip(thickness).map(|((p, d), t)| *p + *d * *t)
+}
+
+/// For each layer the first one of the same Poisson ratio: those share ē and λ₃.
+pub(crate) fn first_alike(materials: &[Material]) -> impl Iterator<Item = usize> + '_ {
+    let nu = |k: usize| materials[k].poisson_ratio.to_bits();
+    (0..materials.len()).map(move |k| (0..k).find(|&j| nu(j) == nu(k)).unwrap_or(k))
+}
+
+/// [`Stack::thickness_mm`]: that at rest times (λ₁λ₂)^(−ν/(1−ν)). In `f32` and by one logarithm
+/// for all layers, because it is drawn and powers are slow.
+fn thickness_mm(materials: &[Material], deformation: &Deformation) -> Vec<Vec<f32>> {
+    let mut logarithm = vec![0.0_f32; deformation.len()];
+    for k in deformation.inside() {
+        logarithm[k] = (deformation.area_stretch(k).max(LEAST_AREA_STRETCH) as f32).ln();
+    }
+    let mut thickness_mm: Vec<Vec<f32>> = Vec::with_capacity(materials.len());
+    for (k, first) in first_alike(materials).enumerate() {
+        let rest = materials[k].thickness_mm;
+        thickness_mm.push(if first < k {
+            let ratio = (rest / materials[first].thickness_mm) as f32;
+            thickness_mm[first].iter().map(|t| t * ratio).collect()
+        } else {
+            let exponent = thickness_exponent(materials[k].poisson_ratio) as f32;
+            let mut values = vec![0.0; logarithm.len()];
+            for node in deformation.inside() {
+                values[node] = rest as f32 * (exponent * logarithm[node]).exp();
+            }
+            values
+        });
+    }
+    thickness_mm
+}

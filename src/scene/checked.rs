@@ -1,0 +1,81 @@
+//! A scene within its limits, with its curves built.
+
+use super::{Scene, SceneError, read};
+use crate::contact::{Dome, Obstacle};
+use crate::curve::Curve;
+use crate::mesh::{Patch, Sheet, rounded_nodes_per_side};
+use crate::solve::Problem;
+use crate::springs::Material;
+use glam::DVec2;
+
+/// A scene that was parsed and checked once, with the curves that the check built.
+#[derive(Clone, Debug)]
+pub struct CheckedScene {
+    scene: Scene,
+    materials: Vec<Material>,
+}
+
+impl CheckedScene {
+    /// Checks a scene.
+    ///
+    /// # Errors
+    /// The first field that is out of its range.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        scene.check_limits()?;
+        let material = |(k, layer): (usize, &super::Layer)| {
+            let curve = Curve::new(&layer.curve)
+                .map_err(|source| SceneError::Curve { layer: k, source })?;
+            let (poisson_ratio, thickness_mm) = (layer.poisson_ratio, layer.thickness_mm);
+            Ok(Material { curve, poisson_ratio, thickness_mm })
+        };
+        let materials = scene.layers.iter().enumerate().map(material).collect::<Result<_, _>>()?;
+        Ok(Self { scene, materials })
+    }
+
+    /// Reads a scene from JSON and checks it.
+    ///
+    /// # Errors
+    /// One line that names the field, what is wrong and what is allowed.
+    pub fn from_json(json: &str) -> Result<Self, SceneError> {
+        read::checked_scene(json)
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The scene without its curves.
+    #[must_use]
+    pub fn into_scene(self) -> Scene {
+        self.scene
+    }
+
+    /// The layers from the skin inwards.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The scene as the solver takes it.
+    #[must_use]
+    pub fn problem(&self) -> Problem {
+        let Scene { implant, pocket_radius_mm, insertion, springs, solver, .. } = &self.scene;
+        let dome = Dome::new(
+            DVec2::from(implant.center_mm),
+            implant.base_radius_mm,
+            implant.projection_mm,
+            *insertion,
+        );
+        let patch = Patch::clamped_at_pocket(*pocket_radius_mm);
+        Problem {
+            sheet: Sheet::new(rounded_nodes_per_side(solver.nodes_per_side), patch.radius_mm),
+            patch,
+            obstacle: Obstacle::on_flat_wall(dome),
+            materials: self.materials.clone(),
+            springs: *springs,
+            tolerance: solver.tolerance,
+        }
+    }
+}

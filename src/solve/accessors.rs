@@ -1,0 +1,239 @@
+//! Accessors of the solver: status, positions, forces, energy, work counters.
+
+use super::{
+    Displayed, Invalid, Method, Problem, Report, Solution, Solver, Stage, Verdict, initial_guess,
+};
+use crate::model::membrane::assembly;
+use crate::model::membrane::law::SheetLaw;
+use crate::springs::coupled::CoupledLaw;
+use glam::DVec3;
+
+impl Solver {
+    /// The problem being solved.
+    #[must_use]
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// The present state as a solution of its own.
+    #[must_use]
+    pub fn solution(&self) -> Solution {
+        let (x, offset_nodes) = (self.x.clone(), self.offset_nodes.clone());
+        Solution::new(&self.problem, &self.law, x, offset_nodes, self.report())
+    }
+
+    /// The same without a copy, at the end of a solver's life.
+    #[must_use]
+    pub fn into_solution(self) -> Solution {
+        let report = self.report();
+        Solution::new(&self.problem, &self.law, self.x, self.offset_nodes, report)
+    }
+
+    /// How the present state was obtained.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        Report {
+            verdict: self.verdict,
+            invalid: self.invalid,
+            displayed: self.displayed,
+            method: self.method(),
+            cycles: self.cycles(),
+            nodes_solved: self.nodes_solved(),
+            nodes_swept: self.nodes_swept(),
+            fell_back: self.fell_back,
+            is_left_at_rest: self.stage == Stage::Rest && self.error_at_rest() > 0.0,
+            work_units: self.work_units(),
+            relative_residual: finite(self.relative_residual()),
+            estimated_position_error: finite(self.estimated_position_error()),
+        }
+    }
+
+    /// How the solve stands or ended.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+
+    /// Why the last shape of the solve was invalid; [`Self::positions`] has the last valid one.
+    #[must_use]
+    pub fn invalid(&self) -> Option<Invalid> {
+        self.invalid
+    }
+
+    /// Which shape [`Self::positions`] has.
+    #[must_use]
+    pub fn displayed(&self) -> Displayed {
+        self.displayed
+    }
+
+    /// How often the law has been tabulated.
+    #[must_use]
+    pub fn tables_built(&self) -> u64 {
+        self.tables_built
+    }
+
+    /// How often the nested grids have been allocated.
+    #[must_use]
+    pub fn grids_built(&self) -> u64 {
+        self.grids_built
+    }
+
+    /// Did Newton's method take over because full multigrid did not converge?
+    #[must_use]
+    pub fn fell_back(&self) -> bool {
+        self.fell_back
+    }
+
+    fn method(&self) -> Method {
+        match self.stage {
+            Stage::Rest => Method::Multigrid { cycles: 0 },
+            Stage::Multigrid => Method::Multigrid { cycles: self.cycles() },
+            Stage::Newton => Method::Newton,
+        }
+    }
+
+    /// Free nodes solved for: those of one quarter or half where symmetry allows it.
+    #[must_use]
+    pub fn nodes_solved(&self) -> usize {
+        match (self.stage, &self.multigrid) {
+            (Stage::Multigrid, Some(multigrid)) => multigrid.nodes(),
+            _ => self.problem.sheet.free_nodes(),
+        }
+    }
+
+    fn nodes_swept(&self) -> usize {
+        match (self.stage, &self.multigrid) {
+            (Stage::Multigrid, Some(multigrid)) => multigrid.lanes(),
+            _ => self.problem.sheet.free_nodes(),
+        }
+    }
+
+    /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
+    #[must_use]
+    pub fn positions(&self) -> &[DVec3] {
+        &self.x
+    }
+
+    /// See [`Solution::offset_nodes`].
+    #[must_use]
+    pub fn offset_nodes(&self) -> &[(usize, DVec3)] {
+        &self.offset_nodes
+    }
+
+    /// Work of this solve \[evaluations of all nodal forces on the finest grid, of the nodes solved for\].
+    #[must_use]
+    pub fn work_units(&self) -> f64 {
+        if self.stage == Stage::Rest {
+            return 0.0;
+        }
+        self.multigrid.as_ref().map_or(0.0, |multigrid| multigrid.work_units())
+            + self.newton.as_ref().map_or(0.0, |newton| newton.work_units())
+    }
+
+    /// V-cycles of the finest grid.
+    #[must_use]
+    pub fn cycles(&self) -> u32 {
+        match (self.stage, &self.multigrid) {
+            (Stage::Rest, _) | (_, None) => 0,
+            (_, Some(multigrid)) => multigrid.finest_cycles(),
+        }
+    }
+
+    /// Changes whenever [`Self::positions`] do.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Spring forces on every node in balance \[kPa·mm²\], shape (nodes_per_side², ), and the root of the sum of
+    /// squares of the forces of single triangles. Forces that are not zero are carried by the dome, the wall or
+    /// the edge.
+    #[must_use]
+    pub fn forces_and_scale(&self) -> (Vec<DVec3>, f64) {
+        let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
+        let x = self.solution().balanced();
+        let totals = assembly::forces(&self.problem.sheet, &self.law, &x, &mut forces);
+        (forces, totals.force_scale())
+    }
+
+    /// Tension of all layers per small strain \[kPa·mm\]: Σ h·Ef′(0)/(1−ν²) for coupled springs (stretched
+    /// one way, held across), Σ h·Ef′(0) for the paper's.
+    #[must_use]
+    pub fn stiffness(&self) -> f64 {
+        self.law.stiffness()
+    }
+
+    /// Elastic energy \[kPa·mm³\] of a shape of this problem's sheet, shape (nodes_per_side², ).
+    #[must_use]
+    pub fn energy(&self, x: &[DVec3]) -> f64 {
+        assembly::energy(&self.problem.sheet, &self.law, x)
+    }
+
+    /// The initial guess: a shape from geometry alone \[mm\], shape (nodes_per_side², ).
+    #[must_use]
+    pub fn start_shape(&self) -> Vec<DVec3> {
+        initial_guess::taut_profile(&self.problem.sheet, &self.problem.obstacle.dome)
+    }
+
+    fn relative_residual(&self) -> f64 {
+        match (self.stage, &self.multigrid, &self.newton) {
+            (Stage::Rest, ..) => 0.0,
+            (Stage::Multigrid, Some(multigrid), _) => multigrid.ending().relative_residual,
+            (_, _, Some(newton)) => newton.finest().relative_residual(),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Estimated greatest node position error against this grid's own equilibrium \[base radius\]; infinite
+    /// while there is no estimate.
+    #[must_use]
+    pub fn estimated_position_error(&self) -> f64 {
+        let error = match (self.stage, &self.multigrid, &self.newton) {
+            (Stage::Rest, ..) => return self.error_at_rest(),
+            (Stage::Multigrid, Some(multigrid), _) => multigrid.ending().error,
+            (_, _, Some(newton)) => newton.finest().error(),
+            _ => f64::INFINITY,
+        };
+        error / self.problem.obstacle.dome.base_radius
+    }
+
+    /// Fraction of the solve that is done, 0 to 1: nested grids count for a third, the finest grid's estimated
+    /// error for the rest. The fraction may fall where a grid is begun anew.
+    #[must_use]
+    pub fn fraction_done(&self) -> f64 {
+        let (grid, grids) = match (self.stage, &self.newton) {
+            (Stage::Newton, Some(newton)) => newton.grid(),
+            _ => (1, 1),
+        };
+        let nested = (grid as f64 / grids as f64) / 3.0;
+        if grid < grids {
+            return nested;
+        }
+        let error = self.estimated_position_error().clamp(self.problem.tolerance, 1.0);
+        let least = self.problem.tolerance.min(0.1);
+        nested + (error.ln() / least.ln()).clamp(0.0, 1.0) * 2.0 / 3.0
+    }
+
+    /// The coupled springs' law with its tables; `None` for the paper's springs.
+    #[must_use]
+    pub fn coupled_law(&self) -> Option<&CoupledLaw> {
+        match &*self.law {
+            SheetLaw::Coupled(law) => Some(law),
+            SheetLaw::Paper(_) => None,
+        }
+    }
+
+    /// Tables that one triangle (coupled springs) or spring reads: layers of equal Poisson ratio share
+    /// one.
+    #[must_use]
+    pub fn tables(&self) -> usize {
+        self.coupled_law().map_or(1, CoupledLaw::groups)
+    }
+
+    /// The greatest error of the law's tables, relative to their peak stress \[-\].
+    #[must_use]
+    pub fn table_error(&self) -> f64 {
+        self.law.table_error()
+    }
+}

@@ -1,0 +1,304 @@
+//! Convergence of full multigrid: error estimate, balance of forces, contact offsets, relaxation of oscillations.
+//!
+//! The error after a cycle is estimated from the change of the cycle and the ratio ρ of the last two changes, as
+//! the sum of a geometric series: ρ/(1 − ρ) times the change. A small change alone is no evidence: the
+//! relative residual is bounded too.
+
+use super::level::Level;
+use super::parameters::PARAMETERS;
+use super::smoother::Contact;
+use super::{FullMultigrid, Mode, State, Stop};
+use crate::contact::contact_edge;
+use crate::mesh::lanes::Field;
+use crate::model::ElasticModel;
+
+/// What a convergence test found.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct Ending {
+    /// Estimated greatest node position error \[mm\].
+    pub(in crate::solve) error: f64,
+    /// Norm of the forces that no contact takes, relative to the forces of the cells \[-\].
+    pub(in crate::solve) relative_residual: f64,
+    /// Is a tension compressive? The sheet may be nearly stationary on its path to a wrinkled equilibrium.
+    pub(in crate::solve) is_compressive: bool,
+    /// Are contact offsets so large that f64 has to decide which nodes are active?
+    pub(in crate::solve) leaves_contact_offsets: bool,
+}
+
+impl Ending {
+    const NONE: Self = Self {
+        error: f64::INFINITY,
+        relative_residual: f64::INFINITY,
+        is_compressive: false,
+        leaves_contact_offsets: false,
+    };
+}
+
+/// What a search for contact offsets found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Offsets {
+    NotSearched,
+    /// They are negligible at the tolerance.
+    Neglected,
+    Applied,
+    /// The active set is not clear yet.
+    Unclear,
+}
+
+/// The convergence of the grid being solved.
+#[derive(Clone, Debug)]
+pub(super) struct Convergence {
+    /// Cycles of the grid.
+    pub(super) cycles: u32,
+    /// Slow cycles in a row.
+    slow_cycles: u32,
+    /// Stagnations out of balance, and the relative residual at the last one.
+    stagnations: u32,
+    stagnation_residual: f64,
+    pub(super) offsets: Offsets,
+    /// Error of neglected contact offsets \[mm\].
+    neglected_offset: f64,
+    /// Sum of squares of the residual, where the search for contact offsets has computed it.
+    residual_squares: Option<f64>,
+    /// The change of the last cycle \[mm\].
+    last_change: f64,
+    /// The same as a field; of the finest grid, where no relaxation followed.
+    last_update: Field,
+    has_last_update: bool,
+    pub(super) ending: Ending,
+}
+
+impl Convergence {
+    /// `last_update` is a field of the finest grid.
+    pub(super) fn new(last_update: Field) -> Self {
+        Self {
+            cycles: 0,
+            slow_cycles: 0,
+            stagnations: 0,
+            stagnation_residual: f64::INFINITY,
+            offsets: Offsets::NotSearched,
+            neglected_offset: 0.0,
+            residual_squares: None,
+            last_change: f64::INFINITY,
+            last_update,
+            has_last_update: false,
+            ending: Ending::NONE,
+        }
+    }
+
+    /// Forgets the grid before.
+    pub(super) fn reset(&mut self) {
+        *self = Self::new(std::mem::take(&mut self.last_update));
+    }
+
+    /// Has the state changed by other means than a cycle?
+    fn forget_changes(&mut self) {
+        self.last_change = f64::INFINITY;
+        self.slow_cycles = 0;
+    }
+
+    /// Estimates the error from the change of a cycle \[mm\]; returns whether the cycle was slow.
+    fn estimate_error(&mut self, change: f64) -> bool {
+        let parameters = &PARAMETERS;
+        let least = parameters.min_convergence_factor;
+        let mut rate = least;
+        let mut is_slow = false;
+        if self.last_change.is_finite() {
+            rate = (change / self.last_change.max(f64::MIN_POSITIVE))
+                .clamp(least, parameters.max_convergence_factor);
+            is_slow = change > parameters.slow_factor * self.last_change;
+            self.slow_cycles = if is_slow { self.slow_cycles + 1 } else { 0 };
+        }
+        self.last_change = change;
+        self.ending.error = parameters.error_safety * change * rate / (1.0 - rate);
+        is_slow
+    }
+}
+
+impl<M: ElasticModel> FullMultigrid<M> {
+    /// Ends a cycle: converged, failed, another cycle, or the next finer grid.
+    pub(super) fn check_convergence(&mut self) -> State {
+        let Level { layout, u, before, .. } = &self.levels[self.grid];
+        let change = self.grid_spacing() * f64::from(layout.greatest_difference(u, before));
+        self.convergence.cycles += 1;
+        if !change.is_finite() {
+            return State::Failed;
+        }
+        let is_slow = self.convergence.estimate_error(change);
+        if is_slow && self.grid > 0 && change > PARAMETERS.start_tolerance * self.base_radius {
+            self.mode = Mode::Robust;
+        }
+        if self.is_on_finest() { self.check_solution() } else { self.check_start() }
+    }
+
+    /// A coarser grid has to be a good start only.
+    fn check_start(&mut self) -> State {
+        let Self { convergence, grid, base_radius, .. } = self;
+        let is_enough = convergence.ending.error <= PARAMETERS.start_tolerance * *base_radius;
+        let most = match grid {
+            0 => PARAMETERS.max_coarsest_cycles,
+            _ => PARAMETERS.max_start_cycles,
+        };
+        if is_enough || convergence.cycles >= most {
+            // What is slow even on the coarsest grid, cycles will not solve: tissue that slides on a steep dome.
+            if self.grid == 0 && !is_enough {
+                return State::Failed;
+            }
+            self.refine();
+        } else {
+            self.begin_cycle();
+        }
+        State::Working
+    }
+
+    fn check_solution(&mut self) -> State {
+        let is_enough = match self.stop {
+            Stop::Cycles(cycles) => self.convergence.cycles >= cycles,
+            Stop::Tolerance => self.is_error_tolerable(),
+        };
+        if self.is_settled(is_enough)
+            && matches!(self.convergence.offsets, Offsets::NotSearched | Offsets::Unclear)
+            && self.model.has_contact_offsets()
+        {
+            self.convergence.offsets = self.find_contact_offsets();
+            if self.convergence.offsets == Offsets::Applied {
+                self.convergence.forget_changes();
+                self.convergence.has_last_update = false;
+                self.begin_cycle();
+                return State::Working;
+            }
+        }
+        let is_clear = self.convergence.offsets != Offsets::Unclear || !is_enough;
+        if is_clear && is_enough && (self.stop != Stop::Tolerance || self.is_error_tolerable()) {
+            let ending = self.check_balance();
+            if ending != State::Working {
+                return ending;
+            }
+        }
+        self.convergence.residual_squares = None;
+        let Convergence { cycles, slow_cycles, .. } = self.convergence;
+        let is_exhausted =
+            cycles >= PARAMETERS.max_cycles || slow_cycles >= PARAMETERS.max_slow_cycles;
+        if self.stop == Stop::Tolerance && is_exhausted {
+            return State::Failed;
+        }
+        self.aitken_relax();
+        self.begin_cycle();
+        let error = self.convergence.ending.error;
+        if self.draft_tolerance.is_some_and(|draft| error <= draft * self.base_radius) {
+            self.draft_tolerance = None;
+            return State::Draft;
+        }
+        State::Working
+    }
+
+    /// Are nodes in place, so that contact offsets matter?
+    fn is_settled(&self, is_enough: bool) -> bool {
+        match self.stop {
+            Stop::Cycles(cycles) => cycles > 1 && 2 * self.convergence.cycles >= cycles,
+            Stop::Tolerance => is_enough,
+        }
+    }
+
+    /// Is the error, with that of neglected contact offsets, within the tolerance?
+    fn is_error_tolerable(&self) -> bool {
+        let Convergence { ending, neglected_offset, .. } = &self.convergence;
+        ending.error + neglected_offset <= self.tolerance * self.base_radius
+    }
+
+    /// A solution in which forces balance is converged; a second stagnation out of balance fails.
+    fn check_balance(&mut self) -> State {
+        self.find_relative_residual();
+        let Self { convergence, base_radius, tolerance, .. } = self;
+        let residual = convergence.ending.relative_residual;
+        let least = PARAMETERS.error_per_residual * residual * *base_radius;
+        convergence.ending.error =
+            convergence.ending.error.max(least) + convergence.neglected_offset;
+        let (low, high) = PARAMETERS.residual_bounds;
+        let is_balanced = convergence.ending.error <= *tolerance * *base_radius
+            && (residual <= tolerance.clamp(low, high)
+                || residual <= high && self.levels[self.grid].is_rounded());
+        if is_balanced || self.stop != Stop::Tolerance {
+            return State::Converged;
+        }
+        let convergence = &mut self.convergence;
+        let is_stagnant = residual > PARAMETERS.stagnation_factor * convergence.stagnation_residual;
+        convergence.stagnations += u32::from(is_stagnant);
+        convergence.stagnation_residual = residual;
+        let has_failed = convergence.stagnations >= PARAMETERS.max_stagnations;
+        if has_failed { State::Failed } else { State::Working }
+    }
+
+    /// Computes the relative residual, and whether a tension is compressive.
+    fn find_relative_residual(&mut self) {
+        let grid = self.grid;
+        let level = &mut self.levels[grid];
+        let known = self.convergence.residual_squares.take();
+        let squares = known.unwrap_or_else(|| level.find_residual(&self.model, Contact::OneSided));
+        let tension = level.tension(&self.model);
+        let ending = &mut self.convergence.ending;
+        // A sheet at rest has no forces: rounding is not measured against rounding.
+        ending.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
+        ending.is_compressive = tension.is_compressive(level.layout.free_nodes());
+        self.count(grid, if known.is_some() { 0.5 } else { 1.5 });
+    }
+
+    /// Finds where contact ends between nodes, and applies the contact offsets if they matter at the tolerance.
+    fn find_contact_offsets(&mut self) -> Offsets {
+        let (grid, is_study) = (self.grid, self.stop != Stop::Tolerance);
+        let spacing = self.grid_spacing();
+        let level = &mut self.levels[grid];
+        let squares = level.find_residual(&self.model, Contact::OneSided);
+        let greatest = level.find_contact_offsets() * spacing / self.base_radius;
+        self.convergence.neglected_offset = contact_edge::neglected(greatest) * self.base_radius;
+        // The tolerance may leave room for neglecting them: another cycle is not due then.
+        let mut fraction = if self.is_error_tolerable() && !is_study {
+            0.0
+        } else {
+            contact_edge::fraction(greatest, self.tolerance)
+        };
+        let is_large = fraction * greatest > PARAMETERS.max_contact_offset * self.tolerance;
+        let leaves_offsets = !is_study && is_large;
+        self.convergence.ending.leaves_contact_offsets = leaves_offsets;
+        if leaves_offsets {
+            (fraction, self.convergence.neglected_offset) = (0.0, 0.0);
+        }
+        self.count(grid, 1.0);
+        let offsets = &mut self.levels[grid].contact_offset;
+        if fraction <= 0.0 {
+            offsets.fill(0.0);
+            self.convergence.residual_squares = Some(squares);
+            return Offsets::Neglected;
+        }
+        self.convergence.neglected_offset = 0.0;
+        let error = self.convergence.ending.error / self.base_radius;
+        let is_clear =
+            is_study || contact_edge::is_clear(error, greatest) || self.convergence.slow_cycles > 0;
+        if !is_clear {
+            offsets.fill(0.0);
+            return Offsets::Unclear;
+        }
+        offsets.iter_mut().for_each(|offset| *offset *= fraction as f32);
+        Offsets::Applied
+    }
+
+    /// Relaxes a change that the one before says will be taken back: coarse grids are slightly too soft where
+    /// contact ends, so that the sheet oscillates there (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46, 1926, for one
+    /// vector).
+    fn aitken_relax(&mut self) {
+        let level = &mut self.levels[self.grid];
+        let Level { layout, u, before, .. } = level;
+        let convergence = &mut self.convergence;
+        let last_update = &mut convergence.last_update;
+        let (product, square) = layout.products(u, before, last_update);
+        let rho = if convergence.has_last_update && square > 0.0 { product / square } else { 0.0 };
+        convergence.has_last_update = rho > PARAMETERS.oscillation;
+        if convergence.has_last_update {
+            last_update.set_difference(u, before);
+        } else {
+            u.blend(before, (rho / (rho - 1.0)) as f32);
+            level.project_feasible();
+            convergence.forget_changes();
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The V-cycle of the full approximation scheme, as a schedule.
+//!
+//! On every grid l the problem is f(u) + τ = 0 outside of the obstacle; τ = 0 on the grid being solved.
+//!
+//! 1. Smooth: u ← u + ω D⁻¹ (f(u) + τ), ν₁ times.
+//! 2. Restrict: û = I u and τ = R r − f(û) on the next coarser grid, r the residual without contact forces; the
+//!    active set of the coarser grid is that of the finer one.
+//! 3. Solve the coarse problem: by this cycle, on the coarsest grid by smoothing alone.
+//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes.
+//! 5. Smooth ν₂ times.
+//!
+//! A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31, 1977.
+
+use super::parameters::PARAMETERS;
+use super::smoother::Contact;
+use super::{FullMultigrid, Mode};
+use crate::model::ElasticModel;
+
+/// A step of a cycle: one piece of work, a few passes over one grid. Grids count from the coarsest, 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    /// Computes D⁻¹.
+    InvertBlocks {
+        grid: usize,
+    },
+    Smooth {
+        grid: usize,
+        omega: f32,
+    },
+    /// From a grid to the next coarser one.
+    Restrict {
+        grid: usize,
+    },
+    SolveCoarsest,
+    /// From the next coarser grid to this one.
+    Correct {
+        grid: usize,
+    },
+    CheckConvergence,
+}
+
+/// A cycle to come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// The grid being solved.
+    pub(super) top: usize,
+    /// Cycles of this grid before.
+    pub(super) cycles: u32,
+    pub(super) mode: Mode,
+}
+
+impl Plan {
+    /// Sets `steps` to one V-cycle.
+    pub(super) fn v_cycle(self, steps: &mut Vec<Step>) {
+        steps.clear();
+        for grid in (1..=self.top).rev() {
+            if self.renews_blocks(grid) {
+                steps.push(Step::InvertBlocks { grid });
+            }
+            steps.extend(self.smoothing(grid));
+            steps.push(Step::Restrict { grid });
+        }
+        steps.push(Step::SolveCoarsest);
+        for grid in 1..=self.top {
+            steps.push(Step::Correct { grid });
+            steps.extend(self.smoothing(grid));
+        }
+        steps.push(Step::CheckConvergence);
+    }
+
+    /// A grid keeps its blocks for all cycles but its own first ones.
+    fn renews_blocks(self, grid: usize) -> bool {
+        let is_own = grid == self.top && self.cycles < PARAMETERS.block_cycles;
+        is_own || self.mode == Mode::Robust
+    }
+
+    fn smoothing(self, grid: usize) -> impl Iterator<Item = Step> {
+        let is_first = grid == self.top && self.cycles == 0;
+        let omegas = if is_first { PARAMETERS.first_smoothing } else { PARAMETERS.smoothing };
+        omegas.iter().map(move |&omega| Step::Smooth { grid, omega })
+    }
+}
+
+impl<M: ElasticModel> FullMultigrid<M> {
+    /// Begins a cycle of the grid being solved.
+    pub(super) fn begin_cycle(&mut self) {
+        let Self { levels, grid, convergence, mode, steps, .. } = self;
+        let level = &mut levels[*grid];
+        level.before.copy_from(&level.u);
+        Plan { top: *grid, cycles: convergence.cycles, mode: *mode }.v_cycle(steps);
+        self.next_step = 0;
+    }
+
+    /// Does a step of a cycle but the last one.
+    pub(super) fn execute(&mut self, step: Step) {
+        match step {
+            Step::InvertBlocks { grid } => {
+                self.levels[grid].invert_blocks(&self.model);
+                self.count(grid, 1.0);
+            }
+            Step::Smooth { grid, omega } => {
+                let contact = self.contact(grid);
+                let evaluations = self.levels[grid].smooth(&self.model, contact, omega);
+                self.count(grid, evaluations);
+            }
+            Step::Restrict { grid } => {
+                let contact = self.contact(grid);
+                let weight = match self.mode {
+                    Mode::Fast => PARAMETERS.coarse_active_weight,
+                    Mode::Robust => PARAMETERS.robust_active_weight,
+                };
+                let (coarser, finer) = self.levels.split_at_mut(grid);
+                let (coarse, fine) = (&mut coarser[grid - 1], &mut finer[0]);
+                fine.find_residual(&self.model, contact);
+                coarse.restrict_from(&self.model, fine, weight);
+                self.count(grid, 1.25);
+            }
+            Step::SolveCoarsest => self.solve_coarsest(),
+            Step::Correct { grid } => {
+                let (coarse, fine) = self.levels.split_at_mut(grid);
+                fine[0].correct(&coarse[grid - 1], &mut self.row);
+            }
+            Step::CheckConvergence => {}
+        }
+    }
+
+    fn solve_coarsest(&mut self) {
+        let contact = self.contact(0);
+        let level = &mut self.levels[0];
+        if self.grid == 0 || self.mode == Mode::Robust {
+            level.invert_blocks(&self.model);
+        }
+        for _ in 0..PARAMETERS.coarsest_rounds {
+            for &omega in PARAMETERS.coarsest_smoothing {
+                level.smooth(&self.model, contact, omega);
+            }
+        }
+        let steps = PARAMETERS.coarsest_rounds * PARAMETERS.coarsest_smoothing.len();
+        self.count(0, steps as f64);
+    }
+
+    fn contact(&self, grid: usize) -> Contact {
+        if grid == self.grid { Contact::OneSided } else { Contact::Inherited }
+    }
+
+    /// Counts evaluations of the forces of a grid.
+    pub(super) fn count(&mut self, grid: usize, evaluations: f64) {
+        let coarser = (self.levels.len() - 1 - grid) as i32;
+        self.work_units += evaluations * 0.25_f64.powi(coarser);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_cycle_of_three_grids_smooths_twice_on_the_way_down_and_up() {
+        let mut steps = Vec::new();
+        Plan { top: 2, cycles: 3, mode: Mode::Fast }.v_cycle(&mut steps);
+        let smooth = |grid: usize| [1.6, 0.5].map(|omega| Step::Smooth { grid, omega });
+        let mut expected = Vec::new();
+        for grid in [2, 1] {
+            expected.extend(smooth(grid));
+            expected.push(Step::Restrict { grid });
+        }
+        expected.push(Step::SolveCoarsest);
+        for grid in [1, 2] {
+            expected.push(Step::Correct { grid });
+            expected.extend(smooth(grid));
+        }
+        expected.push(Step::CheckConvergence);
+        assert_eq!(steps, expected);
+    }
+}

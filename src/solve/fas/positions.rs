@@ -1,0 +1,80 @@
+//! The solution of the finest grid in mm.
+
+use super::FullMultigrid;
+use super::level::Level;
+use crate::contact::TOUCH_F32;
+use crate::model::ElasticModel;
+use crate::solve::Problem;
+use crate::solve::validity::{self, Invalid};
+use glam::DVec3;
+
+impl<M: ElasticModel> FullMultigrid<M> {
+    /// Interpolates the solution of the grid being solved to the finest one, to be displayed; returns the nodes
+    /// a side of the grid being solved.
+    pub(in crate::solve) fn preview(&mut self) -> usize {
+        for grid in self.grid..self.levels.len() - 1 {
+            self.prolongate(grid);
+        }
+        self.levels[self.grid].layout.nodes_per_side
+    }
+
+    /// Why the finest grid's shape is invalid, if it is.
+    pub(in crate::solve) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
+        let Level { layout, u, .. } = self.finest();
+        let n = layout.nodes_per_side;
+        let stored = layout.first();
+        let first = layout.mirrored.map(|is_mirrored| if is_mirrored { n / 2 } else { 0 });
+        let Problem { sheet, obstacle, tolerance, .. } = problem;
+        validity::invalid(sheet, &obstacle.dome, *tolerance, first, |i, j| {
+            let moved = u.at((j - stored[1]) * layout.pitch + i - stored[0]).map(f64::from);
+            sheet.rest_position(j * n + i) + DVec3::from(moved) * self.spacing
+        })
+    }
+
+    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), touching nodes on the dome
+    /// itself, and the positions in balance of the nodes with contact offsets.
+    pub(in crate::solve) fn write_positions(
+        &self,
+        problem: &Problem,
+        x: &mut [DVec3],
+        offset_nodes: &mut Vec<(usize, DVec3)>,
+    ) {
+        let (sheet, dome) = (&problem.sheet, &problem.obstacle.dome);
+        offset_nodes.clear();
+        let Level { layout, u, active, contact_offset, obstacle, .. } = self.finest();
+        let (n, first) = (layout.nodes_per_side, layout.first());
+        let [along_x, along_y] = layout.mirrored;
+        layout.free_rows(|j, from, to| {
+            for i in from..to {
+                let at = j * layout.pitch + i;
+                let [ux, uy, uz] = u.at(at).map(f64::from);
+                let (offset, is_active) = (contact_offset[at], active[at] > 0.0);
+                let is_near = obstacle.is_near(layout.rest(i, j), u.at(at));
+                let mut set = |i: usize, j: usize, u: DVec3| {
+                    let k = j * n + i;
+                    x[k] = sheet.rest_position(k) + u * self.spacing;
+                    if offset != 0.0 && is_active {
+                        // Twice on an axis of symmetry, which does no harm.
+                        offset_nodes.push((k, x[k]));
+                    }
+                    let touches = || is_near && dome.gauge(x[k]) < TOUCH_F32;
+                    if offset > 0.0 && is_active || offset == 0.0 && touches() {
+                        x[k] = dome.onto_surface(x[k]);
+                    }
+                };
+                let (i, j) = (i + first[0], j + first[1]);
+                let (i2, j2) = (n - 1 - i, n - 1 - j);
+                set(i, j, DVec3::new(ux, uy, uz));
+                if along_x {
+                    set(i2, j, DVec3::new(-ux, uy, uz));
+                }
+                if along_y {
+                    set(i, j2, DVec3::new(ux, -uy, uz));
+                }
+                if along_x && along_y {
+                    set(i2, j2, DVec3::new(-ux, -uy, uz));
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,78 @@
+//! An initial guess from geometry alone: in every vertical plane through the dome's axis, the taut profile over
+//! the dome and down to the patch's edge, stretched evenly along its length.
+
+use crate::contact::Dome;
+use crate::mesh::{NodeKind, Sheet};
+use glam::{DVec2, DVec3};
+
+/// Points sampled along the dome's meridian.
+const MERIDIAN: usize = 64;
+
+/// Positions \[mm\] of every node; clamped and outside nodes at rest on the wall.
+pub(crate) fn taut_profile(sheet: &Sheet, dome: &Dome) -> Vec<DVec3> {
+    let meridian = meridian(dome);
+    let mut profile = Vec::with_capacity(MERIDIAN + 2);
+    sheet
+        .rest()
+        .iter()
+        .zip(sheet.kinds())
+        .enumerate()
+        .map(|(k, (&rest, kind))| {
+            let from_axis = rest - dome.center;
+            let distance = from_axis.length();
+            if *kind != NodeKind::Free {
+                return sheet.rest_position(k);
+            }
+            let direction = if distance > 0.0 { from_axis / distance } else { DVec2::X };
+            let reach = distance_to_border(dome.center, direction, sheet.radius_mm());
+            pull_taut(&meridian, reach, &mut profile);
+            let at = along(&profile, distance / reach);
+            (dome.center + direction * at.x).extend(at.y)
+        })
+        .collect()
+}
+
+/// The dome's meridian above the wall as (distance from its axis, height), from the apex down.
+fn meridian(dome: &Dome) -> Vec<DVec2> {
+    let last = dome.wall_angle();
+    (0..=MERIDIAN)
+        .map(|k| {
+            let point = dome.meridian(last * k as f64 / MERIDIAN as f64);
+            DVec2::new(point.x, point.y.max(0.0))
+        })
+        .collect()
+}
+
+/// Length of the ray from a point inside the circle about the origin to the circle.
+fn distance_to_border(from: DVec2, direction: DVec2, radius: f64) -> f64 {
+    let b = from.dot(direction);
+    (b * b + radius * radius - from.length_squared()).max(0.0).sqrt() - b
+}
+
+/// The upper convex hull of the meridian and the border point (reach, 0).
+fn pull_taut(meridian: &[DVec2], reach: f64, profile: &mut Vec<DVec2>) {
+    profile.clear();
+    for &point in meridian.iter().chain([&DVec2::new(reach, 0.0)]) {
+        while let [.., a, b] = profile[..] {
+            if (b - a).perp_dot(point - b) < 0.0 {
+                break;
+            }
+            profile.pop();
+        }
+        profile.push(point);
+    }
+}
+
+/// The point at a fraction of a polyline's length.
+fn along(profile: &[DVec2], fraction: f64) -> DVec2 {
+    let length: f64 = profile.windows(2).map(|p| p[0].distance(p[1])).sum();
+    let mut left = fraction.clamp(0.0, 1.0) * length;
+    for pair in profile.windows(2) {
+        let piece = pair[0].distance(pair[1]);
+        if left <= piece && piece > 0.0 {
+            return pair[0].lerp(pair[1], left / piece);
+        }
+        left -= piece;
+    }
+    profile[profile.len() - 1]
+}

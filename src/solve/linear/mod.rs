@@ -1,0 +1,3 @@
+//! Linear systems on nested grids.
+
+pub(crate) mod galerkin;

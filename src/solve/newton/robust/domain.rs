@@ -1,0 +1,31 @@
+//! Iterates outside of the law's domain.
+//!
+//! Symptom: a stable shape is reported unstable (`way-outside-of-the-law`). Cause: iterates leave the range of the
+//! paper's springs temporarily. Remedy: divergence is declared after several such iterations in a row, or once a
+//! node leaves the surroundings of pocket and dome.
+
+use super::Newton;
+use crate::contact::Obstacle;
+
+/// Consecutive iterations outside of the domain before divergence is declared.
+const MAX_OUTSIDE: u32 = 4;
+/// Distance of a node from the pocket's centre at which divergence is declared \[patch radius and dome's height\].
+const MAX_DISTANCE: f64 = 1.5;
+
+impl Newton {
+    /// Has the iteration diverged?
+    pub(in crate::solve::newton) fn has_left_domain(&mut self, obstacle: &Obstacle) -> bool {
+        let totals = &self.model.totals;
+        let outside = &mut self.robust.outside;
+        *outside = if totals.outside_law { *outside + 1 } else { 0 };
+        let outside = *outside;
+        outside > MAX_OUTSIDE
+            || outside > 0 && self.has_distant_node(obstacle)
+            || !totals.energy.is_finite()
+    }
+
+    fn has_distant_node(&self, obstacle: &Obstacle) -> bool {
+        let most = MAX_DISTANCE * (self.sheet.radius_mm() + obstacle.dome.apex().z);
+        self.free.iter().any(|&k| self.x[k as usize].length_squared() > most * most)
+    }
+}

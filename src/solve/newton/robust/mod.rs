@@ -1,0 +1,217 @@
+//! Safeguards near singular stiffness; skip on first reading.
+//!
+//! Each file is one safeguard: symptom, cause, remedy and the scene in `tests/stress` that needs it. None acts
+//! in the scenes that full multigrid solves.
+//!
+//! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step leads downhill) |
+//! `step_extension`, `partan` (the model is too stiff) | `exact_step` (the model is far too stiff) | `domain`
+//! (springs outside of their law) | `stability` (saddle points of the paper's springs) | `symmetry`.
+
+mod curvature;
+mod domain;
+mod exact_step;
+mod partan;
+mod stability;
+mod step_extension;
+mod sweeps;
+pub(super) mod symmetry;
+
+use super::{CgState, Newton, State};
+use crate::contact::{Dome, Obstacle, TOUCH_F64};
+use crate::model::membrane::assembly::Stiffness;
+use crate::model::membrane::law::SheetLaw;
+use curvature::{AcceptedStep, Curvature};
+use glam::DVec3;
+use symmetry::{Mirror, Mirrors};
+
+/// What a solve from the present shape has used of the exact Hessian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum HessianUse {
+    /// The positive semidefinite model alone.
+    Positive,
+    /// The step of the exact Hessian.
+    Exact,
+}
+
+/// Which methods step the nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum StepMethod {
+    SweepsAndGradients,
+    SweepsOnly,
+}
+
+/// State of the safeguards of one grid.
+pub(super) struct Robust {
+    /// Mirrors in which the solution is its own image.
+    mirrors: Vec<Mirror>,
+    curvature: Curvature,
+    step_method: StepMethod,
+    pub(super) hessian: HessianUse,
+    /// Exact steps in a row along which the energy fell nowhere.
+    blocked: u32,
+    /// Iterations in a row with springs outside of the range of their law.
+    outside: u32,
+    /// Greatest factor by which a step of the model was too short so far \[-\].
+    pub(super) step_growth: f64,
+    /// How far steps were extended lately \[mm\].
+    pub(super) extrapolation: f64,
+    /// Positions before the last step but one, if known.
+    earlier: Vec<DVec3>,
+    has_earlier: bool,
+}
+
+/// A safeguard's piece of work.
+#[derive(Clone, Copy)]
+pub(super) enum Phase {
+    /// Extends a step, or the sum of the last two, from an energy.
+    Extend { length: f64, energy: f64, direction: Direction },
+    /// Assembles rows of the exact Hessian from this one on.
+    ExactHessian { row: usize, purpose: Purpose },
+    /// Conjugate gradients on the exact Hessian.
+    ExactStep(CgState),
+    /// Searches the least eigenvalue of the exact Hessian; ends in `after` if that is not negative.
+    Stability { step: u32, after: State },
+}
+
+/// Along what a step is extended.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Direction {
+    Step,
+    /// The sum of the last two steps.
+    TwoSteps,
+}
+
+/// What the exact Hessian is assembled for.
+#[derive(Clone, Copy)]
+pub(super) enum Purpose {
+    /// The stability of the shape; the iteration ends in the state if the shape is stable.
+    Stability(State),
+    /// The step of the exact Hessian.
+    Step,
+}
+
+impl Robust {
+    pub(super) fn new(size: usize) -> Self {
+        Self {
+            mirrors: Vec::new(),
+            curvature: Curvature::default(),
+            step_method: StepMethod::SweepsAndGradients,
+            hessian: HessianUse::Positive,
+            blocked: 0,
+            outside: 0,
+            step_growth: 1.0,
+            extrapolation: 0.0,
+            earlier: vec![DVec3::ZERO; size],
+            has_earlier: false,
+        }
+    }
+
+    /// Forgets the solve before.
+    pub(super) fn start(&mut self, mirrors: Mirrors, dome: &Dome) {
+        self.mirrors = mirrors.of(dome);
+        self.curvature = Curvature::default();
+        self.step_method = StepMethod::SweepsAndGradients;
+        self.blocked = 0;
+        self.outside = 0;
+        self.step_growth = 1.0;
+        self.extrapolation = 0.0;
+        self.has_earlier = false;
+    }
+
+    pub(super) fn has_sweeps_only(&self) -> bool {
+        self.step_method == StepMethod::SweepsOnly
+    }
+
+    pub(super) fn is_exact_step(&self) -> bool {
+        self.hessian == HessianUse::Exact
+    }
+
+    /// Notes an accepted step of the line search, `is_full` if its length is one.
+    pub(super) fn accept_step(&mut self, is_full: bool, iterations: u32) -> AcceptedStep {
+        if self.is_exact_step() {
+            self.blocked = 0;
+        }
+        let had_curvature = self.has_curvature();
+        let is_whole = is_full && !self.has_sweeps_only();
+        if is_full {
+            self.step_method = StepMethod::SweepsAndGradients;
+        }
+        self.curvature.expire(iterations);
+        AcceptedStep { is_whole, had_curvature }
+    }
+}
+
+impl Newton {
+    /// Does a safeguard's piece of work.
+    pub(super) fn robust_step(
+        &mut self,
+        law: &SheetLaw,
+        obstacle: &Obstacle,
+        tolerance: f64,
+        phase: Phase,
+    ) -> State {
+        match phase {
+            Phase::Extend { length, energy, direction } => {
+                self.extend(law, obstacle, length, energy, direction);
+                State::Working
+            }
+            Phase::ExactHessian { row, purpose } => {
+                self.assemble_exact_hessian(law, obstacle, row, purpose);
+                State::Working
+            }
+            Phase::ExactStep(cg) => self.exact_cg(obstacle, cg, tolerance),
+            Phase::Stability { step, after } => self.search_eigenvalue(law, step, after),
+        }
+    }
+
+    /// Assembles rows of the exact Hessian; after the last one, the contact, and goes on to the purpose.
+    fn assemble_exact_hessian(
+        &mut self,
+        law: &SheetLaw,
+        obstacle: &Obstacle,
+        row: usize,
+        purpose: Purpose,
+    ) {
+        if let Some(row) = self.add_rows(law, row, Stiffness::True) {
+            self.phase = super::Phase::Robust(Phase::ExactHessian { row, purpose });
+            return;
+        }
+        let touch = TOUCH_F64 * obstacle.dome.base_radius;
+        for k in 0..self.free.len() {
+            let k = self.free[k] as usize;
+            let per_gradient = self.find_contact(obstacle, k, touch);
+            self.model.hessian.diagonal[k] -=
+                obstacle.dome.gauge_curvature(self.x[k]) * per_gradient;
+            self.constrain(k);
+        }
+        match purpose {
+            Purpose::Stability(after) => self.begin_eigenvalue_search(after),
+            Purpose::Step => self.begin_exact_cg(),
+        }
+    }
+
+    /// Ends a line search in which the energy fell nowhere.
+    pub(super) fn reject_step(&mut self, is_uphill: bool) -> State {
+        if self.is_blocked() {
+            return State::Converged;
+        }
+        if self.turns_to_sweeps(is_uphill) || self.turns_curvature_off() {
+            return State::Working;
+        }
+        State::Stalled
+    }
+
+    /// Was the exact step evaluated at this shape?
+    pub(super) fn has_exact_step(&self) -> bool {
+        self.robust.is_exact_step()
+    }
+
+    /// Continues from a shape that was moved slightly: the stiffness of the model is as before, and so is the error
+    /// for a while.
+    pub(super) fn keep_error(&mut self) {
+        self.last_step = f64::INFINITY;
+        self.robust.extrapolation = self.error;
+        self.robust.has_earlier = false;
+        self.robust.curvature.retries = 0;
+    }
+}

@@ -1,0 +1,93 @@
+//! Steps longer than the model's.
+//!
+//! Symptom: many small steps beside a dome at the pocket's rim (`slack-beside-the-dome`,
+//! `slack-beside-a-dome-at-the-rim`). Cause: the sheet has almost no tension there, and the positive semidefinite
+//! model is too stiff. Remedy: a step that lowers the energy by nearly the whole first-order prediction is extended,
+//! by doubling, as long as the energy falls.
+
+use super::super::line_search::Trial;
+use super::super::{Phase, cost};
+use super::{Direction, Newton, Robust};
+use crate::contact::Obstacle;
+use crate::model::membrane::assembly;
+use crate::model::membrane::law::SheetLaw;
+
+/// Fraction of the first-order prediction from which on a step was less than half as long as possible \[-\].
+const MIN_DECREASE: f64 = 0.75;
+/// Roundings of the energy above which a prediction counts.
+const ROUNDINGS: f64 = 10.0;
+/// The first length of an extended step \[steps\], and the greatest.
+const FIRST_LENGTH: f64 = 2.0;
+const MAX_LENGTH: f64 = 64.0;
+/// Per-iteration decay of the extension distance kept in the error estimate \[-\].
+const EXTRAPOLATION_DECAY: f64 = 0.5;
+
+impl Robust {
+    pub(in crate::solve::newton) fn decay_extrapolation(&mut self) {
+        self.extrapolation *= EXTRAPOLATION_DECAY;
+    }
+}
+
+impl Newton {
+    /// Was a whole step less than half as long as possible?
+    pub(in crate::solve::newton) fn is_too_short(&self, trial: &Trial) -> bool {
+        self.model.totals.energy - trial.energy > MIN_DECREASE * trial.predicted
+            && trial.predicted > ROUNDINGS * trial.rounding
+    }
+
+    /// Goes on along an accepted step that was too short, or along the last two.
+    pub(in crate::solve::newton) fn extend_step(
+        &mut self,
+        is_whole: bool,
+        is_too_short: bool,
+        energy: f64,
+    ) {
+        if !is_whole {
+            self.robust.has_earlier = false;
+        } else if is_too_short {
+            let (length, direction) = (FIRST_LENGTH, Direction::Step);
+            self.phase = Phase::Robust(super::Phase::Extend { length, energy, direction });
+        } else {
+            self.extend_two_steps(energy);
+        }
+    }
+
+    /// Tries a length from `trial` along `d`, greater than that of the accepted step; accepts the length if the energy
+    /// falls.
+    pub(super) fn extend(
+        &mut self,
+        law: &SheetLaw,
+        obstacle: &Obstacle,
+        length: f64,
+        energy_before: f64,
+        direction: Direction,
+    ) {
+        self.work_units += cost::ENERGY;
+        self.phase = Phase::Linearize { row: 0 };
+        self.vectors.q.copy_from_slice(&self.trial);
+        let mut farthest = 0.0_f64;
+        for &k in &self.free {
+            let k = k as usize;
+            farthest = farthest.max(self.d[k].length_squared());
+            let to = self.trial[k] + self.d[k] * length;
+            self.vectors.q[k] = self.projected(obstacle, k, to, true);
+        }
+        let energy = assembly::energy(&self.sheet, law, &self.vectors.q);
+        let falls = energy < energy_before;
+        if falls {
+            std::mem::swap(&mut self.x, &mut self.vectors.q);
+            self.revision += 1;
+            let robust = &mut self.robust;
+            robust.extrapolation = robust.extrapolation.max((length - 1.0) * farthest.sqrt());
+            if direction == Direction::Step {
+                robust.step_growth = robust.step_growth.max(length);
+            }
+        }
+        if falls && length < MAX_LENGTH {
+            let length = 2.0 * length - 1.0;
+            self.phase = Phase::Robust(super::Phase::Extend { length, energy, direction });
+        } else if direction == Direction::Step {
+            self.extend_two_steps(energy.min(energy_before));
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What is solved, and how.
+
+use crate::contact::Obstacle;
+use crate::mesh::{Patch, Sheet};
+use crate::springs::{Material, Springs};
+use serde::{Deserialize, Serialize};
+
+/// What is to be solved.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The finest grid, on the disc of the patch.
+    pub sheet: Sheet,
+    /// The simulated tissue, the pocket in it and what holds the edge.
+    pub patch: Patch,
+    /// Dome and wall.
+    pub obstacle: Obstacle,
+    /// Layers from the skin inwards.
+    pub materials: Vec<Material>,
+    /// The spring law.
+    pub springs: Springs,
+    /// Greatest node position error allowed \[base radius\].
+    pub tolerance: f64,
+}
+
+/// Whether there is more to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The solve has not ended.
+    Working,
+    /// The solve has ended; [`super::Report`] says how.
+    Done,
+}
+
+/// The method of solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Method {
+    /// Full multigrid; Newton's method as the fallback.
+    #[default]
+    Automatic,
+    /// Full multigrid with this many V-cycles on the finest grid, whatever the tolerance: for studies of run
+    /// time against error. Stability under the paper's springs is not checked.
+    Multigrid {
+        /// V-cycles on the finest grid.
+        cycles: u32,
+    },
+    /// Newton's method on nested grids.
+    Newton,
+}
+
+/// How a problem is to be solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The method.
+    pub method: Method,
+    /// Solve a centred dome on one quarter of the sheet, one moved along an axis on half of it; Newton's method
+    /// keeps the solution its own mirror image.
+    pub use_symmetry: bool,
+    /// A position error \[base radius\] at which [`super::Solver::advance`] returns once with a draft, if the
+    /// tolerance is smaller. Pauses before display the solution of a coarser grid.
+    pub draft_tolerance: Option<f64>,
+    /// Factor on Newton's iteration and work limits \[-\].
+    pub work_limit_factor: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            method: Method::Automatic,
+            use_symmetry: true,
+            draft_tolerance: None,
+            work_limit_factor: 1.0,
+        }
+    }
+}
