@@ -5,6 +5,8 @@
 //! files, no clocks, no toolkit. Used by the command line, the JavaScript API and the tests.
 
 pub mod axisymmetric;
+#[cfg(feature = "drawing")]
+pub mod charts;
 mod dense;
 pub mod sample;
 pub mod stability;

@@ -3,12 +3,12 @@
 //! Scenes and results are JSON text, as documented in `docs/formats.md` and by [`schema`].
 
 use super::text::{text, text_or_nothing};
+use crate::experiment::charts::work_precision::draw;
 use crate::experiment::work_precision::{
     Case, Piece, Plan, Row, Study, axisymmetric, table, time_to,
 };
 use crate::scene::{self, Scene};
 use crate::solve::{Progress, Solver};
-use crate::view::work_precision::draw;
 use serde_json::json;
 use wasm_bindgen::prelude::*;
 

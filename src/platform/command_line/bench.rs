@@ -2,8 +2,8 @@
 
 use super::output::{self, File};
 use super::{Answer, Refused};
+use crate::experiment::charts::work_precision::draw;
 use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric, table};
-use crate::view::work_precision::draw;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

@@ -8,7 +8,6 @@
 
 mod bench;
 mod charts;
-mod drawing;
 mod input;
 mod mesh;
 mod mesh_formats;

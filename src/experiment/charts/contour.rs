@@ -7,17 +7,17 @@ use std::collections::BTreeMap;
 
 /// Values on a grid.
 #[derive(Clone, Copy, Debug)]
-pub struct Field<'a> {
+pub(super) struct Field<'a> {
     /// Places along x, rising.
-    pub x: &'a [f64],
+    pub(super) x: &'a [f64],
     /// Places along y, rising.
-    pub y: &'a [f64],
+    pub(super) y: &'a [f64],
     /// Values, row by row: shape (y, x).
-    pub values: &'a [f64],
+    pub(super) values: &'a [f64],
 }
 
 /// Points in the plane, one after the other.
-pub type Path = Vec<(f64, f64)>;
+pub(super) type Path = Vec<(f64, f64)>;
 
 /// The edge of a grid cell from a point to the one right of it or above it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,15 +28,13 @@ struct Edge {
 
 impl Field<'_> {
     /// The lines on which the value is `level`; values at or above it lie to their left.
-    #[must_use]
-    pub fn lines(&self, level: f64) -> Vec<Path> {
+    pub(super) fn lines(&self, level: f64) -> Vec<Path> {
         self.trace(level, 0)
     }
 
     /// The borders of the region at or above `level`: closed, counter-clockwise around the region
     /// and clockwise around holes in it, the border of the grid included.
-    #[must_use]
-    pub fn region(&self, level: f64) -> Vec<Path> {
+    pub(super) fn region(&self, level: f64) -> Vec<Path> {
         self.trace(level, 1)
     }
 
