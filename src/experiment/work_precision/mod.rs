@@ -35,6 +35,7 @@ use crate::solve::Problem;
 use crate::springs::Springs;
 use methods::Ground;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Explicit steps of the paper.
 pub const PAPER_STEPS: u32 = 15_000;
@@ -177,88 +178,162 @@ impl Piece {
     }
 }
 
-/// A study in pieces: one method on one grid in one scene after the other.
+/// The time that a method needs to an error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TimeTo {
+    /// Scene, grid and method.
+    #[serde(flatten)]
+    pub piece: Piece,
+    /// Time from a cold start after which the error stays within the bound \[ms\]; `None` if the method
+    /// does not reach the bound.
+    pub time_ms: Option<f64>,
+}
+
+/// A study of run time against error: the plan, the rows measured so far and the pieces left.
 pub struct Study {
     plan: Plan,
     reference: Option<Reference>,
-    /// Pieces begun so far.
-    done: usize,
-    /// What the methods of one scene and grid have in common.
+    /// Number of pieces begun.
+    begun: usize,
+    /// Pieces measured without an error, in order.
+    done: Vec<Piece>,
+    rows: Vec<Row>,
+    /// Data common to the methods of one scene and grid.
     ground: Option<Ground>,
-    /// Scenes and methods that ran out of time.
+    /// Scenes and methods that exceeded their time budget.
     exhausted: Vec<(Case, Method)>,
 }
 
 impl Study {
-    /// A study with everything to do; without a reference, errors against it are left empty.
+    /// Creates a study without rows; without a reference, errors against the reference stay empty.
     #[must_use]
     pub fn new(plan: Plan, reference: Option<Reference>) -> Self {
-        Self { plan, reference, done: 0, ground: None, exhausted: Vec::new() }
+        Self {
+            plan,
+            reference,
+            begun: 0,
+            done: Vec::new(),
+            rows: Vec::new(),
+            ground: None,
+            exhausted: Vec::new(),
+        }
     }
 
-    /// Pieces done, of how many.
+    /// Rows measured so far, in the order of the plan.
+    #[must_use]
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Rows measured so far as CSV; see [`table`].
+    #[must_use]
+    pub fn csv(&self) -> String {
+        table(&self.rows)
+    }
+
+    /// Number of pieces begun and number of pieces of the plan.
     #[must_use]
     pub fn progress(&self) -> (usize, usize) {
         let plan = &self.plan;
-        (self.done, plan.cases.len() * plan.nodes_per_side.len() * plan.methods.len())
+        (self.begun, plan.cases.len() * plan.nodes_per_side.len() * plan.methods.len())
     }
 
-    /// The piece that comes next; `None` when all is done.
+    /// Progress and next piece as JSON text; `next` is null after the last piece:
+    /// `{"done":0,"all":24,"next":{"scene":"default","nodes_per_side":17,"method":"newton"}}`.
+    #[must_use]
+    pub fn progress_json(&self) -> String {
+        let (done, all) = self.progress();
+        json!({ "done": done, "all": all, "next": self.next_piece() }).to_string()
+    }
+
+    /// The next piece; `None` after the last piece.
     #[must_use]
     pub fn next_piece(&self) -> Option<Piece> {
         let plan = &self.plan;
         let (methods, grids) = (plan.methods.len(), plan.nodes_per_side.len());
-        let (done, all) = self.progress();
-        (done < all).then(|| Piece {
-            scene: plan.cases[done / (methods * grids)],
-            nodes_per_side: plan.nodes_per_side[done / methods % grids],
-            method: plan.methods[done % methods],
+        let (begun, all) = self.progress();
+        (begun < all).then(|| Piece {
+            scene: plan.cases[begun / (methods * grids)],
+            nodes_per_side: plan.nodes_per_side[begun / methods % grids],
+            method: plan.methods[begun % methods],
         })
     }
 
-    /// Does the next piece and returns its rows; `None` when all is done. `clock` gives milliseconds
-    /// since some moment.
+    /// Measures the next piece; returns `false` if no piece is left. `clock` returns the time in
+    /// milliseconds since an arbitrary moment.
     ///
     /// # Errors
-    /// If the plan asks for a grid that scenes do not allow.
-    pub fn advance(
-        &mut self,
-        clock: &mut dyn FnMut() -> f64,
-    ) -> Result<Option<Vec<Row>>, SceneError> {
+    /// A scene does not allow a grid of the plan.
+    pub fn advance(&mut self, clock: &mut dyn FnMut() -> f64) -> Result<bool, SceneError> {
         let Some(piece) = self.next_piece() else {
-            return Ok(None);
+            return Ok(false);
         };
-        self.done += 1;
+        self.begun += 1;
         let Piece { scene: case, nodes_per_side: nodes, method } = piece;
-        if self.exhausted.contains(&(case, method)) {
-            return Ok(Some(Vec::new()));
+        if !self.exhausted.contains(&(case, method)) {
+            let ground = match self.ground.take() {
+                Some(ground) if ground.is_for(case, nodes) => ground,
+                _ => Ground::new(case, nodes, self.reference)?,
+            };
+            let ground = self.ground.insert(ground);
+            let rows = methods::measure(method, ground, &self.plan, clock);
+            if rows.last().is_some_and(|row| row.status == Status::Budget) {
+                self.exhausted.push((case, method));
+            }
+            self.rows.extend(rows);
         }
-        let ground = match self.ground.take() {
-            Some(ground) if ground.is_for(case, nodes) => ground,
-            _ => Ground::new(case, nodes, self.reference)?,
+        self.done.push(piece);
+        Ok(true)
+    }
+
+    /// The time of each measured piece to an error against the grid's own equilibrium \[fraction of the base
+    /// radius\].
+    #[must_use]
+    pub fn times_to(&self, error: f64) -> Vec<TimeTo> {
+        let time = |piece: &Piece| {
+            let mut rows: Vec<Row> =
+                self.rows.iter().filter(|row| piece.has(row)).copied().collect();
+            // A run with a smaller tolerance may take less time.
+            rows.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));
+            TimeTo { piece: *piece, time_ms: time_to(&rows, error) }
         };
-        let ground = self.ground.insert(ground);
-        let rows = methods::measure(method, ground, &self.plan, clock);
-        if rows.last().is_some_and(|row| row.status == Status::Budget) {
-            self.exhausted.push((case, method));
-        }
-        Ok(Some(rows))
+        self.done.iter().map(time).collect()
+    }
+
+    /// [`Study::times_to`] as JSON text; `time_ms` is null for a method that does not reach the error:
+    /// `[{"scene":"default","nodes_per_side":17,"method":"newton","time_ms":1.5}]`.
+    #[must_use]
+    pub fn times_json(&self, error: f64) -> String {
+        json!(self.times_to(error)).to_string()
+    }
+
+    /// The scene with this name, or the first scene of the plan.
+    ///
+    /// # Errors
+    /// One line with the allowed names if no scene has this name.
+    pub fn case(&self, name: Option<&str>) -> Result<Case, SceneError> {
+        let Some(name) = name else {
+            return Ok(self.plan.cases.first().copied().unwrap_or(Case::Default));
+        };
+        let found = Case::ALL.into_iter().find(|case| case.name() == name);
+        found.ok_or_else(|| SceneError::OutOfRange {
+            field: "scene".to_owned(),
+            value: format!("{name:?}"),
+            allowed: Case::ALL.map(Case::name).join(", "),
+        })
     }
 }
 
-/// Does a whole study; see [`Study::advance`].
+/// Measures all pieces of a plan; see [`Study::advance`].
 ///
 /// # Errors
-/// If the plan asks for a grid that scenes do not allow.
+/// A scene does not allow a grid of the plan.
 pub fn run(
     plan: &Plan,
     reference: Option<Reference>,
     clock: &mut dyn FnMut() -> f64,
 ) -> Result<Vec<Row>, SceneError> {
     let mut study = Study::new(plan.clone(), reference);
-    let mut rows = Vec::new();
-    while let Some(more) = study.advance(clock)? {
-        rows.extend(more);
-    }
-    Ok(rows)
+    while study.advance(clock)? {}
+    Ok(study.rows)
 }
