@@ -1,12 +1,12 @@
-//! Random scenes and sessions, and the scenes that once failed.
+//! Robustness tests: random scenes and sessions, and scenes that failed once.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::experiment::stress::{Ending, Summary, check, examine, run};
+use implant_preview::experiment::robustness::{Ending, Summary, check, examine, run};
 use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
-/// Scenes that broke off, ended in the wrong place or were called converged too soon, and how they end.
+/// Scenes that once failed, converged to a wrong position or converged prematurely, with their outcome.
 const ONCE_FAILED: [(&str, &str, Ending); 33] = [
     (
         "a grid whose rows are not whole lanes",
@@ -183,9 +183,9 @@ fn the_checks_see_what_is_wrong() {
     let (sheet, dome) = (&solver.problem().sheet, &solver.problem().dome);
     // A sheet over the dome faces outwards, one turned over does not.
     let mut x = solver.start_shape();
-    assert!(check::faces_inwards(sheet, &x) < 0.0);
+    assert!(check::inward_cosine(sheet, &x) < 0.0);
     x.iter_mut().for_each(|x| x.x = -x.x);
-    assert!(check::faces_inwards(sheet, &x) > 0.5);
+    assert!(check::inward_cosine(sheet, &x) > 0.5);
     // A solve that has not begun: its flat sheet lies in the dome.
     assert!(solver.positions().iter().any(|x| dome.contains(*x)));
     let names: Vec<_> = check::check(&solver).iter().map(|finding| finding.check).collect();

@@ -8,8 +8,8 @@ pub mod axisymmetric;
 #[cfg(feature = "drawing")]
 pub mod charts;
 mod dense;
+pub mod robustness;
 pub mod sample;
 pub mod stability;
-pub mod stress;
 pub mod tension;
 pub mod work_precision;
