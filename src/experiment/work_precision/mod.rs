@@ -1,17 +1,16 @@
-//! Run time against error: what it costs to come near to the equilibrium, method by method.
+//! Run time against error of the solution methods (work–precision study).
 //!
-//! For each scene and grid Newton's method at tolerance 1e-9 gives the grid's own equilibrium, and an
-//! axisymmetric solution what every grid should come to. Each method is then run from a cold start and
-//! its error measured: at the end, or, for the baselines, at many moments of their way. All methods
-//! solve the whole sheet, symmetric or not, on one thread; tables, memory and what depends on the
-//! grid alone are made before the clock starts, and it stands still while an error is measured.
+//! Newton's method with tolerance 1e-9 computes the grid's own equilibrium of each scene and grid, and an
+//! axisymmetric solution the limit of all grids. Each method runs from a cold start. The error is measured
+//! at the end, for the baselines also at many intermediate steps. All methods solve the whole sheet,
+//! symmetric or not, on one thread. The clock runs neither during the set-up of tables and memory nor
+//! during the measurement of errors.
 //!
-//! The baselines are what the same energy is commonly relaxed with: damped explicit steps with nodal
-//! masses that suit the grid, in lanes of four f32 ([`Method::ExplicitPaper`],
-//! [`Method::ExplicitCritical`]), and block Gauss–Seidel on nested grids in f64, which lanes do not
-//! help ([`Method::GaussSeidel`]).
+//! The baselines are common methods for the same energy: damped explicit steps with nodal masses scaled to
+//! the grid, in lanes of four f32 ([`Method::ExplicitPaper`], [`Method::ExplicitCritical`]), and block
+//! Gauss–Seidel on nested grids in f64, without lanes ([`Method::GaussSeidel`]).
 //!
-//! Knows no clock and no files: the clock is handed in, so that a page can run the same study.
+//! The module uses no clock and no files: the clock is an argument, and the page runs the same study.
 //!
 //! Uses `sheet`, `implant`, `solve`, `springs`, `scene`. Used by the command line and the page.
 
@@ -19,7 +18,7 @@ mod cases;
 mod choice;
 mod explicit;
 mod gauss_seidel;
-mod guess;
+mod initial_guess;
 mod lanes;
 mod law;
 mod methods;
@@ -39,30 +38,30 @@ use serde_json::json;
 
 /// Explicit steps of the paper.
 pub const PAPER_STEPS: u32 = 15_000;
-/// An own error at which baselines end \[share of the base radius\]: their f32 shows below it.
+/// Error at which baselines end \[fraction of the base radius\]; f32 rounding dominates smaller errors.
 pub const GOAL: f64 = 1e-5;
 
-/// How the equilibrium is sought.
+/// Solution method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// 15 000 damped explicit steps that each keep 95 % of the last one, from the sheet lifted
-    /// straight onto the dome.
+    /// 15 000 damped explicit steps with 95 % of the previous step, from the sheet projected vertically
+    /// onto the dome.
     ExplicitPaper,
-    /// Critically damped explicit steps, from a string pulled tight over the dome.
+    /// Critically damped explicit steps, from the taut profile over the dome.
     ExplicitCritical,
     /// Nested nodal block Gauss–Seidel.
     GaussSeidel,
     /// Full multigrid with one V-cycle on the finest grid.
     #[serde(rename = "multigrid_1")]
     Multigrid1,
-    /// The same with two.
+    /// Full multigrid with two V-cycles on the finest grid.
     #[serde(rename = "multigrid_2")]
     Multigrid2,
-    /// The same with four.
+    /// Full multigrid with four V-cycles on the finest grid.
     #[serde(rename = "multigrid_4")]
     Multigrid4,
-    /// The same with eight.
+    /// Full multigrid with eight V-cycles on the finest grid.
     #[serde(rename = "multigrid_8")]
     Multigrid8,
     /// Newton's method on nested grids, to tolerances from 1e-2 to 1e-7.
@@ -70,7 +69,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them, slow ones first.
+    /// All methods, slow methods first.
     pub const ALL: [Self; 8] = [
         Self::ExplicitPaper,
         Self::ExplicitCritical,
@@ -82,7 +81,7 @@ impl Method {
         Self::Multigrid8,
     ];
 
-    /// Its name in the table.
+    /// Name of the method in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -98,23 +97,23 @@ impl Method {
     }
 }
 
-/// What is to be measured.
+/// Plan of a study: scenes, grids and methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Scenes.
     pub cases: Vec<Case>,
-    /// Nodes a side, rising; see [`crate::sheet::rounded_nodes_per_side`].
+    /// Nodes per side, rising; see [`crate::sheet::rounded_nodes_per_side`].
     pub nodes_per_side: Vec<usize>,
     /// Methods.
     pub methods: Vec<Method>,
-    /// Time that one run may take \[ms\]. A method that needed more is left out on finer grids.
+    /// Time budget of one run \[ms\]. A method that exceeds the budget is skipped on finer grids.
     pub budget_ms: f64,
-    /// Runs whose median time is given where one takes less than 50 ms, ≥ 1.
+    /// Number of runs for the median time of runs below 50 ms, ≥ 1.
     pub repeats: usize,
 }
 
 impl Plan {
-    /// Everything: 17 to 513 nodes a side, all scenes, 10 s a run (some minutes in all).
+    /// The full plan: 17 to 513 nodes per side, all scenes, 10 s per run (some minutes in total).
     #[must_use]
     pub fn full() -> Self {
         Self {
@@ -126,7 +125,7 @@ impl Plan {
         }
     }
 
-    /// A look: the default scene on coarse grids, 2 s a run.
+    /// The quick plan: the default scene on coarse grids, 2 s per run.
     #[must_use]
     pub fn quick() -> Self {
         Self {
@@ -142,7 +141,7 @@ impl Plan {
 /// Deformed (r, z) \[mm\] of the material radius s \[mm\].
 pub type Profile = Box<dyn Fn(f64) -> (f64, f64)>;
 
-/// Finds what every grid should come to, where it is known.
+/// Computes the limit of all grids, if known.
 pub type Reference = fn(&Scene) -> Option<Profile>;
 
 /// The reference of a centred dome under coupled springs; see [`super::axisymmetric`].
@@ -164,14 +163,14 @@ pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
 pub struct Piece {
     /// The scene.
     pub scene: Case,
-    /// Nodes a side.
+    /// Nodes per side.
     pub nodes_per_side: usize,
     /// The method.
     pub method: Method,
 }
 
 impl Piece {
-    /// Was a row measured in this piece?
+    /// Returns `true` if the row belongs to this piece.
     #[must_use]
     pub fn has(self, row: &Row) -> bool {
         self == Self { scene: row.scene, nodes_per_side: row.nodes_per_side, method: row.method }
