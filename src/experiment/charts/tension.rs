@@ -29,8 +29,8 @@ impl Kind {
 pub struct Series {
     /// The prescribed Poisson ratio \[-\].
     pub poisson_ratio: f64,
-    /// Lines over the strains with a stable equilibrium.
-    pub lines: Vec<Vec<(f64, f64)>>,
+    /// Branches over the strains with a stable equilibrium.
+    pub branches: Vec<Vec<(f64, f64)>>,
     /// Results of the paper's protocol.
     pub points: Vec<(f64, f64)>,
     /// States at the loss of stability.
@@ -41,7 +41,7 @@ impl Series {
     /// A series without points.
     #[must_use]
     pub fn new(poisson_ratio: f64) -> Self {
-        Self { poisson_ratio, lines: Vec::new(), points: Vec::new(), lost: Vec::new() }
+        Self { poisson_ratio, branches: Vec::new(), points: Vec::new(), lost: Vec::new() }
     }
 }
 
@@ -128,8 +128,9 @@ fn draw_series(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dr
         elements.push(Element::Line(chart.curve.clone(), pen(CURVE, 9)));
     }
     for (series, colour) in series.iter().zip(COLOURS) {
-        elements
-            .extend(series.lines.iter().map(|line| Element::Line(line.clone(), pen(colour, 2))));
+        elements.extend(
+            series.branches.iter().map(|branch| Element::Line(branch.clone(), pen(colour, 2))),
+        );
         elements.extend(circles(&series.points, POINT, colour.filled()));
     }
     for (series, colour) in series.iter().zip(COLOURS) {

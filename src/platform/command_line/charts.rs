@@ -138,13 +138,13 @@ fn series(kind: Kind, rank: usize, pulled: &Pulled) -> Series {
                 let end = (at, kind.value(stress, -pulled.test.poisson_ratio * at));
                 stretch.push(end);
                 series.lost.push(end);
-                series.lines.push(std::mem::take(&mut stretch));
+                series.branches.push(std::mem::take(&mut stretch));
             }
             None => {}
         }
     }
     if !stretch.is_empty() {
-        series.lines.push(stretch);
+        series.branches.push(stretch);
     }
     // One row in six, each Poisson ratio its own: where all lie on one curve all can be seen.
     series.points = pulled
