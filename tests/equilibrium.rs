@@ -525,7 +525,8 @@ fn a_result_tells_that_the_sheet_was_left_at_rest() {
 
 #[test]
 fn what_has_no_estimate_is_null() {
-    let scene = Scene::from_json(include_str!("stress/soft-tissue-on-a-needle.json")).unwrap();
+    let scene =
+        Scene::from_json(include_str!("stress/needle-penetrating-soft-tissue.json")).unwrap();
     let outcome = simulate(&scene).unwrap();
     assert_eq!(outcome.status, Status::Unstable);
     let result = serde_json::to_value(&outcome).unwrap();

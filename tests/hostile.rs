@@ -234,8 +234,8 @@ fn hostile_curves_are_refused_in_one_line_that_names_the_place() {
         (r#"{}"#, "missing field `kind`"),
         (r#"[]"#, "one JSON object"),
         (r#"{"kind":"skin","kind":"skin"}"#, "duplicate field `kind`"),
-        (r#"{"kind":"skin","rate":1}"#, "field `rate` is none of this kind's"),
-        (r#"{"kind":"adipose","points":[]}"#, "field `points` is none of this kind's"),
+        (r#"{"kind":"skin","rate":1}"#, "field `rate` does not belong to this kind"),
+        (r#"{"kind":"adipose","points":[]}"#, "field `points` does not belong to this kind"),
         (r#"{"kind":"linear","modulus_kpa":1,"modulus_kpa":2}"#, "duplicate field `modulus_kpa`"),
         (r#"{"kind":"linear","modulus_kpa":-0.0}"#, "modulus_kpa is -0"),
         (r#"{"kind":"linear","modulus_kpa":1e308}"#, "modulus_kpa is 1e308"),
@@ -257,7 +257,7 @@ fn hostile_curves_are_refused_in_one_line_that_names_the_place() {
         (r#"{"kind":"sections","sections":[{"kind":"linear","from":0}]}"#, "sections[0]"),
         (
             r#"{"kind":"sections","sections":[{"kind":"linear","from":0,"to":1,"modulus_kpa":1,"rate":1}]}"#,
-            "sections[0]: field `rate` is none of this kind's",
+            "sections[0]: field `rate` does not belong to this kind",
         ),
         (
             r#"{"kind":"sections","sections":[{"kind":"linear","from":0,"to":1e308,"modulus_kpa":1}]}"#,

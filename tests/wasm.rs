@@ -114,7 +114,7 @@ async fn rest() {
 
 #[wasm_bindgen_test]
 async fn random_scenes_end_soundly() {
-    use implant_preview::experiment::stress::{Ending, run};
+    use implant_preview::experiment::robustness::{Ending, run};
     for number in 0..500 {
         let case = run(5, number, 25);
         assert!(case.ending != Ending::Failed, "{case:?}");

@@ -1,9 +1,10 @@
 //! The study of run time against error: what its rows promise.
 
 use implant_preview::experiment::work_precision::{
-    Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, run, table, time_to,
+    Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, Study, run, table, time_to,
 };
 use implant_preview::scene::Scene;
+use serde_json::{Value, json};
 use std::time::Instant;
 
 fn rows(plan: &Plan) -> Vec<Row> {
@@ -129,6 +130,43 @@ fn a_plan_is_read_from_json_or_refused_in_one_line() {
         let error = read(json).expect_err(json);
         assert!(error.contains(expected) && !error.contains('\n'), "{error}");
     }
+}
+
+#[test]
+fn a_study_reports_its_progress_and_the_times_to_an_error() {
+    let methods = vec![Method::Newton, Method::Multigrid8];
+    let plan = Plan { methods, nodes_per_side: vec![17], ..coarse() };
+    let mut study = Study::new(plan.clone(), None);
+    // Every reading of this clock takes a millisecond.
+    let mut now = 0.0;
+    let mut clock = || {
+        now += 1.0;
+        now
+    };
+    let read = |json: &str| -> Value { serde_json::from_str(json).expect("JSON") };
+    let next = json!({"scene": "default", "nodes_per_side": 17, "method": "newton"});
+    assert_eq!(read(&study.progress_json()), json!({"done": 0, "all": 2, "next": next}));
+    assert_eq!(study.times_json(1e-3), "[]");
+    while study.advance(&mut clock).expect("grids that scenes allow") {}
+    assert_eq!(read(&study.progress_json()), json!({"done": 2, "all": 2, "next": null}));
+    assert_eq!(study.csv(), table(study.rows()));
+    let times = study.times_to(1e-3);
+    assert_eq!(times.iter().map(|time| time.piece.method).collect::<Vec<_>>(), plan.methods);
+    for (time, json) in times.iter().zip(read(&study.times_json(1e-3)).as_array().expect("a list"))
+    {
+        let rows: Vec<Row> =
+            study.rows().iter().filter(|row| time.piece.has(row)).copied().collect();
+        assert!(time.time_ms.is_some() && time.time_ms == time_to(&rows, 1e-3), "{time:?}");
+        assert_eq!(json["time_ms"].as_f64(), time.time_ms);
+        let keys: Vec<&str> =
+            json.as_object().expect("an object").keys().map(String::as_str).collect();
+        assert_eq!(keys, ["method", "nodes_per_side", "scene", "time_ms"]);
+    }
+    assert!(study.times_to(1e-30).iter().all(|time| time.time_ms.is_none()));
+    assert_eq!(study.case(None).ok(), Some(Case::Default));
+    assert_eq!(study.case(Some("skin-equator")).ok(), Some(Case::SkinEquator));
+    let error = study.case(Some("moon")).expect_err("an unknown scene").to_string();
+    assert!(error.starts_with("scene is \"moon\"; allowed: default, "), "{error}");
 }
 
 #[test]

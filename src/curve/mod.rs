@@ -2,14 +2,14 @@
 //!
 //! The paper (Nikolaev 2013, "Nonlinearity modeling") builds `Ef` from marked points joined by
 //! segments or splines; pieces may be polynomial, trigonometric or exponential. [`CurveSpec`] is
-//! that description as it stands in a scene file, [`Curve`] is the checked, callable curve.
+//! the description in a scene file, [`Curve`] is the validated, callable curve.
 //!
-//! Uses nothing of this crate. Used by `springs`, `scene`, `experiment` and the views.
+//! Uses no other module of this crate. Used by `springs`, `scene`, `experiment` and the views.
 //!
 //! Three assumptions that the paper does not state:
 //! * compression is the odd extension, `Ef(−ε) = −Ef(ε)`;
-//! * beyond the last point the curve goes on as a line with its end slope (an arctangent goes on as
-//!   it is), and [`Curve::is_beyond_data`] tells so;
+//! * beyond the last point the curve continues as a line with its end slope (an arctangent keeps its
+//!   formula); [`Curve::is_beyond_data`] detects these strains;
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
 mod read;
@@ -20,24 +20,24 @@ pub use spec::{CurveError, CurveSpec, Interpolation, Section};
 
 use std::f64::consts::FRAC_PI_2;
 
-/// The strain up to which the analytic presets are meant to be read \[-\] (the paper: 0 to 1).
+/// End of the strain range of the analytic presets \[-\] (the paper: 0 to 1).
 pub const FULL_STRAIN: f64 = 1.0;
 
-/// The most marked points or sections that a curve may have.
+/// Greatest number of marked points or sections of a curve.
 pub const MAX_POINTS: usize = 100_000;
 
-/// The most coefficients of a polynomial section.
+/// Greatest number of coefficients of a polynomial section.
 pub const MAX_COEFFICIENTS: usize = 8;
 
-/// A checked stress–strain curve: continuous, zero at zero, strictly increasing, odd.
+/// A validated stress–strain curve: continuous, zero at zero, strictly increasing, odd.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Pieces in order of strain, at least one; the last one is followed by a line.
+    /// Pieces in order of strain, at least one; a line follows the last piece.
     pieces: Vec<Piece>,
-    /// Strain where the data ends \[-\].
+    /// Strain at the end of the data \[-\].
     data_end: f64,
-    /// Strain from which the curve is a line \[-\]: the end of the data, but farther out where a
-    /// formula goes on gently.
+    /// Start of the final line \[-\]: the end of the data, or a larger strain for a formula of bounded
+    /// slope.
     line_start: f64,
     /// Stress and slope at `line_start` \[kPa\].
     end: (f64, f64),
@@ -50,12 +50,12 @@ pub struct Curve {
 struct Piece {
     from: f64,
     base: f64,
-    /// Energy density \[kPa\] gathered up to `from`.
+    /// Energy density at `from` \[kPa\].
     energy: f64,
     shape: Shape,
 }
 
-/// An increment of stress over `x ≥ 0`, zero at zero.
+/// An increment of stress over `x ≥ 0`; zero at `x = 0`.
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
     /// Σ c[k] x^(k+1).
@@ -114,11 +114,11 @@ impl Shape {
         }
     }
 
-    /// Is the slope positive on the whole of [0, length] (the end points may be flat)?
+    /// Returns `true` if the slope is positive on the open interval (0, length).
     fn increases_over(&self, length: f64) -> bool {
         match self {
             Self::Polynomial(c) if c.len() <= 3 => {
-                // The slope is a quadratic: its least value is at an end or at its vertex.
+                // A quadratic slope has its minimum at an end or at the vertex.
                 let [b, d] = [1, 2].map(|k| c.get(k).copied().unwrap_or(0.0));
                 let vertex = if d > 0.0 { -b / (3.0 * d) } else { 0.0 };
                 let terms = [1.0, 2.0 * length, 3.0 * length * length];
@@ -134,7 +134,7 @@ impl Shape {
     }
 }
 
-/// exp(y) − 1 − y; as a series where the difference would be lost in rounding.
+/// exp(y) − 1 − y, for small y as a series without cancellation.
 fn exp_m1_minus(y: f64) -> f64 {
     if y < 0.01 {
         0.5 * y * y * (1.0 + y / 3.0 * (1.0 + y / 4.0 * (1.0 + y / 5.0 * (1.0 + y / 6.0))))
@@ -144,10 +144,10 @@ fn exp_m1_minus(y: f64) -> f64 {
 }
 
 impl Curve {
-    /// Checks a description and makes it callable.
+    /// Validates a description and builds the curve.
     ///
     /// # Errors
-    /// [`CurveError`] names the parameter, point or section that is wrong and what is allowed.
+    /// [`CurveError`] names the invalid parameter, point or section and the allowed range.
     pub fn new(spec: &CurveSpec) -> Result<Self, CurveError> {
         match spec {
             CurveSpec::Skin {} => Self::from_sections(&skin_sections()),
@@ -175,13 +175,13 @@ impl Curve {
         }
     }
 
-    /// A formula, read as data up to [`FULL_STRAIN`] and used up to `line_start`.
+    /// A formula with data up to [`FULL_STRAIN`], evaluated up to `line_start`.
     fn from_shape(shape: Shape, line_start: f64) -> Result<Self, CurveError> {
         let pieces = vec![Piece { from: 0.0, base: 0.0, energy: 0.0, shape }];
         Self::from_pieces(pieces, FULL_STRAIN, line_start)
     }
 
-    /// The one place where a curve is made: ends and energies follow from the pieces.
+    /// Builds a curve from its pieces; computes end values and energies.
     fn from_pieces(
         mut pieces: Vec<Piece>,
         data_end: f64,
@@ -203,14 +203,14 @@ impl Curve {
             });
         }
         let end_energy = last.energy + last.base * x + last.shape.energy(x);
-        // A flat end would make the line beyond it flat: the curve must go on rising.
+        // The lower bound keeps the final line increasing after a flat end.
         let end = (end.0, end.1.max(1e-6 * end.0 / line_start));
         Ok(Self { pieces, data_end, line_start, end, end_energy })
     }
 
-    fn from_points(points: &[[f64; 2]], how: Interpolation) -> Result<Self, CurveError> {
+    fn from_points(points: &[[f64; 2]], interpolation: Interpolation) -> Result<Self, CurveError> {
         check_points(points)?;
-        let slopes = match how {
+        let slopes = match interpolation {
             Interpolation::Line => Vec::new(),
             Interpolation::Spline => monotone_slopes(points),
         };
@@ -219,7 +219,7 @@ impl Curve {
             .enumerate()
             .map(|(k, pair)| {
                 let [[from, base], [to, end]] = [pair[0], pair[1]];
-                let shape = match how {
+                let shape = match interpolation {
                     Interpolation::Line => Shape::Polynomial(vec![(end - base) / (to - from)]),
                     Interpolation::Spline => {
                         hermite(to - from, end - base, slopes[k], slopes[k + 1])
@@ -243,10 +243,10 @@ impl Curve {
         let mut pieces = Vec::with_capacity(sections.len());
         let (mut end, mut base, mut slope) = (0.0, 0.0, 0.0);
         for (index, section) in sections.iter().enumerate() {
-            let refuse = |problem: String| CurveError::Entry { field: "sections", index, problem };
+            let invalid = |problem: String| CurveError::Entry { field: "sections", index, problem };
             let (from, to) = section.interval();
             if !(from.is_finite() && to.is_finite() && to > from && to <= MAX_STRAIN) {
-                return Err(refuse(format!(
+                return Err(invalid(format!(
                     "goes from {} to {}; allowed: finite, to > from, at most {MAX_STRAIN}",
                     number(from),
                     number(to)
@@ -254,28 +254,28 @@ impl Curve {
             }
             if (from - end).abs() > 1e-9 {
                 let (from, end) = (number(from), number(end));
-                return Err(refuse(format!("starts at strain {from}; it must start at {end}")));
+                return Err(invalid(format!("starts at strain {from}; it must start at {end}")));
             }
-            // From where the section before ended, so that nothing is left out between them.
+            // The section starts at the previous end: no gap remains between the sections.
             let length = to - end;
-            if length < LEAST_STEP {
+            if length < MIN_WIDTH {
                 let length = number(length);
-                return Err(refuse(format!(
+                return Err(invalid(format!(
                     "is {length} long; allowed: strains 1e-9 apart or more"
                 )));
             }
             let shape = section
                 .shape(length, base, slope)
-                .map_err(|problem| refuse(problem.to_string()))?;
+                .map_err(|problem| invalid(problem.to_string()))?;
             if !shape.increases_over(length) {
-                return Err(refuse(
-                    "does not increase; Ef must rise over every section".to_owned(),
+                return Err(invalid(
+                    "does not increase; Ef must increase over every section".to_owned(),
                 ));
             }
             let rise = shape.stress(length);
-            if !(rise.is_finite() && rise >= LEAST_SLOPE * length) {
-                return Err(refuse(
-                    "does not increase by a slope of 1e-9 kPa or more; Ef must rise over every section"
+            if !(rise.is_finite() && rise >= MIN_SLOPE * length) {
+                return Err(invalid(
+                    "does not increase by a slope of 1e-9 kPa or more; Ef must increase over every section"
                         .to_owned(),
                 ));
             }
@@ -299,7 +299,7 @@ impl Curve {
         stress.copysign(strain)
     }
 
-    /// Slope dEf/dε \[kPa\]; at a kink the slope of the piece above it.
+    /// Slope dEf/dε \[kPa\]; at a kink the slope of the piece above the kink.
     #[must_use]
     pub fn slope(&self, strain: f64) -> f64 {
         let x = strain.abs();
@@ -329,33 +329,33 @@ impl Curve {
         if strain.abs() < 1e-9 { self.slope(0.0) } else { self.stress(strain) / strain }
     }
 
-    /// The modulus at small strain Ef′(0) \[kPa\], that stiffnesses are compared with. A curve that
-    /// starts flat has none: then a thousandth of its secant at strain 0.01 stands in.
+    /// Modulus at small strain Ef′(0) \[kPa\], the reference of stiffnesses. The lower bound for curves with
+    /// a flat start is a thousandth of the secant at strain 0.01.
     #[must_use]
     pub fn small_strain_modulus(&self) -> f64 {
         self.slope(0.0).max(1e-3 * self.secant(0.01))
     }
 
-    /// The strain where the data ends \[-\]: the last point or section, 1 for a formula.
+    /// Strain at the end of the data \[-\]: the last point or section, 1 for a formula.
     #[must_use]
     pub fn data_end(&self) -> f64 {
         self.data_end
     }
 
-    /// The strain from which the curve is a line with the end slope \[-\]: the end of the data; an
-    /// arctangent, which stays gentle, keeps its formula up to strain 10.
+    /// Start of the final line with the end slope \[-\]: the end of the data; an arctangent keeps its
+    /// formula up to strain 10.
     #[must_use]
     pub fn line_start(&self) -> f64 {
         self.line_start
     }
 
-    /// Does reading this strain (of either sign) go beyond the data?
+    /// Returns `true` if the strain (of either sign) lies beyond the data.
     #[must_use]
     pub fn is_beyond_data(&self, strain: f64) -> bool {
         strain.abs() > self.data_end * (1.0 + 1e-9)
     }
 
-    /// The strains where pieces meet, the start of the line last \[-\]: there the slope may jump.
+    /// Strains at the ends of the pieces, the start of the final line last \[-\]; the slope may jump there.
     pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().skip(1).map(|p| p.from).chain([self.line_start])
     }
@@ -372,10 +372,10 @@ const SLOPE: Range = (0.0, 1e9, "0 to 1e9 kPa");
 const COEFFICIENT: Range = (-1e9, 1e9, "-1e9 to 1e9 kPa");
 const RATE: Range = (1e-3, 100.0, "0.001 to 100");
 const MAX_STRAIN: f64 = 10.0;
-/// The least width of a piece \[-\], and the least mean slope of one \[kPa\]: below, differences and
-/// quotients of strains and stresses are lost in rounding.
-const LEAST_STEP: f64 = 1e-9;
-const LEAST_SLOPE: f64 = 1e-9;
+/// Smallest width of a piece \[-\]; smaller differences of strains cancel.
+const MIN_WIDTH: f64 = 1e-9;
+/// Smallest mean slope of a piece \[kPa\]; smaller quotients of stress and strain cancel.
+const MIN_SLOPE: f64 = 1e-9;
 
 fn checked(field: &str, value: f64, (least, most, allowed): Range) -> Result<f64, CurveError> {
     if (least..=most).contains(&value) {
@@ -393,37 +393,37 @@ fn check_points(points: &[[f64; 2]]) -> Result<(), CurveError> {
             allowed: "2 to 100000",
         });
     }
-    let refuse =
+    let invalid =
         |index: usize, problem: String| Err(CurveError::Entry { field: "points", index, problem });
     for (index, &[strain, stress]) in points.iter().enumerate() {
         let given = || format!("is [{}, {}]", number(strain), number(stress));
         if !(strain.is_finite() && stress.is_finite()) {
-            return refuse(index, format!("{}; allowed: finite numbers", given()));
+            return invalid(index, format!("{}; allowed: finite numbers", given()));
         }
         if index == 0 {
             if strain != 0.0 || stress != 0.0 {
-                return refuse(index, format!("{}; the first point must be [0, 0]", given()));
+                return invalid(index, format!("{}; the first point must be [0, 0]", given()));
             }
             continue;
         }
         let [before, stress_before] = points[index - 1];
         let after = || format!("{} after [{}, {}]", given(), number(before), number(stress_before));
         if strain <= before || stress <= stress_before {
-            return refuse(index, format!("{}; strain and stress must both increase", after()));
+            return invalid(index, format!("{}; strain and stress must both increase", after()));
         }
         if strain > MAX_STRAIN || stress > STRESS_SCALE.1 {
-            return refuse(
+            return invalid(
                 index,
                 format!("{}; allowed: strain to {MAX_STRAIN}, stress to 1e7 kPa", given()),
             );
         }
         let step = strain - before;
-        if step < LEAST_STEP {
-            return refuse(index, format!("{}; allowed: strains 1e-9 apart or more", after()));
+        if step < MIN_WIDTH {
+            return invalid(index, format!("{}; allowed: strains 1e-9 apart or more", after()));
         }
         let slope = (stress - stress_before) / step;
-        if !(LEAST_SLOPE..=SLOPE.1).contains(&slope) {
-            return refuse(
+        if !(MIN_SLOPE..=SLOPE.1).contains(&slope) {
+            return invalid(
                 index,
                 format!("{}: slope {slope:e}; allowed: 1e-9 to 1e9 kPa", after()),
             );
@@ -432,7 +432,7 @@ fn check_points(points: &[[f64; 2]]) -> Result<(), CurveError> {
     Ok(())
 }
 
-/// The cubic with the given rise over `length` and the given end slopes, in powers of x.
+/// Cubic Hermite piece with the given rise over `length` and the given end slopes, in powers of x.
 fn hermite(length: f64, rise: f64, start_slope: f64, end_slope: f64) -> Shape {
     let secant = rise / length;
     Shape::Polynomial(vec![
@@ -458,8 +458,8 @@ fn monotone_slopes(points: &[[f64; 2]]) -> Vec<f64> {
         let weights = (2.0 * w1 + w0, w1 + 2.0 * w0);
         slopes[k] = (weights.0 + weights.1) / (weights.0 / secant[k - 1] + weights.1 / secant[k]);
     }
-    // Three-point end formula, kept between (nearly) zero and three secants: no end overshoots,
-    // and a sheet at rest keeps some stiffness.
+    // Three-point end formula, bounded by three secants against overshoot and from below for a positive
+    // stiffness at rest.
     let end = |w: [f64; 2], s: [f64; 2]| {
         (((2.0 * w[0] + w[1]) * s[0] - w[0] * s[1]) / (w[0] + w[1])).clamp(1e-3 * s[0], 3.0 * s[0])
     };

@@ -1,5 +1,7 @@
-//! Curves as they are read. Not as tagged enums, which serde would first copy as a whole, some thirty
-//! times as large as the text, and in which it could not say where an error is.
+//! Deserialisation of curves from structures with the fields of all kinds.
+//!
+//! serde buffers a tagged enum as a whole, in some thirty times the memory of the text, and loses the
+//! position of an error.
 
 use super::{CurveSpec, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, Section};
 use serde::de::value::MapAccessDeserializer;
@@ -81,7 +83,7 @@ impl<'de> Deserialize<'de> for CurveSpec {
             },
             Kind::Sections => Self::Sections { sections: take(&mut file.sections, "sections")?.0 },
         };
-        refuse_rest(&[
+        reject_others(&[
             ("modulus_kpa", file.modulus_kpa.is_some()),
             ("scale_kpa", file.scale_kpa.is_some()),
             ("rate", file.rate.is_some()),
@@ -121,7 +123,7 @@ impl<'de> Deserialize<'de> for Section {
                 }
             }
         };
-        refuse_rest(&[
+        reject_others(&[
             ("modulus_kpa", file.modulus_kpa.is_some()),
             ("end_stress_kpa", file.end_stress_kpa.is_some()),
             ("end_slope_kpa", file.end_slope_kpa.is_some()),
@@ -137,15 +139,17 @@ fn take<T, E: Error>(field: &mut Option<T>, name: &'static str) -> Result<T, E> 
     field.take().ok_or_else(|| E::missing_field(name))
 }
 
-/// Refuses fields that are left over.
-fn refuse_rest<E: Error>(fields: &[(&str, bool)]) -> Result<(), E> {
-    match fields.iter().find(|(_, is_left)| *is_left) {
-        Some((name, _)) => Err(E::custom(format_args!("field `{name}` is none of this kind's"))),
+/// Rejects fields of other kinds.
+fn reject_others<E: Error>(fields: &[(&str, bool)]) -> Result<(), E> {
+    match fields.iter().find(|(_, is_present)| *is_present) {
+        Some((name, _)) => {
+            Err(E::custom(format_args!("field `{name}` does not belong to this kind")))
+        }
         None => Ok(()),
     }
 }
 
-/// A structure as an object with names; serde would also take a list of its fields in their order.
+/// Reads a structure from a JSON object only; serde also accepts a list of the fields in their order.
 pub(crate) fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     reader: D,
 ) -> Result<T, D::Error> {
@@ -164,38 +168,38 @@ pub(crate) fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     reader.deserialize_map(Reader(PhantomData))
 }
 
-/// A list that is read no farther than to its allowed length.
-pub(crate) struct List<T, const MOST: usize>(pub(crate) Vec<T>);
+/// A list of at most `MAX` entries; reading stops at the first surplus entry.
+pub(crate) struct List<T, const MAX: usize>(pub(crate) Vec<T>);
 
-impl<'de, T: Deserialize<'de>, const MOST: usize> Deserialize<'de> for List<T, MOST> {
+impl<'de, T: Deserialize<'de>, const MAX: usize> Deserialize<'de> for List<T, MAX> {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
-        struct Reader<T, const MOST: usize>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>, const MOST: usize> Visitor<'de> for Reader<T, MOST> {
+        struct Reader<T, const MAX: usize>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>, const MAX: usize> Visitor<'de> for Reader<T, MAX> {
             type Value = Vec<T>;
 
             fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
-                write!(text, "a list of at most {MOST} entries")
+                write!(text, "a list of at most {MAX} entries")
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
                 let mut read = Vec::new();
-                while read.len() < MOST {
+                while read.len() < MAX {
                     match list.next_element()? {
                         Some(entry) => read.push(entry),
                         None => return Ok(read),
                     }
                 }
                 match list.next_element::<IgnoredAny>()? {
-                    Some(_) => Err(A::Error::invalid_length(MOST + 1, &self)),
+                    Some(_) => Err(A::Error::invalid_length(MAX + 1, &self)),
                     None => Ok(read),
                 }
             }
         }
-        reader.deserialize_seq(Reader::<T, MOST>(PhantomData)).map(Self)
+        reader.deserialize_seq(Reader::<T, MAX>(PhantomData)).map(Self)
     }
 }
 
-/// Two numbers.
+/// A pair of numbers.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Pair(pub(crate) [f64; 2]);
 
@@ -225,7 +229,7 @@ impl<'de> Deserialize<'de> for Pair {
     }
 }
 
-/// A number in few characters: 1e308 rather than 309 digits.
+/// Formats a number in few characters: 1e308 rather than 309 digits.
 pub(crate) fn number(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
         format!("{value:e}")

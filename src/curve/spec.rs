@@ -1,11 +1,11 @@
-//! A curve as it stands in a scene file, and why one is refused.
+//! Description of a curve in a scene file, and its errors.
 
 use super::read::number;
 use super::{COEFFICIENT, MAX_COEFFICIENTS, RATE, SLOPE, STRESS_SCALE, Shape, checked, hermite};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A stress–strain curve as written in a scene file. Stresses in kPa, strains without unit.
+/// A stress–strain curve of a scene file. Stresses in kPa, strains without unit.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum CurveSpec {
@@ -32,7 +32,7 @@ pub enum CurveSpec {
         /// Rate \[-\], > 0 and at most 100.
         rate: f64,
     },
-    /// Marked points, the first of them (0, 0), joined as `interpolation` says.
+    /// Marked points, the first at (0, 0), joined by `interpolation`.
     Points {
         /// `[strain, stress_kpa]` pairs, both strictly increasing.
         points: Vec<[f64; 2]>,
@@ -40,14 +40,14 @@ pub enum CurveSpec {
         #[serde(default)]
         interpolation: Interpolation,
     },
-    /// Sections one after the other from strain 0, each starting at the stress the one before ended with.
+    /// Consecutive sections from strain 0; each section starts at the end stress of the previous section.
     Sections {
-        /// The sections, the first `from` 0, each `from` the `to` of the one before.
+        /// The sections; `from` is 0 in the first section and the previous `to` in the others.
         sections: Vec<Section>,
     },
 }
 
-/// How marked points are joined.
+/// Interpolation between marked points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
@@ -58,7 +58,7 @@ pub enum Interpolation {
     Spline,
 }
 
-/// One section of a curve; `x = ε − from` is the strain counted from its start.
+/// One section of a curve; `x = ε − from` is the strain relative to the start of the section.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Section {
@@ -71,7 +71,7 @@ pub enum Section {
         /// Slope \[kPa\], > 0.
         modulus_kpa: f64,
     },
-    /// Cubic Hermite piece from the stress and slope the section before ended with.
+    /// Cubic Hermite piece from the end stress and end slope of the previous section.
     Cubic {
         /// Start strain \[-\].
         from: f64,
@@ -88,7 +88,7 @@ pub enum Section {
         from: f64,
         /// End strain \[-\].
         to: f64,
-        /// Coefficients of x, x², … \[kPa\], 1 to 8 of them.
+        /// Coefficients of x, x², … \[kPa\], 1 to 8 numbers.
         coefficients_kpa: Vec<f64>,
     },
     /// Adds `scale_kpa · atan(rate · x)`.
@@ -126,37 +126,37 @@ pub enum Section {
     },
 }
 
-/// Why a curve is refused. The message names the point or field and what is allowed.
+/// Error of an invalid curve. The message names the point or field and the allowed range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
-    /// A parameter is not a number in its range.
+    /// A parameter is outside of its range or not a number.
     #[error("{field} is {}; allowed: {allowed}", number(*value))]
     Parameter {
-        /// The field's name inside the curve.
+        /// Name of the field in the curve.
         field: String,
-        /// What was given.
+        /// Given value.
         value: f64,
         /// The allowed range, in words.
         allowed: &'static str,
     },
-    /// Fewer than two points, no section, or too many.
+    /// Fewer than two points, no section, or too many entries.
     #[error("{field} has {count} entries; allowed: {allowed}")]
     Count {
         /// `points` or `sections`.
         field: &'static str,
-        /// How many were given.
+        /// Given number of entries.
         count: usize,
         /// The allowed range, in words.
         allowed: &'static str,
     },
-    /// A marked point or section breaks the rules.
+    /// A marked point or section is invalid.
     #[error("{field}[{index}] {problem}")]
     Entry {
         /// `points` or `sections`.
         field: &'static str,
-        /// Its place in the list, from 0.
+        /// Index in the list, from 0.
         index: usize,
-        /// What is wrong and what is allowed.
+        /// Description of the error and the allowed range.
         problem: String,
     },
 }
@@ -173,7 +173,7 @@ impl Section {
         }
     }
 
-    /// The stress increment of this section, given the stress and slope it starts with.
+    /// Stress increment of this section for the given stress and slope at its start.
     pub(super) fn shape(
         &self,
         length: f64,

@@ -1,4 +1,4 @@
-//! Small dense matrices: all that the 4 × 4 sample (50 unknowns) needs of linear algebra.
+//! Linear algebra of small dense matrices, for the 4 × 4 sample (50 unknowns).
 
 /// A square matrix, row by row.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl Matrix {
             .fold(0.0, f64::max)
     }
 
-    /// Does the symmetric matrix have a Cholesky factor, that is, is it positive definite?
+    /// Returns `true` if the symmetric matrix has a Cholesky factor, that is, if it is positive definite.
     pub(super) fn has_cholesky_factor(mut self) -> bool {
         let n = self.n;
         for j in 0..n {
@@ -64,22 +64,22 @@ impl Matrix {
         true
     }
 
-    /// The least eigenvalue of the symmetric matrix, to rounding: Householder reflections make it
-    /// tridiagonal, Sturm's count of negative pivots then bisects (G. H. Golub and C. F. Van Loan,
+    /// Smallest eigenvalue of the symmetric matrix, to rounding: tridiagonalisation by Householder
+    /// reflections, then bisection with Sturm's count of negative pivots (G. H. Golub and C. F. Van Loan,
     /// *Matrix Computations*, 4th ed., 2013, sections 8.3.1 and 8.4.1).
     pub(super) fn least_eigenvalue(mut self) -> f64 {
         let bound = self.greatest_row_sum();
         let n = self.n;
-        let (mut diagonal, mut beside) = (vec![0.0; n], vec![0.0; n]);
+        let (mut diagonal, mut off_diagonal) = (vec![0.0; n], vec![0.0; n]);
         for k in 0..n {
             diagonal[k] = self.get(k, k);
             if k + 1 == n {
                 break;
             }
-            // The reflection that leaves of row k, beyond the diagonal, only its first entry.
+            // The reflection eliminates row k beyond the first entry right of the diagonal.
             let mut v: Vec<f64> = (k + 1..n).map(|column| self.get(k, column)).collect();
             let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
-            beside[k] = length;
+            off_diagonal[k] = length;
             v[0] += length.copysign(v[0]);
             let squared: f64 = v.iter().map(|v| v * v).sum();
             if squared <= 0.0 {
@@ -111,7 +111,9 @@ impl Matrix {
                 if pivot < 0.0 {
                     return true;
                 }
-                pivot = diagonal[k] - shift - beside[k - 1] * beside[k - 1] / pivot.max(1e-300);
+                pivot = diagonal[k]
+                    - shift
+                    - off_diagonal[k - 1] * off_diagonal[k - 1] / pivot.max(1e-300);
             }
             pivot < 0.0
         };
@@ -123,7 +125,7 @@ impl Matrix {
         0.5 * (below + above)
     }
 
-    /// Solves A x = b by elimination with row pivoting; `None` if A is singular.
+    /// Solves A x = b by Gaussian elimination with row pivoting; `None` if A is singular.
     pub(super) fn solve(mut self, mut b: Vec<f64>) -> Option<Vec<f64>> {
         let n = self.n;
         for k in 0..n {
@@ -174,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn solve_gives_back_the_right_hand_side() {
+    fn the_solution_satisfies_the_equations() {
         let a = example(-1.3); // indefinite
         let b: Vec<f64> = (0..6).map(|k| f64::from(k * k) - 4.0).collect();
         let x = a.clone().solve(b.clone()).unwrap();
@@ -191,7 +193,7 @@ mod tests {
         for shift in [0.0, -1.0, 3.0] {
             assert!((example(shift).least_eigenvalue() - known - shift).abs() < 1e-13);
         }
-        // Full, with its eigenvectors known: reflections of a diagonal matrix.
+        // A full matrix with known eigenvectors: a reflected diagonal matrix.
         let values = [4.0, -0.25, 7.0, 1.5, 0.0, 9.0];
         let v: Vec<f64> = (0..6).map(|k| 0.3 + (1.7 * f64::from(k)).sin()).collect();
         let squared: f64 = v.iter().map(|v| v * v).sum();
@@ -209,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn positive_definite_is_told_from_indefinite_at_the_least_eigenvalue() {
+    fn a_shift_by_the_least_eigenvalue_separates_definite_from_indefinite() {
         let least = 2.0 - 2.0 * (std::f64::consts::PI / 7.0).cos();
         assert!(example(-least + 1e-9).has_cholesky_factor());
         assert!(!example(-least - 1e-9).has_cholesky_factor());

@@ -1,7 +1,7 @@
 //! The paper's sample: a square of unit cells with a free border, under either spring law.
 //!
-//! A cell is 1 mm wide and the layer 1 mm thick, so that a force in mN per border edge is a stress
-//! in kPa. Nothing here knows about loads or protocols: energy, forces, Hessian, stability.
+//! A cell is 1 mm wide and the layer 1 mm thick; a force in mN per border edge equals a stress in kPa.
+//! Contents: energy, forces, Hessian, stability. Loads and protocols: [`super::tension`].
 
 use super::dense::Matrix;
 use crate::curve::Curve;
@@ -12,8 +12,8 @@ use glam::{DMat2, DVec2};
 pub const CELL_MM: f64 = 1.0;
 /// Thickness of the layer \[mm\].
 pub const THICKNESS_MM: f64 = 1.0;
-/// A shape is unstable when the least eigenvalue of its Hessian, without rigid motions, lies below
-/// minus this share of the small-strain edge stiffness `Ef′(0)·h`.
+/// Threshold of instability: a shape is unstable if the smallest eigenvalue of the Hessian, without rigid
+/// motions, lies below minus this fraction of the small-strain edge stiffness `Ef′(0)·h`.
 pub const STABILITY_THRESHOLD: f64 = 1e-3;
 
 /// A square sample of `cells` × `cells` cells. Node (i, j) has the index `j·(cells+1) + i`.
@@ -35,12 +35,12 @@ struct Triangle {
     nodes: [usize; 3],
     /// Shape function gradients ∇N \[1/mm\].
     gradients: [DVec2; 3],
-    /// Half its rest area (each cell is split both ways) times thickness \[mm³\].
+    /// Half the rest area (each cell is split along both diagonals) times thickness \[mm³\].
     volume: f64,
 }
 
 impl Sample {
-    /// A sample of `cells` × `cells` cells of the given law and material.
+    /// Creates a sample of `cells` × `cells` cells of the given law and material.
     #[must_use]
     pub fn new(cells: usize, springs: Springs, curve: &Curve, poisson_ratio: f64) -> Self {
         let side = cells + 1;
@@ -62,7 +62,7 @@ impl Sample {
         sample
     }
 
-    /// Every cell brings its six springs, each with Sq = L/2·h; shared edges are summed.
+    /// Adds the six springs of every cell, each with Sq = L/2·h; springs on shared edges are summed.
     fn add_bars(&mut self) {
         let n = self.cells;
         let width = 0.5 * CELL_MM * THICKNESS_MM;
@@ -90,7 +90,7 @@ impl Sample {
         }
     }
 
-    /// Every cell is split along both diagonals: four triangles of half weight.
+    /// Adds four triangles of half weight per cell: every cell is split along both diagonals.
     fn add_triangles(&mut self) {
         for j in 0..self.cells {
             for i in 0..self.cells {
@@ -139,14 +139,14 @@ impl Sample {
         self.curve.small_strain_modulus() * THICKNESS_MM
     }
 
-    /// Dead loads \[mN\] of the homogeneous nominal stress P \[kPa\]: every border edge of a cell hands
-    /// half of P·N·L·h to each of its two nodes. With P = σ x⊗x this is the paper's loading: equal
-    /// forces on both nodes of each border cell, so nodes of two cells carry twice.
+    /// Dead loads \[mN\] of the homogeneous nominal stress P \[kPa\]: every border edge of a cell applies
+    /// half of P·N·L·h to each of the edge's two nodes. P = σ x⊗x is the paper's loading: equal forces on
+    /// both nodes of each border cell, twice the force on nodes of two cells.
     #[must_use]
     pub fn border_loads(&self, stress: DMat2) -> Vec<DVec2> {
         let mut loads = vec![DVec2::ZERO; self.rest.len()];
         let n = self.cells;
-        let share = 0.5 * CELL_MM * THICKNESS_MM;
+        let half_section = 0.5 * CELL_MM * THICKNESS_MM;
         for k in 0..n {
             for (nodes, normal) in [
                 ([self.node(n, k), self.node(n, k + 1)], DVec2::X),
@@ -155,7 +155,7 @@ impl Sample {
                 ([self.node(k, 0), self.node(k + 1, 0)], DVec2::NEG_Y),
             ] {
                 for node in nodes {
-                    loads[node] += share * (stress * normal);
+                    loads[node] += half_section * (stress * normal);
                 }
             }
         }
@@ -184,7 +184,7 @@ impl Sample {
         bars + triangles
     }
 
-    /// Forces \[mN\] of the springs on the nodes of a shape, minus the gradient of the energy.
+    /// Forces \[mN\] of the springs on the nodes of a shape: minus the gradient of the energy.
     #[must_use]
     pub fn forces(&self, x: &[DVec2]) -> Vec<DVec2> {
         let mut forces = vec![DVec2::ZERO; x.len()];
@@ -192,7 +192,7 @@ impl Sample {
         forces
     }
 
-    /// Adds the springs' forces \[mN\] to `forces`.
+    /// Adds the forces of the springs \[mN\] to `forces`.
     pub fn add_forces(&self, x: &[DVec2], forces: &mut [DVec2]) {
         for &(nodes, spring, width) in &self.bars {
             let (_, strain, direction) = self.bar(nodes, x);
@@ -211,12 +211,12 @@ impl Sample {
     /// Rest length \[mm\], strain \[-\] and direction of a spring.
     fn bar(&self, [a, b]: [usize; 2], x: &[DVec2]) -> (f64, f64, DVec2) {
         let rest = self.rest[a].distance(self.rest[b]);
-        let now = x[b] - x[a];
-        let length = now.length();
-        (rest, length / rest - 1.0, now / length)
+        let edge = x[b] - x[a];
+        let length = edge.length();
+        (rest, length / rest - 1.0, edge / length)
     }
 
-    /// ē of a Biot strain tensor: the coupled law's equivalent strain \[-\].
+    /// Equivalent strain ē of a Biot strain tensor in the coupled law \[-\].
     fn equivalent(&self, strain: DMat2) -> f64 {
         let nu = self.poisson_ratio;
         let squares = strain.x_axis.length_squared() + strain.y_axis.length_squared();
@@ -234,19 +234,19 @@ impl Sample {
         triangle.gradients.map(|gradient| -(nominal * gradient))
     }
 
-    /// Is some spring beyond what the law can say: outside the paper's domain, a triangle turned
-    /// over, or not a number?
+    /// Returns `true` if a shape is outside of the law's domain: a spring outside of the paper's domain, an
+    /// inverted triangle, or a position that is not a number.
     #[must_use]
     pub fn is_outside_domain(&self, x: &[DVec2]) -> bool {
         let bar_outside = |&(nodes, spring, _): &([usize; 2], Spring, f64)| {
             let strain = self.bar(nodes, x).1;
             strain.is_nan() || paper::is_outside_domain(spring, self.poisson_ratio, strain)
         };
-        let turned = |triangle: &Triangle| {
+        let is_inverted = |triangle: &Triangle| {
             let area = triangle.deformation(x).determinant();
             area.is_nan() || area <= 0.0
         };
-        self.bars.iter().any(bar_outside) || self.triangles.iter().any(turned)
+        self.bars.iter().any(bar_outside) || self.triangles.iter().any(is_inverted)
     }
 
     /// The Hessian of the energy \[kPa·mm\], shape (2·nodes)², x before y per node.
@@ -293,15 +293,15 @@ impl Sample {
                 let value = (back[node][axis] - forward[node][axis]) / (2.0 * STEP_MM);
                 let (row, column) =
                     (2 * triangle.nodes[node] + axis, 2 * triangle.nodes[moved / 2] + moved % 2);
-                // Half to each side of the diagonal: differences are symmetric only nearly.
+                // Half on each side of the diagonal: difference quotients are not exactly symmetric.
                 matrix.add(row, column, 0.5 * value);
                 matrix.add(column, row, 0.5 * value);
             }
         }
     }
 
-    /// Is the shape stable: no eigenvalue of the Hessian, rigid motions set aside, below
-    /// −[`STABILITY_THRESHOLD`] of the small-strain edge stiffness?
+    /// Returns `true` if the shape is stable: no eigenvalue of the Hessian without rigid motions lies below
+    /// −[`STABILITY_THRESHOLD`] times the small-strain edge stiffness.
     #[must_use]
     pub fn is_stable(&self, x: &[DVec2]) -> bool {
         if self.is_outside_domain(x) {
@@ -312,14 +312,14 @@ impl Sample {
         matrix.has_cholesky_factor()
     }
 
-    /// The least eigenvalue of the Hessian, rigid motions set aside, relative to the small-strain
-    /// edge stiffness \[-\]; for shapes inside the law's domain.
+    /// Smallest eigenvalue of the Hessian without rigid motions, relative to the small-strain edge
+    /// stiffness \[-\]; for shapes inside the law's domain.
     #[must_use]
     pub fn least_eigenvalue(&self, x: &[DVec2]) -> f64 {
         self.hessian_without_rigid_motions(x).least_eigenvalue() / self.edge_stiffness()
     }
 
-    /// The Hessian with the rigid motions made so stiff that they do not count.
+    /// The Hessian plus a large stiffness of the rigid motions, which removes zero eigenvalues.
     fn hessian_without_rigid_motions(&self, x: &[DVec2]) -> Matrix {
         let mut matrix = self.hessian(x);
         for mode in rigid_modes(x) {
@@ -344,13 +344,13 @@ pub(super) fn rigid_modes(x: &[DVec2]) -> [Vec<f64>; 3] {
 
 /// Biot strain E = U − I and rotation R of a deformation F = R U, closed form in two dimensions.
 fn strain_and_rotation(deformation: DMat2) -> (DMat2, DMat2) {
-    // R is the rotation that makes RᵀF symmetric: its angle is that of (F₁₁ + F₂₂, F₂₁ − F₁₂).
-    let turn = DVec2::new(
+    // RᵀF is symmetric for the rotation R with the direction (F₁₁ + F₂₂, F₂₁ − F₁₂).
+    let direction = DVec2::new(
         deformation.x_axis.x + deformation.y_axis.y,
         deformation.x_axis.y - deformation.y_axis.x,
     )
     .normalize();
-    let rotation = DMat2::from_cols(turn, turn.perp());
+    let rotation = DMat2::from_cols(direction, direction.perp());
     (rotation.transpose() * deformation - DMat2::IDENTITY, rotation)
 }
 

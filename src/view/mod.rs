@@ -8,17 +8,7 @@
 pub mod body;
 pub mod camera;
 pub mod color;
-#[cfg(feature = "drawing")]
-pub mod contour;
 pub mod mesh;
 pub mod pick;
 pub mod picture;
 pub mod section;
-#[cfg(feature = "drawing")]
-pub mod stability_map;
-#[cfg(feature = "drawing")]
-pub mod svg;
-#[cfg(feature = "drawing")]
-pub mod svg_backend;
-#[cfg(feature = "drawing")]
-pub mod work_precision;

@@ -1,19 +1,18 @@
-//! The equilibrium of a centred dome as a boundary value problem in one variable: the reference
-//! that the sheet of springs is held against.
+//! Reference solution for a centred dome: the equilibrium as a boundary value problem in one variable.
 //!
-//! The coupled law is that of an isotropic membrane, so that under a centred dome the exact answer of
-//! the sheet is axisymmetric. With the material radius s, the principal stretches are λ₁ = √(r′² + z′²)
-//! along the meridian and λ₂ = r/s around it; with the nominal tensions T₁, T₂ (curves exactly, not
-//! their tables) and the slope φ of the meridian (cos φ = r′/λ₁, sin φ = −z′/λ₁):
+//! The coupled law describes an isotropic membrane; over a centred dome the exact solution is axisymmetric.
+//! With the material radius s, the principal stretches are λ₁ = √(r′² + z′²) along the meridian and
+//! λ₂ = r/s along the hoop; with the nominal tensions T₁, T₂ (from the curves, not from tables) and the
+//! slope φ of the meridian (cos φ = r′/λ₁, sin φ = −z′/λ₁):
 //!
-//! * on the dome, without friction, what the dome gives is normal to it: (s T₁)′ = T₂ cos φ along the
-//!   dome's own meridian;
-//! * off it: s T₁ sin φ is constant (the contact force / 2π) and (s T₁ cos φ)′ = T₂, from which
+//! * on the dome, without friction, the contact pressure is normal to the dome: (s T₁)′ = T₂ cos φ along
+//!   the dome's meridian;
+//! * off the dome: s T₁ sin φ is constant (the contact force / 2π) and (s T₁ cos φ)′ = T₂, hence
 //!   (s T₁)′ = T₂ cos φ and φ′ = −T₂ sin φ / (s T₁);
-//! * the meridian's tangent is continuous where contact ends; r = s = a, z = 0 at the border.
+//! * the meridian's tangent is continuous at the contact edge; r = s = a, z = 0 at the border.
 //!
-//! Unknowns are the apex stretch and where contact ends: found by shooting, first each in its bracket,
-//! then both by Newton's method.
+//! The unknowns are the apex stretch and the contact edge. Shooting brackets each unknown, then Newton's
+//! method refines both.
 //!
 //! Uses `curve`, `springs`, `implant`, `solve` (its materials). Used by `work_precision` and the tests.
 
@@ -26,16 +25,16 @@ use crate::springs::Material;
 use shooting::{Knot, Shooting};
 use std::f64::consts::PI;
 
-/// Why there is no axisymmetric solution to compare with.
+/// Reason for the absence of an axisymmetric solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AxisymmetricError {
-    /// The dome does not stand in the middle of the pocket.
+    /// The dome is not centred in the pocket.
     #[error("the dome's centre is {distance_mm} mm off; allowed: a dome in the pocket's centre")]
     OffCentre {
-        /// Distance of the dome's axis from the pocket's \[mm\].
+        /// Distance between the axes of dome and pocket \[mm\].
         distance_mm: f64,
     },
-    /// The pocket does not hold the dome.
+    /// The pocket is smaller than the dome.
     #[error(
         "the pocket radius is {pocket_radius_mm} mm; allowed: at least the base radius \
          {base_radius_mm} mm"
@@ -46,43 +45,45 @@ pub enum AxisymmetricError {
         /// Base radius R \[mm\].
         base_radius_mm: f64,
     },
-    /// A sheet without layers carries nothing.
+    /// The sheet has no layers.
     #[error("there are no layers; allowed: at least one")]
     NoLayers,
-    /// Shooting did not meet the border.
-    #[error("no axisymmetric solution was found; the border is missed by {miss:.1e} of the radius")]
+    /// Shooting did not satisfy the boundary conditions.
+    #[error(
+        "no axisymmetric solution was found; the distance from the border is {miss:.1e} of the radius"
+    )]
     NotFound {
-        /// Distance from the border at the end of the sheet / pocket radius \[-\]; NaN when it was
-        /// not reached at all.
+        /// Distance between the end of the sheet and the border / pocket radius \[-\]; NaN if the shot
+        /// did not reach the border.
         miss: f64,
     },
 }
 
-/// Apex strain beyond which a shot is no answer \[-\].
-const MOST_STRAIN: f64 = 10.0;
+/// Greatest apex strain of a solution \[-\].
+const MAX_STRAIN: f64 = 10.0;
 
-/// The axisymmetric equilibrium. Figures agree with the stored references within 1e-6; the border is
-/// met within 1e-8 of the pocket radius.
+/// The axisymmetric equilibrium. Results agree with the stored references within 1e-6; the error of the
+/// boundary conditions is below 1e-8 of the pocket radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// Stretch at the apex, the same in every direction \[-\].
+    /// Stretch at the apex, equal in every direction \[-\].
     pub apex_stretch: f64,
-    /// The meridian's parameter θ where contact ends \[rad\]: r = R sin θ, z = z₀ + p cos θ; on a
-    /// hemisphere the angle from its axis.
+    /// Parameter θ of the dome's meridian at the contact edge \[rad\]: r = R sin θ, z = z₀ + p cos θ; on a
+    /// hemisphere the angle from the axis.
     pub contact_angle: f64,
-    /// Material radius where contact ends \[mm\].
+    /// Material radius at the contact edge \[mm\].
     pub contact_material_radius_mm: f64,
     /// Force between dome and sheet along the axis \[N\].
     pub contact_force_n: f64,
     /// Deformed area / area at rest \[-\].
     pub area_ratio: f64,
-    /// From the apex to the border.
+    /// Profile from the apex to the border.
     knots: Vec<Knot>,
 }
 
 impl Solution {
-    /// The profile at a material radius \[mm\], 0 to the pocket radius (clamped to it): cubic Hermite
-    /// interpolation between steps so short that it adds less than 1e-8 of the radius.
+    /// The profile at a material radius \[mm\], clamped to 0 … pocket radius: cubic Hermite interpolation
+    /// with an error below 1e-8 of the radius.
     #[must_use]
     pub fn point(&self, s_mm: f64) -> ProfilePoint {
         let last = self.knots.len() - 1;
@@ -99,13 +100,13 @@ impl Solution {
     }
 }
 
-/// Finds the axisymmetric equilibrium of a sheet with coupled springs, clamped on the circle of the
-/// pocket radius \[mm\], over a dome in its centre. Takes milliseconds. Tested for projections from 0.3 to
-/// 1.5 of the base radius; far flatter or taller domes may have no answer that shooting finds.
+/// Solves the axisymmetric equilibrium of a sheet with coupled springs over a centred dome, clamped on the
+/// circle of the pocket radius \[mm\]. Run time: milliseconds. Tested for projections from 0.3 to 1.5 of the
+/// base radius; shooting may fail for much flatter or taller domes.
 ///
 /// # Errors
-/// [`AxisymmetricError`] if the dome is off centre or does not fit the pocket, if there is no layer, or
-/// if shooting does not meet the border.
+/// [`AxisymmetricError`] if the dome is off centre or larger than the pocket, if the sheet has no layer, or
+/// if shooting does not satisfy the boundary conditions.
 pub fn solve(
     dome: &Dome,
     pocket_radius_mm: f64,
@@ -125,12 +126,12 @@ pub fn solve(
         return Ok(flat(pocket_radius_mm));
     }
     let shooting = Shooting::new(dome, pocket_radius_mm, materials);
-    let (strain, angle) = shooting.aim()?;
+    let (strain, angle) = shooting.solve()?;
     let mut knots = Vec::new();
     let shot = shooting.shoot(strain, angle, shooting::FINE, Some(&mut knots));
     let miss = shot.hoop.hypot(shot.height / pocket_radius_mm);
-    // A sheet stretched tenfold has run away along a softening curve: no answer to compare with.
-    if miss.is_nan() || miss > 1e-8 || strain > MOST_STRAIN {
+    // A tenfold stretch indicates divergence along a softening curve.
+    if miss.is_nan() || miss > 1e-8 || strain > MAX_STRAIN {
         return Err(AxisymmetricError::NotFound { miss });
     }
     Ok(Solution {
@@ -143,7 +144,7 @@ pub fn solve(
     })
 }
 
-/// A sheet that nothing lifts.
+/// The flat sheet at zero insertion.
 fn flat(pocket_radius_mm: f64) -> Solution {
     let knot = |s| Knot { s, value: [s, 0.0, 0.0], slope: [1.0, 0.0, 0.0] };
     Solution {

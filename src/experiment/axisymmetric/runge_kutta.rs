@@ -2,8 +2,8 @@
 //! P. J. Prince, J. Comp. Appl. Math. 6, 1980; E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary
 //! Differential Equations I", II.4–5).
 
-/// Steps after which an integration is given up.
-const MOST_STEPS: usize = 20_000;
+/// Greatest number of steps of an integration.
+const MAX_STEPS: usize = 20_000;
 
 const NODES: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 const STAGES: [[f64; 6]; 6] = [
@@ -14,7 +14,7 @@ const STAGES: [[f64; 6]; 6] = [
     [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
     [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// The fifth-order weights (the last row of [`STAGES`]) less the fourth-order ones.
+/// Fifth-order weights (the last row of [`STAGES`]) minus the fourth-order weights.
 const ERROR: [f64; 7] = [
     71.0 / 57600.0,
     0.0,
@@ -25,20 +25,21 @@ const ERROR: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
-/// How finely to integrate.
+/// Step size control.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<const N: usize> {
-    /// Local error allowed, relative to `scale` \[-\].
+    /// Local error tolerance, relative to `scale` \[-\].
     pub(super) tolerance: f64,
     /// Magnitude of each variable.
     pub(super) scale: [f64; N],
-    /// The longest step.
+    /// Greatest step size.
     pub(super) longest: f64,
 }
 
-/// Integrates y′ = f(t, y) from `from.0` to `to` > `from.0`. `visit` sees every step's end with its
-/// slope, the start included, and stops the integration by returning false. The end reached, or
-/// `None` when steps become vanishingly short or too many.
+/// Integrates y′ = f(t, y) from `from.0` to `to` > `from.0`; returns the final y, or `None` if the steps
+/// become too short or too many.
+///
+/// `visit` receives t, y and y′ at the start and after every step; the value `false` ends the integration.
 pub(super) fn integrate<const N: usize>(
     f: impl Fn(f64, &[f64; N]) -> [f64; N],
     from: (f64, [f64; N]),
@@ -54,7 +55,7 @@ pub(super) fn integrate<const N: usize>(
     }
     let shortest = 1e-15 * (to - t).max(1e-3 * to.abs());
     let mut step = steps.longest.min(to - t);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if to - t <= shortest {
             return Some(y);
         }
@@ -96,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_circle_is_met_to_the_tolerance_and_a_kink_does_not_spoil_it() {
+    fn the_error_is_within_the_tolerance_on_a_circle_and_across_a_kink() {
         let steps = Steps { tolerance: 1e-12, scale: [1.0; 2], longest: 0.5 };
         let turn = |_: f64, y: &[f64; 2]| [y[1], -y[0]];
         let end = integrate(turn, (0.0, [0.0, 1.0]), 2.0, &steps, |_, _, _| true).unwrap();

@@ -1,4 +1,4 @@
-//! Shooting: from the apex over the dome and off it to the border, and how to aim.
+//! Shooting method: integration from the apex over the dome to the border, and the root search.
 
 use super::AxisymmetricError;
 use super::runge_kutta::{Steps, integrate};
@@ -6,18 +6,18 @@ use crate::contact::Dome;
 use crate::springs::Material;
 use crate::springs::coupled::equivalent_strain;
 
-/// Local error of the last shots, relative to each variable's magnitude \[-\].
+/// Local error of the final shots, relative to each variable's magnitude \[-\].
 pub(super) const FINE: f64 = 1e-12;
-/// Local error of the shots that bracket the answer.
+/// Local error of the shots that bracket the solution.
 const COARSE: f64 = 1e-5;
-/// What a shot counts as whose meridian collapses: its apex is stretched far too much.
-const COLLAPSED: f64 = 1.0;
-/// Hoop stretch − 1 below which a shot is lost: its apex is stretched far too little.
-const LOST: f64 = -0.4;
-/// Where integration leaves the apex, by its series, as a share of the dome's radius of curvature.
+/// Hoop strain assigned to a shot whose meridian collapses (apex stretch much too large).
+const COLLAPSED_HOOP_STRAIN: f64 = 1.0;
+/// Smallest hoop strain of a shot; below, the apex stretch is much too small.
+const MIN_HOOP_STRAIN: f64 = -0.4;
+/// Start of the integration after the series at the apex \[fraction of the dome's radius of curvature\].
 const START: f64 = 1e-3;
 
-/// One place of the profile: values and slopes by the material radius s.
+/// One point of the profile: values and derivatives by the material radius s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Knot {
     /// Material radius \[mm\].
@@ -28,7 +28,7 @@ pub(super) struct Knot {
 }
 
 impl Knot {
-    /// The cubic through two knots' values and slopes.
+    /// Cubic Hermite interpolation between two knots.
     pub(super) fn interpolate(&self, next: &Self, s: f64) -> [f64; 3] {
         let length = next.s - self.s;
         let t = if length > 0.0 { (s - self.s) / length } else { 0.0 };
@@ -41,14 +41,14 @@ impl Knot {
     }
 }
 
-/// How a shot ended.
+/// Result of a shot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shot {
-    /// Hoop stretch − 1 at the border \[-\]: negative where the apex is stretched too little.
+    /// Hoop strain at the border \[-\]; negative if the apex stretch is too small.
     pub(super) hoop: f64,
-    /// Height at the border \[mm\]; NaN for a shot that was lost.
+    /// Height at the border \[mm\]; NaN for a failed shot.
     pub(super) height: f64,
-    /// Material radius where contact ends \[mm\].
+    /// Material radius at the contact edge \[mm\].
     pub(super) contact_radius: f64,
     /// Contact force / 2π \[kPa·mm²\].
     pub(super) vertical: f64,
@@ -57,12 +57,12 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    fn lost(hoop: f64) -> Self {
+    fn failed(hoop: f64) -> Self {
         Self { hoop, height: f64::NAN, contact_radius: 0.0, vertical: 0.0, area: 0.0 }
     }
 }
 
-/// Tensions and their derivatives by the strains.
+/// Principal tensions and their derivatives by the strains.
 struct Response {
     /// T₁, T₂ \[kPa·mm\].
     tension: [f64; 2],
@@ -70,14 +70,14 @@ struct Response {
     stiffness: [f64; 2],
 }
 
-/// A dome, a pocket and what the sheet is made of.
+/// Shooting problem: dome, pocket and materials of the sheet.
 pub(super) struct Shooting<'a> {
     base_radius: f64,
     projection: f64,
     base_height: f64,
     pocket_radius: f64,
     materials: &'a [Material],
-    /// θ where the dome meets the wall \[rad\].
+    /// Parameter θ at the intersection of dome and wall \[rad\].
     wall_angle: f64,
 }
 
@@ -93,7 +93,7 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// The coupled law by the curves themselves.
+    /// Principal tensions of the coupled law, from the curves.
     fn response(&self, [a, b]: [f64; 2]) -> Response {
         let mut sum = Response { tension: [0.0; 2], stiffness: [0.0; 2] };
         for material in self.materials {
@@ -117,7 +117,7 @@ impl<'a> Shooting<'a> {
         sum
     }
 
-    /// dε₁/ds from (s T₁)′ = T₂ cos φ, which holds on the dome and off it, with the tensions.
+    /// dε₁/ds from (s T₁)′ = T₂ cos φ, valid on the dome and off the dome, and the tensions T₁, T₂.
     fn strain_slope(&self, s: f64, r: f64, strain: f64, cos: f64) -> (f64, [f64; 2]) {
         let around = (r - s) / s;
         let Response { tension: [t1, t2], stiffness: [along, across] } =
@@ -126,7 +126,7 @@ impl<'a> Shooting<'a> {
         (((t2 * cos - t1) / s - across * around_slope) / along, [t1, t2])
     }
 
-    /// cos φ, sin φ and arc length by θ of the dome's meridian.
+    /// cos φ, sin φ and the derivative of the arc length by θ of the dome's meridian.
     fn meridian(&self, angle: f64) -> (f64, f64, f64) {
         let (sin, cos) = angle.sin_cos();
         let along = [self.base_radius * cos, self.projection * sin];
@@ -134,8 +134,8 @@ impl<'a> Shooting<'a> {
         (along[0] / arc, along[1] / arc, arc)
     }
 
-    /// Series about the apex: at θ the material radius, and the meridional strain.
-    fn leave_apex(&self, strain: f64, angle: f64) -> (f64, f64) {
+    /// Series about the apex: the material radius and the meridional strain at θ.
+    fn apex_series(&self, strain: f64, angle: f64) -> (f64, f64) {
         let stretch = 1.0 + strain;
         let curvature = self.projection / self.base_radius.powi(2);
         let Response { tension: [tension, _], stiffness: [along, across] } =
@@ -149,7 +149,8 @@ impl<'a> Shooting<'a> {
         (even * (1.0 - c2 * even * even / stretch), strain + c1 * even * even)
     }
 
-    /// From the apex, stretched by 1 + `strain`, over the dome to θ = `angle` and off it to the border.
+    /// Integrates from the apex with the stretch 1 + `strain` over the dome to θ = `angle`, then to the
+    /// border.
     pub(super) fn shoot(
         &self,
         strain: f64,
@@ -159,7 +160,7 @@ impl<'a> Shooting<'a> {
     ) -> Shot {
         let (a, base_radius) = (self.pocket_radius, self.base_radius);
         let is_fine = knots.is_some();
-        // Where every step is kept, cubics between them must do.
+        // Recorded steps are short enough for cubic interpolation.
         let longest = |range: f64| {
             let slender = (base_radius / self.projection).min(1.0);
             if is_fine { range * slender / 200.0 } else { range / 4.0 }
@@ -172,16 +173,16 @@ impl<'a> Shooting<'a> {
         let stretch = 1.0 + strain;
         keep(0.0, [0.0, self.base_height + self.projection, strain], [stretch, 0.0, 0.0]);
 
-        // On the dome, against θ: s, ε₁, area/2π.
-        let place = |angle: f64| {
+        // On the dome, as functions of θ: s, ε₁, area/2π.
+        let point = |angle: f64| {
             let (sin, cos) = angle.sin_cos();
             (base_radius * sin, self.base_height + self.projection * cos)
         };
-        // Hoop strains are differences from 1: below this they have no further digits.
+        // Lower bound from the rounding error of hoop strains, which are differences from 1.
         let strain_scale = strain.max(3e-16 / tolerance);
         let start = (START * (base_radius / self.projection).min(1.0)).min(0.1 * angle);
-        let (s, e) = self.leave_apex(strain, start);
-        let first = place(start).0;
+        let (s, e) = self.apex_series(strain, start);
+        let first = point(start).0;
         let steps = Steps { tolerance, scale: [a, strain_scale, a * a], longest: longest(angle) };
         let on_dome = |angle: f64, &[s, e, _]: &[f64; 3]| {
             let (cos, _, arc) = self.meridian(angle);
@@ -189,33 +190,33 @@ impl<'a> Shooting<'a> {
             let by_angle = arc / (1.0 + e);
             [by_angle, self.strain_slope(s, r, e, cos).0 * by_angle, r * arc]
         };
-        let mut lost = None;
+        let mut failed = None;
         let contact = integrate(
             on_dome,
             (start, [s, e, 0.5 * first * first]),
             angle,
             &steps,
             |angle, &[s, e, _], slope| {
-                let (r, z) = place(angle);
+                let (r, z) = point(angle);
                 let (cos, sin, _) = self.meridian(angle);
                 keep(s, [r, z, e], [(1.0 + e) * cos, -(1.0 + e) * sin, slope[1] / slope[0]]);
-                lost = (r / s - 1.0 < LOST).then_some(LOST - (1.0 - s / a));
-                lost.is_none()
+                failed = (r / s - 1.0 < MIN_HOOP_STRAIN).then_some(MIN_HOOP_STRAIN - (1.0 - s / a));
+                failed.is_none()
             },
         );
-        let Some([s, e, area]) = contact else { return Shot::lost(COLLAPSED) };
-        if let Some(hoop) = lost {
-            return Shot::lost(hoop);
+        let Some([s, e, area]) = contact else { return Shot::failed(COLLAPSED_HOOP_STRAIN) };
+        if let Some(hoop) = failed {
+            return Shot::failed(hoop);
         }
         let (cos, sin, _) = self.meridian(angle);
-        let (r, z) = place(angle);
+        let (r, z) = point(angle);
         let vertical = s * self.strain_slope(s, r, e, cos).1[0] * sin;
         let ended = Shot { hoop: r / s - 1.0, height: z, contact_radius: s, vertical, area };
         if self.is_full_contact() || s >= a {
             return ended;
         }
 
-        // Off the dome, against s: ε₁, r, z, φ, area/2π.
+        // Off the dome, as functions of s: ε₁, r, z, φ, area/2π.
         let slope_angle = sin.atan2(cos);
         let scale = [strain_scale, a, a, slope_angle, a * a];
         let steps = Steps { tolerance, scale, longest: longest(a - s) };
@@ -232,34 +233,34 @@ impl<'a> Shooting<'a> {
             &steps,
             |s, &[e, r, z, ..], slope| {
                 keep(s, [r, z, e], [slope[1], slope[2], slope[0]]);
-                lost = (r / s - 1.0 < LOST).then_some(LOST - (1.0 - s / a));
-                lost.is_none()
+                failed = (r / s - 1.0 < MIN_HOOP_STRAIN).then_some(MIN_HOOP_STRAIN - (1.0 - s / a));
+                failed.is_none()
             },
         );
-        match (free, lost) {
+        match (free, failed) {
             (Some([_, r, z, _, area]), None) => {
                 Shot { hoop: r / a - 1.0, height: z, area, ..ended }
             }
-            (_, hoop) => Shot::lost(hoop.unwrap_or(COLLAPSED)),
+            (_, hoop) => Shot::failed(hoop.unwrap_or(COLLAPSED_HOOP_STRAIN)),
         }
     }
 
-    /// Does the sheet lie on the dome up to the border? Only where the dome meets the wall there.
+    /// Returns `true` if the sheet is in contact up to the border: the dome meets the wall at the border.
     fn is_full_contact(&self) -> bool {
         (self.base_radius * self.wall_angle.sin() / self.pocket_radius - 1.0).abs() < 1e-8
     }
 
-    /// Apex strain and contact angle whose shot meets the border.
-    pub(super) fn aim(&self) -> Result<(f64, f64), AxisymmetricError> {
-        let (string_strain, string_angle) = self.tight_string();
+    /// Apex strain and contact angle that satisfy the boundary conditions.
+    pub(super) fn solve(&self) -> Result<(f64, f64), AxisymmetricError> {
+        let (taut_strain, taut_angle) = self.taut_profile();
         let not_found = AxisymmetricError::NotFound { miss: f64::NAN };
         if self.is_full_contact() {
             let hoop = |strain: f64| self.shoot(strain, self.wall_angle, FINE, None).hoop;
-            let strain = root_near(hoop, string_strain, 1e-14).ok_or(not_found)?;
+            let strain = root_near(hoop, taut_strain, 1e-14).ok_or(not_found)?;
             return Ok((strain, self.wall_angle));
         }
         let bracketed = |tolerance: f64, accuracy: f64| {
-            self.bracket(string_strain, string_angle, tolerance, accuracy)
+            self.bracket(taut_strain, taut_angle, tolerance, accuracy)
         };
         let (strain, angle) = bracketed(COARSE, 1e-3).ok_or_else(|| not_found.clone())?;
         match self.refine(strain, angle) {
@@ -268,35 +269,37 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Both unknowns by bracketing: for each contact angle the apex strain that meets the border's
-    /// radius, and of those the one that meets its height. A tight string's contact is too short:
-    /// the free sheet hangs below it; contact to the wall is too long.
+    /// Solves for both unknowns by bracketing: the inner iteration varies the apex strain until the radius
+    /// at the border is correct, the outer iteration varies the contact angle until the height is correct.
+    ///
+    /// The taut profile is a lower bound of the contact angle (the free sheet lies below the profile), the
+    /// wall an upper bound.
     fn bracket(
         &self,
         strain: f64,
-        string_angle: f64,
+        taut_angle: f64,
         tolerance: f64,
         accuracy: f64,
     ) -> Option<(f64, f64)> {
         let height = |angle: f64, guess: f64| {
             let hoop = |strain: f64| self.shoot(strain, angle, tolerance, None).hoop;
             let strain = root_near(hoop, guess, accuracy)?;
-            // A sheet that dives so steeply that it is lost on its way ends far too low.
+            // A failed shot has a much too steep meridian and ends much too low.
             let height = self.shoot(strain, angle, tolerance, None).height;
             Some((if height.is_nan() { -self.pocket_radius } else { height }, strain))
         };
-        let (mut low, mut high) = (string_angle, self.wall_angle);
+        let (mut low, mut high) = (taut_angle, self.wall_angle);
         let (mut above, strain) = height(low, strain)?;
         let (mut below, strain) = height(high, strain)?;
         let mut best = (strain, high);
-        // Regula falsi, Illinois, with bisection now and then.
+        // Regula falsi (Illinois variant), with bisection in every fourth step.
         let mut last_side = 0;
         for k in 0..200 {
             if high - low <= accuracy * high {
                 break;
             }
-            let share = if k % 4 == 3 { 0.5 } else { above / (above - below) };
-            let angle = low + (high - low) * share.clamp(0.001, 0.999);
+            let fraction = if k % 4 == 3 { 0.5 } else { above / (above - below) };
+            let angle = low + (high - low) * fraction.clamp(0.001, 0.999);
             let (z, strain) = height(angle, best.0)?;
             best = (strain, angle);
             if z > 0.0 {
@@ -312,18 +315,18 @@ impl<'a> Shooting<'a> {
         Some(best)
     }
 
-    /// Newton's method on both unknowns from a near start; `None` if it does not converge.
+    /// Newton's method for both unknowns from a close start; `None` without convergence.
     fn refine(&self, strain: f64, angle: f64) -> Option<(f64, f64)> {
-        let miss = |strain: f64, angle: f64| {
+        let residual = |strain: f64, angle: f64| {
             let shot = self.shoot(strain, angle, FINE, None);
             [shot.hoop, shot.height / self.pocket_radius]
         };
         let (mut strain, mut angle) = (strain, angle);
         for _ in 0..12 {
-            let here = miss(strain, angle);
+            let here = residual(strain, angle);
             let steps = [1e-5 * strain, -1e-5 * angle];
-            let by_strain = miss(strain + steps[0], angle);
-            let by_angle = miss(strain, angle + steps[1]);
+            let by_strain = residual(strain + steps[0], angle);
+            let by_angle = residual(strain, angle + steps[1]);
             let slope = |there: [f64; 2], step: f64| [0, 1].map(|i| (there[i] - here[i]) / step);
             let (p, q) = (slope(by_strain, steps[0]), slope(by_angle, steps[1]));
             let determinant = p[0] * q[1] - p[1] * q[0];
@@ -335,7 +338,7 @@ impl<'a> Shooting<'a> {
             }
             strain += strain_step;
             angle = (angle + angle_step).min(self.wall_angle);
-            // Small strains have fewer digits.
+            // Small strains have a larger relative rounding error.
             if relative < 1e-11 + 1e-15 / strain {
                 return Some((strain, angle));
             }
@@ -343,8 +346,8 @@ impl<'a> Shooting<'a> {
         None
     }
 
-    /// A string pulled tight over the dome to the border: its strain, and θ where it leaves the dome.
-    fn tight_string(&self) -> (f64, f64) {
+    /// Taut profile over the dome to the border: its strain, and θ at its contact edge.
+    fn taut_profile(&self) -> (f64, f64) {
         let border = [self.pocket_radius / self.base_radius, -self.base_height / self.projection];
         let distance = border[0].hypot(border[1]).max(1.0);
         let angle = border[0].atan2(border[1]) - (1.0 / distance).acos();
@@ -362,8 +365,8 @@ impl<'a> Shooting<'a> {
     }
 }
 
-/// The positive root of a function that rises through zero, to a relative accuracy, starting near a
-/// guess: stepping out until it is bracketed, then regula falsi (Illinois) with bisection now and then.
+/// Positive root of an increasing function to a relative accuracy, from an initial guess: bracketing by
+/// growing steps, then regula falsi (Illinois variant) with bisection in every fourth step.
 fn root_near(f: impl Fn(f64) -> f64, guess: f64, accuracy: f64) -> Option<f64> {
     let (mut low, mut high) = (guess, guess);
     let (mut below, mut above) = (f(guess), f64::NAN);
@@ -394,8 +397,8 @@ fn root_near(f: impl Fn(f64) -> f64, guess: f64, accuracy: f64) -> Option<f64> {
         if high - low <= accuracy * high {
             break;
         }
-        let share = if k % 4 == 3 { 0.5 } else { below / (below - above) };
-        let at = low + (high - low) * share.clamp(1e-6, 1.0 - 1e-6);
+        let fraction = if k % 4 == 3 { 0.5 } else { below / (below - above) };
+        let at = low + (high - low) * fraction.clamp(1e-6, 1.0 - 1e-6);
         let value = f(at);
         if value == 0.0 {
             return Some(at);

@@ -1,13 +1,14 @@
-//! Maps of where an evenly stretched sheet is stable, over strain and Poisson ratio.
+//! Maps of the stability of a homogeneously stretched sheet, over strain and Poisson ratio.
 //!
-//! [`row`] is a line of a map: the infinite sheet against waves in its plane, which is what "stable" means
-//! wherever nothing else is said, and out of its plane ([`crate::springs::stability`]), and the finite
-//! sheet with a free border ([`Sample::least_eigenvalue`]), as the paper pulled it. Out of its plane a
-//! free sheet without bending stiffness crumples where the stiffness is negative, and pulled one way the
-//! sheet is exactly neutral at best, since nothing pulls across. A dome under the sheet, and curvature,
-//! hold it; in the plane nothing does.
+//! [`row`] computes a row of a map: the stiffness of the infinite sheet against waves in the plane (the
+//! default meaning of "stable") and out of the plane ([`crate::springs::stability`]), and the smallest
+//! eigenvalue of the finite sheet with a free border ([`Sample::least_eigenvalue`]), the paper's sample.
 //!
-//! Uses `curve`, `springs` and `sample`. Used by `view` and the command line.
+//! A free sheet without bending stiffness wrinkles where the stiffness out of the plane is negative. Under
+//! uniaxial tension the sheet is at best neutral, since the transverse tension is zero. A dome and the
+//! curvature of the sheet stabilise displacements out of the plane, but not in the plane.
+//!
+//! Uses `curve`, `springs` and `sample`. Used by `charts` and the command line.
 
 use super::sample::Sample;
 use crate::curve::Curve;
@@ -15,36 +16,37 @@ use crate::springs::stability::{Load, Search, Stack, Wave};
 use crate::springs::{Material, Springs};
 use glam::DVec2;
 
-/// Cells per side of the finite sheet of a map: the paper's sample.
+/// Cells per side of the finite sheet of a map (the paper's sample).
 pub const CELLS: usize = 4;
 
-/// A state of one layer in a map. Stiffnesses are shares of the small-strain edge stiffness Ef′(0)·h.
+/// A state of one layer in a map. Stiffnesses are fractions of the small-strain edge stiffness Ef′(0)·h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Poisson ratio \[-\].
     pub poisson_ratio: f64,
     /// Strain ε along x \[-\].
     pub strain: f64,
-    /// Strain across \[-\].
+    /// Transverse strain ε_y \[-\].
     pub transverse_strain: f64,
-    /// Least eigenvalue of the Hessian of the finite sheet, 4 × 4 cells with a free border, rigid
-    /// motions set aside.
+    /// Smallest eigenvalue of the Hessian of the finite sheet without rigid motions (4 × 4 cells, free
+    /// border).
     pub sheet: f64,
-    /// The wave in the plane against which the infinite sheet is least stiff.
+    /// The wave in the plane with the smallest stiffness of the infinite sheet.
     pub wave: Wave,
-    /// Stiffness of the infinite sheet against waves out of the plane ([`crate::springs::stability::Lattice::out_of_plane`]).
+    /// Stiffness of the infinite sheet against waves out of the plane
+    /// ([`crate::springs::stability::Lattice::out_of_plane`]).
     pub out_of_plane: [f64; 3],
 }
 
 impl Point {
-    /// The least stiffness of the infinite sheet against a wave out of the plane.
+    /// Smallest stiffness of the infinite sheet against waves out of the plane.
     #[must_use]
     pub fn least_out_of_plane(&self) -> f64 {
         self.out_of_plane.into_iter().fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The states of one layer under one load at the given strains.
+/// Computes the states of one layer under one load at the given strains.
 #[must_use]
 pub fn row(
     springs: Springs,
@@ -79,7 +81,7 @@ mod tests {
     use crate::curve::CurveSpec;
     use crate::experiment::dense::Matrix;
 
-    /// The least eigenvalue of a sheet of cells whose border is held \[share of the edge stiffness\].
+    /// Smallest eigenvalue of a sheet with a clamped border \[fraction of the edge stiffness\].
     fn clamped(sample: &Sample, cells: usize, shape: &[DVec2]) -> f64 {
         let whole = sample.hessian(shape);
         let inner: Vec<usize> = (1..cells)
@@ -96,9 +98,9 @@ mod tests {
     }
 
     #[test]
-    fn a_held_sheet_comes_down_to_the_weakest_wave_as_it_grows_and_never_below() {
-        // What moves inside of a held border moves in the infinite sheet too, with the same energy:
-        // no held sheet is weaker than the weakest wave, and a larger one is no stiffer.
+    fn the_least_eigenvalue_of_a_clamped_sheet_converges_to_the_weakest_wave_from_above() {
+        // Displacements inside of a clamped border are displacements of the infinite sheet with equal energy:
+        // the weakest wave is a lower bound, and the eigenvalue decreases with the size of the sheet.
         for (spec, nu, springs) in [
             (CurveSpec::Adipose {}, 0.3, Springs::Nikolaev),
             (CurveSpec::Linear { modulus_kpa: 100.0 }, 0.45, Springs::Nikolaev),
@@ -111,7 +113,7 @@ mod tests {
             for load in Load::ALL {
                 let strains = stack.strains(load, 0.6);
                 let stretch = DVec2::ONE + DVec2::from(strains);
-                // Over all waves, long ones included: the least eigenvalue of D itself.
+                // The smallest eigenvalue of D over all waves, including long waves.
                 let lattice = stack.lattice(strains);
                 let eigenvalue = |wave: [f64; 2]| {
                     let [xx, yy, xy, _] = lattice.dynamical_matrix(wave);

@@ -1,4 +1,4 @@
-//! The scenes of the study: centred hemispheres, for which an axisymmetric reference exists.
+//! Scenes of the study: centred hemispheres with an axisymmetric reference solution.
 
 use crate::curve::CurveSpec;
 use crate::scene::{Implant, Layer, Scene, SolverSettings};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
-    /// The scene that the app opens on: skin and adipose on a 55 mm hemisphere, pocket 70 mm.
+    /// The default scene of the app: skin and adipose on a 55 mm hemisphere, pocket 70 mm.
     Default,
     /// One linear layer, ν = 1/3, pocket 1.5 times as wide as the dome.
     LinearThird,
@@ -21,7 +21,7 @@ pub enum Case {
 }
 
 impl Case {
-    /// All of them.
+    /// All scenes.
     pub const ALL: [Self; 5] = [
         Self::Default,
         Self::LinearThird,
@@ -30,7 +30,7 @@ impl Case {
         Self::AdiposeEquator,
     ];
 
-    /// Its name in tables and titles.
+    /// Name of the scene in tables and titles.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,8 +42,8 @@ impl Case {
         }
     }
 
-    /// The scene on a grid of the given nodes a side, to be solved to a tolerance \[share of the base
-    /// radius\]. The four besides the default are those of `tests/reference/membrane.json`.
+    /// The scene on a grid with the given nodes per side and a tolerance \[fraction of the base radius\].
+    /// All scenes except the default are in `tests/reference/membrane.json`.
     #[must_use]
     pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {
         let solver = SolverSettings { nodes_per_side, tolerance };

@@ -1,11 +1,11 @@
-//! A plan as JSON text.
+//! Plan from JSON text.
 
 use super::{Case, Method, Plan};
 use crate::mesh;
 use crate::scene::{self, SceneError, limits};
 use serde::Deserialize;
 
-/// What is wanted; what is left out is as in the full plan, or in the quick one.
+/// Options of a plan; missing lists are those of the full or the quick plan.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Choice {
@@ -16,13 +16,13 @@ struct Choice {
 }
 
 impl Plan {
-    /// A plan from JSON text: an object of `quick` (true or false) and of lists, `cases`,
-    /// `nodes_per_side` and `methods`, that take the place of the quick or the full plan's. Numbers of
-    /// nodes are rounded to those that a sheet has (see [`crate::mesh::rounded_nodes_per_side`]);
-    /// what a list repeats counts once.
+    /// Reads a plan from JSON text: an object with `quick` (true or false) and the lists `cases`,
+    /// `nodes_per_side` and `methods`, which replace the lists of the quick or the full plan. Numbers of
+    /// nodes are rounded to valid numbers (see [`crate::mesh::rounded_nodes_per_side`]); duplicates are
+    /// removed.
     ///
     /// # Errors
-    /// One line that names the field, what is wrong and what is allowed.
+    /// One line with the field, the error and the allowed range.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
         let choice: Choice = scene::read::json(json, "options")?;
         let mut plan = if choice.quick { Self::quick() } else { Self::full() };
@@ -51,7 +51,7 @@ impl Plan {
     }
 }
 
-/// The first of each in a list that must not be empty.
+/// Removes duplicates from a list; an empty list is an error.
 fn distinct<T: PartialEq>(field: &str, list: Vec<T>) -> Result<Vec<T>, SceneError> {
     let mut kept = Vec::new();
     for item in list {

@@ -1,10 +1,10 @@
 //! Explicit time steps with damping (dynamic relaxation), four f32 lanes at a time.
 //!
-//! Every node moves by Δ ← keep·Δ + γ f/k, k a bound on its row of the stiffness: masses k/λ and a time
-//! step of Δt²λ = γ, stable up to γ = 2(1 + keep). Then it is put back outside of the
-//! dome and above the wall. Steps like these are what the paper relaxes its springs with.
+//! Every node moves by Δ ← keep·Δ + γ f/k, with k a bound on the node's row of the stiffness: masses k/λ
+//! and a time step of Δt²λ = γ, stable up to γ = 2(1 + keep). Then the node is projected out of the dome
+//! and above the wall. The paper relaxes its springs by the same scheme.
 
-use super::guess;
+use super::initial_guess;
 use super::lanes::{Field, LaneSheet, Triangle, Vec3, add, dot, load, scale, sub};
 use super::law::Law;
 use super::watch::{End, Watch};
@@ -14,30 +14,34 @@ use crate::solve::Problem;
 use glam::DVec3;
 use wide::f32x4;
 
-/// Share of the greatest stable γ that is taken from a good start: strain may stiffen between two
-/// renewals of the masses.
+/// Safety factor on the greatest stable γ from the taut profile; the sheet may stiffen between two updates
+/// of the masses.
 const SAFETY: f64 = 0.9;
-/// γ of the paper's experiment (see [`crate::experiment::tension`]), and the share of velocity that it
-/// keeps: from the draped sheet, a step close to the limit of stability breaks the sheet.
+/// γ of the paper's experiment (see [`crate::experiment::tension`]); from the draped sheet a step close to
+/// the stability limit diverges.
 const PAPER_GAIN: f64 = 0.5;
-const PAPER_KEPT: f64 = 0.95;
-/// Steps after which the nodes' masses are computed anew: often at first, then this often.
-const RENEWED_AT: [u32; 4] = [10, 30, 80, 200];
-const RENEWED_EVERY: u32 = 500;
-/// The least damping that is taken for critical, how fast steps are forgotten, and how far the
-/// frequency may rise above the least so far.
-const MOST_KEPT: f64 = 0.9995;
+/// Velocity factor of the paper's experiment \[-\].
+const PAPER_VELOCITY_FACTOR: f64 = 0.95;
+/// First steps with an update of the nodal masses.
+const MASS_UPDATES: [u32; 4] = [10, 30, 80, 200];
+/// Steps between two later updates of the nodal masses.
+const MASS_UPDATE_INTERVAL: u32 = 500;
+/// Greatest velocity factor of critical damping \[-\].
+const MAX_VELOCITY_FACTOR: f64 = 0.9995;
+/// Weight of the previous steps in Rayleigh's quotient \[-\].
 const QUOTIENT_MEMORY: f64 = 0.9;
-const LEAST_FREQUENCY: f64 = 1e-3;
-const MOST_RISE: f64 = 2.0;
+/// Lower bound of the frequency \[1/step\].
+const MIN_FREQUENCY: f64 = 1e-3;
+/// Greatest ratio of the frequency to the smallest frequency so far \[-\].
+const MAX_FREQUENCY_RATIO: f64 = 2.0;
 
-/// How much of a step the next one keeps.
+/// Damping: the fraction of a step added to the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Damping {
-    /// As in the paper's experiment: always the same share of velocity.
+    /// Constant velocity factor of the paper's experiment.
     Paper,
-    /// Critical for the softest frequency that is at work, estimated from the last step by Rayleigh's
-    /// quotient (P. Underwood, "Dynamic relaxation", 1983).
+    /// Critical damping of the lowest active frequency, estimated from the last step by Rayleigh's quotient
+    /// (P. Underwood, "Dynamic relaxation", 1983).
     Critical,
 }
 
@@ -47,7 +51,7 @@ struct LaneDome {
     squared_axes: Vec3,
 }
 
-/// A sheet on its way to rest.
+/// Dynamic relaxation of a sheet.
 pub(super) struct Explicit<'a> {
     problem: &'a Problem,
     law: &'a Law,
@@ -56,24 +60,26 @@ pub(super) struct Explicit<'a> {
     triangles: Vec<Triangle>,
     damping: Damping,
     u: Field,
-    /// The last step, and what rounding kept back of it.
+    /// The last step.
     step: Field,
+    /// Rounding error of the last step (compensated summation).
     carry: Field,
     f: Field,
-    /// Forces one step before.
-    before: Field,
+    /// Forces of the previous step.
+    previous_f: Field,
     /// 1/k at free nodes, else 0.
     mobility: Vec<f32>,
-    /// Square of the dome's level plus 1 at which each node touches.
+    /// Square of the dome's gauge plus 1 at contact of each node.
     touch: Vec<f32>,
     keep: f64,
-    /// Running sums of Rayleigh's quotient, and the least frequency so far.
+    /// Running sums of Rayleigh's quotient: stiffness and mass.
     quotient: [f64; 2],
+    /// Smallest frequency so far.
     least_frequency: f64,
 }
 
 impl<'a> Explicit<'a> {
-    /// `touch`: the dome's levels at which nodes touch, where that is not zero.
+    /// Creates the scheme; `touch` contains the nodes with a non-zero gauge of the dome at contact.
     pub(super) fn new(
         problem: &'a Problem,
         law: &'a Law,
@@ -90,7 +96,7 @@ impl<'a> Explicit<'a> {
             step: field(),
             carry: field(),
             f: field(),
-            before: field(),
+            previous_f: field(),
             mobility: vec![0.0; sheet.len()],
             touch: vec![1.0; sheet.len()],
             keep: 0.0,
@@ -109,34 +115,36 @@ impl<'a> Explicit<'a> {
         new
     }
 
-    /// Goes on until the watch, or the number of steps, ends it.
-    pub(super) fn run(&mut self, most_steps: u32, watch: &mut Watch) -> End {
+    /// Runs until the watch ends the run or for the greatest number of steps.
+    pub(super) fn run(&mut self, max_steps: u32, watch: &mut Watch) -> End {
         let problem = self.problem;
         let first = match self.damping {
-            Damping::Paper => guess::drape(&problem.sheet, &problem.obstacle.dome),
-            Damping::Critical => guess::tight_string(&problem.sheet, &problem.obstacle.dome),
+            Damping::Paper => initial_guess::drape(&problem.sheet, &problem.obstacle.dome),
+            Damping::Critical => {
+                initial_guess::taut_profile(&problem.sheet, &problem.obstacle.dome)
+            }
         };
         self.sheet.read(&problem.sheet, &first, &mut self.u);
         for field in [&mut self.step, &mut self.carry] {
             field.parts.iter_mut().for_each(|part| part.fill(0.0));
         }
         self.keep = match self.damping {
-            Damping::Paper => PAPER_KEPT,
+            Damping::Paper => PAPER_VELOCITY_FACTOR,
             Damping::Critical => 0.0,
         };
         (self.quotient, self.least_frequency) = ([0.0; 2], f64::INFINITY);
-        for steps in 0..most_steps {
-            if steps == 0 || RENEWED_AT.contains(&steps) || steps % RENEWED_EVERY == 0 {
-                self.renew_masses();
+        for steps in 0..max_steps {
+            if steps == 0 || MASS_UPDATES.contains(&steps) || steps % MASS_UPDATE_INTERVAL == 0 {
+                self.update_masses();
             }
-            std::mem::swap(&mut self.f, &mut self.before);
+            std::mem::swap(&mut self.f, &mut self.previous_f);
             self.sheet.forces(self.law, &self.u, &mut self.f);
             self.move_nodes(steps == 0);
             let steps = steps + 1;
-            if watch.is_due(steps) || steps == most_steps {
+            if watch.is_due(steps) || steps == max_steps {
                 let (sheet, u) = (&self.sheet, &self.u);
                 let write = |x: &mut [DVec3]| sheet.write(&problem.sheet, u, x);
-                if let Some(end) = watch.look(steps, f64::from(steps), write) {
+                if let Some(end) = watch.sample(steps, f64::from(steps), write) {
                     return end;
                 }
             }
@@ -144,15 +152,15 @@ impl<'a> Explicit<'a> {
         End::Finished
     }
 
-    /// Gershgorin's bound on every node's row of the stiffness, triangle by triangle.
-    fn renew_masses(&mut self) {
+    /// Updates the mobilities from Gershgorin's bound on every node's row of the stiffness.
+    fn update_masses(&mut self) {
         let pitch = self.sheet.pitch;
         let side = self.problem.sheet.nodes_per_side();
-        let place = |k: usize| k / side * pitch + k % side;
+        let index = |k: usize| k / side * pitch + k % side;
         self.mobility.fill(0.0);
         for triangle in &self.triangles {
             let x = triangle.nodes.map(|k| {
-                let [a, b, c] = self.u.parts.each_ref().map(|part| f64::from(part[place(k)]));
+                let [a, b, c] = self.u.parts.each_ref().map(|part| f64::from(part[index(k)]));
                 DVec3::new((k % side) as f64 + a, (k / side) as f64 + b, c)
             });
             let [_, g1, g2] = triangle.gradients;
@@ -162,16 +170,16 @@ impl<'a> Explicit<'a> {
             let stiffness = triangle.area * self.law.greatest_stiffness(metric);
             for (k, g) in triangle.nodes.into_iter().zip(triangle.gradients) {
                 let row: f64 = triangle.gradients.iter().map(|other| g.dot(*other).abs()).sum();
-                self.mobility[place(k)] += (stiffness * row) as f32;
+                self.mobility[index(k)] += (stiffness * row) as f32;
             }
         }
         for (k, kind) in self.problem.sheet.kinds().iter().enumerate() {
-            let mobility = &mut self.mobility[place(k)];
+            let mobility = &mut self.mobility[index(k)];
             *mobility = if *kind == NodeKind::Free { 1.0 / *mobility } else { 0.0 };
         }
     }
 
-    /// One step of all nodes; then the damping of the next one.
+    /// Moves all nodes by one step and computes the damping of the next step.
     fn move_nodes(&mut self, is_first: bool) {
         let gain = match self.damping {
             Damping::Paper => PAPER_GAIN,
@@ -191,20 +199,20 @@ impl<'a> Explicit<'a> {
                 let is_free = mobility.simd_gt(f32x4::ZERO);
                 let (u, f) = (self.u.load(k), self.f.load(k));
                 let last = self.step.load(k);
-                row_stiffness += dot(last, sub(self.before.load(k), f));
+                row_stiffness += dot(last, sub(self.previous_f.load(k), f));
                 row_mass += is_free.bitselect(dot(last, last) / mobility, f32x4::ZERO);
                 let step = add(scale(last, keep), scale(f, gain_lanes * mobility));
                 let first = 4.0 * block as f32 - half;
                 let grid =
                     [f32x4::new([first, first + 1.0, first + 2.0, first + 3.0]), y, f32x4::ZERO];
-                let wanted = add(step, self.carry.load(k));
-                let (moved, is_put_back) =
-                    self.dome.outside(grid, add(u, wanted), load(&self.touch, k), is_free);
+                let target = add(step, self.carry.load(k));
+                let (moved, is_projected) =
+                    self.dome.outside(grid, add(u, target), load(&self.touch, k), is_free);
                 self.u.store(k, moved);
                 let done = sub(moved, u);
-                let keep_step = |a: f32x4, b: f32x4| is_put_back.bitselect(a, b);
+                let keep_step = |a: f32x4, b: f32x4| is_projected.bitselect(a, b);
                 self.step.store(k, [0, 1, 2].map(|axis| keep_step(done[axis], step[axis])));
-                let left = sub(wanted, done);
+                let left = sub(target, done);
                 self.carry.store(k, left.map(|left| keep_step(f32x4::ZERO, left)));
             }
             stiffness += f64::from(row_stiffness.reduce_add());
@@ -215,8 +223,8 @@ impl<'a> Explicit<'a> {
         }
     }
 
-    /// Critical damping for Rayleigh's quotient of the last steps; rounding, which makes it grow once
-    /// the steps are small, is kept out.
+    /// Computes the critical damping from Rayleigh's quotient of the last steps. The frequency ratio is
+    /// bounded, because rounding raises the quotient of small steps.
     fn estimate_damping(&mut self, stiffness: f64, mass: f64) {
         for (sum, new) in self.quotient.iter_mut().zip([stiffness, mass]) {
             *sum = QUOTIENT_MEMORY * *sum + new;
@@ -224,9 +232,9 @@ impl<'a> Explicit<'a> {
         let [stiffness, mass] = self.quotient;
         let squared = (stiffness / mass.max(f64::MIN_POSITIVE)).max(0.0);
         let frequency = (SAFETY * 4.0 * squared).sqrt();
-        self.least_frequency = self.least_frequency.min(frequency.max(LEAST_FREQUENCY));
-        let frequency = frequency.min(MOST_RISE * self.least_frequency);
-        self.keep = ((2.0 - frequency) / (2.0 + frequency)).clamp(0.0, MOST_KEPT);
+        self.least_frequency = self.least_frequency.min(frequency.max(MIN_FREQUENCY));
+        let frequency = frequency.min(MAX_FREQUENCY_RATIO * self.least_frequency);
+        self.keep = ((2.0 - frequency) / (2.0 + frequency)).clamp(0.0, MAX_VELOCITY_FACTOR);
     }
 }
 
@@ -238,8 +246,9 @@ impl LaneDome {
         Self { center: splat(origin), squared_axes: splat(axes * axes) }
     }
 
-    /// Displacements `u` from the places `grid`, put above the wall and then out of the dome along the
-    /// ray from its centre (for a hemisphere the shortest way), and which of them were.
+    /// Projects the displacements `u` from the positions `grid` above the wall, then out of the dome along
+    /// the ray from the dome's centre (the closest point for a hemisphere); returns the mask of the
+    /// projected nodes as well.
     #[inline(always)]
     fn outside(&self, grid: Vec3, u: Vec3, touch: f32x4, is_free: f32x4) -> (Vec3, f32x4) {
         let is_below = u[2].simd_lt(f32x4::ZERO) & is_free;

@@ -1,8 +1,8 @@
-//! Nested nodal block Gauss–Seidel: one node after the other goes to the minimum of the energy's
-//! quadratic model in its three coordinates (vertex block descent, A. Chen et al., ACM TOG 43(4),
-//! 2024), with contact inside the nodal solve; coarser grids give the start.
+//! Nested nodal block Gauss–Seidel: each nodal solve minimises the quadratic model of the energy in the
+//! three coordinates of a node (vertex block descent, A. Chen et al., ACM TOG 43(4), 2024), with contact
+//! inside the nodal solve. Coarser grids provide the initial guess.
 
-use super::guess;
+use super::initial_guess;
 use super::lanes::Triangle;
 use super::law::{Corner, Law, Symmetric};
 use super::watch::{End, Watch};
@@ -11,19 +11,19 @@ use crate::mesh::{NodeKind, Sheet};
 use crate::solve::Problem;
 use glam::{DVec2, DVec3};
 
-/// A coarser grid is left when no node moves more in a sweep \[share of the base radius\], or after
-/// this many sweeps.
-const COARSE_MOVE: f64 = 2e-5;
-const COARSE_SWEEPS: u32 = 300;
-/// Successive over-relaxation.
+/// Greatest nodal step of the last sweep on a coarser grid \[fraction of the base radius\].
+const COARSE_STEP: f64 = 2e-5;
+/// Greatest number of sweeps on a coarser grid.
+const MAX_COARSE_SWEEPS: u32 = 300;
+/// Factor of successive over-relaxation \[-\].
 const OVER_RELAXATION: f64 = 1.6;
-/// The farthest that a node moves in a sweep \[spacings\].
-const MOST_MOVE: f64 = 0.5;
-/// Cost of a sweep in evaluations of all forces: every triangle is visited from its three corners,
-/// for force and stiffness.
+/// Greatest step of a node in a sweep \[spacings\].
+const MAX_STEP: f64 = 0.5;
+/// Cost of a sweep \[evaluations of all forces\]: force and stiffness of every triangle at its three
+/// corners.
 const SWEEP_UNITS: f64 = 6.0;
 
-/// A triangle as one of its nodes sees it.
+/// A triangle, relative to one of its nodes.
 struct Visit {
     others: [u32; 2],
     corner: u32,
@@ -32,18 +32,19 @@ struct Visit {
 /// One grid.
 struct Level {
     sheet: Sheet,
-    /// In units of the spacing.
+    /// The dome \[spacings\].
     dome: Dome,
     free: Vec<u32>,
-    /// Where the visits of each free node begin, shape (free + 1, ).
+    /// Index of the first visit of each free node, shape (free + 1, ).
     starts: Vec<u32>,
     visits: Vec<Visit>,
-    /// Different corners; those of whole cells are shared.
+    /// Distinct corners; whole cells share their corners.
     corners: Vec<Corner>,
-    /// Level of the dome at which each node touches, shape (nodes_per_side², ).
+    /// Gauge of the dome at contact of each node, shape (nodes_per_side², ).
     touch: Vec<f64>,
-    /// First shape and positions \[spacings\], shape (nodes_per_side², ).
+    /// Initial guess \[spacings\], shape (nodes_per_side², ).
     guess: Vec<DVec3>,
+    /// Positions \[spacings\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
 }
 
@@ -55,7 +56,8 @@ pub(super) struct GaussSeidel<'a> {
 }
 
 impl<'a> GaussSeidel<'a> {
-    /// `touch`: the dome's levels at which nodes of the finest grid touch, where that is not zero.
+    /// Creates all grids; `touch` contains the nodes of the finest grid with a non-zero gauge of the dome at
+    /// contact.
     pub(super) fn new(problem: &'a Problem, law: &'a Law, touch: &[(usize, f64)]) -> Self {
         let mut sheets = vec![problem.sheet.clone()];
         while let Some(coarser) = sheets.last().and_then(Sheet::coarser) {
@@ -67,12 +69,12 @@ impl<'a> GaussSeidel<'a> {
             .map(|sheet| Level::new(sheet, &problem.obstacle.dome))
             .collect();
         if let Some(finest) = levels.last_mut() {
-            touch.iter().for_each(|&(k, level)| finest.touch[k] = level);
+            touch.iter().for_each(|&(k, gauge)| finest.touch[k] = gauge);
         }
         Self { problem, law, levels }
     }
 
-    /// Goes on until the watch ends it.
+    /// Runs until the watch ends the run.
     pub(super) fn run(&mut self, watch: &mut Watch) -> End {
         let mut work_units = 0.0;
         let finest = self.levels.len() - 1;
@@ -83,14 +85,14 @@ impl<'a> GaussSeidel<'a> {
         for l in 0..finest {
             let (coarser, finer) = self.levels.split_at_mut(l + 1);
             let (level, finer) = (&mut coarser[l], &mut finer[0]);
-            for sweep in 0..COARSE_SWEEPS {
+            for sweep in 0..MAX_COARSE_SWEEPS {
                 work_units += SWEEP_UNITS * level.sheet.len() as f64 / finest_nodes;
                 let greatest = level.sweep(self.law, sweep % 2 == 1);
-                if greatest <= COARSE_MOVE * level.dome.base_radius || watch.is_out_of_time() {
+                if greatest <= COARSE_STEP * level.dome.base_radius || watch.is_out_of_time() {
                     break;
                 }
             }
-            finer.take_over(level);
+            finer.prolongate_from(level);
         }
         let level = &mut self.levels[finest];
         let spacing = level.sheet.spacing_mm();
@@ -106,7 +108,7 @@ impl<'a> GaussSeidel<'a> {
                     x[k] = positions[k] * spacing;
                 }
             };
-            if let Some(end) = watch.look(sweep, work_units, write) {
+            if let Some(end) = watch.sample(sweep, work_units, write) {
                 return end;
             }
         }
@@ -121,8 +123,8 @@ impl Level {
             .filter(|k| sheet.kinds()[*k as usize] == NodeKind::Free)
             .collect();
         let guess: Vec<DVec3> =
-            guess::tight_string(&sheet, dome).into_iter().map(|x| x / spacing).collect();
-        // Whole cells come by the same twelve corners again and again: those of the middle one.
+            initial_guess::taut_profile(&sheet, dome).into_iter().map(|x| x / spacing).collect();
+        // Whole cells share the twelve corners of the middle cell.
         let half = sheet.nodes_per_side() / 2;
         let mut corners: Vec<Corner> = sheet
             .cell_triangles(half, half)
@@ -134,12 +136,12 @@ impl Level {
             let triangle = Triangle::new(&sheet, nodes, weight);
             for (c, corner) in Corner::all(&triangle).into_iter().enumerate() {
                 let known = corners[..shared].iter().position(|known| known.is_like(&corner));
-                let place = known.unwrap_or_else(|| {
+                let index = known.unwrap_or_else(|| {
                     corners.push(corner);
                     corners.len() - 1
                 });
                 let others = [nodes[(c + 1) % 3], nodes[(c + 2) % 3]].map(|k| k as u32);
-                of_node[nodes[c]].push(Visit { others, corner: place as u32 });
+                of_node[nodes[c]].push(Visit { others, corner: index as u32 });
             }
         }
         let (mut starts, mut visits) = (vec![0], Vec::new());
@@ -170,16 +172,16 @@ impl Level {
         self.x.copy_from_slice(&self.guess);
     }
 
-    /// One sweep, there or back; the greatest move \[spacings\].
-    fn sweep(&mut self, law: &Law, is_back: bool) -> f64 {
+    /// Runs one forward or backward sweep; returns the greatest nodal step \[spacings\].
+    fn sweep(&mut self, law: &Law, is_backward: bool) -> f64 {
         let mut greatest = 0.0_f64;
         let count = self.free.len();
-        for place in 0..count {
-            let place = if is_back { count - 1 - place } else { place };
-            let k = self.free[place] as usize;
+        for index in 0..count {
+            let index = if is_backward { count - 1 - index } else { index };
+            let k = self.free[index] as usize;
             let at = self.x[k];
             let (mut force, mut hessian) = (DVec3::ZERO, Symmetric::default());
-            let visits = self.starts[place] as usize..self.starts[place + 1] as usize;
+            let visits = self.starts[index] as usize..self.starts[index + 1] as usize;
             for visit in &self.visits[visits] {
                 let edges = visit.others.map(|other| self.x[other as usize] - at);
                 law.add_corner(
@@ -196,17 +198,17 @@ impl Level {
         greatest.sqrt()
     }
 
-    /// Where the quadratic model of a node's energy is least outside of the dome and above the wall.
+    /// Minimiser of the quadratic model of a node's energy outside of the dome and above the wall.
     #[inline]
     fn relaxed(&self, at: DVec3, touch: f64, force: DVec3, hessian: &Symmetric) -> DVec3 {
         let inverse = inverted(hessian);
         let mut step = product(&inverse, force) * OVER_RELAXATION;
         let z = product(&inverse, DVec3::Z);
         let above = |step: DVec3| {
-            let short = -at.z - step.z;
-            if short > 0.0 { step + z * (short / z.z) } else { step }
+            let depth = -at.z - step.z;
+            if depth > 0.0 { step + z * (depth / z.z) } else { step }
         };
-        step = above(step).clamp_length_max(MOST_MOVE);
+        step = above(step).clamp_length_max(MAX_STEP);
         if self.dome.gauge(at + step) >= touch {
             return at + step;
         }
@@ -214,14 +216,14 @@ impl Level {
         let (gap, across) =
             ((self.dome.gauge(at) - touch) * self.dome.base_radius, product(&inverse, normal));
         let held = step - across * ((normal.dot(step) + gap) / normal.dot(across));
-        let mut moved = at + held.clamp_length_max(MOST_MOVE);
+        let mut moved = at + held.clamp_length_max(MAX_STEP);
         moved.z = moved.z.max(0.0);
         self.dome.project(moved, touch)
     }
 
-    /// Takes its start from the next coarser grid: the difference from the first shape, interpolated
-    /// linearly.
-    fn take_over(&mut self, coarse: &Self) {
+    /// Prolongates the solution of the next coarser grid: linear interpolation of the difference from the
+    /// initial guess.
+    fn prolongate_from(&mut self, coarse: &Self) {
         let (n, nc) = (self.sheet.nodes_per_side(), coarse.sheet.nodes_per_side());
         let difference = |k: usize| (coarse.x[k] - coarse.guess[k]) * 2.0;
         for k in self.free.iter().map(|k| *k as usize) {
@@ -240,7 +242,7 @@ impl Level {
 }
 
 impl Corner {
-    /// Those of a triangle, in the order of its nodes.
+    /// Corners of a triangle, in the order of its nodes.
     fn all(triangle: &Triangle) -> [Self; 3] {
         let [a, b, c] = triangle.gradients;
         [[b, c], [c, a], [a, b]].map(|gradients| Self { area: triangle.area, gradients })
@@ -254,7 +256,7 @@ impl Corner {
     }
 }
 
-/// The inverse of a symmetric positive matrix; of one that is singular, that of its trace.
+/// Inverse of a symmetric positive definite matrix; for a singular matrix the inverse of the trace.
 #[inline]
 fn inverted([xx, yy, zz, xy, xz, yz]: &Symmetric) -> Symmetric {
     let (a, b, c) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);

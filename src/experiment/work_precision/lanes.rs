@@ -1,14 +1,14 @@
-//! The sheet in flat f32 arrays, and its forces four cells at a time.
+//! The sheet in flat f32 arrays, with forces of four cells at a time.
 //!
-//! Lengths in grid spacings, forces in spacings times the sheet's stiffness at small strain. What is
-//! stored are displacements from the places of the square grid: they keep more digits than positions.
+//! Lengths in grid spacings, forces in spacings times the sheet's stiffness at small strain. The arrays
+//! contain displacements from the square grid, which have smaller rounding errors than positions.
 
 use super::law::Law;
 use crate::mesh::{CellKind, NodeKind, Sheet};
 use glam::{DVec2, DVec3};
 use wide::f32x4;
 
-/// Lanes that a row may be read beyond its end.
+/// Number of readable entries beyond the end of a row.
 const PADDING: usize = 8;
 /// Weight times rest area of a triangle of a whole cell \[spacing²\].
 const REGULAR_AREA: f32 = 0.25;
@@ -71,23 +71,23 @@ pub(super) fn dot(a: Vec3, b: Vec3) -> f32x4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Four triangles at the border, whose rest shapes are not those of the grid.
+/// Four triangles at the border, with rest shapes that differ from the grid.
 #[derive(Clone, Debug)]
 struct Border {
-    /// Stored nodes of the three corners.
+    /// Array indices of the three corners.
     nodes: [[usize; 4]; 3],
-    /// The edges from the first corner on the square grid: x and y of one, x and y of the other.
+    /// Edges from the first corner on the square grid: x and y of the first, x and y of the second edge.
     edges: [f32x4; 4],
-    /// Gradients of the hat functions of the second and third corner \[1/spacing\], in that order.
+    /// Gradients of the hat functions of the second and third corner \[1/spacing\].
     gradients: [f32x4; 4],
     /// Rest area times weight \[spacing²\].
     area: f32x4,
 }
 
-/// A triangle with everything that does not change.
+/// Constant data of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
-    /// Nodes as in the sheet.
+    /// Indices of the nodes in the sheet.
     pub(super) nodes: [usize; 3],
     /// Rest area times weight \[spacing²\].
     pub(super) area: f64,
@@ -106,13 +106,13 @@ impl Triangle {
     }
 }
 
-/// A sheet in lanes.
+/// A sheet in lanes of four cells.
 pub(super) struct LaneSheet {
     side: usize,
     pub(super) pitch: usize,
-    /// Half-open ranges of blocks of four columns that the sheet reaches into, row by row.
+    /// Half-open ranges of the blocks of four columns with nodes of the sheet, row by row.
     pub(super) blocks: Vec<(usize, usize)>,
-    /// 1/4 for the cell that starts at a node, where it has the grid's own shape, else 0.
+    /// 1/4 at the first node of a square cell, otherwise 0.
     weights: Vec<f32>,
     border: Vec<Border>,
 }
@@ -124,7 +124,7 @@ impl LaneSheet {
         let mut weights = vec![0.0; side * pitch];
         let mut triangles = Vec::new();
         for (j, i) in (0..side - 1).flat_map(|j| (0..side - 1).map(move |i| (j, i))) {
-            // A clamped corner was moved onto the circle: the cell is not square any more.
+            // A clamped corner lies on the circle: the cell is not square.
             let is_moved = sheet.corners(i, j).iter().any(|&k| sheet.kinds()[k] != NodeKind::Free);
             if sheet.cell(i, j) == CellKind::Whole && !is_moved {
                 weights[j * pitch + i] = REGULAR_AREA;
@@ -143,37 +143,38 @@ impl LaneSheet {
         self.side * self.pitch
     }
 
-    /// Displacements from the square grid \[spacings\] of positions \[mm\].
+    /// Converts positions \[mm\] to displacements from the square grid \[spacings\].
     pub(super) fn read(&self, sheet: &Sheet, x: &[DVec3], u: &mut Field) {
         for (k, x) in x.iter().enumerate().filter(|(k, _)| sheet.kinds()[*k] != NodeKind::Outside) {
             let (i, j) = (k % self.side, k / self.side);
-            let displacement = *x / sheet.spacing_mm() - self.place(i, j).extend(0.0);
+            let displacement = *x / sheet.spacing_mm() - self.grid_position(i, j).extend(0.0);
             for (part, value) in u.parts.iter_mut().zip(displacement.to_array()) {
                 part[j * self.pitch + i] = value as f32;
             }
         }
     }
 
-    /// The other way.
+    /// Converts displacements of free nodes \[spacings\] to positions \[mm\].
     pub(super) fn write(&self, sheet: &Sheet, u: &Field, x: &mut [DVec3]) {
         for k in (0..x.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
             let (i, j) = (k % self.side, k / self.side);
             let [a, b, c] = u.parts.each_ref().map(|part| f64::from(part[j * self.pitch + i]));
-            x[k] = (self.place(i, j).extend(0.0) + DVec3::new(a, b, c)) * sheet.spacing_mm();
+            x[k] =
+                (self.grid_position(i, j).extend(0.0) + DVec3::new(a, b, c)) * sheet.spacing_mm();
         }
     }
 
-    /// A place of the square grid \[spacings from the centre\].
-    fn place(&self, i: usize, j: usize) -> DVec2 {
+    /// Position of a node on the square grid, relative to the centre \[spacings\].
+    fn grid_position(&self, i: usize, j: usize) -> DVec2 {
         let half = (self.side / 2) as f64;
         DVec2::new(i as f64 - half, j as f64 - half)
     }
 
-    /// Forces of all nodes at the displacements `u`.
+    /// Computes the forces of all nodes at the displacements `u`.
     pub(super) fn forces(&self, law: &Law, u: &Field, f: &mut Field) {
         f.parts.iter_mut().for_each(|part| part.fill(0.0));
         for j in 0..self.side - 1 {
-            // A cell reaches into the row above: the wider of both spans.
+            // A cell includes nodes of the next row: the union of both spans.
             let (here, above) = (self.blocks[j], self.blocks[j + 1]);
             for block in here.0.min(above.0)..here.1.max(above.1) {
                 let k = j * self.pitch + 4 * block;
@@ -188,8 +189,8 @@ impl LaneSheet {
         }
     }
 
-    /// Adds the forces of four whole cells: eight triangles on the edges bottom, top, left, right,
-    /// taken corner by corner.
+    /// Adds the forces of four whole cells: triangles at the four corners of each cell, with the edges
+    /// bottom, top, left and right.
     #[inline(always)]
     fn add_cells(&self, law: &Law, k: usize, weight: f32x4, u: &Field, f: &mut Field) {
         let up = k + self.pitch;
@@ -207,14 +208,15 @@ impl LaneSheet {
         let br = law.tension([across[0], upward[1], dot(bottom, right)]);
         let tl = law.tension([across[1], upward[0], dot(top, left)]);
         let tr = law.tension([across[1], upward[1], dot(top, right)]);
-        // The pull of each edge: its own part, and the shear parts of the triangles it belongs to.
-        let pull = |edge: Vec3, own: f32x4, (one, s): (Vec3, f32x4), (two, t): (Vec3, f32x4)| {
-            scale(add(scale(edge, own), add(scale(one, s), scale(two, t))), weight)
-        };
-        let on_bottom = pull(bottom, bl[0] + br[0], (left, bl[2]), (right, br[2]));
-        let on_top = pull(top, tl[0] + tr[0], (left, tl[2]), (right, tr[2]));
-        let on_left = pull(left, bl[1] + tl[1], (bottom, bl[2]), (top, tl[2]));
-        let on_right = pull(right, br[1] + tr[1], (bottom, br[2]), (top, tr[2]));
+        // Force along each edge: the normal part and the shear parts of the adjacent triangles.
+        let force =
+            |edge: Vec3, normal: f32x4, (one, s): (Vec3, f32x4), (two, t): (Vec3, f32x4)| {
+                scale(add(scale(edge, normal), add(scale(one, s), scale(two, t))), weight)
+            };
+        let on_bottom = force(bottom, bl[0] + br[0], (left, bl[2]), (right, br[2]));
+        let on_top = force(top, tl[0] + tr[0], (left, tl[2]), (right, tr[2]));
+        let on_left = force(left, bl[1] + tl[1], (bottom, bl[2]), (top, tl[2]));
+        let on_right = force(right, br[1] + tr[1], (bottom, br[2]), (top, tr[2]));
         f.add(k, add(on_bottom, on_left));
         f.add(k + 1, sub(on_right, on_bottom));
         f.add(up, sub(on_top, on_left));
@@ -223,7 +225,7 @@ impl LaneSheet {
 }
 
 impl Border {
-    /// One to four triangles; what is missing repeats the first with no area.
+    /// Creates a group of one to four triangles, padded with the first triangle at zero area.
     fn new(triangles: &[Triangle], side: usize, pitch: usize) -> Self {
         let triangle = |lane: usize| triangles.get(lane).unwrap_or(&triangles[0]);
         let lanes = |value: &dyn Fn(&Triangle) -> f64| {
@@ -272,9 +274,9 @@ impl Border {
         let p2 = scale(add(scale(f1, s12), scale(f2, s22)), self.area);
         let second = add(scale(p1, a), scale(p2, b));
         let third = add(scale(p1, c), scale(p2, d));
-        let pulls = [add(second, third), scale(second, -f32x4::ONE), scale(third, -f32x4::ONE)];
-        for (nodes, pull) in self.nodes.iter().zip(pulls) {
-            for (part, lanes) in f.parts.iter_mut().zip(pull) {
+        let forces = [add(second, third), scale(second, -f32x4::ONE), scale(third, -f32x4::ONE)];
+        for (nodes, force) in self.nodes.iter().zip(forces) {
+            for (part, lanes) in f.parts.iter_mut().zip(force) {
                 for (k, value) in nodes.iter().zip(lanes.to_array()) {
                     part[*k] += value;
                 }

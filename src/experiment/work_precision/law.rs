@@ -1,6 +1,6 @@
-//! The coupled law as the baselines read it: forces in lanes of four f32, nodal stiffness in f64.
+//! The coupled law of the baselines: forces in lanes of four f32, nodal stiffness in f64.
 //!
-//! Both in closed form, from the metric C of a triangle and without principal directions; see
+//! Both are closed forms in the metric C of a triangle, without principal directions; see
 //! [`CoupledLaw::second_piola_kirchhoff`]. Tensions are relative to the sheet's stiffness at small
 //! strain.
 
@@ -9,12 +9,12 @@ use crate::springs::table::Table;
 use glam::{DVec2, DVec3};
 use wide::f32x4;
 
-/// Squared relative area below which a triangle counts as this much \[-\].
-const LEAST_AREA: f32 = 1e-10;
-/// The share of the in-plane stiffness that the stiffness across the sheet is kept above.
-const LEAST_NORMAL_STIFFNESS: f64 = 1e-4;
-/// The same for the part of the tension that acts in all directions.
-const LEAST_TENSION: f64 = 0.1;
+/// Lower bound of the squared relative area of a triangle \[-\].
+const MIN_SQUARED_AREA: f32 = 1e-10;
+/// Lower bound of the stiffness normal to the sheet \[fraction of the in-plane stiffness\].
+const MIN_NORMAL_STIFFNESS: f64 = 1e-4;
+/// Lower bound of the isotropic part of the tension \[fraction of the in-plane stiffness\].
+const MIN_TENSION: f64 = 0.1;
 
 /// The law of a sheet.
 #[derive(Clone, Debug)]
@@ -38,10 +38,10 @@ struct Group {
     line_offset: f64,
 }
 
-/// A group's numbers as f32, relative to the sheet's stiffness.
+/// Coefficients of a group as f32, relative to the sheet's stiffness.
 #[derive(Clone, Debug)]
 struct Lanes {
-    /// `a + b·ē + c·max(ē − k, 0)` each.
+    /// Coefficients a, b, c, k of `a + b·ē + c·max(ē − k, 0)` in each bucket.
     buckets: Vec<[f32; 4]>,
     per_unit: f32x4,
     last: f32x4,
@@ -53,12 +53,12 @@ struct Lanes {
     shear: f32x4,
 }
 
-/// A corner of a triangle as a node sees it.
+/// A corner of a triangle, relative to its node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     /// Rest area times weight \[spacing²\].
     pub(super) area: f64,
-    /// Gradients of the two other nodes' hat functions \[1/spacing\].
+    /// Gradients of the hat functions of the two other nodes \[1/spacing\].
     pub(super) gradients: [DVec2; 2],
 }
 
@@ -103,7 +103,7 @@ impl Law {
     #[inline(always)]
     pub(super) fn tension(&self, [c11, c22, c12]: [f32x4; 3]) -> [f32x4; 3] {
         let trace = c11 + c22;
-        let s = (c11 * c22 - c12 * c12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+        let s = (c11 * c22 - c12 * c12).fast_max(f32x4::splat(MIN_SQUARED_AREA)).sqrt();
         let t = (trace + s + s).sqrt();
         let over = t - 2.0;
         let squares = (trace - over - over - 2.0).fast_max(f32x4::ZERO);
@@ -119,12 +119,12 @@ impl Law {
         [along + across * c22, along + across * c11, -across * c12]
     }
 
-    /// A bound on the greatest eigenvalue of a triangle's elasticity tensor \[-\] at the metric
+    /// Upper bound of the eigenvalues of a triangle's elasticity tensor \[-\] at the metric
     /// \[C₁₁, C₂₂, C₁₂\]: max(Ef(ē)/ē, Ef′(ē))/(1−ν), summed over the layers.
     ///
     /// By the principal strains ε the stiffness is Ef/ē·K + (Ef′ − Ef/ē)·(Kε)(Kε)ᵀ/ē² with
-    /// K = \[1 ν; ν 1\]/(1−ν²) and ē² = εᵀKε, whose eigenvalues are at most those of K, 1/(1−ν), times
-    /// the greater modulus; rotations of the principal directions are softer.
+    /// K = \[1 ν; ν 1\]/(1−ν²) and ē² = εᵀKε. The eigenvalues are at most the greatest eigenvalue of K,
+    /// 1/(1−ν), times the greater modulus; rotations of the principal directions are softer.
     pub(super) fn greatest_stiffness(&self, [c11, c22, c12]: [f64; 3]) -> f64 {
         let s = (c11 * c22 - c12 * c12).max(0.0).sqrt();
         let t = (c11 + c22 + 2.0 * s).sqrt();
@@ -136,8 +136,8 @@ impl Law {
         self.groups.iter().map(of_group).sum::<f64>() * self.compliance
     }
 
-    /// Adds to a node's force −∂W/∂x and to the positive part of ∂²W/∂x² what one of its triangles
-    /// gives; `edges` lead to the triangle's two other nodes \[spacings\].
+    /// Adds the contributions of one triangle to a node's force −∂W/∂x and to the positive part of
+    /// ∂²W/∂x²; the edges point to the triangle's two other nodes \[spacings\].
     ///
     /// With g the node's own gradient, u = F g, τ = ∂t/∂x = (u + F adj(C) g/s)/t, n the triangle's
     /// normal, α = Σ sec/(1+ν), β = Σ sec·b, b = (ν(t−1) − 1)/(1−ν²):
@@ -155,11 +155,11 @@ impl Law {
         let g = -(g1 + g2);
         let (f1, f2) = (e1 * g1.x + e2 * g2.x, e1 * g1.y + e2 * g2.y);
         let (c11, c22, c12) = (f1.length_squared(), f2.length_squared(), f1.dot(f2));
-        let s = (c11 * c22 - c12 * c12).max(f64::from(LEAST_AREA)).sqrt();
+        let s = (c11 * c22 - c12 * c12).max(f64::from(MIN_SQUARED_AREA)).sqrt();
         let t = (c11 + c22 + 2.0 * s).sqrt();
         let u = f1 * g.x + f2 * g.y;
-        let turned = DVec2::new(c22 * g.x - c12 * g.y, c11 * g.y - c12 * g.x);
-        let tau = (u + (f1 * turned.x + f2 * turned.y) / s) / t;
+        let adjugate_g = DVec2::new(c22 * g.x - c12 * g.y, c11 * g.y - c12 * g.x);
+        let tau = (u + (f1 * adjugate_g.x + f2 * adjugate_g.y) / s) / t;
         let weight = corner.area * self.compliance;
         let (mut alpha, mut beta, mut tau_tau) = (0.0, 0.0, 0.0);
         for group in &self.groups {
@@ -176,13 +176,13 @@ impl Law {
         }
         *force -= (u * alpha + tau * beta) * weight;
         let squared = g.length_squared();
-        let all = (alpha + beta / t).max(LEAST_TENSION * alpha) * squared;
-        let normal =
-            (all + beta / t * g.dot(turned) / s).max(LEAST_NORMAL_STIFFNESS * alpha * squared);
+        let isotropic = (alpha + beta / t).max(MIN_TENSION * alpha) * squared;
+        let normal = (isotropic + beta / t * g.dot(adjugate_g) / s)
+            .max(MIN_NORMAL_STIFFNESS * alpha * squared);
         add_outer(hessian, weight * (tau_tau - beta / t), tau);
-        add_outer(hessian, weight * (normal - all), f1.cross(f2) / s);
+        add_outer(hessian, weight * (normal - isotropic), f1.cross(f2) / s);
         for diagonal in &mut hessian[..3] {
-            *diagonal += weight * all;
+            *diagonal += weight * isotropic;
         }
     }
 }
@@ -195,12 +195,12 @@ impl Group {
         (((1.0 - self.nu) * squares + self.nu * sum * sum) * self.plane).sqrt()
     }
 
-    /// Secant Σ h·Ef(ē)/ē \[kPa·mm\] and its slope by ē.
+    /// Secant Σ h·Ef(ē)/ē \[kPa·mm\] and the secant's derivative by ē.
     #[inline]
     fn secant(&self, equivalent: f64) -> (f64, f64) {
         if equivalent > self.secant.end() {
-            let share = self.line_offset / equivalent;
-            return (self.line_slope + share, -share / equivalent);
+            let offset = self.line_offset / equivalent;
+            return (self.line_slope + offset, -offset / equivalent);
         }
         self.secant.value_and_slope(equivalent)
     }
@@ -209,12 +209,12 @@ impl Group {
 impl Lanes {
     #[inline(always)]
     fn secant(&self, equivalent: f32x4) -> f32x4 {
-        let place = (equivalent * self.per_unit).fast_min(self.last);
-        // What is not a number may become any place.
-        let most = self.buckets.len() - 1;
-        let places = place.fast_trunc_int().to_array();
+        let position = (equivalent * self.per_unit).fast_min(self.last);
+        // The index of a NaN is arbitrary; the bound keeps it in the table.
+        let last = self.buckets.len() - 1;
+        let indices = position.fast_trunc_int().to_array();
         let [a, b, c, k] =
-            f32x4::transpose(places.map(|k| f32x4::new(self.buckets[(k as usize).min(most)])));
+            f32x4::transpose(indices.map(|k| f32x4::new(self.buckets[(k as usize).min(last)])));
         let inside = a + b * equivalent + c * (equivalent - k).fast_max(f32x4::ZERO);
         let beyond = equivalent.simd_gt(self.end);
         if beyond.any() {

@@ -1,9 +1,9 @@
-//! Runs one method on one grid and measures it.
+//! Measurement of one method on one grid.
 
 use super::explicit::{Damping, Explicit};
 use super::gauss_seidel::GaussSeidel;
 use super::law::Law;
-use super::watch::{End, Judge, Sample, Schedule, Watch};
+use super::watch::{End, Errors, Sample, Schedule, Watch};
 use super::{Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Reference, Row, Status};
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::membrane::law::coupled_law;
@@ -11,29 +11,29 @@ use crate::scene::SceneError;
 use crate::solve::{self, Options, Problem, Progress, Solver, Verdict};
 use glam::{DVec2, DVec3};
 
-/// The tolerance to which a grid's own equilibrium is found \[share of the base radius\].
+/// Tolerance of the grid's own equilibrium \[fraction of the base radius\].
 const OWN_TOLERANCE: f64 = 1e-9;
-/// The tolerances to which Newton's method is measured.
+/// Tolerances of the rows of Newton's method \[fraction of the base radius\].
 const NEWTON_TOLERANCES: [f64; 3] = [1e-3, 1e-5, 1e-7];
-/// Runs shorter than this are repeated \[ms\].
+/// Greatest time of a run that is repeated \[ms\].
 const SHORT_MS: f64 = 50.0;
 
-/// What all methods of one scene and grid have in common.
+/// Data common to all methods of one scene and grid.
 pub(super) struct Ground {
     case: Case,
     nodes_per_side: usize,
     problem: Problem,
     law: Law,
-    /// The grid's own equilibrium as it is shown \[mm\], shape (nodes_per_side², ).
+    /// Positions of the grid's own equilibrium \[mm\], shape (nodes_per_side², ).
     own: Vec<DVec3>,
-    /// The last nodes that touch the dome, and at which of its levels: contact ends between nodes (see
-    /// [`Solver::offset_nodes`]). The baselines, which have no way to find them, are given these.
+    /// Nodes at the contact edge and the gauge of the dome at their contact offsets (see
+    /// [`Solver::offset_nodes`]). The baselines do not compute contact offsets and use these.
     touch: Vec<(usize, f64)>,
-    /// Those of them that are shown on the dome.
+    /// Nodes of `touch` with positions on the dome.
     lowered: Vec<usize>,
     /// The axisymmetric solution at every node \[mm\], shape (nodes_per_side², ).
     reference: Option<Vec<DVec3>>,
-    /// Free nodes.
+    /// Indices of the free nodes.
     free: Vec<usize>,
 }
 
@@ -49,9 +49,9 @@ impl Ground {
         while solver.advance(&mut || false) == Progress::Working {}
         let dome = &problem.obstacle.dome;
         let touch =
-            solver.offset_nodes().iter().map(|&(k, place)| (k, dome.gauge(place))).collect();
+            solver.offset_nodes().iter().map(|&(k, offset)| (k, dome.gauge(offset))).collect();
         let shown = solver.positions();
-        let is_lowered = |&(k, place): &(usize, DVec3)| (shown[k] != place).then_some(k);
+        let is_lowered = |&(k, offset): &(usize, DVec3)| (shown[k] != offset).then_some(k);
         let lowered = solver.offset_nodes().iter().filter_map(is_lowered).collect();
         let own = shown.to_vec();
         let kinds = problem.sheet.kinds();
@@ -75,18 +75,18 @@ impl Ground {
         self.case == case && self.nodes_per_side == nodes_per_side
     }
 
-    /// Greatest distances of the nodes from the own equilibrium and from the reference
-    /// \[share of the base radius\]; not a number where a position is none.
+    /// Greatest distances of the nodes from the grid's own equilibrium and from the reference
+    /// \[fraction of the base radius\]; NaN if a position is not a number.
     fn errors(&self, x: &[DVec3]) -> (f64, Option<f64>) {
-        let farthest = |answer: &[DVec3]| {
+        let greatest = |solution: &[DVec3]| {
             let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
-            let squares = self.free.iter().map(|&k| x[k].distance_squared(answer[k]));
+            let squares = self.free.iter().map(|&k| x[k].distance_squared(solution[k]));
             squares.fold(0.0, greater).sqrt() / self.problem.obstacle.dome.base_radius
         };
-        (farthest(&self.own), self.reference.as_deref().map(farthest))
+        (greatest(&self.own), self.reference.as_deref().map(greatest))
     }
 
-    /// Puts those nodes of a shape in balance onto the dome that are shown there.
+    /// Projects the nodes of `lowered` from their contact offsets onto the dome.
     fn lower(&self, x: &mut [DVec3]) {
         for &k in &self.lowered {
             x[k] = self.problem.obstacle.dome.onto_surface(x[k]);
@@ -108,19 +108,19 @@ impl Ground {
     }
 }
 
-/// A profile at every node \[mm\], shape (nodes_per_side², ).
+/// Positions of a profile at every node \[mm\], shape (nodes_per_side², ).
 fn revolved(profile: &Profile, sheet: &Sheet) -> Vec<DVec3> {
-    let place = |(rest, kind): (&DVec2, &NodeKind)| {
+    let position = |(rest, kind): (&DVec2, &NodeKind)| {
         if *kind != NodeKind::Free {
             return rest.extend(0.0);
         }
         let (r, z) = profile(rest.length());
         (rest.normalize_or_zero() * r).extend(z)
     };
-    sheet.rest().iter().zip(sheet.kinds()).map(place).collect()
+    sheet.rest().iter().zip(sheet.kinds()).map(position).collect()
 }
 
-/// The rows of one method.
+/// Measures the rows of one method.
 pub(super) fn measure(
     method: Method,
     ground: &Ground,
@@ -155,11 +155,11 @@ fn baseline(
         budget_ms: plan.budget_ms,
         first: if method == Method::GaussSeidel { 1 } else { 8 },
         growth: 1.3,
-        // The paper's way has a number of steps, not a tolerance.
+        // The paper's method has a number of steps, not a tolerance.
         goal: if is_paper { 0.0 } else { GOAL },
     };
     let problem = &ground.problem;
-    let judge: Judge = &|x| {
+    let errors: Errors = &|x| {
         let mut shown = x.to_vec();
         ground.lower(&mut shown);
         ground.errors(&shown)
@@ -167,7 +167,7 @@ fn baseline(
     let rest: Vec<DVec3> = problem.sheet.rest().iter().map(|p| p.extend(0.0)).collect();
     let once = |clock: &mut dyn FnMut() -> f64| {
         let watched = |run: &mut dyn FnMut(&mut Watch) -> End, clock: &mut dyn FnMut() -> f64| {
-            let mut watch = Watch::start(clock, judge, schedule, rest.clone());
+            let mut watch = Watch::start(clock, errors, schedule, rest.clone());
             let end = run(&mut watch);
             (watch.samples, end)
         };
@@ -198,7 +198,7 @@ fn baseline(
     samples.into_iter().enumerate().map(|(k, s)| ground.row(method, s, status(k))).collect()
 }
 
-/// Full multigrid; memory and tables stand ready from a run before.
+/// Measures full multigrid with memory and tables of a previous run.
 fn multigrid(
     method: Method,
     cycles: u32,
@@ -217,7 +217,7 @@ fn multigrid(
             while solver.advance(&mut || false) == Progress::Working {}
             solver
         });
-        // Multigrid keeps no shape: it begins anew on the coarsest grid.
+        // Full multigrid is a cold start: it begins on the coarsest grid.
         solver.restart(ground.problem.clone());
         solver
     };
@@ -230,8 +230,8 @@ fn newton(problem: &Problem, tolerance: f64) -> Solver {
     Solver::with_options(Problem { tolerance, ..problem.clone() }, options)
 }
 
-/// The row of a solver, run anew where that is short. `prepare` makes a solver that stands at the
-/// start, from the one that has run.
+/// Measures the row of a solver; short runs are repeated. `prepare` returns a solver at the start, if
+/// possible from the previous solver.
 fn solved(
     method: Method,
     ground: &Ground,
@@ -258,7 +258,7 @@ fn solved(
     ground.row(method, Sample { work_units, time_ms, own_error, reference_error }, status)
 }
 
-/// Solves to the end or to the budget; the time it took \[ms\].
+/// Solves to the end or up to the budget; returns the time \[ms\].
 fn finish(solver: &mut Solver, budget_ms: f64, clock: &mut dyn FnMut() -> f64) -> f64 {
     let start = clock();
     let mut time_ms = 0.0;

@@ -1,17 +1,16 @@
-//! Run time against error: what it costs to come near to the equilibrium, method by method.
+//! Run time against error of the solution methods (work–precision study).
 //!
-//! For each scene and grid Newton's method at tolerance 1e-9 gives the grid's own equilibrium, and an
-//! axisymmetric solution what every grid should come to. Each method is then run from a cold start and
-//! its error measured: at the end, or, for the baselines, at many moments of their way. All methods
-//! solve the whole sheet, symmetric or not, on one thread; tables, memory and what depends on the
-//! grid alone are made before the clock starts, and it stands still while an error is measured.
+//! Newton's method with tolerance 1e-9 computes the grid's own equilibrium of each scene and grid, and an
+//! axisymmetric solution the limit of all grids. Each method runs from a cold start. The error is measured
+//! at the end, for the baselines also at many intermediate steps. All methods solve the whole sheet,
+//! symmetric or not, on one thread. The clock runs neither during the set-up of tables and memory nor
+//! during the measurement of errors.
 //!
-//! The baselines are what the same energy is commonly relaxed with: damped explicit steps with nodal
-//! masses that suit the grid, in lanes of four f32 ([`Method::ExplicitPaper`],
-//! [`Method::ExplicitCritical`]), and block Gauss–Seidel on nested grids in f64, which lanes do not
-//! help ([`Method::GaussSeidel`]).
+//! The baselines are common methods for the same energy: damped explicit steps with nodal masses scaled to
+//! the grid, in lanes of four f32 ([`Method::ExplicitPaper`], [`Method::ExplicitCritical`]), and block
+//! Gauss–Seidel on nested grids in f64, without lanes ([`Method::GaussSeidel`]).
 //!
-//! Knows no clock and no files: the clock is handed in, so that a page can run the same study.
+//! The module uses no clock and no files: the clock is an argument, and the page runs the same study.
 //!
 //! Uses `sheet`, `implant`, `solve`, `springs`, `scene`. Used by the command line and the page.
 
@@ -19,7 +18,7 @@ mod cases;
 mod choice;
 mod explicit;
 mod gauss_seidel;
-mod guess;
+mod initial_guess;
 mod lanes;
 mod law;
 mod methods;
@@ -35,33 +34,34 @@ use crate::solve::Problem;
 use crate::springs::Springs;
 use methods::Ground;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Explicit steps of the paper.
 pub const PAPER_STEPS: u32 = 15_000;
-/// An own error at which baselines end \[share of the base radius\]: their f32 shows below it.
+/// Error at which baselines end \[fraction of the base radius\]; f32 rounding dominates smaller errors.
 pub const GOAL: f64 = 1e-5;
 
-/// How the equilibrium is sought.
+/// Solution method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// 15 000 damped explicit steps that each keep 95 % of the last one, from the sheet lifted
-    /// straight onto the dome.
+    /// 15 000 damped explicit steps with 95 % of the previous step, from the sheet projected vertically
+    /// onto the dome.
     ExplicitPaper,
-    /// Critically damped explicit steps, from a string pulled tight over the dome.
+    /// Critically damped explicit steps, from the taut profile over the dome.
     ExplicitCritical,
     /// Nested nodal block Gauss–Seidel.
     GaussSeidel,
     /// Full multigrid with one V-cycle on the finest grid.
     #[serde(rename = "multigrid_1")]
     Multigrid1,
-    /// The same with two.
+    /// Full multigrid with two V-cycles on the finest grid.
     #[serde(rename = "multigrid_2")]
     Multigrid2,
-    /// The same with four.
+    /// Full multigrid with four V-cycles on the finest grid.
     #[serde(rename = "multigrid_4")]
     Multigrid4,
-    /// The same with eight.
+    /// Full multigrid with eight V-cycles on the finest grid.
     #[serde(rename = "multigrid_8")]
     Multigrid8,
     /// Newton's method on nested grids, to tolerances from 1e-2 to 1e-7.
@@ -69,7 +69,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them, slow ones first.
+    /// All methods, slow methods first.
     pub const ALL: [Self; 8] = [
         Self::ExplicitPaper,
         Self::ExplicitCritical,
@@ -81,7 +81,7 @@ impl Method {
         Self::Multigrid8,
     ];
 
-    /// Its name in the table.
+    /// Name of the method in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -97,23 +97,23 @@ impl Method {
     }
 }
 
-/// What is to be measured.
+/// Plan of a study: scenes, grids and methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Scenes.
     pub cases: Vec<Case>,
-    /// Nodes a side, rising; see [`crate::mesh::rounded_nodes_per_side`].
+    /// Nodes per side, rising; see [`crate::mesh::rounded_nodes_per_side`].
     pub nodes_per_side: Vec<usize>,
     /// Methods.
     pub methods: Vec<Method>,
-    /// Time that one run may take \[ms\]. A method that needed more is left out on finer grids.
+    /// Time budget of one run \[ms\]. A method that exceeds the budget is skipped on finer grids.
     pub budget_ms: f64,
-    /// Runs whose median time is given where one takes less than 50 ms, ≥ 1.
+    /// Number of runs for the median time of runs below 50 ms, ≥ 1.
     pub repeats: usize,
 }
 
 impl Plan {
-    /// Everything: 17 to 513 nodes a side, all scenes, 10 s a run (some minutes in all).
+    /// The full plan: 17 to 513 nodes per side, all scenes, 10 s per run (some minutes in total).
     #[must_use]
     pub fn full() -> Self {
         Self {
@@ -125,7 +125,7 @@ impl Plan {
         }
     }
 
-    /// A look: the default scene on coarse grids, 2 s a run.
+    /// The quick plan: the default scene on coarse grids, 2 s per run.
     #[must_use]
     pub fn quick() -> Self {
         Self {
@@ -141,7 +141,7 @@ impl Plan {
 /// Deformed (r, z) \[mm\] of the material radius s \[mm\].
 pub type Profile = Box<dyn Fn(f64) -> (f64, f64)>;
 
-/// Finds what every grid should come to, where it is known.
+/// Computes the limit of all grids, if known.
 pub type Reference = fn(&Scene) -> Option<Profile>;
 
 /// The reference of a centred dome under coupled springs; see [`super::axisymmetric`].
@@ -163,102 +163,176 @@ pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
 pub struct Piece {
     /// The scene.
     pub scene: Case,
-    /// Nodes a side.
+    /// Nodes per side.
     pub nodes_per_side: usize,
     /// The method.
     pub method: Method,
 }
 
 impl Piece {
-    /// Was a row measured in this piece?
+    /// Returns `true` if the row belongs to this piece.
     #[must_use]
     pub fn has(self, row: &Row) -> bool {
         self == Self { scene: row.scene, nodes_per_side: row.nodes_per_side, method: row.method }
     }
 }
 
-/// A study in pieces: one method on one grid in one scene after the other.
+/// The time that a method needs to an error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TimeTo {
+    /// Scene, grid and method.
+    #[serde(flatten)]
+    pub piece: Piece,
+    /// Time from a cold start after which the error stays within the bound \[ms\]; `None` if the method
+    /// does not reach the bound.
+    pub time_ms: Option<f64>,
+}
+
+/// A study of run time against error: the plan, the rows measured so far and the pieces left.
 pub struct Study {
     plan: Plan,
     reference: Option<Reference>,
-    /// Pieces begun so far.
-    done: usize,
-    /// What the methods of one scene and grid have in common.
+    /// Number of pieces begun.
+    begun: usize,
+    /// Pieces measured without an error, in order.
+    done: Vec<Piece>,
+    rows: Vec<Row>,
+    /// Data common to the methods of one scene and grid.
     ground: Option<Ground>,
-    /// Scenes and methods that ran out of time.
+    /// Scenes and methods that exceeded their time budget.
     exhausted: Vec<(Case, Method)>,
 }
 
 impl Study {
-    /// A study with everything to do; without a reference, errors against it are left empty.
+    /// Creates a study without rows; without a reference, errors against the reference stay empty.
     #[must_use]
     pub fn new(plan: Plan, reference: Option<Reference>) -> Self {
-        Self { plan, reference, done: 0, ground: None, exhausted: Vec::new() }
+        Self {
+            plan,
+            reference,
+            begun: 0,
+            done: Vec::new(),
+            rows: Vec::new(),
+            ground: None,
+            exhausted: Vec::new(),
+        }
     }
 
-    /// Pieces done, of how many.
+    /// Rows measured so far, in the order of the plan.
+    #[must_use]
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Rows measured so far as CSV; see [`table`].
+    #[must_use]
+    pub fn csv(&self) -> String {
+        table(&self.rows)
+    }
+
+    /// Number of pieces begun and number of pieces of the plan.
     #[must_use]
     pub fn progress(&self) -> (usize, usize) {
         let plan = &self.plan;
-        (self.done, plan.cases.len() * plan.nodes_per_side.len() * plan.methods.len())
+        (self.begun, plan.cases.len() * plan.nodes_per_side.len() * plan.methods.len())
     }
 
-    /// The piece that comes next; `None` when all is done.
+    /// Progress and next piece as JSON text; `next` is null after the last piece:
+    /// `{"done":0,"all":24,"next":{"scene":"default","nodes_per_side":17,"method":"newton"}}`.
+    #[must_use]
+    pub fn progress_json(&self) -> String {
+        let (done, all) = self.progress();
+        json!({ "done": done, "all": all, "next": self.next_piece() }).to_string()
+    }
+
+    /// The next piece; `None` after the last piece.
     #[must_use]
     pub fn next_piece(&self) -> Option<Piece> {
         let plan = &self.plan;
         let (methods, grids) = (plan.methods.len(), plan.nodes_per_side.len());
-        let (done, all) = self.progress();
-        (done < all).then(|| Piece {
-            scene: plan.cases[done / (methods * grids)],
-            nodes_per_side: plan.nodes_per_side[done / methods % grids],
-            method: plan.methods[done % methods],
+        let (begun, all) = self.progress();
+        (begun < all).then(|| Piece {
+            scene: plan.cases[begun / (methods * grids)],
+            nodes_per_side: plan.nodes_per_side[begun / methods % grids],
+            method: plan.methods[begun % methods],
         })
     }
 
-    /// Does the next piece and returns its rows; `None` when all is done. `clock` gives milliseconds
-    /// since some moment.
+    /// Measures the next piece; returns `false` if no piece is left. `clock` returns the time in
+    /// milliseconds since an arbitrary moment.
     ///
     /// # Errors
-    /// If the plan asks for a grid that scenes do not allow.
-    pub fn advance(
-        &mut self,
-        clock: &mut dyn FnMut() -> f64,
-    ) -> Result<Option<Vec<Row>>, SceneError> {
+    /// A scene does not allow a grid of the plan.
+    pub fn advance(&mut self, clock: &mut dyn FnMut() -> f64) -> Result<bool, SceneError> {
         let Some(piece) = self.next_piece() else {
-            return Ok(None);
+            return Ok(false);
         };
-        self.done += 1;
+        self.begun += 1;
         let Piece { scene: case, nodes_per_side: nodes, method } = piece;
-        if self.exhausted.contains(&(case, method)) {
-            return Ok(Some(Vec::new()));
+        if !self.exhausted.contains(&(case, method)) {
+            let ground = match self.ground.take() {
+                Some(ground) if ground.is_for(case, nodes) => ground,
+                _ => Ground::new(case, nodes, self.reference)?,
+            };
+            let ground = self.ground.insert(ground);
+            let rows = methods::measure(method, ground, &self.plan, clock);
+            if rows.last().is_some_and(|row| row.status == Status::Budget) {
+                self.exhausted.push((case, method));
+            }
+            self.rows.extend(rows);
         }
-        let ground = match self.ground.take() {
-            Some(ground) if ground.is_for(case, nodes) => ground,
-            _ => Ground::new(case, nodes, self.reference)?,
+        self.done.push(piece);
+        Ok(true)
+    }
+
+    /// The time of each measured piece to an error against the grid's own equilibrium \[fraction of the base
+    /// radius\].
+    #[must_use]
+    pub fn times_to(&self, error: f64) -> Vec<TimeTo> {
+        let time = |piece: &Piece| {
+            let mut rows: Vec<Row> =
+                self.rows.iter().filter(|row| piece.has(row)).copied().collect();
+            // A run with a smaller tolerance may take less time.
+            rows.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));
+            TimeTo { piece: *piece, time_ms: time_to(&rows, error) }
         };
-        let ground = self.ground.insert(ground);
-        let rows = methods::measure(method, ground, &self.plan, clock);
-        if rows.last().is_some_and(|row| row.status == Status::Budget) {
-            self.exhausted.push((case, method));
-        }
-        Ok(Some(rows))
+        self.done.iter().map(time).collect()
+    }
+
+    /// [`Study::times_to`] as JSON text; `time_ms` is null for a method that does not reach the error:
+    /// `[{"scene":"default","nodes_per_side":17,"method":"newton","time_ms":1.5}]`.
+    #[must_use]
+    pub fn times_json(&self, error: f64) -> String {
+        json!(self.times_to(error)).to_string()
+    }
+
+    /// The scene with this name, or the first scene of the plan.
+    ///
+    /// # Errors
+    /// One line with the allowed names if no scene has this name.
+    pub fn case(&self, name: Option<&str>) -> Result<Case, SceneError> {
+        let Some(name) = name else {
+            return Ok(self.plan.cases.first().copied().unwrap_or(Case::Default));
+        };
+        let found = Case::ALL.into_iter().find(|case| case.name() == name);
+        found.ok_or_else(|| SceneError::OutOfRange {
+            field: "scene".to_owned(),
+            value: format!("{name:?}"),
+            allowed: Case::ALL.map(Case::name).join(", "),
+        })
     }
 }
 
-/// Does a whole study; see [`Study::advance`].
+/// Measures all pieces of a plan; see [`Study::advance`].
 ///
 /// # Errors
-/// If the plan asks for a grid that scenes do not allow.
+/// A scene does not allow a grid of the plan.
 pub fn run(
     plan: &Plan,
     reference: Option<Reference>,
     clock: &mut dyn FnMut() -> f64,
 ) -> Result<Vec<Row>, SceneError> {
     let mut study = Study::new(plan.clone(), reference);
-    let mut rows = Vec::new();
-    while let Some(more) = study.advance(clock)? {
-        rows.extend(more);
-    }
-    Ok(rows)
+    while study.advance(clock)? {}
+    Ok(study.rows)
 }

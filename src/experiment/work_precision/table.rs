@@ -1,50 +1,50 @@
-//! The rows of the study, and their table.
+//! Rows of the study and their CSV table.
 
 use super::{Case, Method};
 use crate::springs::Springs;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// A method's error after some time.
+/// Error of a method after a run time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// The method.
     pub method: Method,
-    /// The spring law: the coupled springs, which have an equilibrium in every scene.
+    /// The spring law (coupled springs).
     pub springs: Springs,
     /// The scene.
     pub scene: Case,
-    /// Nodes a side.
+    /// Nodes per side.
     pub nodes_per_side: usize,
     /// Work in evaluations of all nodal forces on the finest grid.
     pub work_units: f64,
     /// Time from a cold start \[ms\].
     pub time_ms: f64,
-    /// Greatest distance of a node from where the grid's own equilibrium has it
-    /// \[share of the dome's base radius\].
+    /// Greatest distance of a node from the grid's own equilibrium \[fraction of the dome's base radius\].
     pub error_vs_own_grid: f64,
-    /// The same from the axisymmetric reference; `None` where there is none.
+    /// Greatest distance of a node from the axisymmetric reference \[fraction of the dome's base radius\];
+    /// `None` without a reference.
     pub error_vs_reference: Option<f64>,
-    /// Where on its way the method is.
+    /// State of the method.
     pub status: Status,
 }
 
-/// Where on its way a method is at a row.
+/// State of a method at a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// It goes on; the method gives no sign that it might stop here.
+    /// The method continues.
     Running,
-    /// It has ended: by its own rule, after all its steps, or (a baseline) below [`super::GOAL`].
+    /// The method has ended: by its own criterion, after all steps, or (a baseline) below [`super::GOAL`].
     Finished,
-    /// The time allowed was over before its end.
+    /// The method exceeded the time budget.
     Budget,
-    /// It ended without an answer.
+    /// The method ended without a solution.
     Failed,
 }
 
 impl Status {
-    /// Its name in the table.
+    /// Name of the state in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -56,7 +56,7 @@ impl Status {
     }
 }
 
-/// The rows as CSV, with a line of column names; a missing error is an empty field.
+/// Writes the rows as CSV with a line of column names; a missing error is an empty field.
 #[must_use]
 pub fn table(rows: &[Row]) -> String {
     let mut csv = "method,springs,scene,nodes_per_side,work_units,time_ms,\
@@ -84,10 +84,10 @@ pub fn table(rows: &[Row]) -> String {
     csv
 }
 
-/// The time \[ms\] from which on a method stays below an error against its own grid, given its rows of
-/// one scene and grid, in the order of time; `None` if it does not get there.
+/// Time after which a method stays within an error against the grid's own equilibrium \[ms\], from the
+/// method's rows of one scene and grid in the order of time; `None` if the last row exceeds the error.
 #[must_use]
 pub fn time_to(rows: &[Row], error: f64) -> Option<f64> {
-    let stays = rows.iter().rev().take_while(|row| row.error_vs_own_grid <= error);
-    stays.last().map(|row| row.time_ms)
+    let within = rows.iter().rev().take_while(|row| row.error_vs_own_grid <= error);
+    within.last().map(|row| row.time_ms)
 }

@@ -1,54 +1,56 @@
-//! Watches a method at work: stops the clock, measures the error, goes on.
+//! Stopwatch of a running method: pauses the clock, measures the error, continues.
 
 use glam::DVec3;
 
-/// Steps between two looks at the clock.
-const STEPS_PER_LOOK: u32 = 8;
+/// Number of steps between two readings of the clock.
+const STEPS_PER_READING: u32 = 8;
 
-/// A method's error at one moment of its way.
+/// Error of a method at one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     pub(super) work_units: f64,
     pub(super) time_ms: f64,
-    /// Against the grid's own equilibrium \[share of the base radius\].
+    /// Error against the grid's own equilibrium \[fraction of the base radius\].
     pub(super) own_error: f64,
-    /// Against the axisymmetric reference \[share of the base radius\].
+    /// Error against the axisymmetric reference \[fraction of the base radius\].
     pub(super) reference_error: Option<f64>,
 }
 
-/// How a method's way ended.
+/// Termination of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// By its own rule, or as near to the equilibrium as the study looks.
+    /// The method ended by its own criterion or reached the goal of the study.
     Finished,
-    /// Out of time.
+    /// The method exceeded the time budget.
     Budget,
-    /// Not a number any more, or not converged.
+    /// A position is not a number, or the method did not converge.
     Failed,
 }
 
 /// Own and reference error of positions \[mm\].
-pub(super) type Judge<'a> = &'a dyn Fn(&[DVec3]) -> (f64, Option<f64>);
+pub(super) type Errors<'a> = &'a dyn Fn(&[DVec3]) -> (f64, Option<f64>);
 
-/// When to look, and for how long.
+/// Steps of the samples and limits of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
-    /// Time allowed \[ms\].
+    /// Time budget \[ms\].
     pub(super) budget_ms: f64,
-    /// The step of the first sample, and the ratio of one sample's step to the last one's.
+    /// Step of the first sample.
     pub(super) first: u32,
+    /// Ratio of the steps of two consecutive samples.
     pub(super) growth: f64,
-    /// The own error that is near enough to end a method.
+    /// Error against the grid's own equilibrium that ends a method.
     pub(super) goal: f64,
 }
 
-/// A stopwatch with a notebook.
+/// A stopwatch with the samples of a run.
 pub(super) struct Watch<'a> {
     clock: &'a mut dyn FnMut() -> f64,
-    judge: Judge<'a>,
+    errors: Errors<'a>,
     schedule: Schedule,
-    /// Time so far without pauses \[ms\], and when the clock was started last.
+    /// Time so far without pauses \[ms\].
     elapsed_ms: f64,
+    /// Clock reading after the last pause \[ms\].
     started: f64,
     next: u32,
     positions: Vec<DVec3>,
@@ -56,32 +58,32 @@ pub(super) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// A running watch; `positions` \[mm\] are where the nodes that never move are.
+    /// Starts a watch; `positions` \[mm\] contain the fixed nodes.
     pub(super) fn start(
         clock: &'a mut dyn FnMut() -> f64,
-        judge: Judge<'a>,
+        errors: Errors<'a>,
         schedule: Schedule,
         positions: Vec<DVec3>,
     ) -> Self {
         let started = clock();
         let next = schedule.first;
         let samples = Vec::new();
-        Self { clock, judge, schedule, elapsed_ms: 0.0, started, next, positions, samples }
+        Self { clock, errors, schedule, elapsed_ms: 0.0, started, next, positions, samples }
     }
 
-    /// After a step: is there reason to stop and look?
+    /// Returns `true` if a sample is due after a step.
     #[inline]
     pub(super) fn is_due(&mut self, steps: u32) -> bool {
-        steps >= self.next || (steps.is_multiple_of(STEPS_PER_LOOK) && self.is_out_of_time())
+        steps >= self.next || (steps.is_multiple_of(STEPS_PER_READING) && self.is_out_of_time())
     }
 
     pub(super) fn is_out_of_time(&mut self) -> bool {
         self.elapsed_ms + (self.clock)() - self.started >= self.schedule.budget_ms
     }
 
-    /// Stops the clock, measures the shape that `write` puts down, and starts the clock again; tells
-    /// if this is the end.
-    pub(super) fn look(
+    /// Pauses the clock and samples the error of the shape that `write` stores; returns the reason if the
+    /// method ends.
+    pub(super) fn sample(
         &mut self,
         steps: u32,
         work_units: f64,
@@ -89,7 +91,7 @@ impl<'a> Watch<'a> {
     ) -> Option<End> {
         self.elapsed_ms += (self.clock)() - self.started;
         write(&mut self.positions);
-        let (own_error, reference_error) = (self.judge)(&self.positions);
+        let (own_error, reference_error) = (self.errors)(&self.positions);
         let time_ms = self.elapsed_ms;
         let is_number = own_error.is_finite();
         if is_number {

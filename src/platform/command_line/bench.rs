@@ -1,9 +1,9 @@
-//! `bench`: run time against error of all methods, as a table and a picture.
+//! `bench`: run time against error of all methods, as a table and a chart.
 
 use super::output::{self, File};
 use super::{Answer, Refused};
-use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric, table};
-use crate::view::work_precision::draw;
+use crate::experiment::charts::work_precision::draw;
+use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,15 +24,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let mut study = Study::new(plan, Some(axisymmetric));
     let start = Instant::now();
     let mut clock = || 1e3 * start.elapsed().as_secs_f64();
-    let mut rows = Vec::new();
-    while let Some(more) =
-        study.advance(&mut clock).map_err(|error| output::refuse(Path::new("bench"), error))?
-    {
-        rows.extend(more);
-    }
-    let picture = draw(&rows, Case::Default).map_err(|error| output::refuse(folder, error))?;
+    let refuse = |error| output::refuse(Path::new("bench"), error);
+    while study.advance(&mut clock).map_err(refuse)? {}
+    let picture =
+        draw(study.rows(), Case::Default).map_err(|error| output::refuse(folder, error))?;
     output::write_all(&[
-        File::new(&folder.join("work_precision.csv"), table(&rows)),
+        File::new(&folder.join("work_precision.csv"), study.csv()),
         File::new(&folder.join("work_precision.svg"), picture),
     ])?;
     Ok(Answer::Converged)

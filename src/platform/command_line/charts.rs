@@ -1,10 +1,10 @@
 //! `charts`: the paper's charts 1 to 4 for both spring laws, and how far the Poisson ratio is off.
 
-use super::drawing::{Chart, Kind, Series, draw};
 use super::output::{self, File, number};
 use super::tension::{COLUMNS, table_rows};
 use super::{Answer, Refused};
 use crate::curve::{Curve, CurveSpec};
+use crate::experiment::charts::tension::{Chart, Kind, Series, draw};
 use crate::experiment::tension::{Protocol, Report, Test, run as pull};
 use crate::springs::Springs;
 use rayon::prelude::*;
@@ -138,13 +138,13 @@ fn series(kind: Kind, rank: usize, pulled: &Pulled) -> Series {
                 let end = (at, kind.value(stress, -pulled.test.poisson_ratio * at));
                 stretch.push(end);
                 series.lost.push(end);
-                series.stretches.push(std::mem::take(&mut stretch));
+                series.branches.push(std::mem::take(&mut stretch));
             }
             None => {}
         }
     }
     if !stretch.is_empty() {
-        series.stretches.push(stretch);
+        series.branches.push(stretch);
     }
     // One row in six, each Poisson ratio its own: where all lie on one curve all can be seen.
     series.points = pulled

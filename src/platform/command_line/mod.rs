@@ -8,7 +8,6 @@
 
 mod bench;
 mod charts;
-mod drawing;
 mod input;
 mod mesh;
 mod mesh_formats;
@@ -52,7 +51,7 @@ enum Command {
     Stability(stability::Arguments),
     /// Measure run time against error of the solvers and of what they are compared with.
     Bench(bench::Arguments),
-    /// Solve random scenes and hold every shape against what must always be true.
+    /// Solve random scenes and sessions and check invariants.
     Stress(stress::Arguments),
 }
 

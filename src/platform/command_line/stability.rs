@@ -3,11 +3,11 @@
 use super::output::{self, File, number};
 use super::{Answer, Refused};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
+use crate::experiment::charts::stability_map::{Map, draw};
 use crate::experiment::stability::{Point, row};
 use crate::scene::limits;
 use crate::springs::Springs;
 use crate::springs::stability::Load;
-use crate::view::stability_map::{Map, draw};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -1,21 +1,21 @@
-//! `stress`: random scenes and sessions, and what came of them.
+//! `stress`: robustness tests of random scenes and sessions, summarised as JSON.
 
 use super::output::{self, File, STANDARD};
 use super::{Answer, Refused, in_range};
-use crate::experiment::stress::{Case, Summary, run as run_case};
+use crate::experiment::robustness::{Case, Summary, run as run_case};
 use crate::scene::limits;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// How many random scenes; every tenth comes with a session of random edits.
+    /// Number of random scenes; every tenth case adds a session of random edits.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = cases, allow_negative_numbers = true)]
     cases: u64,
-    /// The seed: the same one gives the same scenes everywhere.
+    /// Seed of the random scenes; equal seeds give equal scenes on every machine.
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
-    /// The most nodes a side, 17 to 513.
+    /// Greatest number of nodes per side, 17 to 513.
     #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true)]
     most_nodes: usize,
     /// The file for the summary (JSON); `-`: standard output.

@@ -1,9 +1,9 @@
-//! Stability of an evenly stretched sheet: does a small motion lower its energy?
+//! Stability of a homogeneously stretched sheet against small perturbations.
 //!
-//! [`Stack`] gives the even states of bonded layers, pulled one way ([`Load::Uniaxial`]) or both ways
-//! ([`Load::Equibiaxial`]); [`Lattice`] their stiffness against waves, in the plane
-//! ([`Lattice::weakest_wave`]) and out of it ([`Lattice::out_of_plane`]); [`Limits`] the strains at which
-//! a stack has no stable even shape.
+//! [`Stack`] computes the homogeneous states of bonded layers under uniaxial ([`Load::Uniaxial`]) and
+//! equibiaxial ([`Load::Equibiaxial`]) tension; [`Lattice`] the stiffness against waves in the plane
+//! ([`Lattice::weakest_wave`]) and out of the plane ([`Lattice::out_of_plane`]); [`Limits`] the strains
+//! without a stable homogeneous state.
 //!
 //! Uses `curve`, `coupled` and `paper`. Used by `session`, `experiment`, `view` and `app`.
 
@@ -16,17 +16,17 @@ use super::paper::{self, Spring};
 use super::{Material, Springs};
 use crate::curve::FULL_STRAIN;
 
-/// How the sheet is stretched.
+/// Homogeneous load of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Load {
-    /// By ε along x, free to narrow: no stress across.
+    /// Strain ε along x without transverse stress.
     Uniaxial,
-    /// By ε along x and along y.
+    /// Strain ε along x and along y.
     Equibiaxial,
 }
 
 impl Load {
-    /// Both.
+    /// Both loads.
     pub const ALL: [Self; 2] = [Self::Uniaxial, Self::Equibiaxial];
 
     /// The name in tables.
@@ -39,7 +39,7 @@ impl Load {
     }
 }
 
-/// Bonded layers under one spring law: their nodes are the same, so their energies add.
+/// Bonded layers under one spring law. The layers share their nodes; their energies add up.
 #[derive(Clone, Debug)]
 pub struct Stack<'a> {
     springs: Springs,
@@ -48,17 +48,17 @@ pub struct Stack<'a> {
 }
 
 impl<'a> Stack<'a> {
-    /// The given layers, at least one.
+    /// Creates a stack of at least one layer.
     #[must_use]
     pub fn new(springs: Springs, layers: &'a [Material]) -> Self {
         let stiffness = |l: &Material| l.thickness_mm * l.curve.small_strain_modulus();
         Self { springs, layers, edge_stiffness: layers.iter().map(stiffness).sum() }
     }
 
-    /// Strains (εₓ, ε_y) of the even state that a load makes at strain ε ≥ 0 along x.
+    /// Strains (εₓ, ε_y) of the homogeneous state under a load at strain ε ≥ 0 along x.
     ///
-    /// One layer narrows by νε. Layers of different ν agree on the width at which the stress across
-    /// vanishes; it rises with the width, under either law, and so is found by bisection.
+    /// One layer contracts by νε. Layers of different ν have a common transverse strain with zero transverse
+    /// tension; the tension increases with the strain under either law, bisection finds the root.
     #[must_use]
     pub fn strains(&self, load: Load, strain: f64) -> [f64; 2] {
         if load == Load::Equibiaxial {
@@ -68,28 +68,28 @@ impl<'a> Stack<'a> {
         let (mut wide, mut narrow) = (ratios().fold(1.0, f64::min), ratios().fold(0.0, f64::max));
         while narrow - wide > 1e-9 {
             let middle = 0.5 * (wide + narrow);
-            let pulls = self.tension_across([strain, -middle * strain]) > 0.0;
-            if pulls { wide = middle } else { narrow = middle }
+            let is_tensile = self.transverse_tension([strain, -middle * strain]) > 0.0;
+            if is_tensile { wide = middle } else { narrow = middle }
         }
         [strain, -0.5 * (wide + narrow) * strain]
     }
 
-    /// Tension across the pull \[kPa·mm\].
-    fn tension_across(&self, [x, y]: [f64; 2]) -> f64 {
+    /// Transverse tension \[kPa·mm\].
+    fn transverse_tension(&self, [x, y]: [f64; 2]) -> f64 {
         let diagonal = paper::diagonal_strain(x, y);
-        // Two diagonals of weight ½ a cell, each with its component across.
-        let share = (1.0 + y) / (2f64.sqrt() * (1.0 + diagonal));
+        // Two diagonals of weight ½ per cell, each with its transverse component.
+        let component = (1.0 + y) / (2f64.sqrt() * (1.0 + diagonal));
         let stress = |Material { curve, poisson_ratio: nu, .. }: &Material| match self.springs {
             Springs::Coupled => coupled::biot_stress(curve, *nu, [x, y])[1],
             Springs::Nikolaev => {
                 paper::tension(Spring::Edge, curve, *nu, y)
-                    + share * paper::tension(Spring::Diagonal, curve, *nu, diagonal)
+                    + component * paper::tension(Spring::Diagonal, curve, *nu, diagonal)
             }
         };
         self.layers.iter().map(|layer| layer.thickness_mm * stress(layer)).sum()
     }
 
-    /// The stiffness of the infinite sheet against waves at strains (εₓ, ε_y).
+    /// Stiffness of the infinite sheet against waves at strains (εₓ, ε_y).
     #[must_use]
     pub fn lattice(&self, strains: [f64; 2]) -> Lattice {
         match self.springs {
@@ -99,24 +99,24 @@ impl<'a> Stack<'a> {
     }
 }
 
-/// Where a stack has no stable even shape, strain 0 to 1.
+/// Strains from 0 to 1 without a stable homogeneous state of a stack.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Stretches of strain \[-\] without one when pulled one way, from and to, known to 0.0005.
+    /// Unstable intervals of strain under uniaxial tension \[-\], accurate to 0.0005.
     pub uniaxial: Vec<[f64; 2]>,
-    /// The same when pulled both ways.
+    /// Unstable intervals of strain under equibiaxial tension \[-\], accurate to 0.0005.
     pub equibiaxial: Vec<[f64; 2]>,
-    /// States that were asked.
+    /// Number of evaluated states.
     pub states: u64,
 }
 
 impl Limits {
-    /// Strains asked before bisection: a stretch shorter than one step may be overlooked.
+    /// Number of strain steps before bisection; an interval shorter than one step may be missed.
     const STEPS: u32 = 100;
-    /// Halvings of a step.
+    /// Number of bisections of a step.
     const HALVINGS: u32 = 4;
 
-    /// The limits of the given layers.
+    /// Computes the limits of the given layers.
     #[must_use]
     pub fn new(springs: Springs, layers: &[Material]) -> Self {
         let stack = Stack::new(springs, layers);
@@ -128,13 +128,13 @@ impl Limits {
                 let lattice = stack.lattice(stack.strains(load, strain));
                 lattice.weakest_wave(Search::QUICK).stiffness < 0.0
             };
-            unstable_stretches(&mut is_unstable)
+            unstable_intervals(&mut is_unstable)
         });
         (limits.uniaxial, limits.equibiaxial, limits.states) = (uniaxial, equibiaxial, states);
         limits
     }
 
-    /// The stretches under a load.
+    /// The unstable intervals under a load.
     #[must_use]
     pub fn of(&self, load: Load) -> &[[f64; 2]] {
         match load {
@@ -143,17 +143,18 @@ impl Limits {
         }
     }
 
-    /// The strain from which on the stack has no stable even shape under a load \[-\]; `None` if it
-    /// always has one.
+    /// Smallest strain without a stable homogeneous state under a load \[-\]; `None` if every state is
+    /// stable.
     #[must_use]
     pub fn first_loss(&self, load: Load) -> Option<f64> {
-        self.of(load).first().map(|stretch| stretch[0])
+        self.of(load).first().map(|interval| interval[0])
     }
 }
 
-fn unstable_stretches(is_unstable: &mut dyn FnMut(f64) -> bool) -> Vec<[f64; 2]> {
+/// Unstable intervals of strain between 0 and 1 \[-\]: sampled, then bisected.
+fn unstable_intervals(is_unstable: &mut dyn FnMut(f64) -> bool) -> Vec<[f64; 2]> {
     let step = FULL_STRAIN / f64::from(Limits::STEPS);
-    let mut stretches: Vec<[f64; 2]> = Vec::new();
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
     let mut was_unstable = false;
     for k in 0..=Limits::STEPS {
         let strain = step * f64::from(k);
@@ -164,12 +165,12 @@ fn unstable_stretches(is_unstable: &mut dyn FnMut(f64) -> bool) -> Vec<[f64; 2]>
                 let middle = 0.5 * (before + after);
                 if is_unstable(middle) == now_unstable { after = middle } else { before = middle }
             }
-            match stretches.last_mut() {
+            match intervals.last_mut() {
                 Some(last) if !now_unstable => last[1] = before,
-                _ => stretches.push([after, FULL_STRAIN]),
+                _ => intervals.push([after, FULL_STRAIN]),
             }
         }
         was_unstable = now_unstable;
     }
-    stretches
+    intervals
 }

@@ -1,24 +1,24 @@
-//! Plotters' SVG backend with text sizes of its own: for wasm32 plotters asks the document how wide a
-//! text is, and a worker has no document. The same sizes everywhere make the same picture everywhere.
+//! Plotters' SVG backend with its own estimate of text sizes, equal on every platform.
+//!
+//! On wasm32 plotters measures text in the document; a worker has no document.
 
 use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind,
 };
 
-/// What plotters takes, without fonts, for an em \[share of a font's size\], and for a character's
-/// width and the depth below the line \[em\].
+/// Em \[fraction of the font size\], character width and depth below the baseline \[em\] that plotters
+/// assumes without fonts.
 const EM: f64 = 1.0 / (1.24 * 1.24);
 const CHARACTER_WIDTH: f64 = 0.7;
 const DESCENT: f64 = 0.24;
 
-/// An SVG picture that is being drawn.
-pub struct SvgBackend<'a>(SVGBackend<'a>);
+/// An SVG document under construction.
+pub(super) struct SvgBackend<'a>(SVGBackend<'a>);
 
 impl<'a> SvgBackend<'a> {
-    /// A picture of the given width and height \[px\], written to `text`.
-    #[must_use]
-    pub fn new(text: &'a mut String, size: (u32, u32)) -> Self {
+    /// Starts a document of the given width and height in `text`.
+    pub(super) fn new(text: &'a mut String, size: (u32, u32)) -> Self {
         Self(SVGBackend::with_string(text, size))
     }
 }

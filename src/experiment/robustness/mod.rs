@@ -1,8 +1,7 @@
-//! Stress runs: random scenes and a user's random work, each held against what must always be true.
+//! Robustness tests: random scenes and edit sequences checked against invariants.
 //!
-//! `scenes` (what may be asked) | `check` (what must hold) | `edits` (a user's work) | `shrink` (the
-//! smallest scene that still fails). A case depends on seed and number alone: the same on every machine
-//! and in every order.
+//! `scenes` (random scenes) | `check` (invariants) | `edits` (random sessions) | `shrink` (reduction of a
+//! failing scene). A case depends on seed and number alone: equal on every machine and in every order.
 
 pub mod check;
 mod edits;
@@ -11,71 +10,72 @@ mod shrink;
 
 use crate::scene::{Scene, Springs};
 use crate::solve::{Invalid, Method, Options, Solver, Verdict};
-use check::{Finding, distance, hold};
+use check::{Finding, distance, require_at_most};
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-/// Grids up to this many nodes a side are solved in other ways too.
-const MOST_NODES_TWICE: usize = 129;
-/// Every so many cases, the scene is one of a user's session.
-const SESSION_EVERY: u64 = 10;
-/// How far two ways to one shape may end from each other \[tolerances\]: each is within one, by estimate.
-const WAYS: f64 = 4.0;
-/// Two ways that end farther apart have found two equilibria if each, asked for this share of the tolerance,
-/// stays within half of that of where it was, its new estimate included.
-const PROOF: f64 = 0.1;
-/// … and may go on this many times as long.
-const PATIENCE: f64 = 10.0;
+/// Greatest number of nodes per side of a scene that is solved by other solution paths as well.
+const MAX_NODES_COMPARED: usize = 129;
+/// Number of cases per session of random edits.
+const CASES_PER_SESSION: u64 = 10;
+/// Greatest distance between two solutions of one equilibrium \[tolerances\]; the estimated error of each
+/// solution is at most one.
+const MAX_DISTANCE: f64 = 4.0;
+/// Tolerance of a confirming solve \[fraction of the tolerance\]. Two distant solutions are two equilibria if
+/// each confirming solve ends within half of the greatest distance, its own estimated error included.
+const CONFIRMATION_TOLERANCE: f64 = 0.1;
+/// Factor on the work limits of a confirming solve.
+const CONFIRMATION_WORK_FACTOR: f64 = 10.0;
 
-/// How the solve of a scene ended.
+/// Outcome of the solve of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ending {
-    /// Within the tolerance, and every check holds.
+    /// The solution is within the tolerance and satisfies every check.
     Converged,
-    /// As [`Self::Converged`], to one of several equilibria: another way leads to another one, as is
-    /// proven by a tighter tolerance. Slack sheets fold one way or the other.
+    /// As [`Self::Converged`], to one of several equilibria: another solution path converges to another
+    /// equilibrium, both confirmed with a smaller tolerance. Compressive sheets wrinkle to either side.
     Several,
-    /// Said to be above the tolerance.
+    /// The solver reports an error above the tolerance.
     NotConverged,
-    /// Said to have no stable shape: the paper's springs.
+    /// The solver reports loss of stability (the paper's springs).
     Unstable,
-    /// Said to be pierced: the grid too coarse for the dome, or the tissue gives way under its tip.
+    /// The solver reports a penetrated sheet: the grid is too coarse, or soft tissue yields at the tip.
     Pierced,
-    /// A check does not hold.
+    /// A check failed.
     Failed,
 }
 
 /// One case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Case {
-    /// Its number.
+    /// The number of the case.
     pub case: u64,
-    /// How the solve ended.
+    /// Outcome of the solve.
     pub ending: Ending,
-    /// Checks that do not hold.
+    /// Failed checks.
     pub findings: Vec<Finding>,
-    /// Did Newton's method take over?
+    /// `true` if Newton's method replaced full multigrid.
     pub fell_back: bool,
-    /// Evaluations of all forces on the finest grid.
+    /// Work \[evaluations of all forces on the finest grid\].
     pub work_units: f64,
-    /// The solver's estimate, relative to the base radius; `None` if it has none.
+    /// The solver's estimated position error, relative to the base radius; `None` without an estimate.
     pub estimated_position_error: Option<f64>,
-    /// Other ways to the shape that it was held against: of two, those that converged.
+    /// Number of other solution paths that converged (at most two).
     pub ways: u32,
-    /// Was it part of a session with random edits too?
+    /// `true` if the case includes a session of random edits.
     pub in_session: bool,
-    /// The scene; that of a failure is shrunk.
+    /// The scene; the scene of a failure is reduced.
     pub scene: Scene,
 }
 
-/// The random numbers of a case.
+/// The random number generator of a case.
 fn random(seed: u64, case: u64) -> Rng {
     Rng::with_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(case))
 }
 
-/// The random scene of a case, of at most so many nodes a side.
+/// The random scene of a case with at most `most_nodes` nodes per side.
 #[must_use]
 pub fn scene(seed: u64, case: u64, most_nodes: usize) -> Scene {
     let mut scene = scenes::scene(&mut random(seed, case));
@@ -83,37 +83,35 @@ pub fn scene(seed: u64, case: u64, most_nodes: usize) -> Scene {
     scene
 }
 
-/// Runs a case: its scene, in several ways, and every tenth time a session with random edits.
+/// Runs a case: its scene by several solution paths, and in every tenth case a session of random edits.
 #[must_use]
 pub fn run(seed: u64, case: u64, most_nodes: usize) -> Case {
-    let mut of_scene = examine(scene(seed, case, most_nodes));
-    of_scene.case = case;
-    if of_scene.ending == Ending::Failed {
-        of_scene.scene = shrink::shrink(&of_scene.scene, |scene| {
-            examine(scene.clone()).ending == Ending::Failed
-        });
+    let mut outcome = examine(scene(seed, case, most_nodes));
+    outcome.case = case;
+    if outcome.ending == Ending::Failed {
+        outcome.scene =
+            shrink::shrink(&outcome.scene, |scene| examine(scene.clone()).ending == Ending::Failed);
     }
-    if case.is_multiple_of(SESSION_EVERY) {
-        of_scene.in_session = true;
+    if case.is_multiple_of(CASES_PER_SESSION) {
+        outcome.in_session = true;
         let findings = edits::run(&mut random(!seed, case));
         if !findings.is_empty() {
-            of_scene.ending = Ending::Failed;
-            of_scene.findings.extend(findings);
+            outcome.ending = Ending::Failed;
+            outcome.findings.extend(findings);
         }
     }
-    of_scene
+    outcome
 }
 
-/// Solves a scene and holds the shape against everything.
+/// Solves a scene and checks the solution against all invariants.
 #[must_use]
 pub fn examine(scene: Scene) -> Case {
     let Some(solver) = solve(&scene, Options::default()) else {
-        let refused =
-            Finding { check: "a scene within all limits is refused", found: 1.0, allowed: 0.0 };
+        let rejected = Finding { check: "valid scene rejected", found: 1.0, allowed: 0.0 };
         return Case {
             case: 0,
             ending: Ending::Failed,
-            findings: vec![refused],
+            findings: vec![rejected],
             fell_back: false,
             work_units: 0.0,
             estimated_position_error: None,
@@ -126,10 +124,10 @@ pub fn examine(scene: Scene) -> Case {
     let (mut is_one_of_several, mut ways) = (false, 0);
     if solver.verdict() == Verdict::Converged
         && scene.springs == Springs::Coupled
-        && solver.problem().sheet.nodes_per_side() <= MOST_NODES_TWICE
+        && solver.problem().sheet.nodes_per_side() <= MAX_NODES_COMPARED
         && solver.work_units() > 0.0
     {
-        (is_one_of_several, ways) = find_other_ways(&scene, &solver, &mut findings);
+        (is_one_of_several, ways) = compare_solutions(&scene, &solver, &mut findings);
     }
     let error = solver.estimated_position_error();
     Case {
@@ -154,39 +152,40 @@ pub fn examine(scene: Scene) -> Case {
     }
 }
 
-/// Solves a scene to the end; `None` if it is refused.
+/// Solves a scene to the end; `None` if the scene is invalid.
 fn solve(scene: &Scene, options: Options) -> Option<Solver> {
     solve_to(scene, options, 1.0)
 }
 
-/// The same to a share of its tolerance.
-fn solve_to(scene: &Scene, options: Options, share: f64) -> Option<Solver> {
+/// Solves a scene with its tolerance times `factor`; `None` if the scene is invalid.
+fn solve_to(scene: &Scene, options: Options, factor: f64) -> Option<Solver> {
     let mut problem = scene.problem().ok()?;
-    problem.tolerance *= share;
+    problem.tolerance *= factor;
     let mut solver = Solver::with_options(problem, options);
     solver.advance(&mut || false);
     Some(solver)
 }
 
-/// Looks for the same shape by another method and of the mirrored scene; true if they prove that the scene has
-/// several; and how many of the two ways led to one.
-fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> (bool, u32) {
-    let tolerance = WAYS * solver.problem().tolerance * scene.implant.base_radius_mm;
-    // Where a node just touches or just does not, so does its lift.
-    let lift =
-        solver.offset_nodes().iter().map(|&(k, place)| place.distance(solver.positions()[k]));
-    let allowed = tolerance + lift.fold(0.0, f64::max);
-    // Does the same way end in the same place for a far smaller tolerance? It may end above that.
-    let is_proven = |scene: &Scene, options: Options, ended: &Solver| {
-        let options = Options { work_limit_factor: PATIENCE, ..options };
-        solve_to(scene, options, PROOF).is_some_and(|proof| {
-            let left = proof.estimated_position_error() * scene.implant.base_radius_mm;
-            2.0 * (left + distance(proof.positions(), ended.positions())) <= tolerance
+/// Compares the solution with Newton's solution and with the solution of the mirrored scene.
+///
+/// Returns `true` if confirming solves show several equilibria, and the number of converged comparisons.
+fn compare_solutions(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> (bool, u32) {
+    let tolerance = MAX_DISTANCE * solver.problem().tolerance * scene.implant.base_radius_mm;
+    // A node at the contact edge may have a contact offset in one solution and none in the other.
+    let offsets =
+        solver.offset_nodes().iter().map(|&(k, offset)| offset.distance(solver.positions()[k]));
+    let allowed = tolerance + offsets.fold(0.0, f64::max);
+    // The confirming solve may end above its own tolerance.
+    let is_confirmed = |scene: &Scene, options: Options, ended: &Solver| {
+        let options = Options { work_limit_factor: CONFIRMATION_WORK_FACTOR, ..options };
+        solve_to(scene, options, CONFIRMATION_TOLERANCE).is_some_and(|confirming| {
+            let error = confirming.estimated_position_error() * scene.implant.base_radius_mm;
+            2.0 * (error + distance(confirming.positions(), ended.positions())) <= tolerance
         })
     };
     let whole = Options { use_symmetry: false, ..Options::default() };
     let newton = Options { method: Method::Newton, ..whole };
-    // Mirrored about the diagonal; a centred dome is then the same scene, solved on the whole sheet.
+    // The scene mirrored about the diagonal; for a centred dome the same scene on the whole sheet.
     let mut mirrored = scene.clone();
     mirrored.implant.center_mm.reverse();
     let n = solver.problem().sheet.nodes_per_side();
@@ -194,39 +193,39 @@ fn find_other_ways(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) 
         let at = |k: usize| x[(k % n) * n + k / n];
         (0..n * n).map(|k| DVec2::new(at(k).y, at(k).x).extend(at(k).z)).collect()
     };
-    let ways = [
-        ("Newton's method ends elsewhere, mm", false, newton),
-        ("the mirrored scene ends elsewhere, mm", true, whole),
+    let paths = [
+        ("distance to Newton's solution, mm", false, newton),
+        ("distance to the solution of the mirrored scene, mm", true, whole),
     ];
-    let (mut is_one_of_several, mut tried) = (false, 0);
-    for (check, is_mirrored, options) in ways {
-        let way = if is_mirrored { &mirrored } else { scene };
-        let other = solve(way, options);
+    let (mut is_one_of_several, mut compared) = (false, 0);
+    for (check, is_mirrored, options) in paths {
+        let compared_scene = if is_mirrored { &mirrored } else { scene };
+        let other = solve(compared_scene, options);
         let Some(other) = other.filter(|other| other.verdict() == Verdict::Converged) else {
             continue;
         };
-        tried += 1;
+        compared += 1;
         let apart = if is_mirrored {
             distance(solver.positions(), &mirror(other.positions()))
         } else {
             distance(solver.positions(), other.positions())
         };
         if apart > allowed
-            && is_proven(scene, Options::default(), solver)
-            && is_proven(way, options, &other)
+            && is_confirmed(scene, Options::default(), solver)
+            && is_confirmed(compared_scene, options, &other)
         {
             is_one_of_several = true;
         } else {
-            hold(findings, check, apart, allowed);
+            require_at_most(findings, check, apart, allowed);
         }
     }
-    (is_one_of_several, tried)
+    (is_one_of_several, compared)
 }
 
-/// Cases that ended alike.
+/// Numbers of cases by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Endings {
-    /// All of them.
+    /// All cases.
     pub cases: u64,
     /// [`Ending::Converged`].
     pub converged: u64,
@@ -240,9 +239,9 @@ pub struct Endings {
     pub pierced: u64,
     /// [`Ending::Failed`].
     pub failed: u64,
-    /// Those in which Newton's method took over.
+    /// Cases in which Newton's method replaced full multigrid.
     pub fell_back: u64,
-    /// Those whose shape was held against both other ways to it.
+    /// Cases with two converged comparisons.
     pub held_both_ways: u64,
 }
 
@@ -261,7 +260,7 @@ impl Endings {
         } += 1;
     }
 
-    /// Converged cases among those in which the dome does not stick out of the sheet \[-\].
+    /// Fraction of converged cases among the cases without a penetrated sheet \[-\].
     #[must_use]
     pub fn converged_share(&self) -> f64 {
         self.converged as f64 / (self.cases - self.pierced).max(1) as f64
@@ -275,24 +274,24 @@ pub struct Summary {
     pub seed: u64,
     /// Scenes with coupled springs.
     pub coupled: Endings,
-    /// [`Endings::converged_share`] of them.
+    /// [`Endings::converged_share`] of the scenes with coupled springs.
     pub coupled_converged_share: f64,
     /// Scenes with the paper's springs.
     pub nikolaev: Endings,
-    /// Sessions with random edits.
+    /// Number of sessions of random edits.
     pub sessions: u64,
-    /// What failed.
+    /// Failed cases.
     pub failures: Vec<Case>,
-    /// The ten that took the most work, up to ten with several equilibria, up to ten that did not
-    /// converge.
+    /// The ten cases with the most work, up to ten cases with several equilibria, up to ten cases that did
+    /// not converge.
     pub worst: Vec<Case>,
 }
 
-/// How many cases of each kind [`Summary::worst`] has.
-const WORST: usize = 10;
+/// Number of cases of each kind in [`Summary::worst`].
+const WORST_CASES: usize = 10;
 
 impl Summary {
-    /// Of cases in order.
+    /// Summarises cases in their order.
     #[must_use]
     pub fn new(seed: u64, cases: &[Case]) -> Self {
         let mut summary = Self { seed, ..Self::default() };
@@ -308,9 +307,9 @@ impl Summary {
         summary.failures = cases.iter().filter(is(Ending::Failed)).cloned().collect();
         let mut by_work: Vec<&Case> = cases.iter().collect();
         by_work.sort_by(|a, b| b.work_units.total_cmp(&a.work_units));
-        let several = cases.iter().filter(is(Ending::Several)).take(WORST);
-        let unfinished = cases.iter().filter(is(Ending::NotConverged)).take(WORST);
-        let worst = by_work.into_iter().take(WORST).chain(several).chain(unfinished);
+        let several = cases.iter().filter(is(Ending::Several)).take(WORST_CASES);
+        let unfinished = cases.iter().filter(is(Ending::NotConverged)).take(WORST_CASES);
+        let worst = by_work.into_iter().take(WORST_CASES).chain(several).chain(unfinished);
         summary.worst = worst.cloned().collect();
         summary
     }

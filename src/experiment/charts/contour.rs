@@ -1,25 +1,25 @@
 //! Level lines and level regions of values on a rectangular grid, by marching squares.
 //!
-//! Between grid points values are taken as linear along the grid's edges. Uses nothing of this
-//! crate. Used by `stability_map`.
+//! Values are interpolated linearly along the grid's edges. Uses no other module of this crate. Used by
+//! `stability_map`.
 
 use std::collections::BTreeMap;
 
 /// Values on a grid.
 #[derive(Clone, Copy, Debug)]
-pub struct Field<'a> {
-    /// Places along x, rising.
-    pub x: &'a [f64],
-    /// Places along y, rising.
-    pub y: &'a [f64],
+pub(super) struct Field<'a> {
+    /// Grid positions along x, rising.
+    pub(super) x: &'a [f64],
+    /// Grid positions along y, rising.
+    pub(super) y: &'a [f64],
     /// Values, row by row: shape (y, x).
-    pub values: &'a [f64],
+    pub(super) values: &'a [f64],
 }
 
-/// Points in the plane, one after the other.
-pub type Path = Vec<(f64, f64)>;
+/// A polyline in the plane.
+pub(super) type Path = Vec<(f64, f64)>;
 
-/// The edge of a grid cell from a point to the one right of it or above it.
+/// An edge of a grid cell from a grid point to its right or upper neighbour.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
     from: (isize, isize),
@@ -27,28 +27,26 @@ struct Edge {
 }
 
 impl Field<'_> {
-    /// The lines on which the value is `level`; values at or above it lie to their left.
-    #[must_use]
-    pub fn lines(&self, level: f64) -> Vec<Path> {
+    /// Level lines of the value `level`; values at or above `level` lie to the left of a line.
+    pub(super) fn lines(&self, level: f64) -> Vec<Path> {
         self.trace(level, 0)
     }
 
-    /// The borders of the region at or above `level`: closed, counter-clockwise around the region
-    /// and clockwise around holes in it, the border of the grid included.
-    #[must_use]
-    pub fn region(&self, level: f64) -> Vec<Path> {
+    /// Borders of the region at or above `level`: closed, counter-clockwise around the region, clockwise
+    /// around holes, including the border of the grid.
+    pub(super) fn region(&self, level: f64) -> Vec<Path> {
         self.trace(level, 1)
     }
 
-    /// With a `margin` of one the grid is surrounded by points below every level.
+    /// Traces level lines; a `margin` of one surrounds the grid by points below every level.
     fn trace(&self, level: f64, margin: isize) -> Vec<Path> {
         let is_inside = |at: (isize, isize)| self.value(at).is_some_and(|value| value >= level);
         let mut next = BTreeMap::new();
         for j in -margin..self.y.len() as isize - 1 + margin {
             for i in -margin..self.x.len() as isize - 1 + margin {
                 let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
-                // Counter-clockwise around the cell: a line enters where the border leaves the
-                // region and goes to where it comes back.
+                // Counter-clockwise around the cell: a line starts at an edge that leaves the region
+                // and ends at the next edge that enters the region.
                 let crossing = |k: usize| {
                     let (a, b) = (corners[k % 4], corners[(k + 1) % 4]);
                     let edge = Edge { from: a.min(b), is_upward: a.0 == b.0 };
@@ -64,7 +62,7 @@ impl Field<'_> {
                 }
             }
         }
-        // Open lines from their first edge, then what is closed.
+        // Open lines from their first edge, then closed lines.
         let ends: Vec<Edge> = next.values().copied().collect();
         let firsts = next.keys().copied().filter(|edge| !ends.contains(edge)).collect::<Vec<_>>();
         let mut paths = Vec::new();
@@ -85,21 +83,21 @@ impl Field<'_> {
         paths
     }
 
-    /// `None` outside of the grid.
+    /// Value at a grid point; `None` outside of the grid.
     fn value(&self, (i, j): (isize, isize)) -> Option<f64> {
         let [i, j] = [usize::try_from(i).ok()?, usize::try_from(j).ok()?];
         (i < self.x.len() && j < self.y.len()).then(|| self.values[j * self.x.len() + i])
     }
 
-    /// Where the value on an edge is `level`; the grid's border on an edge that leaves the grid.
+    /// Point of an edge with the value `level`; the border point on an edge that leaves the grid.
     fn point(&self, edge: Edge, level: f64) -> (f64, f64) {
-        let place = |(i, j): (isize, isize)| {
+        let position = |(i, j): (isize, isize)| {
             let within = |k: isize, n: usize| k.clamp(0, n as isize - 1) as usize;
             (self.x[within(i, self.x.len())], self.y[within(j, self.y.len())])
         };
         let (i, j) = edge.from;
         let to = if edge.is_upward { (i, j + 1) } else { (i + 1, j) };
-        let (a, b) = (place(edge.from), place(to));
+        let (a, b) = (position(edge.from), position(to));
         match (self.value(edge.from), self.value(to)) {
             (Some(from), Some(to)) => {
                 let t = (level - from) / (to - from);
@@ -110,7 +108,7 @@ impl Field<'_> {
     }
 }
 
-/// Leaves out points that lie on the straight line between their neighbours, or on a neighbour.
+/// Removes points on the straight line between their neighbours and duplicate points.
 fn without_straight_points(path: Path) -> Path {
     const ROUNDING: f64 = 1e-9;
     let step = |a: (f64, f64), b: (f64, f64)| (b.0 - a.0, b.1 - a.1);
@@ -172,7 +170,7 @@ mod tests {
         let (x, values) = (grid(), sampled(|x, y| x - 0.25 - 0.5 * y));
         let field = Field { x: &x, y: &x, values: &values };
         let lines = field.lines(0.0);
-        // Straight: two points are left, the region to the left of the way.
+        // The straight line keeps two points, with the region to the left.
         assert_eq!(lines.len(), 1);
         assert_eq!(lines[0].len(), 2, "{lines:?}");
         assert!((lines[0][0].0 - 0.75).abs() < 1e-12 && lines[0][0].1 > lines[0][1].1);

@@ -1,19 +1,22 @@
-//! The smallest scene that still fails: what is left of it is what matters.
+//! Reduction of a failing scene to a simpler scene that still fails.
 
 use crate::curve::CurveSpec;
 use crate::scene::{Scene, Springs};
 
-/// Tries at most.
-const TRIES: usize = 300;
+/// Greatest number of trial scenes.
+const MAX_TRIALS: usize = 300;
 
-/// Makes a scene simpler for as long as it fails.
+/// Simplifies a scene step by step as long as the scene fails.
 pub(super) fn shrink(scene: &Scene, fails: impl Fn(&Scene) -> bool) -> Scene {
     let mut best = scene.clone();
-    let mut tries = 0;
+    let mut trials = 0;
     loop {
         let simpler = simpler(&best).into_iter().find(|candidate| {
-            tries += 1;
-            tries <= TRIES && candidate.validate().is_ok() && *candidate != best && fails(candidate)
+            trials += 1;
+            trials <= MAX_TRIALS
+                && candidate.validate().is_ok()
+                && *candidate != best
+                && fails(candidate)
         });
         match simpler {
             Some(simpler) => best = simpler,
@@ -22,7 +25,7 @@ pub(super) fn shrink(scene: &Scene, fails: impl Fn(&Scene) -> bool) -> Scene {
     }
 }
 
-/// Scenes that are a little simpler, the simplest first.
+/// Slightly simpler scenes, the simplest first.
 fn simpler(scene: &Scene) -> Vec<Scene> {
     let mut all = Vec::new();
     let mut offer = |change: &dyn Fn(&mut Scene)| {
@@ -61,7 +64,7 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
         offer(&|s| s.layers[k].poisson_ratio = 0.0);
         offer(&|s| s.layers[k].thickness_mm = 1.0);
     }
-    // Few digits.
+    // Fewer digits.
     for digits in [1.0, 10.0, 100.0] {
         let round = |value: f64| (value * digits).round() / digits;
         offer(&|s| {
@@ -87,7 +90,7 @@ mod tests {
     use crate::scene::Layer;
 
     #[test]
-    fn what_does_not_matter_to_a_failure_is_left_out() {
+    fn properties_irrelevant_to_a_failure_are_removed() {
         let mut scene = Scene::default();
         scene.implant.center_mm = [3.217, 2.881];
         scene.layers =

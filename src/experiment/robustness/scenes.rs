@@ -1,25 +1,25 @@
-//! Random scenes: everything that a scene file may ask for, likely or not.
+//! Random scenes within all limits of a scene file, realistic and extreme.
 
 use crate::curve::{CurveSpec, Interpolation, Section};
 use crate::scene::{Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, limits};
 use fastrand::Rng;
 use std::f64::consts::TAU;
 
-/// Moduli of neighbouring layers \[kPa\]: from far softer than fat to far stiffer than tendon.
+/// Range of the layers' moduli \[kPa\]: from much softer than fat to much stiffer than tendon.
 const MODULUS_KPA: (f64, f64) = (1e-2, 1e5);
 
-/// A number between two others.
+/// A uniform random number of a range.
 pub(super) fn uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
     least + (most - least) * rng.f64()
 }
 
-/// A number between two others, its logarithm uniform.
+/// A random number of a range with a uniform logarithm.
 fn log_uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
-    // exp ∘ ln may step over an end by rounding.
+    // exp ∘ ln may exceed a bound by rounding.
     uniform(rng, (least.ln(), most.ln())).exp().clamp(least, most)
 }
 
-/// A scene within all limits.
+/// A random scene within all limits.
 pub(super) fn scene(rng: &mut Rng) -> Scene {
     let mut scene = Scene {
         schema: SCENE_SCHEMA.to_owned(),
@@ -30,17 +30,17 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
         springs: if rng.u8(0..100) < 85 { Springs::Coupled } else { Springs::Nikolaev },
         solver: SolverSettings { nodes_per_side: nodes(rng), tolerance: tolerance(rng) },
     };
-    place(rng, &mut scene);
+    dome_and_pocket(rng, &mut scene);
     scene
 }
 
-/// Gives the scene another dome and pocket.
-pub(super) fn place(rng: &mut Rng, scene: &mut Scene) {
+/// Replaces the scene's dome and pocket by random ones.
+pub(super) fn dome_and_pocket(rng: &mut Rng, scene: &mut Scene) {
     let most = limits::POCKET_RADIUS_MAX_MM;
     let radius = log_uniform(rng, limits::BASE_RADIUS_MM);
     let (least_projection, most_projection) = limits::PROJECTION_MM;
     let projection = if rng.u8(0..10) < 4 {
-        // As real implants are.
+        // Aspect ratios of real implants.
         (radius * uniform(rng, (0.39, 1.07))).clamp(least_projection, most_projection)
     } else {
         log_uniform(rng, limits::PROJECTION_MM)
@@ -50,7 +50,7 @@ pub(super) fn place(rng: &mut Rng, scene: &mut Scene) {
         1 => uniform(rng, (radius, most)),
         _ => (radius * uniform(rng, (1.0, 2.0))).min(most),
     };
-    // Half of the domes in the middle; of the others a third at the pocket's rim.
+    // Half of the domes are centred; a third of the others touch the pocket's rim.
     let room = pocket - radius;
     let distance = match rng.u8(0..6) {
         0..3 => 0.0,
@@ -67,7 +67,7 @@ pub(super) fn place(rng: &mut Rng, scene: &mut Scene) {
     scene.pocket_radius_mm = pocket.max(radius + x.hypot(y)).min(most);
 }
 
-/// How far a dome is in: often fully, sometimes hardly.
+/// A random insertion: often full, sometimes small.
 pub(super) fn insertion(rng: &mut Rng) -> f64 {
     match rng.u8(0..10) {
         0..3 => 1.0,
@@ -77,7 +77,7 @@ pub(super) fn insertion(rng: &mut Rng) -> f64 {
     }
 }
 
-/// One to eight layers.
+/// One to eight random layers.
 pub(super) fn layers(rng: &mut Rng) -> Vec<Layer> {
     let count = match rng.u8(0..10) {
         0..4 => 1,
@@ -119,8 +119,8 @@ fn curve(rng: &mut Rng) -> CurveSpec {
     }
 }
 
-/// Marked points whose slopes change by up to a thousand from one stretch to the next: kinks and
-/// plateaus.
+/// Marked points whose slopes change by factors of up to a thousand between neighbouring intervals: kinks
+/// and plateaus.
 fn points(rng: &mut Rng, modulus: f64) -> CurveSpec {
     let count = rng.usize(2..=12);
     let mut points = vec![[0.0, 0.0]];
@@ -135,7 +135,7 @@ fn points(rng: &mut Rng, modulus: f64) -> CurveSpec {
     CurveSpec::Points { points, interpolation }
 }
 
-/// Sections of every kind, one after the other.
+/// Consecutive sections of random kinds.
 fn sections(rng: &mut Rng, modulus: f64) -> CurveSpec {
     let mut from = 0.0;
     let sections = (0..rng.usize(1..=4))
@@ -156,7 +156,7 @@ fn sections(rng: &mut Rng, modulus: f64) -> CurveSpec {
     CurveSpec::Sections { sections }
 }
 
-/// Mostly coarse grids, where hundreds are solved in a second; now and then the finest.
+/// A random number of nodes per side: mostly coarse grids (hundreds of solves per second), rarely the finest.
 pub(super) fn nodes(rng: &mut Rng) -> usize {
     match rng.u8(0..200) {
         0..160 => rng.usize(17..=65),
@@ -179,7 +179,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_scene_is_one_that_a_user_may_ask_for() {
+    fn every_scene_is_valid_and_survives_json() {
         let mut rng = Rng::with_seed(1);
         for _ in 0..5000 {
             let scene = scene(&mut rng);
