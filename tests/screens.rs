@@ -181,7 +181,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
         }
         let before = insertion(&harness);
         if is_rested {
-            harness.state_mut().rested();
+            harness.state_mut().mark_paused();
         }
         harness.input_mut().time = Some(time + 5.0);
         harness.step();
@@ -195,7 +195,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
 #[test]
 fn a_message_is_there_until_it_is_closed() {
     let mut harness = app(WIDE, |_| {});
-    harness.state_mut().tell("This is the scene that was open.");
+    harness.state_mut().notify("This is the scene that was open.");
     harness.run();
     harness.get_by_label("This is the scene that was open.");
     harness.get_by_role_and_label(Role::Button, "Close message").click();
@@ -674,7 +674,7 @@ fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
         for is_page in [false, true] {
             let mut harness = app(size, |_| {});
             if is_page {
-                harness.state_mut().has_surroundings();
+                harness.state_mut().enable_page_navigation();
             }
             for _ in 0..40 {
                 harness.key_press(egui::Key::Tab);

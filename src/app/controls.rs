@@ -5,7 +5,7 @@ use super::curve_editor;
 use super::notice::{Notice, Offer};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
-use super::widgets::{Control, Kind, button_if, choice, group, name_it};
+use super::widgets::{Control, Kind, button_if, choice, group, set_accessible_name};
 use crate::scene::{Implant, Layer, Scene, Springs, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
@@ -63,7 +63,7 @@ pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) 
             kind: Kind::Length,
             range: limits::BASE_RADIUS_MM.0..=limits::POCKET_RADIUS_MAX_MM,
             allowed: Some(least..=limits::POCKET_RADIUS_MAX_MM),
-            limit: &format!(
+            limit_reason: &format!(
                 "the implant where it lies needs {:.1} mm; at most {:.0} mm",
                 least,
                 limits::POCKET_RADIUS_MAX_MM
@@ -89,7 +89,7 @@ fn position(
 ) -> Option<Notice> {
     let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
     let most = (room * room - other * other).max(0.0).sqrt();
-    let words = format!("{} mm is the most in this pocket", floored(most));
+    let words = format!("{} mm is the most in this pocket", floor_to_tenth(most));
     let change = Control {
         label,
         unit: "mm",
@@ -100,19 +100,19 @@ fn position(
             let most = most.max(scene.implant.center_mm[axis].abs());
             -most..=most
         }),
-        limit: &words,
+        limit_reason: &words,
         tooltip: &format!("Offset of the implant in its pocket towards the {side}."),
         ..Control::default()
     }
     .show(ui, &mut scene.implant.center_mm[axis]);
-    let asked = change.asked?;
-    let reach = scene.implant.base_radius_mm + asked.hypot(other);
-    // Half millimetres, and a pocket that holds what was asked for.
+    let out_of_range = change.out_of_range?;
+    let reach = scene.implant.base_radius_mm + out_of_range.hypot(other);
+    // Half millimetres, and a pocket that holds the requested position.
     let pocket_radius_mm = (2.0 * reach).ceil() / 2.0;
     let offer = (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
         let mut scene = scene.clone();
         scene.pocket_radius_mm = pocket_radius_mm;
-        scene.implant.center_mm[axis] = asked;
+        scene.implant.center_mm[axis] = out_of_range;
         let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
         Offer { label, scene: Box::new(scene) }
     });
@@ -120,7 +120,7 @@ fn position(
 }
 
 /// A tenth of a millimetre is the finest that is said, rounded so that it still fits.
-fn floored(mm: f64) -> f64 {
+fn floor_to_tenth(mm: f64) -> f64 {
     (10.0 * mm + 1e-6).floor() / 10.0
 }
 
@@ -245,7 +245,7 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             })
             .response
             .labelled_by(label.id);
-        name_it(&response, egui::Role::ComboBox, "Springs");
+        set_accessible_name(&response, egui::Role::ComboBox, "Springs");
         response.on_hover_text(
             "Coupled springs meet the measured curve and Poisson ratio exactly, in every \
                  direction. The paper's springs are for comparison: with large strains and Poisson \
@@ -269,7 +269,7 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             })
             .response
             .labelled_by(label.id);
-        name_it(&response, egui::Role::ComboBox, "Resolution");
+        set_accessible_name(&response, egui::Role::ComboBox, "Resolution");
         response
             .on_hover_text("Finer grids are slower; 129 is within 0.02 % of the exact membrane");
         let mut percent = scene.solver.tolerance * 100.0;

@@ -1,12 +1,14 @@
 //! Choosing a layer's stress–strain curve: its kind, its numbers, its marked points.
 
 use super::theme::SPACE;
-use super::widgets::{Control, Kind, NumberField, button_if, choice, name_it, refused};
+use super::widgets::{
+    Control, Kind, NumberField, button_if, choice, rejection_label, set_accessible_name,
+};
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use eframe::egui::{self, RichText, Ui};
 
 /// What a marked point may be: strain \[-\] and stress \[kPa\].
-const MOST: [f64; 2] = [10.0, 1e7];
+const MAX_POINT: [f64; 2] = [10.0, 1e7];
 
 /// The kinds that can be made here; sections come from a scene file.
 const KINDS: [(&str, &str); 6] = [
@@ -72,7 +74,7 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
         })
         .response
         .labelled_by(label.id);
-    name_it(&response, egui::Role::ComboBox, "Stress–strain curve");
+    set_accessible_name(&response, egui::Role::ComboBox, "Stress–strain curve");
     response.on_hover_text("Nominal stress against engineering strain, as measured");
     match spec {
         CurveSpec::Linear { modulus_kpa } => {
@@ -123,8 +125,8 @@ fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: std::ops::RangeInclusiv
 
 /// A table that is being filled in, of the points that it is to replace.
 #[derive(Clone)]
-struct Table {
-    of: Vec<[f64; 2]>,
+struct PointTable {
+    source: Vec<[f64; 2]>,
     points: Vec<[f64; 2]>,
 }
 
@@ -136,10 +138,11 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
         ui.radio_value(interpolation, Interpolation::Spline, "Spline");
     });
     let id = ui.scope_id().with("table");
-    let kept = ui.data(|data| data.get_temp::<Table>(id)).filter(|table| table.of == *points);
+    let kept =
+        ui.data(|data| data.get_temp::<PointTable>(id)).filter(|table| table.source == *points);
     let mut table = kept.map_or_else(|| points.clone(), |table| table.points);
-    let fault = disorder(&table);
-    let (mut remove, mut refusals) = (None, Vec::new());
+    let fault = first_non_increasing(&table);
+    let (mut remove, mut rejections) = (None, Vec::new());
     egui::Grid::new("points").num_columns(3).spacing([SPACE, 2.0]).show(ui, |ui| {
         ui.small("Strain");
         ui.small("Stress (kPa)");
@@ -158,14 +161,14 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
                 let typed = NumberField {
                     name: &name,
                     kind,
-                    allowed: 0.0..=MOST[axis],
+                    allowed: 0.0..=MAX_POINT[axis],
                     decimals: [2, 1][axis],
                     step: [0.01, 1.0][axis],
-                    is_faulty: fault == Some((k, axis)),
+                    is_invalid: fault == Some((k, axis)),
                     ..NumberField::default()
                 }
                 .show(ui, &mut table[k][axis]);
-                refusals.extend(typed.refusal.map(|reason| format!("{name}: {reason}")));
+                rejections.extend(typed.rejection.map(|reason| format!("{name}: {reason}")));
             }
             let name = format!("Remove point {}", k + 1);
             if button_if(ui, table.len() > 2, "×", &name, "") {
@@ -174,7 +177,7 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
             ui.end_row();
         }
     });
-    refusals.iter().for_each(|reason| refused(ui, reason));
+    rejections.iter().for_each(|reason| rejection_label(ui, reason));
     ui.small(
         "The curve goes through the points; between them it is joined as chosen above, which may \
               differ a little from the curve that they were taken from.",
@@ -189,11 +192,11 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
     {
         table.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
     }
-    match disorder(&table) {
+    match first_non_increasing(&table) {
         Some((k, axis)) => {
             let (name, unit) = [("strain", ""), ("stress", " kPa")][axis];
             let value = |k: usize| super::widgets::quantity::format(table[k][axis], 0);
-            refused(
+            rejection_label(
                 ui,
                 &format!(
                     "the {name} of point {}, {}{unit}, must be above that of the point before it, \
@@ -209,17 +212,17 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
             match Curve::new(&spec) {
                 Ok(_) => points.clone_from(&table),
                 Err(error) => {
-                    refused(ui, &format!("{error}. Until then the curve stays as it was."));
+                    rejection_label(ui, &format!("{error}. Until then the curve stays as it was."));
                 }
             }
         }
         None => {}
     }
-    ui.data_mut(|data| data.insert_temp(id, Table { of: points.clone(), points: table }));
+    ui.data_mut(|data| data.insert_temp(id, PointTable { source: points.clone(), points: table }));
 }
 
 /// The first point, and the axis in which it is not above the point before it.
-fn disorder(points: &[[f64; 2]]) -> Option<(usize, usize)> {
+fn first_non_increasing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
     (1..points.len()).find_map(|k| {
         let axis = (0..2).find(|&axis| points[k][axis] <= points[k - 1][axis])?;
         Some((k, axis))
@@ -246,8 +249,8 @@ mod tests {
 
     #[test]
     fn points_that_do_not_rise_are_found() {
-        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]), None);
-        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.4, 220.0]]), Some((2, 0)));
-        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.5, 90.0]]), Some((2, 1)));
+        assert_eq!(first_non_increasing(&[[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]), None);
+        assert_eq!(first_non_increasing(&[[0.0, 0.0], [0.4, 100.0], [0.4, 220.0]]), Some((2, 0)));
+        assert_eq!(first_non_increasing(&[[0.0, 0.0], [0.4, 100.0], [0.5, 90.0]]), Some((2, 1)));
     }
 }

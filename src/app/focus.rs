@@ -12,35 +12,35 @@ use eframe::egui::{
 #[derive(Default)]
 pub(super) struct Focus {
     /// Did the focus come by a key? A click needs no ring.
-    is_by_key: bool,
+    is_by_keyboard: bool,
     /// The last widget of the panels that had the focus: not one of a menu.
-    base: Option<Id>,
-    base_name: String,
+    return_target: Option<Id>,
+    return_name: String,
     /// What had the focus in the frame before.
-    before: Option<Id>,
+    previous: Option<Id>,
     /// Name of what has the focus, and where it was drawn \[points\].
     name: String,
-    place: Option<Rect>,
+    rect: Option<Rect>,
     /// What was scrolled to last.
     scrolled_to: Option<Id>,
     /// Times that it was tried for what has the focus now.
     scrolls: u32,
     /// Are there places before and behind the app that the Tab key leads to, as in a page?
-    has_edges: bool,
+    is_in_page: bool,
     /// The focus is to come in with the next frame, and comes in with this one.
-    enter: Option<FocusDirection>,
+    pending_entry: Option<FocusDirection>,
     is_entering: bool,
-    leave: Option<FocusDirection>,
+    exit: Option<FocusDirection>,
 }
 
 /// The two ends of the order in which the Tab key goes through the app.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Edge {
+pub(super) enum Boundary {
     First,
     Last,
 }
 
-impl Edge {
+impl Boundary {
     fn id(self) -> Id {
         Id::unique(match self {
             Self::First => "before the first control",
@@ -51,59 +51,60 @@ impl Edge {
 
 impl Focus {
     /// From now on the Tab key leads out of the app at its last control, and at its first one backwards.
-    pub(super) fn has_surroundings(&mut self) {
-        self.has_edges = true;
+    pub(super) fn enable_page_navigation(&mut self) {
+        self.is_in_page = true;
     }
 
     /// The focus comes in from outside, to the first control or the last one.
     pub(super) fn enter(&mut self, direction: FocusDirection) {
-        self.enter = Some(direction);
-        self.is_by_key = true;
+        self.pending_entry = Some(direction);
+        self.is_by_keyboard = true;
     }
 
     /// Did the Tab key lead out of the app in this frame?
-    pub(super) fn leaves(&mut self) -> Option<FocusDirection> {
-        self.leave.take()
+    pub(super) fn take_exit(&mut self) -> Option<FocusDirection> {
+        self.exit.take()
     }
 
     /// Before the first widget of a frame.
-    pub(super) fn begin(&mut self, ctx: &Context) {
+    pub(super) fn begin_frame(&mut self, ctx: &Context) {
         ctx.input(|input| {
             for event in &input.events {
                 match event {
                     Event::Key { key, pressed: true, .. } if is_moving(*key) => {
-                        self.is_by_key = true;
+                        self.is_by_keyboard = true;
                     }
-                    Event::PointerButton { pressed: true, .. } => self.is_by_key = false,
+                    Event::PointerButton { pressed: true, .. } => self.is_by_keyboard = false,
                     _ => {}
                 }
             }
         });
-        let direction = self.enter.take();
+        let direction = self.pending_entry.take();
         self.is_entering = direction.is_some();
         if let Some(direction) = direction {
-            let edge = if direction == FocusDirection::Next { Edge::First } else { Edge::Last };
+            let boundary =
+                if direction == FocusDirection::Next { Boundary::First } else { Boundary::Last };
             ctx.memory_mut(|memory| {
-                memory.request_focus(edge.id());
+                memory.request_focus(boundary.id());
                 memory.move_focus(direction);
             });
         }
     }
 
     /// An end of the order: where there are surroundings, it leads to them.
-    pub(super) fn edge(&mut self, ui: &Ui, edge: Edge) {
-        if !self.has_edges {
+    pub(super) fn boundary(&mut self, ui: &Ui, boundary: Boundary) {
+        if !self.is_in_page {
             return;
         }
         let place = Rect::from_min_size(ui.max_rect().min, egui::Vec2::ZERO);
-        let response = ui.interact(place, edge.id(), Sense::FOCUSABLE);
+        let response = ui.interact(place, boundary.id(), Sense::FOCUSABLE);
         if self.is_entering || !response.has_focus() {
             return;
         }
         // From nowhere inwards, or outwards?
-        let (inwards, modifiers) = match edge {
-            Edge::First => (FocusDirection::Next, Modifiers::NONE),
-            Edge::Last => (FocusDirection::Previous, Modifiers::SHIFT),
+        let (inwards, modifiers) = match boundary {
+            Boundary::First => (FocusDirection::Next, Modifiers::NONE),
+            Boundary::Last => (FocusDirection::Previous, Modifiers::SHIFT),
         };
         let is_inwards = ui.input(|input| {
             input.events.iter().any(|event| {
@@ -111,21 +112,23 @@ impl Focus {
                     if *with == modifiers)
             })
         });
-        ui.memory_mut(|memory| memory.surrender_focus(edge.id()));
+        ui.memory_mut(|memory| memory.surrender_focus(boundary.id()));
         if is_inwards {
-            self.enter = Some(inwards);
+            self.pending_entry = Some(inwards);
         } else {
-            self.leave = Some(match edge {
-                Edge::First => FocusDirection::Previous,
-                Edge::Last => FocusDirection::Next,
+            self.exit = Some(match boundary {
+                Boundary::First => FocusDirection::Previous,
+                Boundary::Last => FocusDirection::Next,
             });
         }
         ui.ctx().request_repaint();
     }
 
     /// Behind the widgets of a scrolled panel: brings what has got the focus by a key into sight.
-    pub(super) fn scroll(&mut self, ui: &Ui) {
-        let Some(id) = ui.memory(egui::Memory::focused).filter(|_| self.is_by_key) else { return };
+    pub(super) fn scroll_into_view(&mut self, ui: &Ui) {
+        let Some(id) = ui.memory(egui::Memory::focused).filter(|_| self.is_by_keyboard) else {
+            return;
+        };
         if self.scrolled_to == Some(id) {
             return;
         }
@@ -134,7 +137,7 @@ impl Focus {
             return;
         }
         // The place is that of the frame before: a scroll under way is not yet in it.
-        if self.place != Some(response.rect) {
+        if self.rect != Some(response.rect) {
             return;
         }
         let (wanted, seen) = (response.rect.expand(theme::SPACE), ui.clip_rect());
@@ -152,16 +155,16 @@ impl Focus {
 
     /// Name of what has the focus, and where it is \[points\].
     pub(super) fn focused(&self) -> Option<(&str, Rect)> {
-        Some((&self.name, self.place?))
+        Some((&self.name, self.rect?))
     }
 
     /// Behind the last widget of a frame. `picture`: the widget that a click gives the focus without a word.
-    pub(super) fn end(&mut self, ctx: &Context, picture: Option<Id>) {
+    pub(super) fn end_frame(&mut self, ctx: &Context, picture: Option<Id>) {
         let focused = ctx.memory(egui::Memory::focused);
-        if focused != self.before {
+        if focused != self.previous {
             // What gets the focus back does not say its name again.
-            let is_back = focused.is_some() && focused == self.base;
-            self.name = if is_back { self.base_name.clone() } else { String::new() };
+            let is_back = focused.is_some() && focused == self.return_target;
+            self.name = if is_back { self.return_name.clone() } else { String::new() };
         }
         ctx.output(|output| {
             for event in &output.events {
@@ -176,34 +179,34 @@ impl Focus {
         }
         let response = focused.and_then(|id| ctx.read_response(id));
         let place = response.as_ref().map(|response| response.rect);
-        if std::mem::replace(&mut self.place, place) != place {
+        if std::mem::replace(&mut self.rect, place) != place {
             ctx.request_repaint();
         }
         if let Some(response) = &response
             && response.layer_id.order == Order::Background
         {
-            self.base = focused;
-            self.base_name.clone_from(&self.name);
+            self.return_target = focused;
+            self.return_name.clone_from(&self.name);
         }
         // A menu that closes, or Escape, takes the focus: it goes back to where it came from.
         let is_pressed = ctx.input(|input| input.pointer.any_pressed());
         if focused.is_none()
-            && self.before.is_some()
-            && self.is_by_key
+            && self.previous.is_some()
+            && self.is_by_keyboard
             && !is_pressed
-            && self.leave.is_none()
-            && let Some(base) = self.base
-            && ctx.read_response(base).is_some()
+            && self.exit.is_none()
+            && let Some(return_target) = self.return_target
+            && ctx.read_response(return_target).is_some()
             && !ctx.input(|input| input.key_pressed(Key::Tab))
         {
-            ctx.memory_mut(|memory| memory.request_focus(base));
+            ctx.memory_mut(|memory| memory.request_focus(return_target));
             ctx.request_repaint();
         }
-        self.before = focused;
+        self.previous = focused;
         if focused.is_none() {
             self.scrolled_to = None;
         }
-        if let Some(response) = response.filter(|_| self.is_by_key) {
+        if let Some(response) = response.filter(|_| self.is_by_keyboard) {
             let seen = response.rect.intersect(response.interact_rect);
             if seen.is_positive() {
                 let style = ctx.global_style();

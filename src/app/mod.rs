@@ -21,17 +21,19 @@ mod toolbar;
 mod viewport;
 mod widgets;
 
-use crate::measure::{Outcome, Status, bands, no_shape as no_shape_text};
+use crate::measure::{Outcome, Status, bands, no_shape as no_shape_reason};
 use crate::scene::{Scene, SceneError, Springs};
 use crate::session::{Command, Record, Session};
 use crate::solve::{Fault, Progress};
 use eframe::{egui, glow};
 use egui::{FocusDirection, Ui};
 use files::{FileEvent, Files};
-use focus::{Edge, Focus};
-use notice::{Notice, Reply};
-use status::Timing;
+use focus::{Boundary, Focus};
+use notice::{Notice, NoticeAction};
+use readings::PreviousResults;
+use status::{SliceOf, Timing};
 use std::sync::Arc;
+use toolbar::Layout;
 use viewport::Viewport;
 use web_time::{Duration, Instant};
 use widgets::{Control, Kind};
@@ -76,7 +78,7 @@ pub struct Stats {
 
 /// A tab of the bottom sheet on narrow screens.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Sheet {
+enum NarrowTab {
     Implant,
     Tissue,
     Results,
@@ -92,21 +94,21 @@ pub struct App {
     files: Files,
     timing: Timing,
     notice: Option<Notice>,
-    /// What was asked for in this frame and does not fit.
-    does_not_fit: Option<Notice>,
+    /// Notice about a position requested in this frame that does not fit the pocket.
+    position_notice: Option<Notice>,
     focus: Focus,
     /// When the solve under way was begun, and how far it has come.
     solving: Option<(Instant, f64)>,
     /// The copy of the scene that the panels edit, kept between frames.
     draft: Option<Scene>,
     /// Did a command take the session's scene away from the draft in this frame?
-    is_replaced: bool,
+    is_scene_replaced: bool,
     is_hemisphere: bool,
     is_playing: bool,
     /// Has the app been kept from drawing since the frame before?
-    is_rested: bool,
+    was_paused: bool,
     gesture: u64,
-    sheet: Sheet,
+    narrow_tab: NarrowTab,
     show_left: bool,
     show_right: bool,
     show_about: bool,
@@ -132,16 +134,16 @@ impl App {
             files: Files::new(),
             timing: Timing::default(),
             notice: None,
-            does_not_fit: None,
+            position_notice: None,
             focus: Focus::default(),
             solving: None,
             draft: None,
-            is_replaced: false,
+            is_scene_replaced: false,
             is_hemisphere,
             is_playing: false,
-            is_rested: false,
+            was_paused: false,
             gesture: 0,
-            sheet: Sheet::Implant,
+            narrow_tab: NarrowTab::Implant,
             show_left: true,
             show_right: true,
             show_about: false,
@@ -156,35 +158,35 @@ impl App {
         ctx.memory_mut(|own| *own = memory);
         self.ctx = ctx.clone();
         self.viewport.move_to(gl);
-        self.rested();
+        self.mark_paused();
     }
 
     /// Tells that nothing could be drawn since the frame before, in a hidden tab say: the time that
     /// has passed does not count for what moves by itself.
-    pub fn rested(&mut self) {
-        self.is_rested = true;
+    pub fn mark_paused(&mut self) {
+        self.was_paused = true;
     }
 
     /// A line to the user.
-    pub fn tell(&mut self, text: &str) {
-        self.notice = Some(Notice::done(text));
+    pub fn notify(&mut self, text: &str) {
+        self.notice = Some(Notice::info(text));
     }
 
     /// From now on the Tab key leads out of the app behind its last control, and before its first one
     /// backwards, as on a page.
-    pub fn has_surroundings(&mut self) {
-        self.focus.has_surroundings();
+    pub fn enable_page_navigation(&mut self) {
+        self.focus.enable_page_navigation();
     }
 
     /// The keyboard's focus comes in from what is before the app (`true`) or behind it.
-    pub fn enter(&mut self, is_forwards: bool) {
-        self.focus.enter(if is_forwards { FocusDirection::Next } else { FocusDirection::Previous });
-        self.wake();
+    pub fn enter(&mut self, direction: FocusDirection) {
+        self.focus.enter(direction);
+        self.request_frame();
     }
 
     /// Has the Tab key led out of the app: to what is behind it (`true`) or before it?
-    pub fn leaves(&mut self) -> Option<bool> {
-        self.focus.leaves().map(|direction| direction == FocusDirection::Next)
+    pub fn take_focus_exit(&mut self) -> Option<FocusDirection> {
+        self.focus.take_exit()
     }
 
     /// Name of the control that has the keyboard's focus, and where it is \[points\]: left, top, width and
@@ -197,8 +199,8 @@ impl App {
 
     /// Has a field for a number the keyboard?
     #[must_use]
-    pub fn is_number_wanted(&self) -> bool {
-        widgets::is_number_wanted(&self.ctx)
+    pub fn has_number_focus(&self) -> bool {
+        widgets::has_number_focus(&self.ctx)
     }
 
     /// The scene, its history and its shape.
@@ -233,11 +235,11 @@ impl App {
     /// # Errors
     /// One line that names the field; nothing has changed then.
     pub fn open(&mut self, json: String) -> Result<(), SceneError> {
-        self.command(Command::Open(json))
+        self.apply(Command::Open(json))
     }
 
     /// Asks for a frame, after something was changed from outside.
-    pub fn wake(&self) {
+    pub fn request_frame(&self) {
         self.ctx.request_repaint();
     }
 
@@ -276,7 +278,7 @@ impl App {
             value.map_or_else(String::new, |v| format!(" {name} {v:.decimals$}{unit}."))
         };
         let state = match outcome.status {
-            Status::Unstable => return no_shape_text(self.session.solver().fault()).to_owned(),
+            Status::Unstable => return no_shape_reason(self.session.solver().fault()).to_owned(),
             Status::NotConverged => "Not finished: do not use these numbers.",
             Status::Converged => "Up to date.",
         };
@@ -304,30 +306,30 @@ impl App {
     pub fn show(&mut self, ui: &mut Ui) {
         let start = Instant::now();
         let ctx = ui.ctx().clone();
-        self.take_files(&ctx);
-        self.focus.begin(&ctx);
-        self.keys(&ctx);
+        self.poll_files(&ctx);
+        self.focus.begin_frame(&ctx);
+        self.handle_keys(&ctx);
         let mut scene = self.draft.take().unwrap_or_default();
         if scene != *self.session.scene() {
             scene.clone_from(self.session.scene());
         }
-        self.is_replaced = false;
-        self.play(&ctx, &mut scene);
-        self.work(&ctx);
-        self.focus.edge(ui, Edge::First);
+        self.is_scene_replaced = false;
+        self.advance_playback(&ctx, &mut scene);
+        self.solve_slice(&ctx);
+        self.focus.boundary(ui, Boundary::First);
         if ui.available_width() < theme::NARROW {
             self.narrow(ui, &mut scene);
         } else {
             self.wide(ui, &mut scene);
         }
-        self.about(&ctx);
-        self.focus.edge(ui, Edge::Last);
-        self.edited(&ctx, &mut scene);
+        self.about_window(&ctx);
+        self.focus.boundary(ui, Boundary::Last);
+        self.submit_edits(&ctx, &mut scene);
         // An edit takes the line of before away; this one is of the edit.
-        self.notice = self.does_not_fit.take().or(self.notice.take());
-        self.focus.end(&ctx, self.viewport.id());
+        self.notice = self.position_notice.take().or(self.notice.take());
+        self.focus.end_frame(&ctx, self.viewport.id());
         self.draft = Some(scene);
-        self.is_rested = false;
+        self.was_paused = false;
         if self.session.is_working() || self.is_playing {
             ctx.request_repaint();
         }
@@ -335,7 +337,7 @@ impl App {
     }
 
     /// A slice of solving.
-    fn work(&mut self, ctx: &egui::Context) {
+    fn solve_slice(&mut self, ctx: &egui::Context) {
         if !self.session.is_working() {
             self.solving = None;
             return;
@@ -354,13 +356,14 @@ impl App {
             SLICE
         };
         let progress = self.session.solve(&mut || start.elapsed() >= slice);
-        self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64(), is_opening);
+        let scene = if is_opening { SliceOf::OpeningScene } else { SliceOf::EditedScene };
+        self.timing.add_slice(1000.0 * start.elapsed().as_secs_f64(), scene);
         self.session.conclude();
         self.solving = Some((since, share.max(self.session.solver().share_done())));
         if let Some(fault) = self.session.taken_back() {
-            self.notice = Some(Notice::failed(format!(
+            self.notice = Some(Notice::error(format!(
                 "the last change was taken back. {} Redo tries it again.",
-                no_shape_text(Some(fault))
+                no_shape_reason(Some(fault))
             )));
             self.is_playing = false;
         }
@@ -374,23 +377,28 @@ impl App {
         self.session.is_working() && self.solving.is_some_and(|(since, _)| since.elapsed() > LONG)
     }
 
+    /// What the panels do with the results of the previous scene.
+    fn previous_results(&self) -> PreviousResults {
+        if self.is_long() { PreviousResults::Hidden } else { PreviousResults::Shown }
+    }
+
     fn cancel(&mut self) {
         self.session.cancel();
-        self.is_replaced = true;
+        self.is_scene_replaced = true;
         self.is_playing = false;
         self.solving = None;
         self.timing.solve_ms = 0.0;
         self.is_hemisphere = is_hemisphere(self.session.scene());
         self.notice = (!self.session.is_stopped()).then(|| {
-            Notice::done("Cancelled: this is the scene of before. Redo tries the other one again.")
+            Notice::info("Cancelled: this is the scene of before. Redo tries the other one again.")
         });
     }
 
-    fn command(&mut self, command: Command) -> Result<(), SceneError> {
+    fn apply(&mut self, command: Command) -> Result<(), SceneError> {
         let before = self.session.counters().solves;
         self.session.apply(command)?;
         self.notice = None;
-        self.is_replaced = true;
+        self.is_scene_replaced = true;
         if self.session.counters().solves != before {
             self.timing.solve_ms = 0.0;
             self.solving = None;
@@ -400,15 +408,15 @@ impl App {
     }
 
     /// Carries out a command; what is refused is told.
-    fn run(&mut self, command: Command) {
-        if let Err(error) = self.command(command) {
-            self.notice = Some(Notice::failed(error.to_string()));
+    fn execute(&mut self, command: Command) {
+        if let Err(error) = self.apply(command) {
+            self.notice = Some(Notice::error(error.to_string()));
         }
     }
 
     /// Turns what a panel changed in its copy of the scene into a command. A command of this frame
     /// (undo) goes first: the copy is of the scene before.
-    fn edited(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+    fn submit_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
         let is_new = ctx.input(|input| {
             let pointer = &input.pointer;
             pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
@@ -420,14 +428,14 @@ impl App {
         let is_hemisphere = self.is_hemisphere;
         let is_same = scene == self.session.scene()
             && (!is_hemisphere || self::is_hemisphere(self.session.scene()));
-        if self.is_replaced || is_same {
+        if self.is_scene_replaced || is_same {
             return;
         }
         if is_hemisphere {
             scene.implant.projection_mm = scene.implant.base_radius_mm;
         }
         let repair = scene.repair();
-        self.run(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
+        self.execute(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
         if let Some(repair) = repair {
             self.notice = Some(Notice::caution(repair.to_string()));
         }
@@ -435,7 +443,7 @@ impl App {
         ctx.request_repaint();
     }
 
-    fn take_files(&mut self, ctx: &egui::Context) {
+    fn poll_files(&mut self, ctx: &egui::Context) {
         for file in ctx.input(|input| input.raw.dropped_files.clone()) {
             self.files.dropped(ctx, file);
         }
@@ -444,12 +452,12 @@ impl App {
                 FileEvent::Opened { name, text } => match self.open(text) {
                     Ok(()) => {
                         self.viewport.fit(&self.session);
-                        Notice::done(format!("Opened {name}."))
+                        Notice::info(format!("Opened {name}."))
                     }
-                    Err(error) => Notice::failed(format!("{name}: {error}")),
+                    Err(error) => Notice::error(format!("{name}: {error}")),
                 },
-                FileEvent::Saved(name) => Notice::done(format!("Saved {name}.")),
-                FileEvent::Failed(error) => Notice::failed(error),
+                FileEvent::Saved(name) => Notice::info(format!("Saved {name}.")),
+                FileEvent::Failed(error) => Notice::error(error),
             });
         }
     }
@@ -465,7 +473,7 @@ impl App {
     }
 
     fn wide(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, false));
+        egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, Layout::Wide));
         egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
             ui.add_space(theme::SPACE_SMALL);
             status::show(ui, &self.session, &self.timing);
@@ -475,78 +483,81 @@ impl App {
         side_panel(egui::Panel::left("controls")).show_collapsible(ui, &mut is_open, |ui| {
             column("controls").show(ui, |ui| {
                 widgets::heading(ui, "Scene");
-                self.does_not_fit = controls::implant(ui, scene, &mut self.is_hemisphere);
+                self.position_notice = controls::implant(ui, scene, &mut self.is_hemisphere);
                 controls::layers(ui, scene);
                 ui.add_space(theme::SPACE);
                 controls::method(ui, scene, &self.session);
-                self.focus.scroll(ui);
+                self.focus.scroll_into_view(ui);
             });
         });
         self.show_left = is_open;
         let mut is_open = self.show_right;
         side_panel(egui::Panel::right("results")).show_collapsible(ui, &mut is_open, |ui| {
             column("results").show(ui, |ui| {
-                readings::show(ui, &self.session, self.is_long());
+                readings::show(ui, &self.session, self.previous_results());
                 plots::section(ui, &self.session);
-                plots::curves(ui, &self.session, self.is_long());
-                self.focus.scroll(ui);
+                plots::curves(ui, &self.session, self.previous_results());
+                self.focus.scroll_into_view(ui);
             });
         });
         self.show_right = is_open;
         let insertion = egui::Panel::bottom("insertion").resizable(false);
-        insertion.show(ui, |ui| self.insertion(ui, scene));
+        insertion.show(ui, |ui| self.insertion_row(ui, scene));
         egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
     }
 
     fn narrow(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, true));
+        egui::Panel::top("toolbar")
+            .resizable(false)
+            .show(ui, |ui| self.toolbar(ui, Layout::Narrow));
         // The picture keeps half of the screen.
         let height = 0.42 * ui.ctx().content_rect().height();
         let sheet = egui::Panel::bottom("sheet").exact_size(height).resizable(false);
         sheet.show(ui, |ui| {
             status::show(ui, &self.session, &self.timing);
             ui.horizontal(|ui| {
-                for (sheet, name) in [
-                    (Sheet::Implant, "Implant"),
-                    (Sheet::Tissue, "Tissue"),
-                    (Sheet::Results, "Results"),
-                    (Sheet::Plots, "Plots"),
+                for (tab, name) in [
+                    (NarrowTab::Implant, "Implant"),
+                    (NarrowTab::Tissue, "Tissue"),
+                    (NarrowTab::Results, "Results"),
+                    (NarrowTab::Plots, "Plots"),
                 ] {
-                    ui.selectable_value(&mut self.sheet, sheet, name);
+                    ui.selectable_value(&mut self.narrow_tab, tab, name);
                 }
             });
             ui.separator();
             egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-                match self.sheet {
-                    Sheet::Implant => {
-                        self.insertion(ui, scene);
-                        self.does_not_fit = controls::implant(ui, scene, &mut self.is_hemisphere);
+                match self.narrow_tab {
+                    NarrowTab::Implant => {
+                        self.insertion_row(ui, scene);
+                        self.position_notice =
+                            controls::implant(ui, scene, &mut self.is_hemisphere);
                     }
-                    Sheet::Tissue => {
+                    NarrowTab::Tissue => {
                         controls::layers(ui, scene);
                         controls::method(ui, scene, &self.session);
                     }
-                    Sheet::Results => {
-                        readings::show(ui, &self.session, self.is_long());
+                    NarrowTab::Results => {
+                        readings::show(ui, &self.session, self.previous_results());
                     }
-                    Sheet::Plots => {
+                    NarrowTab::Plots => {
                         plots::section(ui, &self.session);
-                        plots::curves(ui, &self.session, self.is_long());
+                        plots::curves(ui, &self.session, self.previous_results());
                     }
                 }
-                self.focus.scroll(ui);
+                self.focus.scroll_into_view(ui);
             });
         });
         egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
     }
 
-    fn insertion(&mut self, ui: &mut Ui, scene: &mut Scene) {
+    fn insertion_row(&mut self, ui: &mut Ui, scene: &mut Scene) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal(|ui| {
             let name = if self.is_playing { "Pause" } else { "Play" };
             let button = ui.add_sized([56.0, 24.0], egui::Button::new(name));
             if button.on_hover_text(format!("{name} the insertion (space)")).clicked() {
-                self.toggle_play();
+                self.toggle_playback();
             }
             ui.vertical(|ui| {
                 let mut percent = 100.0 * scene.insertion;
@@ -571,36 +582,35 @@ impl App {
     }
 
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        self.notices(ui);
+        self.show_notice(ui);
         if self.session.is_stopped() {
-            self.stopped(ui);
+            self.stopped_page(ui);
             return;
         }
         if self.session.has_no_shape() {
-            no_shape(ui, self.session.solver().fault(), scene);
+            no_shape_page(ui, self.session.solver().fault(), scene);
             return;
         }
         if self.is_long() {
-            self.progress(ui);
+            self.progress_bar(ui);
         }
-        let is_dark = ui.visuals().dark_mode;
-        self.viewport.show(ui, &self.session, &mut self.options, is_dark);
+        self.viewport.show(ui, &self.session, &mut self.options);
     }
 
     /// The last line to the user, until it is closed.
-    fn notices(&mut self, ui: &mut Ui) {
+    fn show_notice(&mut self, ui: &mut Ui) {
         match self.notice.as_ref().and_then(|notice| notice.show(ui)) {
             None => {}
-            Some(Reply::Close) => self.notice = None,
-            Some(Reply::Accept(scene)) => {
+            Some(NoticeAction::Close) => self.notice = None,
+            Some(NoticeAction::Accept(scene)) => {
                 self.gesture += 1;
-                self.run(Command::Edit { scene, gesture: self.gesture });
+                self.execute(Command::Edit { scene, gesture: self.gesture });
             }
         }
     }
 
     /// How far a long solve has come, and the way out of it.
-    fn progress(&mut self, ui: &mut Ui) {
+    fn progress_bar(&mut self, ui: &mut Ui) {
         let Some((since, share)) = self.solving else { return };
         let mut is_cancelled = false;
         let frame = egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill);
@@ -613,7 +623,11 @@ impl App {
                     .fill(theme::palette(ui.visuals()).accent)
                     .animate(true);
                 let bar = ui.add(bar);
-                widgets::name_it(&bar, egui::Role::ProgressIndicator, "Progress of the solve");
+                widgets::set_accessible_name(
+                    &bar,
+                    egui::Role::ProgressIndicator,
+                    "Progress of the solve",
+                );
                 ui.label(format!("Computing, {seconds} s so far: the picture is a draft"));
             });
         });
@@ -623,8 +637,8 @@ impl App {
     }
 
     /// Says that a solve was stopped, and how it goes on.
-    fn stopped(&mut self, ui: &mut Ui) {
-        message(ui, "Stopped", |ui| {
+    fn stopped_page(&mut self, ui: &mut Ui) {
+        message_page(ui, "Stopped", |ui| {
             ui.label("This scene has not been computed: there is nothing to show or to read off.");
             ui.add_space(theme::SPACE);
             if ui.button("Compute it").clicked() {
@@ -635,7 +649,7 @@ impl App {
 }
 
 /// A message in place of the picture.
-fn message(ui: &mut Ui, heading: &str, add: impl FnOnce(&mut Ui)) {
+fn message_page(ui: &mut Ui, heading: &str, add: impl FnOnce(&mut Ui)) {
     let frame = egui::Frame::new().inner_margin(2.0 * theme::SPACE).fill(ui.visuals().panel_fill);
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         ui.vertical_centered(|ui| {
@@ -647,10 +661,10 @@ fn message(ui: &mut Ui, heading: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 /// Says why there is no shape, and what can be done.
-fn no_shape(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
-    message(ui, "No stable shape", |ui| {
+fn no_shape_page(ui: &mut Ui, fault: Option<Fault>, scene: &mut Scene) {
+    message_page(ui, "No stable shape", |ui| {
         if fault.is_some() {
-            ui.label(no_shape_text(fault));
+            ui.label(no_shape_reason(fault));
             return;
         }
         ui.label(

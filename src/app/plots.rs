@@ -1,5 +1,6 @@
 //! Two plots: the layers' curves with the strains now in use, and the cross-section.
 
+use super::readings::PreviousResults;
 use super::theme;
 use super::widgets::group;
 use crate::session::Session;
@@ -10,11 +11,11 @@ use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points, uniform_grid_
 /// Samples of a curve.
 const SAMPLES: i32 = 160;
 
-/// Curves of all layers up to strain 1, the used part drawn strong; not while a long solve is under way
-/// (`is_long`), whose strains are not known.
-pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
-    let used = session.greatest_strain().filter(|_| !is_long);
-    let outcome = session.outcome().filter(|_| !is_long);
+/// Curves of all layers up to strain 1, the strained part drawn thick; not while a long solve is under way
+/// (`previous`), whose strains are not known.
+pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) {
+    let greatest_strain = session.greatest_strain().filter(|_| previous == PreviousResults::Shown);
+    let outcome = session.outcome().filter(|_| previous == PreviousResults::Shown);
     let colors = theme::palette(ui.visuals()).curves;
     group(ui, "Stress–strain curves", |ui| {
         Plot::new("curves")
@@ -45,17 +46,17 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
                     };
                     plot.line(
                         // Without a name it stays out of the legend.
-                        Line::new(name.clone(), sampled(used.unwrap_or(0.0).max(1.0)))
+                        Line::new(name.clone(), sampled(greatest_strain.unwrap_or(0.0).max(1.0)))
                             .color(color.gamma_multiply(0.5))
                             .width(1.0),
                     );
-                    let Some(used) = used else { continue };
-                    plot.line(Line::new(name, sampled(used)).color(color).width(3.0));
-                    let here = vec![[used, curve.stress(used)]];
+                    let Some(greatest_strain) = greatest_strain else { continue };
+                    plot.line(Line::new(name, sampled(greatest_strain)).color(color).width(3.0));
+                    let here = vec![[greatest_strain, curve.stress(greatest_strain)]];
                     plot.points(Points::new("", here).color(color).radius(4.0));
                     let both_ways = outcome.and_then(|o| o.layers.get(k)?.max_stress_kpa);
                     if let Some(stress) = both_ways {
-                        let here = Points::new("", vec![[used, stress]]);
+                        let here = Points::new("", vec![[greatest_strain, stress]]);
                         plot.points(
                             here.color(color)
                                 .radius(5.0)
@@ -65,14 +66,14 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
                     }
                 }
             });
-        ui.small(used.map_or_else(
+        ui.small(greatest_strain.map_or_else(
             || "How far this plan stretches the tissue is being computed.".to_owned(),
-            |used| {
+            |greatest_strain| {
                 format!(
                     "Thick line: how far this plan stretches the tissue, {:.0} %. Dot: the stress there if \
                      it were stretched one way, as in the measurement. Diamond: the greatest stress over \
                      this implant, stretched both ways.",
-                    100.0 * used
+                    100.0 * greatest_strain
                 )
             },
         ));

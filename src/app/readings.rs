@@ -8,12 +8,19 @@ use crate::session::Session;
 use crate::springs::Springs;
 use eframe::egui::{self, Color32, RichText, Ui};
 
+/// Results of the previous scene during a solve: shown during a short one, hidden during a long one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PreviousResults {
+    Shown,
+    Hidden,
+}
+
 /// Shows a result. While a quick solve is under way, the figures of before stay; where it takes longer
-/// (`is_long`), they go, and only a draft of the present scene stays that is known to be near its shape.
-pub(super) fn show(ui: &mut Ui, session: &Session, is_long: bool) {
+/// (`previous`), they go, and only a draft of the present scene stays that is known to be near its shape.
+pub(super) fn show(ui: &mut Ui, session: &Session, previous: PreviousResults) {
     heading(ui, "Results");
     let is_near = session.is_outcome_present() && session.scene().springs == Springs::Coupled;
-    let outcome = session.outcome().filter(|_| is_near || !is_long);
+    let outcome = session.outcome().filter(|_| is_near || previous == PreviousResults::Shown);
     let Some(outcome) = outcome.filter(|_| !session.is_stopped()) else {
         let words = if session.is_stopped() { "Not computed." } else { "Updating…" };
         ui.label(RichText::new(words).color(ui.visuals().weak_text_color()));

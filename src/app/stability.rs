@@ -2,7 +2,7 @@
 //! shape, before anything is solved, and the way out.
 
 use super::theme::{self, SPACE, SPACE_SMALL};
-use super::widgets::name_it;
+use super::widgets::set_accessible_name;
 use crate::scene::{Scene, Springs};
 use crate::springs::stability::{Limits, Load};
 use eframe::egui::{self, Align2, RichText, Ui, pos2, vec2};
@@ -13,8 +13,8 @@ const STABLE_HEIGHT: f32 = 4.0;
 /// Width of the names left of the strips \[points\].
 const NAME_WIDTH: f32 = 68.0;
 
-/// Words, strips and the button. `used`: the greatest strain of the shape that is shown \[-\].
-pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, used: Option<f64>) {
+/// Words, strips and the button. `greatest_strain`: the greatest strain of the shape that is shown \[-\].
+pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_strain: Option<f64>) {
     let palette = theme::palette(ui.visuals());
     let first = Load::ALL.iter().filter_map(|&load| limits.first_loss(load)).reduce(f64::min);
     let Some(first) = first else {
@@ -29,7 +29,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, used: Option
          An implant that stretches much of the tissue so far may get no result.",
     );
     for load in Load::ALL {
-        strip(ui, load, limits.of(load), used);
+        strip(ui, load, limits.of(load), greatest_strain);
     }
     axis(ui);
     ui.horizontal_wrapped(|ui| {
@@ -40,9 +40,11 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, used: Option
         }
     });
     // The row is always there, so that nothing moves under the pointer when a result comes.
-    ui.small(used.map_or_else(
+    ui.small(greatest_strain.map_or_else(
         || "upright line: greatest strain, once there is a shape".to_owned(),
-        |used| format!("upright line: greatest strain now, {:.0} %", 100.0 * used),
+        |greatest_strain| {
+            format!("upright line: greatest strain now, {:.0} %", 100.0 * greatest_strain)
+        },
     ));
     let button = ui.button("Switch to coupled springs");
     if button.on_hover_text("They are stable at every strain, with the same curves").clicked() {
@@ -72,7 +74,7 @@ fn words(load: Load, stretches: &[[f64; 2]]) -> String {
 }
 
 /// Strain 0 to 100 % from left to right.
-fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], used: Option<f64>) {
+fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], greatest_strain: Option<f64>) {
     let palette = theme::palette(ui.visuals());
     let (rect, response) = row(ui, HEIGHT);
     let name = match load {
@@ -91,12 +93,12 @@ fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], used: Option<f64>) {
         let thick = egui::Rect::from_x_y_ranges(at(from)..=at(to), rect.y_range());
         painter.rect_filled(thick, 1.0, palette.bad);
     }
-    if let Some(used) = used {
+    if let Some(greatest_strain) = greatest_strain {
         let line = egui::Stroke::new(1.5, ui.visuals().text_color());
-        painter.vline(at(used.clamp(0.0, 1.0)), rect.y_range().expand(2.0), line);
+        painter.vline(at(greatest_strain.clamp(0.0, 1.0)), rect.y_range().expand(2.0), line);
     }
     let words = words(load, stretches);
-    name_it(&response, egui::Role::Label, &words);
+    set_accessible_name(&response, egui::Role::Label, &words);
     response.on_hover_text(words);
 }
 

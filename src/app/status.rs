@@ -24,6 +24,14 @@ pub(super) struct Timing {
     pub(super) solve_ms: f64,
 }
 
+/// The scene that a slice of solving belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SliceOf {
+    /// Solved in one long slice.
+    OpeningScene,
+    EditedScene,
+}
+
 /// The newest times \[ms\], at most [`TIMES_KEPT`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Recent(VecDeque<f64>);
@@ -39,11 +47,11 @@ impl Recent {
     }
 
     /// The time that a share of them stays below.
-    pub(super) fn percentile(&self, share: f64) -> f64 {
+    pub(super) fn percentile(&self, fraction: f64) -> f64 {
         let mut sorted: Vec<f64> = self.0.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
-        let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-        sorted.get(place).copied().unwrap_or(0.0)
+        let rank = (fraction * sorted.len().saturating_sub(1) as f64).round() as usize;
+        sorted.get(rank).copied().unwrap_or(0.0)
     }
 }
 
@@ -54,33 +62,33 @@ impl Timing {
     }
 
     /// A slice of solving; the opening scene may take long ones.
-    pub(super) fn add_slice(&mut self, ms: f64, is_opening: bool) {
+    pub(super) fn add_slice(&mut self, ms: f64, scene: SliceOf) {
         self.solve_ms += ms;
-        if !is_opening {
+        if scene == SliceOf::EditedScene {
             self.slice_max = self.slice_max.max(ms);
         }
         self.slices.add(ms);
     }
 
     /// The frame time that a share of the frames stays below \[ms\].
-    pub(super) fn percentile(&self, share: f64) -> f64 {
-        self.frames.percentile(share)
+    pub(super) fn percentile(&self, fraction: f64) -> f64 {
+        self.frames.percentile(fraction)
     }
 }
 
-/// How the computation stands, in quiet words and with details. A state says nothing of the tissue: that
+/// How the computation stands, in quiet text and with details. A state says nothing of the tissue: that
 /// is what the colours of limits are for.
-struct State {
-    words: &'static str,
+struct StatusText {
+    text: &'static str,
     details: String,
-    is_loud: bool,
+    is_warning: bool,
 }
 
-fn state(session: &Session) -> State {
-    let quiet = |words, details: String| State { words, details, is_loud: false };
-    let loud = |words, details: String| State { words, details, is_loud: true };
+fn status_text(session: &Session) -> StatusText {
+    let quiet = |text, details: String| StatusText { text, details, is_warning: false };
+    let warning = |text, details: String| StatusText { text, details, is_warning: true };
     if session.is_stopped() {
-        return loud("Stopped: not computed", "The solve was cancelled.".to_owned());
+        return warning("Stopped: not computed", "The solve was cancelled.".to_owned());
     }
     let Some(outcome) = session.result() else {
         let details = match session.solver().shown() {
@@ -113,10 +121,12 @@ fn state(session: &Session) -> State {
                 }
                 _ => "no error estimate".to_owned(),
             };
-            let words = "Not finished: do not use these numbers";
-            loud(words, format!("The solve ended above its tolerance: {error}."))
+            let text = "Not finished: do not use these numbers";
+            warning(text, format!("The solve ended above its tolerance: {error}."))
         }
-        Status::Unstable => loud("No stable shape", no_shape(session.solver().fault()).to_owned()),
+        Status::Unstable => {
+            warning("No stable shape", no_shape(session.solver().fault()).to_owned())
+        }
     }
 }
 
@@ -133,7 +143,7 @@ fn percent_text(percent: f64) -> String {
 
 /// The line itself.
 pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
-    let State { words, mut details, is_loud } = state(session);
+    let StatusText { text, mut details, is_warning } = status_text(session);
     if let Some(outcome) = session.result() {
         let solver = &outcome.solver;
         let _ = write!(
@@ -146,10 +156,10 @@ pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
             timing.percentile(0.5),
         );
     }
-    let text = if is_loud {
-        RichText::new(format!("! {words}")).strong().color(theme::palette(ui.visuals()).bad)
+    let text = if is_warning {
+        RichText::new(format!("! {text}")).strong().color(theme::palette(ui.visuals()).bad)
     } else {
-        RichText::new(words).color(ui.visuals().weak_text_color())
+        RichText::new(text).color(ui.visuals().weak_text_color())
     };
     ui.label(text).on_hover_text(details);
 }
@@ -170,8 +180,12 @@ mod tests {
     #[test]
     fn the_longest_slice_is_not_that_of_the_opening_scene() {
         let mut timing = Timing::default();
-        for (ms, is_opening) in [(300.0, true), (12.0, false), (9.0, false)] {
-            timing.add_slice(ms, is_opening);
+        for (ms, scene) in [
+            (300.0, SliceOf::OpeningScene),
+            (12.0, SliceOf::EditedScene),
+            (9.0, SliceOf::EditedScene),
+        ] {
+            timing.add_slice(ms, scene);
         }
         assert_eq!((timing.slice_max, timing.solve_ms), (12.0, 321.0));
     }

@@ -1,6 +1,6 @@
 //! The top line: files, history, what is coloured, the section, the theme.
 
-use super::widgets::{Kind, NumberField, button_if, choice, name_it};
+use super::widgets::{Kind, NumberField, button_if, choice, set_accessible_name};
 use super::{App, theme};
 use crate::session::Command;
 use crate::view::color::Quantity;
@@ -15,11 +15,18 @@ pub(super) const QUANTITIES: [Quantity; 5] = [
     Quantity::Pressure,
 ];
 
+/// Arrangement of the screen by its width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layout {
+    Wide,
+    Narrow,
+}
+
 impl App {
-    pub(super) fn toolbar(&mut self, ui: &mut Ui, is_narrow: bool) {
+    pub(super) fn toolbar(&mut self, ui: &mut Ui, layout: Layout) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal_wrapped(|ui| {
-            if !is_narrow {
+            if layout == Layout::Wide {
                 ui.label(RichText::new("implant-preview").strong());
                 ui.separator();
             }
@@ -29,14 +36,14 @@ impl App {
                 ("Redo", self.session.can_redo(), Command::Redo),
             ] {
                 if button_if(ui, enabled, name, name, "") {
-                    self.run(command);
+                    self.execute(command);
                 }
             }
             ui.separator();
             self.quantity_box(ui);
             ui.toggle_value(&mut self.options.section, "Section")
                 .on_hover_text("Cut the picture open to see the layers");
-            if self.options.section && !is_narrow {
+            if self.options.section && layout == Layout::Wide {
                 ui.toggle_value(&mut self.options.half, "Half")
                     .on_hover_text("Take away a half instead of a quarter");
                 let mut angle = f64::from(self.options.section_azimuth_deg);
@@ -99,7 +106,7 @@ impl App {
             {
                 let scene = Box::default();
                 self.gesture += 1;
-                self.run(Command::Edit { scene, gesture: self.gesture });
+                self.execute(Command::Edit { scene, gesture: self.gesture });
                 ui.close();
             }
         });
@@ -136,11 +143,11 @@ impl App {
                 }
             })
             .response;
-        name_it(&response, egui::Role::ComboBox, "Colour by");
+        set_accessible_name(&response, egui::Role::ComboBox, "Colour by");
         response.on_hover_text("What the surface is coloured by (1–5)");
     }
 
-    pub(super) fn about(&mut self, ctx: &egui::Context) {
+    pub(super) fn about_window(&mut self, ctx: &egui::Context) {
         if self.show_about && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.show_about = false;
         }

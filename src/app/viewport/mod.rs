@@ -56,11 +56,11 @@ impl Default for Options {
 /// The 3-D view with its camera.
 pub(crate) struct Viewport {
     renderer: Option<Arc<Mutex<Renderer>>>,
-    problem: Option<String>,
+    error: Option<String>,
     camera: Camera,
     /// Radius \[mm\] of the ball that the camera was fitted to; `None` once a hand has moved it.
     fitted: Option<f32>,
-    placed: bool,
+    is_placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
     /// Where a finger has tapped: the values there stay, because a finger does not hover.
@@ -78,10 +78,10 @@ impl Viewport {
     pub(crate) fn new(gl: Option<&Arc<glow::Context>>) -> Self {
         let mut viewport = Self {
             renderer: None,
-            problem: None,
+            error: None,
             camera: Camera::new(90.0, 1.4),
             fitted: None,
-            placed: false,
+            is_placed: false,
             aspect: 1.4,
             id: None,
             tapped: None,
@@ -95,9 +95,9 @@ impl Viewport {
 
     /// Goes on drawing with another context; what the one before held went with it.
     pub(crate) fn move_to(&mut self, gl: Option<&Arc<glow::Context>>) {
-        (self.renderer, self.problem) = match gl.map(|gl| Renderer::new(gl)) {
+        (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
             Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
-            Some(Err(problem)) => (None, Some(problem)),
+            Some(Err(error)) => (None, Some(error)),
             None => (None, Some("no OpenGL or WebGL2".to_owned())),
         };
     }
@@ -125,13 +125,7 @@ impl Viewport {
     }
 
     /// Shows the session in all the space that is left.
-    pub(crate) fn show(
-        &mut self,
-        ui: &mut Ui,
-        session: &Session,
-        options: &mut Options,
-        dark: bool,
-    ) {
+    pub(crate) fn show(&mut self, ui: &mut Ui, session: &Session, options: &mut Options) {
         let (area, response) = ui.allocate_exact_size(
             ui.available_size().max(egui::Vec2::splat(1.0)),
             Sense::click_and_drag() | Sense::FOCUSABLE,
@@ -159,9 +153,9 @@ impl Viewport {
             return;
         }
         let painter = ui.painter_at(area);
-        overlay::background(&painter, area, dark);
-        let foot = session.solver().problem().dome.wall_radius() as f32;
-        self.draw(ui, &painter, area, section, (options.net, foot));
+        overlay::background(ui, &painter, area);
+        let foot_radius = session.solver().problem().dome.wall_radius() as f32;
+        self.draw(ui, &painter, area, section, (options.net, foot_radius));
         if let Some(scale) = &self.picture.scale
             && self.picture.body.layers() > 0
         {
@@ -173,14 +167,14 @@ impl Viewport {
 
     /// A view that no hand has moved goes on fitting when the window changes its form.
     fn place_camera(&mut self, session: &Session, aspect: f32) {
-        if !self.placed {
+        if !self.is_placed {
             self.fitted = Some(radius_to_fit(session));
         }
-        let reformed = !self.placed || (aspect - self.aspect).abs() > 1e-4;
+        let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
         if let Some(radius) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
             self.camera = Camera::new(radius, aspect);
         }
-        (self.placed, self.aspect) = (true, aspect);
+        (self.is_placed, self.aspect) = (true, aspect);
     }
 
     fn move_camera(&mut self, ui: &Ui, response: &Response, area: Rect) -> bool {
@@ -252,10 +246,10 @@ impl Viewport {
         painter: &egui::Painter,
         area: Rect,
         section: Section,
-        (net, foot): (bool, f32),
+        (net, foot_radius): (bool, f32),
     ) {
         let Some(renderer) = &self.renderer else {
-            let why = self.problem.as_deref().unwrap_or("no graphics");
+            let why = self.error.as_deref().unwrap_or("no graphics");
             let text = format!("No 3-D picture here: {why}.\nControls and results work.");
             let font = TextStyle::Body.resolve(ui.style());
             let color = ui.visuals().weak_text_color();
@@ -275,7 +269,7 @@ impl Viewport {
             axis: section.axis,
             net,
             grid_centre: 0.5 * self.picture.body.nodes_per_side.saturating_sub(1) as f32,
-            foot,
+            foot_radius,
         };
         let renderer = Arc::clone(renderer);
         let paint = egui_glow::CallbackFn::new(move |_, painter| {

@@ -171,8 +171,8 @@ pub(crate) fn pointer_box(ui: &Ui, painter: &Painter, area: Rect, pointer: Pos2,
 }
 
 /// A quiet gradient behind the body, lighter above.
-pub(crate) fn background(painter: &Painter, area: Rect, dark: bool) {
-    let (top, bottom) = if dark {
+pub(crate) fn background(ui: &Ui, painter: &Painter, area: Rect) {
+    let (top, bottom) = if ui.visuals().dark_mode {
         (Color32::from_rgb(40, 43, 47), Color32::from_rgb(22, 24, 27))
     } else {
         (Color32::from_rgb(247, 248, 249), Color32::from_rgb(219, 223, 227))

@@ -30,7 +30,7 @@ const MATERIALS: [Material; 4] =
 pub(crate) struct Frame {
     /// A mesh for each material.
     pub(crate) meshes: [Arc<Mesh>; 4],
-    /// The colours of the quantity shown.
+    /// The colours of the quantity uploaded.
     pub(crate) table: Arc<Vec<Rgb>>,
     /// Field values at the table's ends.
     pub(crate) range: [f32; 2],
@@ -47,7 +47,7 @@ pub(crate) struct Frame {
     /// The grid's middle \[cells\].
     pub(crate) grid_centre: f32,
     /// Radius of the circle in which the implant meets the wall \[mm\].
-    pub(crate) foot: f32,
+    pub(crate) foot_radius: f32,
 }
 
 /// A mesh on the card.
@@ -55,13 +55,13 @@ struct Buffers {
     vertex_array: glow::VertexArray,
     vertices: glow::Buffer,
     indices: glow::Buffer,
-    shown: Option<Arc<Mesh>>,
+    uploaded: Option<Arc<Mesh>>,
 }
 
 impl Buffers {
     /// Are these the indices on the card? They stay while a shape only moves its vertices.
-    fn holds_indices_of(&self, mesh: &Mesh) -> bool {
-        self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(&shown.indices, &mesh.indices))
+    fn has_indices_of(&self, mesh: &Mesh) -> bool {
+        self.uploaded.as_ref().is_some_and(|uploaded| Arc::ptr_eq(&uploaded.indices, &mesh.indices))
     }
 }
 
@@ -70,7 +70,7 @@ pub(crate) struct Renderer {
     program: glow::Program,
     buffers: Vec<Buffers>,
     table: glow::Texture,
-    shown_table: Option<Arc<Vec<Rgb>>>,
+    uploaded_table: Option<Arc<Vec<Rgb>>>,
 }
 
 const ATTRIBUTES: [(&str, i32); 5] =
@@ -90,7 +90,7 @@ impl Renderer {
             let table = gl.create_texture()?;
             let buffers =
                 MATERIALS.iter().map(|_| Buffers::new(gl, program)).collect::<Result<_, _>>()?;
-            Ok(Self { program, buffers, table, shown_table: None })
+            Ok(Self { program, buffers, table, uploaded_table: None })
         }
     }
 
@@ -113,10 +113,10 @@ impl Renderer {
             gl.use_program(Some(self.program));
             self.set_frame_uniforms(gl, frame);
             for (material, buffers) in MATERIALS.into_iter().zip(&self.buffers) {
-                let Some(mesh) = &buffers.shown else { continue };
+                let Some(mesh) = &buffers.uploaded else { continue };
                 let cut = material == Material::Tissue && frame.planes.is_some();
-                gl.uniform_1_i32(self.at(gl, "u_material").as_ref(), material as i32);
-                gl.uniform_1_i32(self.at(gl, "u_cut").as_ref(), i32::from(cut));
+                gl.uniform_1_i32(self.uniform(gl, "u_material").as_ref(), material as i32);
+                gl.uniform_1_i32(self.uniform(gl, "u_cut").as_ref(), i32::from(cut));
                 gl.bind_vertex_array(Some(buffers.vertex_array));
                 gl.draw_elements(glow::TRIANGLES, mesh.indices.len() as i32, glow::UNSIGNED_INT, 0);
             }
@@ -140,7 +140,7 @@ impl Renderer {
         }
     }
 
-    unsafe fn at(&self, gl: &glow::Context, name: &str) -> Option<glow::UniformLocation> {
+    unsafe fn uniform(&self, gl: &glow::Context, name: &str) -> Option<glow::UniformLocation> {
         // SAFETY: the program lives as long as the renderer.
         unsafe { gl.get_uniform_location(self.program, name) }
     }
@@ -150,7 +150,7 @@ impl Renderer {
         // SAFETY: the program is in use.
         unsafe {
             gl.uniform_matrix_4_f32_slice(
-                self.at(gl, "u_clip_from_world").as_ref(),
+                self.uniform(gl, "u_clip_from_world").as_ref(),
                 false,
                 &frame.clip_from_world.to_cols_array(),
             );
@@ -162,21 +162,21 @@ impl Renderer {
                 ("u_planes[1]", planes[1]),
                 ("u_axis", frame.axis.extend(0.0)),
             ] {
-                gl.uniform_3_f32(self.at(gl, name).as_ref(), v.x, v.y, v.z);
+                gl.uniform_3_f32(self.uniform(gl, name).as_ref(), v.x, v.y, v.z);
             }
-            gl.uniform_2_f32(self.at(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
-            gl.uniform_1_f32(self.at(gl, "u_foot").as_ref(), frame.foot);
+            gl.uniform_2_f32(self.uniform(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
+            gl.uniform_1_f32(self.uniform(gl, "u_foot").as_ref(), frame.foot_radius);
             let centre = frame.grid_centre;
-            gl.uniform_2_f32(self.at(gl, "u_grid_centre").as_ref(), centre, centre);
-            gl.uniform_1_i32(self.at(gl, "u_net").as_ref(), i32::from(frame.net));
-            gl.uniform_1_i32(self.at(gl, "u_table").as_ref(), 0);
+            gl.uniform_2_f32(self.uniform(gl, "u_grid_centre").as_ref(), centre, centre);
+            gl.uniform_1_i32(self.uniform(gl, "u_net").as_ref(), i32::from(frame.net));
+            gl.uniform_1_i32(self.uniform(gl, "u_table").as_ref(), 0);
             gl.active_texture(glow::TEXTURE0);
             gl.bind_texture(glow::TEXTURE_2D, Some(self.table));
         }
     }
 
     unsafe fn upload_table(&mut self, gl: &glow::Context, table: &Arc<Vec<Rgb>>) {
-        if self.shown_table.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, table)) {
+        if self.uploaded_table.as_ref().is_some_and(|uploaded| Arc::ptr_eq(uploaded, table)) {
             return;
         }
         let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
@@ -207,7 +207,7 @@ impl Renderer {
                 glow::PixelUnpackData::Slice(Some(&texels)),
             );
         }
-        self.shown_table = Some(Arc::clone(table));
+        self.uploaded_table = Some(Arc::clone(table));
     }
 }
 
@@ -230,12 +230,12 @@ impl Buffers {
                 offset += 4 * size;
             }
             gl.bind_vertex_array(None);
-            Ok(Self { vertex_array, vertices, indices, shown: None })
+            Ok(Self { vertex_array, vertices, indices, uploaded: None })
         }
     }
 
     unsafe fn upload(&mut self, gl: &glow::Context, mesh: &Arc<Mesh>) {
-        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, mesh)) {
+        if self.uploaded.as_ref().is_some_and(|uploaded| Arc::ptr_eq(uploaded, mesh)) {
             return;
         }
         // SAFETY: the buffers belong to this context; the bytes are those of whole slices.
@@ -244,14 +244,14 @@ impl Buffers {
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
             let vertices = bytemuck::cast_slice(&mesh.vertices);
             gl.buffer_data_u8_slice(glow::ARRAY_BUFFER, vertices, glow::DYNAMIC_DRAW);
-            if !self.holds_indices_of(mesh) {
+            if !self.has_indices_of(mesh) {
                 gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(self.indices));
                 let indices = bytemuck::cast_slice(&mesh.indices);
                 gl.buffer_data_u8_slice(glow::ELEMENT_ARRAY_BUFFER, indices, glow::DYNAMIC_DRAW);
             }
             gl.bind_vertex_array(None);
         }
-        self.shown = Some(Arc::clone(mesh));
+        self.uploaded = Some(Arc::clone(mesh));
     }
 }
 

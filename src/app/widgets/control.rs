@@ -19,7 +19,7 @@ pub(in crate::app) struct Control<'a> {
     /// What may be stored; `None`: the rail's range.
     pub(in crate::app) allowed: Option<RangeInclusive<f64>>,
     /// Why no more than that.
-    pub(in crate::app) limit: &'a str,
+    pub(in crate::app) limit_reason: &'a str,
     pub(in crate::app) reset: f64,
     /// The least decimals shown.
     pub(in crate::app) decimals: usize,
@@ -37,7 +37,7 @@ impl Default for Control<'_> {
             kind: Kind::Plain,
             range: 0.0..=1.0,
             allowed: None,
-            limit: "",
+            limit_reason: "",
             reset: 0.0,
             decimals: 1,
             step: 0.5,
@@ -49,15 +49,15 @@ impl Default for Control<'_> {
 
 /// What came of showing a control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::app) struct Change {
+pub(in crate::app) struct ControlResponse {
     /// Was another value stored?
     pub(in crate::app) is_changed: bool,
-    /// A value that was asked for in this frame and is not allowed.
-    pub(in crate::app) asked: Option<f64>,
+    /// Value requested in this frame outside the allowed range.
+    pub(in crate::app) out_of_range: Option<f64>,
 }
 
 impl Control<'_> {
-    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> Change {
+    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> ControlResponse {
         let name = match self.unit {
             "" => self.label.to_owned(),
             unit => format!("{} ({unit})", self.label),
@@ -71,7 +71,7 @@ impl Control<'_> {
         let label = ui.label(RichText::new(&name).color(ui.visuals().weak_text_color()));
         // Not a stop of the Tab key.
         let label = label.interact(Sense::CLICK).on_hover_text(&tooltip);
-        let (mut change, mut refusal) = (Change::default(), None);
+        let (mut change, mut rejection) = (ControlResponse::default(), None);
         ui.horizontal(|ui| {
             // The value stands right of the rail, at the same place in every row.
             let field_width = 62.0;
@@ -89,19 +89,19 @@ impl Control<'_> {
                 name: &name,
                 kind: self.kind,
                 allowed,
-                limit: self.limit,
+                limit_reason: self.limit_reason,
                 decimals: self.decimals,
                 step: if self.step > 0.0 { self.step } else { 0.1 },
                 width: field_width,
-                is_faulty: false,
+                is_invalid: false,
             };
             let typed = field.show(ui, value);
             change.is_changed = moved.is_changed || typed.is_changed;
-            change.asked = moved.asked.or(typed.asked);
-            refusal = typed.refusal;
+            change.out_of_range = moved.out_of_range.or(typed.out_of_range);
+            rejection = typed.rejection;
         });
-        if let Some(refusal) = refusal {
-            refused(ui, &refusal);
+        if let Some(rejection) = rejection {
+            rejection_label(ui, &rejection);
         }
         if label.double_clicked() && value.to_bits() != self.reset.to_bits() {
             *value = self.reset;
@@ -112,7 +112,7 @@ impl Control<'_> {
 }
 
 /// The reason why something typed was not taken.
-pub(in crate::app) fn refused(ui: &mut Ui, reason: &str) {
+pub(in crate::app) fn rejection_label(ui: &mut Ui, reason: &str) {
     let color = theme::palette(ui.visuals()).bad;
     let words = RichText::new(format!("Not taken: {reason}")).color(color);
     let response = ui.add(egui::Label::new(words).wrap());

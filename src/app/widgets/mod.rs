@@ -7,7 +7,7 @@ mod number_field;
 pub(super) mod quantity;
 mod rail;
 
-pub(super) use control::{Control, refused};
+pub(super) use control::{Control, rejection_label};
 pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
@@ -33,7 +33,7 @@ pub(super) fn heading(ui: &mut Ui, text: &str) {
 }
 
 /// Gives a widget whose text is an icon or a number its name for screen readers and tests.
-pub(super) fn name_it(response: &Response, role: egui::Role, name: &str) {
+pub(super) fn set_accessible_name(response: &Response, role: egui::Role, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
 }
 
@@ -63,8 +63,8 @@ pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::Widget
 }
 
 /// Has a number field the keyboard? Then a touch screen's keyboard should show digits.
-pub(super) fn is_number_wanted(ctx: &egui::Context) -> bool {
+pub(super) fn has_number_focus(ctx: &egui::Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
-    let number = ctx.data(|data| data.get_temp::<egui::Id>(number_field::focused_key()));
+    let number = ctx.data(|data| data.get_temp::<egui::Id>(number_field::focus_key()));
     focused.is_some() && focused == number
 }

@@ -14,7 +14,7 @@ pub(in crate::app) struct NumberField<'a> {
     /// What may be stored.
     pub(in crate::app) allowed: RangeInclusive<f64>,
     /// Why no more than that; where empty, the limit is said.
-    pub(in crate::app) limit: &'a str,
+    pub(in crate::app) limit_reason: &'a str,
     /// The least decimals shown.
     pub(in crate::app) decimals: usize,
     /// Step of the arrow keys.
@@ -22,7 +22,7 @@ pub(in crate::app) struct NumberField<'a> {
     /// Width \[points\].
     pub(in crate::app) width: f32,
     /// Is the stored value itself refused, by what is around it?
-    pub(in crate::app) is_faulty: bool,
+    pub(in crate::app) is_invalid: bool,
 }
 
 impl Default for NumberField<'_> {
@@ -31,24 +31,24 @@ impl Default for NumberField<'_> {
             name: "",
             kind: Kind::Plain,
             allowed: f64::MIN..=f64::MAX,
-            limit: "",
+            limit_reason: "",
             decimals: 1,
             step: 1.0,
             width: 62.0,
-            is_faulty: false,
+            is_invalid: false,
         }
     }
 }
 
 /// What came of showing a field.
-pub(in crate::app) struct Typed {
+pub(in crate::app) struct FieldResponse {
     pub(in crate::app) response: Response,
     /// Was another value stored?
     pub(in crate::app) is_changed: bool,
     /// Why what stands in the field was not stored.
-    pub(in crate::app) refusal: Option<String>,
+    pub(in crate::app) rejection: Option<String>,
     /// A number that was typed now and is out of range.
-    pub(in crate::app) asked: Option<f64>,
+    pub(in crate::app) out_of_range: Option<f64>,
 }
 
 /// Text that is being typed, or was refused.
@@ -56,24 +56,24 @@ pub(in crate::app) struct Typed {
 struct Edit {
     text: String,
     /// The value that the text is to replace.
-    of: f64,
-    refusal: Option<String>,
+    base_value: f64,
+    rejection: Option<String>,
 }
 
 /// Where the field with the keyboard's focus is kept.
-pub(super) fn focused_key() -> Id {
+pub(super) fn focus_key() -> Id {
     Id::unique("number field with the focus")
 }
 
 impl NumberField<'_> {
-    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> Typed {
+    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> FieldResponse {
         let id = ui.make_persistent_id((self.name, "number"));
         let before = *value;
         let kept = ui.data(|data| data.get_temp::<Edit>(id));
-        let mut edit = kept.filter(|edit| edit.of.to_bits() == value.to_bits());
-        let mut asked = None;
+        let mut edit = kept.filter(|edit| edit.base_value.to_bits() == value.to_bits());
+        let mut out_of_range = None;
         if ui.memory(|memory| memory.has_focus(id)) {
-            ui.data_mut(|data| data.insert_temp(focused_key(), id));
+            ui.data_mut(|data| data.insert_temp(focus_key(), id));
             let steps = steps(ui);
             if steps != 0.0 {
                 *value = self.clamped(quantity::stepped(*value, self.step, steps));
@@ -81,15 +81,15 @@ impl NumberField<'_> {
             }
         }
         for request in accesskit_values(ui, id) {
-            asked = self.take(value, &mut edit, &request).or(asked);
+            out_of_range = self.commit(value, &mut edit, &request).or(out_of_range);
         }
 
         let palette = theme::palette(ui.visuals());
         let shown = quantity::format(*value, self.decimals);
         let mut text = edit.as_ref().map_or_else(|| shown.clone(), |edit| edit.text.clone());
-        let is_refused = self.is_faulty || edit.as_ref().is_some_and(|e| e.refusal.is_some());
+        let is_rejected = self.is_invalid || edit.as_ref().is_some_and(|e| e.rejection.is_some());
         let visuals = ui.visuals();
-        let stroke = if is_refused {
+        let stroke = if is_rejected {
             egui::Stroke::new(2.0, palette.bad)
         } else {
             egui::Stroke::new(1.0, palette.edge)
@@ -120,9 +120,9 @@ impl NumberField<'_> {
         let is_typed = text != edit.as_ref().map_or(&shown, |edit| &edit.text).as_str();
         if is_typed {
             // A refused number is judged again with every key.
-            let was_refused = edit.as_ref().is_some_and(|edit| edit.refusal.is_some());
-            let refusal = if was_refused { self.read(&text).err() } else { None };
-            edit = Some(Edit { text: text.clone(), of: *value, refusal });
+            let was_rejected = edit.as_ref().is_some_and(|edit| edit.rejection.is_some());
+            let rejection = if was_rejected { self.parse(&text).err() } else { None };
+            edit = Some(Edit { text: text.clone(), base_value: *value, rejection });
         }
         let (enter, escape) =
             ui.input(|input| (input.key_pressed(Key::Enter), input.key_pressed(Key::Escape)));
@@ -130,7 +130,7 @@ impl NumberField<'_> {
             edit = None;
         } else if (enter && response.has_focus()) || response.lost_focus() {
             if edit.is_some() {
-                asked = self.take(value, &mut edit, &text).or(asked);
+                out_of_range = self.commit(value, &mut edit, &text).or(out_of_range);
             }
             if enter && response.has_focus() {
                 let shown = edit.as_ref().map_or_else(
@@ -141,11 +141,11 @@ impl NumberField<'_> {
             }
         }
         // A click where nothing is being typed takes the whole number, as the first one did.
-        if response.clicked() && edit.as_ref().is_none_or(|edit| edit.refusal.is_some()) {
+        if response.clicked() && edit.as_ref().is_none_or(|edit| edit.rejection.is_some()) {
             select_all(ui, id, &text);
         }
         let is_changed = value.to_bits() != before.to_bits();
-        let refusal = edit.as_ref().and_then(|edit| edit.refusal.clone());
+        let rejection = edit.as_ref().and_then(|edit| edit.rejection.clone());
         ui.data_mut(|data| match edit {
             Some(edit) => {
                 data.insert_temp(id, edit);
@@ -153,18 +153,18 @@ impl NumberField<'_> {
             None => data.remove::<Edit>(id),
         });
         self.describe(ui, &response, *value);
-        if let Some(refusal) = &refusal {
-            response = response.on_hover_text(refusal);
+        if let Some(rejection) = &rejection {
+            response = response.on_hover_text(rejection);
         } else if quantity::format(*value, self.decimals).len() > 7 {
             // Longer than the field.
             response = response.on_hover_text(value.to_string());
         }
-        Typed { response, is_changed, refusal, asked }
+        FieldResponse { response, is_changed, rejection, out_of_range }
     }
 
     /// Stores what was typed, or keeps it with the reason against it; gives a number that is out of range.
-    fn take(&self, value: &mut f64, edit: &mut Option<Edit>, text: &str) -> Option<f64> {
-        match self.read(text) {
+    fn commit(&self, value: &mut f64, edit: &mut Option<Edit>, text: &str) -> Option<f64> {
+        match self.parse(text) {
             Ok(number) => {
                 // What only stands for the stored value changes nothing.
                 if text != quantity::format(*value, self.decimals) {
@@ -173,20 +173,24 @@ impl NumberField<'_> {
                 *edit = None;
                 None
             }
-            Err(refusal) => {
-                *edit = Some(Edit { text: text.to_owned(), of: *value, refusal: Some(refusal) });
+            Err(rejection) => {
+                *edit = Some(Edit {
+                    text: text.to_owned(),
+                    base_value: *value,
+                    rejection: Some(rejection),
+                });
                 quantity::parse(text, self.kind).ok()
             }
         }
     }
 
-    fn read(&self, text: &str) -> Result<f64, String> {
+    fn parse(&self, text: &str) -> Result<f64, String> {
         let number = quantity::parse(text, self.kind)?;
         if self.allowed.contains(&number) {
             return Ok(number);
         }
-        if !self.limit.is_empty() {
-            return Err(self.limit.to_owned());
+        if !self.limit_reason.is_empty() {
+            return Err(self.limit_reason.to_owned());
         }
         let unit = self.kind.unit();
         let end = |value: f64| {
@@ -223,7 +227,7 @@ impl NumberField<'_> {
     }
 }
 
-/// Steps asked for by the arrow and page keys since the frame before.
+/// Steps requested by the arrow and page keys since the frame before.
 fn steps(ui: &Ui) -> f64 {
     ui.input_mut(|input| {
         let mut sum = 0.0;

@@ -70,7 +70,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     let ends = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
     let longest = ends.filter_map(|end| Some((end, number(&text[..end])?))).last();
     let Some((end, value)) = longest else {
-        return Err(format!("“{}” is not a number", shortened(text)));
+        return Err(format!("“{}” is not a number", truncated(text)));
     };
     let typed = text[end..].trim();
     let is_meant = |unit: &str| unit.to_lowercase() == typed.to_lowercase();
@@ -78,7 +78,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
         _ if typed.is_empty() => 1.0,
         Some((_, factor)) => *factor,
         None if typed.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '-')) => {
-            return Err(format!("“{}” is not a number", shortened(text)));
+            return Err(format!("“{}” is not a number", truncated(text)));
         }
         None => {
             let known: Vec<&str> = kind.units().iter().map(|(unit, _)| *unit).collect();
@@ -86,7 +86,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
             let known = if known.is_empty() { "none".to_owned() } else { known };
             return Err(format!(
                 "“{}” is not {}; understood: {known}",
-                shortened(typed),
+                truncated(typed),
                 kind.name()
             ));
         }
@@ -95,7 +95,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(format!("“{}” is too large", shortened(text)))
+        Err(format!("“{}” is too large", truncated(text)))
     }
 }
 
@@ -119,7 +119,7 @@ fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-fn shortened(text: &str) -> String {
+fn truncated(text: &str) -> String {
     const MOST: usize = 16;
     let line: String = text.chars().filter(|c| !c.is_control()).collect();
     if line.chars().count() <= MOST {

@@ -12,9 +12,9 @@ use std::ops::RangeInclusive;
 /// Radius of the handle \[points\].
 const HANDLE: f32 = 7.0;
 /// A finger this close to the handle has it \[points\].
-const GRASP: f32 = 24.0;
+const TOUCH_REACH: f32 = 24.0;
 /// Travel \[points\] that decides between moving the handle and scrolling.
-const TRAVEL: f32 = 8.0;
+const DRAG_THRESHOLD: f32 = 8.0;
 const LINE: f32 = 5.0;
 
 /// A rail with a handle.
@@ -32,17 +32,17 @@ pub(super) struct Rail<'a> {
 }
 
 /// What came of showing a rail.
-pub(super) struct Moved {
+pub(super) struct RailResponse {
     pub(super) response: Response,
     /// Was another value stored?
     pub(super) is_changed: bool,
-    /// A value that was asked for now and is not allowed.
-    pub(super) asked: Option<f64>,
+    /// Value requested in this frame outside the allowed range.
+    pub(super) out_of_range: Option<f64>,
 }
 
 /// What the pointer that is down on the rail does.
 #[derive(Clone, Copy, Default)]
-enum Hold {
+enum Press {
     /// Just begun: in a page, word of the finger comes a frame after that of the press.
     #[default]
     New,
@@ -55,16 +55,17 @@ enum Hold {
 }
 
 impl Rail<'_> {
-    pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> Moved {
+    pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> RailResponse {
         let size = vec2(self.width, ui.spacing().interact_size.y);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let track = rect.x_range().shrink(HANDLE);
         let before = *value;
-        let mut wanted = None;
+        let mut requested = None;
         if let Some(x) =
-            self.pointer(ui, &response, lerp(track.min..=track.max, self.share(*value)))
+            self.pointer(ui, &response, lerp(track.min..=track.max, self.fraction(*value)))
         {
-            wanted = Some(self.rounded(self.at(remap_clamp(x, track.min..=track.max, 0.0..=1.0))));
+            requested =
+                Some(self.rounded(self.value_at(remap_clamp(x, track.min..=track.max, 0.0..=1.0))));
         }
         if response.has_focus() {
             let own = EventFilter {
@@ -73,71 +74,72 @@ impl Rail<'_> {
                 ..EventFilter::default()
             };
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
-            wanted = self.keys(ui, *value).or(wanted);
+            requested = self.keys(ui, *value).or(requested);
         }
-        wanted = set_by_screen_reader(ui, response.id).or(wanted);
-        let mut asked = None;
-        if let Some(wanted) = wanted {
-            *value = wanted.max(*self.allowed.start()).min(*self.allowed.end());
-            let is_beyond = (wanted - *value).abs() > 1e-9 * (1.0 + wanted.abs());
-            asked = is_beyond.then_some(wanted);
+        requested = set_by_screen_reader(ui, response.id).or(requested);
+        let mut out_of_range = None;
+        if let Some(requested) = requested {
+            *value = requested.max(*self.allowed.start()).min(*self.allowed.end());
+            let is_beyond = (requested - *value).abs() > 1e-9 * (1.0 + requested.abs());
+            out_of_range = is_beyond.then_some(requested);
         }
         self.describe(&response, *value);
         if ui.is_rect_visible(rect) {
-            self.paint(ui, &response, rect, lerp(track.min..=track.max, self.share(*value)));
+            self.paint(ui, &response, rect, lerp(track.min..=track.max, self.fraction(*value)));
         }
-        Moved { is_changed: value.to_bits() != before.to_bits(), response, asked }
+        RailResponse { is_changed: value.to_bits() != before.to_bits(), response, out_of_range }
     }
 
     /// Where the handle is to go, if the pointer moves it now.
     fn pointer(&self, ui: &Ui, response: &Response, handle: f32) -> Option<f32> {
-        let id = response.id.with("hold");
-        let held = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
-        let kept = ui.data_mut(|data| data.remove_temp::<Hold>(id));
+        let id = response.id.with("press");
+        let pressed_at =
+            response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
+        let kept = ui.data_mut(|data| data.remove_temp::<Press>(id));
         let (is_touch, has_touch, delta) = ui
             .input(|input| (input.any_touches(), input.has_touch_screen(), input.pointer.delta()));
-        let Some(at) = held else {
+        let Some(at) = pressed_at else {
             // A mouse that is down and up again within a frame or two.
             let is_over = response.clicked() || response.drag_stopped();
-            let is_quick = is_over && !has_touch && !matches!(kept, Some(Hold::Drag { .. }));
+            let is_quick = is_over && !has_touch && !matches!(kept, Some(Press::Drag { .. }));
             return response.interact_pointer_pos().filter(|_| is_quick).map(|at| at.x);
         };
-        let is_new = matches!(kept, Some(Hold::New));
-        let is_grasped = (at.x - handle).abs() <= if is_touch { GRASP } else { HANDLE };
-        let mut hold = match kept {
-            None => Hold::New,
-            Some(Hold::New) => match (is_touch, is_grasped) {
-                (_, true) => Hold::Drag { offset: handle - at.x },
-                (false, false) => Hold::Drag { offset: 0.0 },
-                (true, false) => Hold::Undecided { from: at },
+        let is_new = matches!(kept, Some(Press::New));
+        let is_on_handle = (at.x - handle).abs() <= if is_touch { TOUCH_REACH } else { HANDLE };
+        let mut press = match kept {
+            None => Press::New,
+            Some(Press::New) => match (is_touch, is_on_handle) {
+                (_, true) => Press::Drag { offset: handle - at.x },
+                (false, false) => Press::Drag { offset: 0.0 },
+                (true, false) => Press::Undecided { from: at },
             },
-            Some(hold) => hold,
+            Some(press) => press,
         };
-        if let Hold::Undecided { from } = hold {
+        if let Press::Undecided { from } = press {
             let travel = (at - from).abs();
-            if travel.x >= TRAVEL && travel.x >= travel.y {
-                hold = Hold::Drag { offset: handle - at.x };
-            } else if travel.y >= TRAVEL {
-                hold = Hold::Scroll;
+            if travel.x >= DRAG_THRESHOLD && travel.x >= travel.y {
+                press = Press::Drag { offset: handle - at.x };
+            } else if travel.y >= DRAG_THRESHOLD {
+                press = Press::Scroll;
             }
         }
         if is_new && !is_touch {
             response.request_focus();
         }
-        ui.data_mut(|data| data.insert_temp(id, hold));
-        match hold {
-            Hold::New => {
+        ui.data_mut(|data| data.insert_temp(id, press));
+        match press {
+            Press::New => {
                 ui.ctx().request_repaint();
                 None
             }
-            Hold::Undecided { .. } => None,
-            Hold::Scroll => {
+            Press::Undecided { .. } => None,
+            Press::Scroll => {
                 let none = egui::style::ScrollAnimation::none();
                 ui.scroll_with_delta_animation(vec2(0.0, delta.y), none);
                 None
             }
-            // A handle that is only held stays where it is: the value keeps its last digit.
-            Hold::Drag { offset } => {
+            // A handle that is pressed but not moved stays where it is: the value keeps its last digit.
+            Press::Drag { offset } => {
                 (delta.x != 0.0 || (is_new && offset == 0.0)).then_some(at.x + offset)
             }
         }
@@ -186,16 +188,20 @@ impl Rail<'_> {
     }
 
     /// Share of the rail, 0 to 1, at which a value stands.
-    fn share(&self, value: f64) -> f32 {
+    fn fraction(&self, value: f64) -> f32 {
         let [low, high, value] = [*self.range.start(), *self.range.end(), value]
             .map(|v| if self.logarithmic { v.max(f64::MIN_POSITIVE).ln() } else { v });
         if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) as f32 } else { 0.0 }
     }
 
-    fn at(&self, share: f32) -> f64 {
+    fn value_at(&self, fraction: f32) -> f64 {
         let (low, high) = (*self.range.start(), *self.range.end());
-        let share = f64::from(share);
-        if self.logarithmic { low * (high / low).powf(share) } else { low + (high - low) * share }
+        let fraction = f64::from(fraction);
+        if self.logarithmic {
+            low * (high / low).powf(fraction)
+        } else {
+            low + (high - low) * fraction
+        }
     }
 
     fn describe(&self, response: &Response, value: f64) {

@@ -1,7 +1,7 @@
 //! `bench`: run time against error of all methods, as a table and a picture.
 
 use super::output::{self, File};
-use super::{Answer, Refused};
+use super::{ExitStatus, InputError};
 use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric, table};
 use crate::view::work_precision::draw;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ pub(super) struct Arguments {
     quick: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let folder = &arguments.out_dir;
     output::make_folder(folder)?;
     let plan = if arguments.quick { Plan::quick() } else { Plan::full() };
@@ -26,14 +26,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     let mut clock = || 1e3 * start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
     while let Some(more) =
-        study.advance(&mut clock).map_err(|error| output::refuse(Path::new("bench"), error))?
+        study.advance(&mut clock).map_err(|error| output::input_error(Path::new("bench"), error))?
     {
         rows.extend(more);
     }
-    let picture = draw(&rows, Case::Default).map_err(|error| output::refuse(folder, error))?;
+    let picture = draw(&rows, Case::Default).map_err(|error| output::input_error(folder, error))?;
     output::write_all(&[
         File::new(&folder.join("work_precision.csv"), table(&rows)),
         File::new(&folder.join("work_precision.svg"), picture),
     ])?;
-    Ok(Answer::Converged)
+    Ok(ExitStatus::Converged)
 }

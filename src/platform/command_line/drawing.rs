@@ -28,7 +28,7 @@ impl Kind {
 pub(super) struct Series {
     poisson_ratio: f64,
     /// Lines over the strains where the equilibrium is stable.
-    pub(super) stretches: Vec<Vec<(f64, f64)>>,
+    pub(super) branches: Vec<Vec<(f64, f64)>>,
     /// Measured by the paper's protocol.
     pub(super) points: Vec<(f64, f64)>,
     /// Where stability is lost.
@@ -37,7 +37,7 @@ pub(super) struct Series {
 
 impl Series {
     pub(super) fn new(poisson_ratio: f64) -> Self {
-        Self { poisson_ratio, stretches: Vec::new(), points: Vec::new(), lost: Vec::new() }
+        Self { poisson_ratio, branches: Vec::new(), points: Vec::new(), lost: Vec::new() }
     }
 }
 
@@ -123,8 +123,8 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
         plane.draw_series(LineSeries::new(chart.curve.iter().copied(), pen(CURVE, 9)))?;
     }
     for (series, colour) in series.iter().zip(COLOURS) {
-        for stretch in &series.stretches {
-            plane.draw_series(LineSeries::new(stretch.iter().copied(), pen(colour, 2)))?;
+        for branch in &series.branches {
+            plane.draw_series(LineSeries::new(branch.iter().copied(), pen(colour, 2)))?;
         }
         plane.draw_series(
             series.points.iter().map(|point| Circle::new(*point, FINE * 4, colour.filled())),
@@ -147,29 +147,29 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
 /// Two rows below the panels: the Poisson ratios, then what lines, points and marks are.
 fn draw_legend(area: &Area, chart: &Chart) -> Drawn {
     let text = font(17).color(&TEXT);
-    let say = |words: &str, x: i32, y: i32| area.draw_text(words, &text, at(x, y - 7));
+    let label = |words: &str, x: i32, y: i32| area.draw_text(words, &text, at(x, y - 7));
     let (first, second) = (14, 40);
-    say("Poisson ratio asked for:", 72, first)?;
+    label("Poisson ratio asked for:", 72, first)?;
     for (k, (series, colour)) in chart.panels[0].1.iter().zip(COLOURS).enumerate() {
         let x = 250 + 90 * k as i32;
         area.draw(&PathElement::new([at(x, first), at(x + 26, first)], pen(colour, 3)))?;
         area.draw(&Circle::new(at(x + 13, first), FINE * 4, colour.filled()))?;
-        say(&series.poisson_ratio.to_string(), x + 34, first)?;
+        label(&series.poisson_ratio.to_string(), x + 34, first)?;
     }
     let mut x = 72;
     if chart.kind == Kind::Stress {
         area.draw(&PathElement::new([at(x, second), at(x + 26, second)], pen(CURVE, 9)))?;
-        say(&format!("{} Ef", chart.tissue), x + 36, second)?;
+        label(&format!("{} Ef", chart.tissue), x + 36, second)?;
         x += 150;
     }
     area.draw(&PathElement::new([at(x, second), at(x + 26, second)], pen(TEXT, 2)))?;
-    say("stable equilibrium", x + 36, second)?;
+    label("stable equilibrium", x + 36, second)?;
     x += 190;
     area.draw(&Circle::new(at(x + 13, second), FINE * 4, TEXT.filled()))?;
-    say("paper's 15 000 iterations", x + 30, second)?;
+    label("paper's 15 000 iterations", x + 30, second)?;
     x += 230;
     area.draw(&Circle::new(at(x + 13, second), FINE * 7, pen(TEXT, 2)))?;
     area.draw(&Cross::new(at(x + 13, second), FINE * 4, pen(LOST, 2)))?;
-    say("stability lost", x + 30, second)?;
+    label("stability lost", x + 30, second)?;
     Ok(())
 }

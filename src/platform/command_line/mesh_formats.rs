@@ -2,9 +2,9 @@
 //!
 //! STL, OBJ and PLY have no unit: the numbers are mm. glTF is in metres with y up, as it demands.
 
-use super::Refused;
+use super::InputError;
 use super::mesh::Surface;
-use super::output::refuse;
+use super::output::input_error;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -18,14 +18,16 @@ pub(super) enum Format {
 
 impl Format {
     /// The format that a file's name asks for.
-    pub(super) fn of_file(path: &Path) -> Result<Self, Refused> {
+    pub(super) fn of_file(path: &Path) -> Result<Self, InputError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match extension.as_str() {
             "stl" => Ok(Self::Stl),
             "obj" => Ok(Self::Obj),
             "ply" => Ok(Self::Ply),
             "glb" => Ok(Self::Glb),
-            _ => Err(refuse(path, "--mesh: allowed: a name ending in .stl, .obj, .ply or .glb")),
+            _ => {
+                Err(input_error(path, "--mesh: allowed: a name ending in .stl, .obj, .ply or .glb"))
+            }
         }
     }
 

@@ -56,9 +56,9 @@ enum Command {
     Stress(stress::Arguments),
 }
 
-/// How a command that understood its input ended.
+/// How a command that understood its input outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Answer {
+enum ExitStatus {
     Converged,
     NotConverged,
 }
@@ -66,7 +66,7 @@ enum Answer {
 /// Bad input or an output that cannot be written: one line, exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-struct Refused(String);
+struct InputError(String);
 
 /// Reads a number in a range, ends included, for an option.
 fn in_range<T>(text: &str, least: T, most: T) -> Result<T, String>
@@ -86,16 +86,16 @@ const NOT_CONVERGED: u8 = 3;
 pub fn run() -> Next {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => return Next::Exit(explain(&error)),
+        Err(error) => return Next::Exit(report_usage(&error)),
     };
     let Some(command) = arguments.command else {
         if cfg!(feature = "app") {
             return Next::OpenApp;
         }
-        output::complain("no command, and this build has no window; allowed: see --help");
+        output::error("no command, and this build has no window; allowed: see --help");
         return Next::Exit(ExitCode::from(BAD_INPUT));
     };
-    Next::Exit(finish(guarded(|| match command {
+    Next::Exit(exit_code(catch_panic(|| match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(arguments) => charts::run(&arguments),
@@ -106,30 +106,32 @@ pub fn run() -> Next {
 }
 
 /// Catches panics and reports them in one line.
-fn guarded(command: impl FnOnce() -> Result<Answer, Refused>) -> Option<Result<Answer, Refused>> {
+fn catch_panic(
+    command: impl FnOnce() -> Result<ExitStatus, InputError>,
+) -> Option<Result<ExitStatus, InputError>> {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::complain(&format!("a defect in the program at {place}; nothing was written"));
+        output::error(&format!("a defect in the program at {place}; nothing was written"));
     }));
-    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
     drop(std::panic::take_hook());
-    ended
+    outcome
 }
 
-fn finish(ended: Option<Result<Answer, Refused>>) -> ExitCode {
-    match ended {
-        Some(Ok(Answer::Converged)) => ExitCode::SUCCESS,
-        Some(Ok(Answer::NotConverged)) => ExitCode::from(NOT_CONVERGED),
+fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {
+    match outcome {
+        Some(Ok(ExitStatus::Converged)) => ExitCode::SUCCESS,
+        Some(Ok(ExitStatus::NotConverged)) => ExitCode::from(NOT_CONVERGED),
         None => ExitCode::from(DEFECT),
-        Some(Err(refused)) => {
-            output::complain(&refused.to_string());
+        Some(Err(error)) => {
+            output::error(&error.to_string());
             ExitCode::from(BAD_INPUT)
         }
     }
 }
 
 /// Help and version as they are; a wrong argument in one line.
-fn explain(error: &clap::Error) -> ExitCode {
+fn report_usage(error: &clap::Error) -> ExitCode {
     use clap::error::ErrorKind;
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         // A closed pipe is no reason to complain.
@@ -137,8 +139,9 @@ fn explain(error: &clap::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let text = error.to_string();
-    let said: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-    output::complain(said.join(" ").trim_start_matches("error: "));
+    let lines: Vec<&str> =
+        text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    output::error(lines.join(" ").trim_start_matches("error: "));
     ExitCode::from(BAD_INPUT)
 }
 
@@ -149,11 +152,11 @@ mod tests {
     #[test]
     fn a_defect_does_not_end_like_a_solve_that_has_not_converged() {
         let hook = std::panic::take_hook();
-        let ended = guarded(|| panic!("a defect"));
+        let outcome = catch_panic(|| panic!("a defect"));
         std::panic::set_hook(hook);
-        assert!(ended.is_none());
-        let code = |ended| format!("{:?}", finish(ended));
+        assert!(outcome.is_none());
+        let code = |outcome| format!("{:?}", exit_code(outcome));
         assert_eq!(code(None), format!("{:?}", ExitCode::from(1)));
-        assert_ne!(code(None), code(Some(Ok(Answer::NotConverged))));
+        assert_ne!(code(None), code(Some(Ok(ExitStatus::NotConverged))));
     }
 }

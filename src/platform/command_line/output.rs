@@ -1,6 +1,6 @@
 //! Writing: whole files or none, standard output, and the one line on standard error.
 
-use super::Refused;
+use super::InputError;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -23,21 +23,21 @@ impl File {
 
 /// Says one line on standard error.
 #[allow(clippy::print_stderr)] // the command line is where the program speaks
-pub(super) fn complain(line: &str) {
+pub(super) fn error(line: &str) {
     eprintln!("error: {line}");
 }
 
 /// Says a remark on standard error.
 #[allow(clippy::print_stderr)] // the command line is where the program speaks
-pub(super) fn remark(line: &str) {
+pub(super) fn warn(line: &str) {
     eprintln!("note: {line}");
 }
 
-pub(super) fn refuse(path: &Path, problem: impl std::fmt::Display) -> Refused {
+pub(super) fn input_error(path: &Path, error: impl std::fmt::Display) -> InputError {
     if is_standard(path) {
-        return Refused(format!("standard input: {problem}"));
+        return InputError(format!("standard input: {error}"));
     }
-    Refused(format!("{}: {problem}", path.display()))
+    InputError(format!("{}: {error}", path.display()))
 }
 
 pub(super) fn is_standard(path: &Path) -> bool {
@@ -45,35 +45,36 @@ pub(super) fn is_standard(path: &Path) -> bool {
 }
 
 /// Checks, before anything is computed, that a file can stand here.
-pub(super) fn check_place(path: &Path) -> Result<(), Refused> {
+pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
     if is_standard(path) {
         return Ok(());
     }
     if path.is_dir() || path.file_name().is_none() {
-        return Err(refuse(path, "is a folder; allowed: the name of a file"));
+        return Err(input_error(path, "is a folder; allowed: the name of a file"));
     }
     let folder = folder_of(path);
     if !folder.is_dir() {
-        return Err(refuse(path, format!("the folder {} does not exist", folder.display())));
+        return Err(input_error(path, format!("the folder {} does not exist", folder.display())));
     }
     Ok(())
 }
 
 /// Makes a folder for outputs, before anything is computed.
-pub(super) fn make_folder(folder: &Path) -> Result<(), Refused> {
+pub(super) fn make_folder(folder: &Path) -> Result<(), InputError> {
     if folder.exists() && !folder.is_dir() {
-        return Err(refuse(folder, "is a file; allowed: a folder"));
+        return Err(input_error(folder, "is a file; allowed: a folder"));
     }
-    fs::create_dir_all(folder).map_err(|error| refuse(folder, format!("cannot be made: {error}")))
+    fs::create_dir_all(folder)
+        .map_err(|error| input_error(folder, format!("cannot be made: {error}")))
 }
 
 /// Do two names mean the same file, or both standard output?
-pub(super) fn is_same_place(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| match path.canonicalize() {
+pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| match path.canonicalize() {
         Ok(found) => Some(found),
         Err(_) => Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?)),
     };
-    a == b || !is_standard(a) && !is_standard(b) && place(a) == place(b)
+    a == b || !is_standard(a) && !is_standard(b) && resolved(a) == resolved(b)
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -86,9 +87,9 @@ fn folder_of(path: &Path) -> &Path {
 
 /// Writes all files or none: first under temporary names, then renamed. What is no regular file (a
 /// device, a pipe) cannot be replaced: it is written straight, after those. `-` is written last.
-pub(super) fn write_all(files: &[File]) -> Result<(), Refused> {
-    let mut waiting: Vec<(PathBuf, PathBuf)> = Vec::new();
-    let mut problem = None;
+pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
+    let mut pending: Vec<(PathBuf, PathBuf)> = Vec::new();
+    let mut failure = None;
     let is_special = |file: &File| {
         !is_standard(&file.path) && fs::metadata(&file.path).is_ok_and(|found| !found.is_file())
     };
@@ -98,31 +99,31 @@ pub(super) fn write_all(files: &[File]) -> Result<(), Refused> {
         let path = file.path.canonicalize().unwrap_or_else(|_| file.path.clone());
         let name = format!(".implant-preview-{}-{index}.part", std::process::id());
         let temporary = folder_of(&path).join(name);
-        waiting.push((temporary.clone(), path));
+        pending.push((temporary.clone(), path));
         if let Err(error) = write_durably(&temporary, &file.content) {
-            problem = Some(refuse(&file.path, format!("cannot be written: {error}")));
+            failure = Some(input_error(&file.path, format!("cannot be written: {error}")));
             break;
         }
     }
-    for (temporary, path) in &waiting {
-        if problem.is_none() {
-            problem = fs::rename(temporary, path)
+    for (temporary, path) in &pending {
+        if failure.is_none() {
+            failure = fs::rename(temporary, path)
                 .err()
-                .map(|error| refuse(path, format!("cannot be written: {error}")));
+                .map(|error| input_error(path, format!("cannot be written: {error}")));
         }
-        if problem.is_some() {
-            // Best effort: the complaint about the first problem is what matters.
+        if failure.is_some() {
+            // Best effort: the first failure is the one to report.
             let _ = fs::remove_file(temporary);
         }
     }
-    if let Some(problem) = problem {
-        return Err(problem);
+    if let Some(failure) = failure {
+        return Err(failure);
     }
     for file in files.iter().filter(|file| is_special(file)) {
         let written = fs::OpenOptions::new().write(true).open(&file.path);
         written
-            .and_then(|mut place| place.write_all(&file.content))
-            .map_err(|error| refuse(&file.path, format!("cannot be written: {error}")))?;
+            .and_then(|mut special| special.write_all(&file.content))
+            .map_err(|error| input_error(&file.path, format!("cannot be written: {error}")))?;
     }
     files.iter().filter(|file| is_standard(&file.path)).try_for_each(|file| print(&file.content))
 }
@@ -133,12 +134,12 @@ fn write_durably(path: &Path, content: &[u8]) -> std::io::Result<()> {
     file.sync_all()
 }
 
-fn print(content: &[u8]) -> Result<(), Refused> {
+fn print(content: &[u8]) -> Result<(), InputError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(content).and_then(|()| out.flush()) {
         // A reader that has seen enough (`| head`) is no error.
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Refused(format!("standard output: cannot be written: {error}")))
+            Err(InputError(format!("standard output: cannot be written: {error}")))
         }
         _ => Ok(()),
     }

@@ -3,7 +3,7 @@
 use super::mesh::Surface;
 use super::mesh_formats::Format;
 use super::output::{self, File, number};
-use super::{Answer, Refused, input};
+use super::{ExitStatus, InputError, input};
 use crate::measure::{Outcome, Status, fields, surfaces};
 use crate::scene::{Scene, read};
 use crate::solve::{Progress, Solver};
@@ -27,28 +27,30 @@ pub(super) struct Arguments {
     profile: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let format = arguments.mesh.as_deref().map(Format::of_file).transpose()?;
-    check_places(arguments)?;
+    check_paths(arguments)?;
     let mut scenes = Vec::new();
     for path in &arguments.scenes {
         scenes.extend(read_scenes(path)?);
     }
     if scenes.len() != 1 && (arguments.mesh.is_some() || arguments.profile.is_some()) {
         let count = scenes.len();
-        return Err(Refused(format!("--mesh and --profile: {count} scenes; allowed: one scene")));
+        return Err(InputError(format!(
+            "--mesh and --profile: {count} scenes; allowed: one scene"
+        )));
     }
-    let wants_surface = format.is_some();
+    let needs_surface = format.is_some();
     let solved: Vec<(Outcome, Option<Surface>)> =
-        scenes.par_iter().map(|scene| solve(scene, wants_surface)).collect::<Result<_, _>>()?;
+        scenes.par_iter().map(|scene| solve(scene, needs_surface)).collect::<Result<_, _>>()?;
     let files = outputs(arguments, format, &solved)?;
     output::write_all(&files)?;
     let all_converged = solved.iter().all(|(outcome, _)| outcome.status == Status::Converged);
-    Ok(if all_converged { Answer::Converged } else { Answer::NotConverged })
+    Ok(if all_converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }
 
 /// Every output has its own place, none of them an input.
-fn check_places(arguments: &Arguments) -> Result<(), Refused> {
+fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
     let outputs: Vec<&Path> =
         [Some(&arguments.out), arguments.mesh.as_ref(), arguments.profile.as_ref()]
             .into_iter()
@@ -56,43 +58,46 @@ fn check_places(arguments: &Arguments) -> Result<(), Refused> {
             .map(PathBuf::as_path)
             .collect();
     for (k, path) in outputs.iter().enumerate() {
-        output::check_place(path)?;
-        if outputs[..k].iter().any(|other| output::is_same_place(other, path)) {
+        output::check_path(path)?;
+        if outputs[..k].iter().any(|other| output::is_same_file(other, path)) {
             let place = if output::is_standard(path) {
                 "standard output".to_owned()
             } else {
                 path.display().to_string()
             };
-            return Err(Refused(format!("{place}: is named for two outputs; allowed: one each")));
+            return Err(InputError(format!(
+                "{place}: is named for two outputs; allowed: one each"
+            )));
         }
         let is_input = |scene: &PathBuf| {
-            let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
-            same(scene, path) == Some(true)
+            let same_file =
+                |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+            same_file(scene, path) == Some(true)
         };
         if !output::is_standard(path) && arguments.scenes.iter().any(is_input) {
-            return Err(output::refuse(path, "is a scene to read; allowed: another file"));
+            return Err(output::input_error(path, "is a scene to read; allowed: another file"));
         }
     }
     Ok(())
 }
 
 /// Reads a scene, or one scene a line.
-fn read_scenes(path: &Path) -> Result<Vec<Scene>, Refused> {
+fn read_scenes(path: &Path) -> Result<Vec<Scene>, InputError> {
     let bytes = input::read(path, read::MAX_LINES_BYTES)?;
     // JSON lines by the file's name; `read` also knows them by their first line.
     let is_lines = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
-    read::scenes(&bytes, is_lines).map_err(|error| output::refuse(path, error))
+    read::scenes(&bytes, is_lines).map_err(|error| output::input_error(path, error))
 }
 
-fn solve(scene: &Scene, wants_surface: bool) -> Result<(Outcome, Option<Surface>), Refused> {
+fn solve(scene: &Scene, needs_surface: bool) -> Result<(Outcome, Option<Surface>), InputError> {
     let start = Instant::now();
-    let problem = scene.problem().map_err(|error| Refused(error.to_string()))?;
+    let problem = scene.problem().map_err(|error| InputError(error.to_string()))?;
     let mut solver = Solver::new(problem);
     while solver.advance(&mut || false) == Progress::Working {}
     let time_ms = start.elapsed().as_secs_f64() * 1000.0;
     let mut outcome = scene.measure(&solver);
     outcome.solver.time_ms = Some(time_ms);
-    let surface = (wants_surface && outcome.status != Status::Unstable).then(|| {
+    let surface = (needs_surface && outcome.status != Status::Unstable).then(|| {
         let sheet = &solver.problem().sheet;
         Surface::new(&surfaces(sheet, solver.positions(), fields(&solver).stack()))
     });
@@ -104,7 +109,7 @@ fn outputs(
     arguments: &Arguments,
     format: Option<Format>,
     solved: &[(Outcome, Option<Surface>)],
-) -> Result<Vec<File>, Refused> {
+) -> Result<Vec<File>, InputError> {
     let mut text = String::new();
     for (outcome, _) in solved {
         let json = if solved.len() == 1 {
@@ -112,7 +117,7 @@ fn outputs(
         } else {
             serde_json::to_string(outcome)
         };
-        text += &json.map_err(|error| Refused(format!("result: {error}")))?;
+        text += &json.map_err(|error| InputError(format!("result: {error}")))?;
         text.push('\n');
     }
     let mut files = vec![File::new(&arguments.out, text)];
@@ -120,7 +125,7 @@ fn outputs(
         if let (Some(path), Some(format)) = (&arguments.mesh, format) {
             match surface {
                 Some(surface) => files.push(File::new(path, format.encode(surface))),
-                None => output::remark(&format!(
+                None => output::warn(&format!(
                     "{}: not written: {}",
                     path.display(),
                     outcome.warnings.first().map_or("there is no shape", String::as_str)

@@ -1,7 +1,7 @@
 //! `stability`: where an evenly stretched sheet is stable, as a table and a map for each curve.
 
 use super::output::{self, File, number};
-use super::{Answer, Refused};
+use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
 use crate::experiment::stability::{Point, row};
 use crate::scene::limits;
@@ -43,7 +43,7 @@ struct Mapped {
     points: Vec<Point>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let folder = &arguments.out_dir;
     output::make_folder(folder)?;
     let steps = |count: u32, end: f64| -> Vec<f64> {
@@ -67,18 +67,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
             panels: Load::ALL.map(|load| (load, of(Springs::Nikolaev, load))),
             note: coupled_note(&Load::ALL.map(|load| of(Springs::Coupled, load)).concat()),
         };
-        let picture = draw(&map).map_err(|error| output::refuse(folder, error))?;
+        let picture = draw(&map).map_err(|error| output::input_error(folder, error))?;
         files.push(File::new(&folder.join(format!("stability-{curve}.svg")), picture));
     }
     output::write_all(&files)?;
-    Ok(Answer::Converged)
+    Ok(ExitStatus::Converged)
 }
 
-fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, Refused> {
+fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, InputError> {
     let mut maps = Vec::new();
     for springs in [Springs::Nikolaev, Springs::Coupled] {
         for (name, spec) in &CURVES {
-            let curve = Curve::new(spec).map_err(|error| output::refuse(Path::new(name), error))?;
+            let curve =
+                Curve::new(spec).map_err(|error| output::input_error(Path::new(name), error))?;
             maps.extend(Load::ALL.map(|load| (springs, *name, curve.clone(), load)));
         }
     }

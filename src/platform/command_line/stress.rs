@@ -1,7 +1,7 @@
 //! `stress`: random scenes and sessions, and what came of them.
 
 use super::output::{self, File, STANDARD};
-use super::{Answer, Refused, in_range};
+use super::{ExitStatus, InputError, in_range};
 use crate::experiment::stress::{Case, Summary, run as run_case};
 use crate::scene::limits;
 use rayon::prelude::*;
@@ -38,14 +38,14 @@ fn most_nodes(text: &str) -> Result<usize, String> {
     in_range(text, limits::NODES_PER_SIDE.0, MOST_NODES)
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let &Arguments { cases, seed, most_nodes, ref out } = arguments;
-    output::check_place(out)?;
+    output::check_path(out)?;
     let cases: Vec<Case> =
         (0..cases).into_par_iter().map(|case| run_case(seed, case, most_nodes)).collect();
     let summary = Summary::new(seed, &cases);
     let text = serde_json::to_string_pretty(&summary)
-        .map_err(|error| output::refuse(Path::new("stress"), error))?;
+        .map_err(|error| output::input_error(Path::new("stress"), error))?;
     output::write_all(&[File::new(out, text + "\n")])?;
-    Ok(if summary.failures.is_empty() { Answer::Converged } else { Answer::NotConverged })
+    Ok(if summary.failures.is_empty() { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }
