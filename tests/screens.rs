@@ -503,7 +503,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
     let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
     let before = scene(&harness);
     type_into(&mut harness, "Position across (mm)", "25");
-    harness.get_by_label("Not taken: 15 mm is the most in this pocket");
+    harness.get_by_label("Not taken: at most 15 mm in this pocket");
     assert_eq!(scene(&harness), before);
     let offer = "Enlarge the pocket to a radius of 80 mm";
     harness.get_by_role_and_label(Role::Button, offer).click();
@@ -525,7 +525,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
         (scene(&harness).pocket_radius_mm, scene(&harness).implant.center_mm),
         (70.0, [15.0, 0.0])
     );
-    harness.get_by_label_contains("15 mm is the most in this pocket");
+    harness.get_by_label_contains("at most 15 mm in this pocket");
 }
 
 #[test]
@@ -816,7 +816,7 @@ fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
     assert!(!harness.state().session().is_working());
     assert_eq!(harness.state().outcome(), None);
     assert!(harness.state().summary().starts_with("Stopped"));
-    harness.get_by_role_and_label(Role::Button, "Compute it").click();
+    harness.get_by_role_and_label(Role::Button, "Continue computing").click();
     (0..3).for_each(|_| harness.step());
     assert!(harness.state().session().is_working());
 }

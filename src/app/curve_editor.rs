@@ -2,10 +2,10 @@
 
 use super::theme::SPACE;
 use super::widgets::{
-    Control, Kind, NumberField, button_if, choice, rejection_label, set_accessible_name,
+    Control, Kind, NumberField, button_if, choice, labelled_box, rejection_label,
 };
 use crate::curve::{Curve, CurveSpec, Interpolation};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Ui};
 
 /// What a marked point may be: strain \[-\] and stress \[kPa\].
 const MAX_POINT: [f64; 2] = [10.0, 1e7];
@@ -58,23 +58,16 @@ fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
 
 /// Edits a curve in place. What is refused is not taken over, and said below the table.
 pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
-    let label =
-        ui.label(RichText::new("Stress–strain curve").color(ui.visuals().weak_text_color()));
     let present = kind(spec);
-    let response = egui::ComboBox::from_id_salt("curve")
-        .width(ui.available_width() - SPACE)
-        .selected_text(present.map_or("Sections (from a file)", |k| KINDS[k].0))
-        .show_ui(ui, |ui| {
-            for (k, (name, tooltip)) in KINDS.iter().enumerate() {
-                let choice = choice(ui, present == Some(k), *name);
-                if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
-                    *spec = converted(spec, k);
-                }
+    let selected = present.map_or("Sections (from a file)", |k| KINDS[k].0);
+    let response = labelled_box(ui, "Stress–strain curve", selected, |ui| {
+        for (k, (name, tooltip)) in KINDS.iter().enumerate() {
+            let choice = choice(ui, present == Some(k), *name);
+            if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
+                *spec = converted(spec, k);
             }
-        })
-        .response
-        .labelled_by(label.id);
-    set_accessible_name(&response, egui::Role::ComboBox, "Stress–strain curve");
+        }
+    });
     response.on_hover_text("Nominal stress against engineering strain, as measured");
     match spec {
         CurveSpec::Linear { modulus_kpa } => {

@@ -53,6 +53,24 @@ pub(super) fn button_if(ui: &mut Ui, is_able: bool, text: &str, name: &str, tip:
     is_able && is_pressed
 }
 
+/// A drop-down box of full width under its label; `add` shows the choices.
+pub(super) fn labelled_box(
+    ui: &mut Ui,
+    label: &str,
+    selected: &str,
+    add: impl FnOnce(&mut Ui),
+) -> Response {
+    let text = ui.label(RichText::new(label).color(ui.visuals().weak_text_color()));
+    let response = egui::ComboBox::from_id_salt(label)
+        .width(ui.available_width() - SPACE)
+        .selected_text(selected)
+        .show_ui(ui, add)
+        .response
+        .labelled_by(text.id);
+    set_accessible_name(&response, egui::Role::ComboBox, label);
+    response
+}
+
 /// One of the choices of a box, which closes when it is taken, by a key too.
 pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::WidgetText>) -> Response {
     let response = ui.selectable_label(is_present, text.into());
