@@ -16,9 +16,9 @@ fn main() -> std::process::ExitCode {
     }
     #[cfg(feature = "app")]
     if let Err(error) = implant_preview::platform::native::run() {
-        #[expect(clippy::print_stderr, reason = "there is no window to say it in")]
+        #[expect(clippy::print_stderr, reason = "without a window, standard error is left")]
         {
-            eprintln!("implant-preview: no window: {error}");
+            eprintln!("implant-preview: the window cannot be opened: {error}");
         }
         return std::process::ExitCode::FAILURE;
     }

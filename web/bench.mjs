@@ -57,7 +57,7 @@ function timeText(ms) {
 function showTimes(times) {
   const grids = [...new Set(times.map((time) => time.nodes_per_side))];
   const head = document.createElement("tr");
-  head.append(makeElement("th", "nodes a side", { scope: "col" }));
+  head.append(makeElement("th", "nodes per side", { scope: "col" }));
   head.append(...grids.map((grid) => makeElement("th", grid, { scope: "col" })));
   element("grids").replaceChildren(head);
   const known = Object.keys(METHODS).filter((name) => times.some((time) => time.method === name));
@@ -78,7 +78,7 @@ function showScene(name) {
   const { svg, times } = measured.get(name);
   const picture = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement;
   picture.setAttribute("role", "img");
-  picture.setAttribute("aria-label", `Run time against error, scene ${name}; the times are in the table`);
+  picture.setAttribute("aria-label", `Run time against error, scene ${name}; the table below lists the times`);
   element("picture").replaceChildren(document.adoptNode(picture));
   showTimes(times);
   element("scene").value = name;
@@ -90,7 +90,7 @@ function showProgress() {
   element("progress").max = all;
   element("progress").value = done;
   element("now").textContent = next
-    ? `${done + 1} of ${all}: ${METHODS[next.method]}; ${next.nodes_per_side} nodes a side; scene ${next.scene}`
+    ? `${done + 1} of ${all}: ${METHODS[next.method]}; ${next.nodes_per_side} nodes per side; scene ${next.scene}`
     : "";
 }
 
@@ -128,12 +128,12 @@ function hear({ data }) {
   }
   switch (data.type) {
     case "warming":
-      element("state").textContent = "Warming up, for code gets quicker once it has run for a while…";
+      element("state").textContent = "Warming up: browsers optimise code that has run for some time…";
       break;
     case "begun":
       clockStep = data.clockStep;
-      element("clock").textContent = `; its clock goes in steps of ${Number(clockStep.toPrecision(2))} ms`;
-      element("state").textContent = "Measuring; other work on this machine makes the times longer.";
+      element("clock").textContent = `; clock resolution ${Number(clockStep.toPrecision(2))} ms`;
+      element("state").textContent = "Measuring. Other programs on this machine make the times longer.";
       break;
     case "piece":
       showPiece(data);
@@ -165,7 +165,7 @@ function start() {
   worker = new Worker(new URL("bench_worker.mjs", import.meta.url), { type: "module" });
   worker.onmessage = hear;
   // A script that cannot be loaded gives no message.
-  worker.onerror = (event) => fail(event.message ?? "its program could not be loaded");
+  worker.onerror = (event) => fail(event.message ?? "the program could not be loaded");
   worker.postMessage(JSON.stringify(options));
 }
 
@@ -179,7 +179,7 @@ element("form").onsubmit = (event) => {
   event.preventDefault();
   if (!worker) return start();
   const done = progress ? `${progress.done} of ${progress.all}` : "none";
-  end(`Stopped; measured: ${done}.`);
+  end(`Stopped. Measured: ${done}.`);
 };
 element("scene").onchange = (event) => showScene(event.target.value);
 element("save-table").onclick = () => save(csv, "text/csv", "work_precision.csv");

@@ -48,11 +48,11 @@ globalThis.implantPreviewKept = () => reopened;
 function fateOf(scene) {
   if (scene === null) return "";
   if (scene === reopened) {
-    return "This scene has stopped it twice: after a reload the preview opens on its default scene. Save this one if you need it.";
+    return "The preview has stopped twice with this scene. After a reload it opens the default scene; save this scene if you need it.";
   }
   return keep(scene)
-    ? "After a reload the preview opens on the scene it had."
-    : "This browser keeps nothing for the reload: save the scene first.";
+    ? "After a reload the preview opens this scene again."
+    : "This browser cannot keep the scene for a reload: save the scene first.";
 }
 
 // The app's panic hook calls this, and so does a start that failed. The first message is the

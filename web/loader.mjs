@@ -12,10 +12,10 @@ const SIMD_MODULE = new Uint8Array([
 ]);
 
 function missingFeature() {
-  if (typeof WebAssembly !== "object") return "It has no WebAssembly.";
-  if (!WebAssembly.validate(SIMD_MODULE)) return "Its WebAssembly has no SIMD instructions.";
+  if (typeof WebAssembly !== "object") return "WebAssembly is not supported.";
+  if (!WebAssembly.validate(SIMD_MODULE)) return "WebAssembly SIMD instructions are not supported.";
   if (!document.createElement("canvas").getContext("webgl2")) {
-    return "WebGL 2 is missing or switched off.";
+    return "WebGL 2 is not supported or turned off.";
   }
   return null;
 }

@@ -12,12 +12,12 @@ const MAX_POINT: [f64; 2] = [10.0, 1e7];
 
 /// The kinds that can be made here; sections come from a scene file.
 const KINDS: [(&str, &str); 6] = [
-    ("Skin preset", "Slope 100 kPa to strain 0.4, stiffening to 1000 kPa at 0.7"),
+    ("Skin preset", "Modulus 100 kPa up to strain 0.4, rising to 1000 kPa at 0.7"),
     ("Adipose preset", "0.4 kPa · atan(7.5 ε): initial modulus 3 kPa"),
     ("Linear", "Young's modulus"),
     ("Arctangent", "scale · atan(rate · ε)"),
     ("Exponential (Fung)", "scale · (exp(rate · ε) − 1)"),
-    ("Measured points", "Marked points joined by lines or a monotone spline"),
+    ("Measured points", "Points joined by straight lines or a monotone spline"),
 ];
 
 fn kind(spec: &CurveSpec) -> Option<usize> {
@@ -110,7 +110,7 @@ fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: std::ops::RangeInclusiv
         decimals: 2,
         step: 0.0,
         logarithmic: true,
-        tooltip: "How fast the curve bends with strain.",
+        tooltip: "How quickly the slope changes with strain.",
         ..Control::default()
     }
     .show(ui, value);
@@ -172,14 +172,19 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
     });
     rejections.iter().for_each(|reason| rejection_label(ui, reason));
     ui.small(
-        "The curve goes through the points; between them it is joined as chosen above, which may \
-              differ a little from the curve that they were taken from.",
+        "The curve passes through the points. Between the points it follows the lines or the spline \
+         chosen above and may differ slightly from the original curve.",
     );
     if let Some(k) = remove {
         table.remove(k);
     }
-    if button_if(ui, true, "Add point", "Add point", "Goes on as a line from the last two")
-        && let [.., [e0, s0], [e1, s1]] = table[..]
+    if button_if(
+        ui,
+        true,
+        "Add point",
+        "Add point",
+        "Add a point on the line through the last two points",
+    ) && let [.., [e0, s0], [e1, s1]] = table[..]
         && e1 < 9.0
         && e1 > e0
     {
@@ -189,23 +194,19 @@ fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Inte
         Some((k, axis)) => {
             let (name, unit) = [("strain", ""), ("stress", " kPa")][axis];
             let value = |k: usize| super::widgets::quantity::format(table[k][axis], 0);
-            rejection_label(
-                ui,
-                &format!(
-                    "the {name} of point {}, {}{unit}, must be above that of the point before it, \
-                     {}{unit}. Until then the curve stays as it was.",
-                    k + 1,
-                    value(k),
-                    value(k - 1),
-                ),
+            let (point, here, before) = (k + 1, value(k), value(k - 1));
+            let reason = format!(
+                "the {name} of point {point} ({here}{unit}) must be greater than that of point {k} \
+                 ({before}{unit}). Until then the curve is unchanged."
             );
+            rejection_label(ui, &reason);
         }
         None if table != *points => {
             let spec = CurveSpec::Points { points: table.clone(), interpolation: *interpolation };
             match Curve::new(&spec) {
                 Ok(_) => points.clone_from(&table),
                 Err(error) => {
-                    rejection_label(ui, &format!("{error}. Until then the curve stays as it was."));
+                    rejection_label(ui, &format!("{error}. Until then the curve is unchanged."));
                 }
             }
         }

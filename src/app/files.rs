@@ -53,7 +53,7 @@ impl Files {
             let name = file.file_name();
             Some(match file.write(text.as_bytes()).await {
                 Ok(()) => FileEvent::Saved(name),
-                Err(error) => FileEvent::Failed(format!("{name}: not saved: {error}")),
+                Err(error) => FileEvent::Failed(format!("{name} was not saved: {error}")),
             })
         });
     }
@@ -65,7 +65,7 @@ impl Files {
         let name = name.to_owned();
         let event = match download(&name, &text) {
             Ok(()) => FileEvent::Saved(name),
-            Err(error) => FileEvent::Failed(format!("{name}: not saved: {error:?}")),
+            Err(error) => FileEvent::Failed(format!("{name} was not saved: {error:?}")),
         };
         // The receiver is in this very struct.
         let _ = self.sender.send(event);
@@ -136,14 +136,14 @@ fn download(name: &str, text: &str) -> Result<(), wasm_bindgen::JsValue> {
 fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     let bytes = match bytes {
         Ok(bytes) => bytes,
-        Err(error) => return FileEvent::Failed(format!("{name}: not read: {error}")),
+        Err(error) => return FileEvent::Failed(format!("{name} cannot be read: {error}")),
     };
     if bytes.len() > MAX_SCENE_BYTES {
         let megabytes = bytes.len() / 1_000_000;
-        return FileEvent::Failed(format!("{name} is {megabytes} MB long; allowed: to 10 MB"));
+        return FileEvent::Failed(format!("{name} has {megabytes} MB; allowed: up to 10 MB"));
     }
     match String::from_utf8(bytes) {
         Ok(text) => FileEvent::Opened { name, text },
-        Err(_) => FileEvent::Failed(format!("{name} is not a text file; allowed: scene JSON")),
+        Err(_) => FileEvent::Failed(format!("{name} is not a text file; allowed: a scene (JSON)")),
     }
 }

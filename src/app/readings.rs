@@ -27,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, previous: PreviousResults) {
         return;
     };
     if outcome.status == Status::Unstable {
-        ui.label("There is no stable shape in this scene, so there is nothing to read off.");
+        ui.label("This scene has no stable shape, so there are no results.");
         return;
     }
     warnings(ui, session.result());
@@ -81,8 +81,8 @@ fn shape(ui: &mut Ui, outcome: &Outcome) {
         });
         hint(
             ui,
-            "This is the geometric gain at once. Of an expander's geometric gain only about 35 % \
-             was realised in vivo.",
+            "Geometric gain directly after insertion. With tissue expanders about 35 % of the geometric \
+             gain was realised in vivo.",
         );
     });
 }
@@ -101,13 +101,13 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
             if let Some(most) = mmhg.map(|p| p.max) {
                 band_row(ui, pressure_band(most), pressure_word(most));
             }
-            row(ui, error, "Contact ends at", outcome.contact_angle_deg, 1, "°");
-            row(ui, error, "Tissue touches out to", outcome.contact_material_radius_mm, 1, "mm");
+            row(ui, error, "Contact angle", outcome.contact_angle_deg, 1, "°");
+            row(ui, error, "Contact radius, at rest", outcome.contact_material_radius_mm, 1, "mm");
         });
         hint(
             ui,
-            "30–60 mmHg was measured right after clinical filling of expanders. One pig study saw \
-             blood flow near zero above 80 mmHg, another only a moderate drop at 100 mmHg.",
+            "In patients, 30–60 mmHg was measured directly after filling an expander. In one study of \
+             pigs blood flow was near zero above 80 mmHg; in another it fell only moderately at 100 mmHg.",
         );
     });
 }
@@ -137,13 +137,13 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
         });
         hint(
             ui,
-            "Stress is of tissue stretched both ways, as over an implant: higher than the curve's at the \
-             same strain, which is measured stretching one way.",
+            "These stresses are for biaxial stretch, as over an implant. They are higher than the \
+             curve's at the same strain, because the curve is measured under uniaxial stretch.",
         );
         hint(
             ui,
             &format!(
-                "Strains below {high:.0} % are usual, {high:.0}–{very_high:.0} % high; excised back \
+                "Strains below {high:.0} % are usual, {high:.0}–{very_high:.0} % are high. Excised back \
                  skin failed at {failure:.0} ± 17 %.",
             ),
         );

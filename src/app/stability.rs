@@ -18,36 +18,42 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
     let palette = theme::palette(ui.visuals());
     let first = Load::ALL.iter().filter_map(|&load| limits.first_loss(load)).reduce(f64::min);
     let Some(first) = first else {
-        ui.small("An evenly stretched sheet of these layers is stable at every strain to 100 %.");
+        ui.small(
+            "With these springs, uniformly stretched tissue is stable at all strains up to 100 %.",
+        );
         return;
     };
     ui.add_space(SPACE_SMALL);
-    let words = format!("No stable even shape, first at {:.0} % strain", 100.0 * first);
+    let words = format!("Springs unstable, first at {:.0} % strain", 100.0 * first);
     ui.label(RichText::new(words).strong().color(palette.caution));
     ui.small(
-        "Evenly stretched, these layers give way under these springs at the strains marked below. \
-         An implant that stretches much of the tissue so far may get no result.",
+        "With these springs, uniformly stretched tissue is unstable at the strains marked below. A \
+         scene in which much of the tissue has such strains may have no result.",
     );
     for load in Load::ALL {
         strip(ui, load, limits.of(load), greatest_strain);
     }
     axis(ui);
     ui.horizontal_wrapped(|ui| {
-        for (words, color) in
-            [("thin: stable", palette.accent), ("thick: no stable shape", palette.bad)]
-        {
+        for (words, color) in [("thin: stable", palette.accent), ("thick: unstable", palette.bad)] {
             ui.label(RichText::new(words).small().color(color));
         }
     });
     // The row is always there, so that nothing moves under the pointer when a result comes.
     ui.small(greatest_strain.map_or_else(
-        || "upright line: greatest strain, once there is a shape".to_owned(),
+        || "vertical line: greatest strain, not yet computed".to_owned(),
         |greatest_strain| {
-            format!("upright line: greatest strain now, {:.0} %", 100.0 * greatest_strain)
+            format!(
+                "vertical line: greatest strain in this scene, {:.0} %",
+                100.0 * greatest_strain
+            )
         },
     ));
     let button = ui.button("Switch to coupled springs");
-    if button.on_hover_text("They are stable at every strain, with the same curves").clicked() {
+    if button
+        .on_hover_text("Coupled springs use the same curves and are stable at all strains")
+        .clicked()
+    {
         scene.springs = Springs::Coupled;
     }
     ui.add_space(SPACE_SMALL);
@@ -56,21 +62,21 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
 /// What a strip says, in words.
 fn words(load: Load, stretches: &[[f64; 2]]) -> String {
     let how = match load {
-        Load::Uniaxial => "Stretched one way",
-        Load::Equibiaxial => "Stretched both ways",
+        Load::Uniaxial => "Uniaxial stretch",
+        Load::Equibiaxial => "Equibiaxial stretch",
     };
     if stretches.is_empty() {
-        return format!("{how}: stable at every strain to 100 %");
+        return format!("{how}: stable at all strains up to 100 %");
     }
     let percent = |[from, to]: &[f64; 2]| {
         if *to < 1.0 {
             format!("at {:.0}–{:.0} %", 100.0 * from, 100.0 * to)
         } else {
-            format!("from {:.0} % on", 100.0 * from)
+            format!("from {:.0} %", 100.0 * from)
         }
     };
     let list: Vec<String> = stretches.iter().map(percent).collect();
-    format!("{how}: no stable shape {}", list.join(" and "))
+    format!("{how}: unstable {}", list.join(" and "))
 }
 
 /// Strain 0 to 100 % from left to right.
@@ -78,8 +84,8 @@ fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], greatest_strain: Optio
     let palette = theme::palette(ui.visuals());
     let (rect, response) = row(ui, HEIGHT);
     let name = match load {
-        Load::Uniaxial => "One way",
-        Load::Equibiaxial => "Both ways",
+        Load::Uniaxial => "Uniaxial",
+        Load::Equibiaxial => "Biaxial",
     };
     let painter = ui.painter();
     let (font, quiet) =
@@ -132,11 +138,11 @@ mod tests {
     fn strips_are_told_in_words() {
         assert_eq!(
             words(Load::Uniaxial, &[[0.224, 0.421], [0.97, 1.0]]),
-            "Stretched one way: no stable shape at 22–42 % and from 97 % on"
+            "Uniaxial stretch: unstable at 22–42 % and from 97 %"
         );
         assert_eq!(
             words(Load::Equibiaxial, &[]),
-            "Stretched both ways: stable at every strain to 100 %"
+            "Equibiaxial stretch: stable at all strains up to 100 %"
         );
     }
 }

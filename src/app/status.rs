@@ -88,41 +88,44 @@ fn status_text(session: &Session) -> StatusText {
     let quiet = |text, details: String| StatusText { text, details, is_warning: false };
     let warning = |text, details: String| StatusText { text, details, is_warning: true };
     if session.is_stopped() {
-        return warning("Stopped: not computed", "The solve was cancelled.".to_owned());
+        return warning("Stopped: not computed", "The computation was cancelled.".to_owned());
     }
     let Some(outcome) = session.result() else {
         let details = match session.solver().shown() {
             Shown::Draft if session.scene().springs == Springs::Nikolaev => {
-                "A draft of the shape; its stability is being tested.".to_owned()
+                "Provisional shape; the stability test is running.".to_owned()
             }
-            Shown::Draft => "A draft of the shape, within 0.1 % of the base radius.".to_owned(),
+            Shown::Draft => {
+                "Provisional shape: position error below 0.1 % of the base radius.".to_owned()
+            }
             Shown::Coarse { nodes_per_side } => format!(
-                "A draft of the shape on {nodes_per_side} of {} nodes a side.",
+                "Provisional shape on a coarse grid: {nodes_per_side} of {} nodes per side.",
                 session.solver().problem().sheet.nodes_per_side()
             ),
-            Shown::Before | Shown::Latest => "The shape of before is still shown.".to_owned(),
+            Shown::Before | Shown::Latest => "The previous shape is still shown.".to_owned(),
         };
         return quiet("Updating…", details);
     };
     let error = outcome.solver.estimated_position_error;
+    let percent = |error: f64| percent_text(100.0 * error);
     match outcome.status {
         Status::Converged => {
-            let error = error
-                .map_or_else(|| "the tolerance".to_owned(), |error| percent_text(100.0 * error));
-            let details = format!(
-                "Converged: every node is within {error} of the base radius of this grid's equilibrium."
+            let error = error.map_or_else(
+                || "below the tolerance".to_owned(),
+                |error| format!("at most {} of the base radius", percent(error)),
             );
+            let details = format!("Converged: the position error on this grid is {error}.");
             quiet("Up to date", details)
         }
         Status::NotConverged => {
             let error = match error {
                 Some(error) if error < 10.0 => {
-                    format!("estimated position error {}", percent_text(100.0 * error))
+                    format!("the estimated position error is {} of the base radius", percent(error))
                 }
-                _ => "no error estimate".to_owned(),
+                _ => "there is no error estimate".to_owned(),
             };
             let text = "Not finished: do not use these numbers";
-            warning(text, format!("The solve ended above its tolerance: {error}."))
+            warning(text, format!("The solver stopped above its tolerance; {error}."))
         }
         Status::Unstable => {
             warning("No stable shape", no_shape(session.solver().fault()).to_owned())
@@ -148,7 +151,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
         let solver = &outcome.solver;
         let _ = write!(
             details,
-            "\nSolve {:.0} ms, {:.0} work units (evaluations of all nodal forces), {} nodes; a frame \
+            "\nSolve: {:.0} ms, {:.0} work units (evaluations of all nodal forces), {} nodes. Frame: \
              {:.1} ms.",
             timing.solve_ms,
             solver.work_units,

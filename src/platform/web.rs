@@ -75,7 +75,7 @@ fn show_crash(error: &JsValue) {
 fn document() -> Result<web_sys::Document, JsValue> {
     web_sys::window()
         .and_then(|window| window.document())
-        .ok_or_else(|| JsValue::from_str("there is no document"))
+        .ok_or_else(|| JsValue::from_str("the page has no document"))
 }
 
 /// Gives an element of the page the keyboard's focus, once this frame is over: the runner, which has the
@@ -125,7 +125,7 @@ impl PageHost {
         listen(&host.canvas, "webglcontextlost", Self::on_context_lost)?;
         listen(&*document()?, "focusin", Self::on_focus_in)?;
         listen(&host.canvas, "webglcontextrestored", Self::on_context_restored)?;
-        let window = web_sys::window().ok_or("there is no window")?;
+        let window = web_sys::window().ok_or("the page has no window")?;
         // The runner listens on the document. It must see the tab hidden before its app is taken, and
         // the tab shown when the app is back: the window hears first and last.
         listen(&window, "visibilitychange", |host, _| host.update_pause())?;
@@ -160,7 +160,9 @@ impl PageHost {
                 let new = app.insert(new);
                 new.enable_page_navigation();
                 if is_kept {
-                    new.notify("The preview had stopped. This is the scene that was open.");
+                    new.notify(
+                        "The preview restarted after an error, with the scene that was open.",
+                    );
                 }
             }
             Ok(Box::new(PageApp {

@@ -138,7 +138,7 @@ describe("the benchmark", { timeout: 6 * harness.PATIENCE }, () => {
     await press(page, "Start");
     await page.locator("#times td").first().waitFor();
     await press(page, "Stop");
-    assert.match(await page.getByRole("status").textContent(), /^Stopped; measured: \d+ of 240\.$/);
+    assert.match(await page.getByRole("status").textContent(), /^Stopped\. Measured: \d+ of 240\.$/);
     const measured = (await saved(page, "Download CSV")).text;
     await page.waitForTimeout(500);
     assert.equal((await saved(page, "Download CSV")).text, measured);

@@ -389,7 +389,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     assert.equal(await page.evaluate(() => sessionStorage.length), 0, "kept before there was a crash");
     await crash(page, panic);
     assert.match(await cause(page), /^should have a Performance \(eframe-[\d.]+\/src\/web\/\w+\.rs:\d+\)$/);
-    assert.match(await fate(page), /opens on the scene it had/);
+    assert.match(await fate(page), /opens this scene again/);
     await harness.screenshot(page, "crashed");
     const saved = await Promise.all([
       page.waitForEvent("download"),
@@ -424,7 +424,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
   test("for want of memory keeps the scene of before", async () => {
     const { page, scene, close } = await openChanged();
     await crash(page, exhaustMemory);
-    assert.match(await fate(page), /opens on the scene it had/);
+    assert.match(await fate(page), /opens this scene again/);
     console.log("out of memory:", await cause(page));
     await reload(page);
     assert.equal(await sceneOf(page), scene);
@@ -497,7 +497,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     ]) {
       const { page, scene, close } = await openChanged({ init });
       await crash(page, panic);
-      assert.match(await fate(page), /keeps nothing.*save the scene first/);
+      assert.match(await fate(page), /cannot keep the scene.*save the scene first/);
       const [download] = await Promise.all([
         page.waitForEvent("download"),
         page.getByRole("button", { name: "Save the scene" }).click(),

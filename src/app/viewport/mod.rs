@@ -98,7 +98,7 @@ impl Viewport {
         (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
             Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
             Some(Err(error)) => (None, Some(error)),
-            None => (None, Some("no OpenGL or WebGL2".to_owned())),
+            None => (None, Some("OpenGL or WebGL 2 is missing".to_owned())),
         };
     }
 
@@ -249,8 +249,8 @@ impl Viewport {
         (net, foot_radius): (bool, f32),
     ) {
         let Some(renderer) = &self.renderer else {
-            let why = self.error.as_deref().unwrap_or("no graphics");
-            let text = format!("No 3-D picture here: {why}.\nControls and results work.");
+            let why = self.error.as_deref().unwrap_or("graphics are missing");
+            let text = format!("The 3-D view is not available: {why}.\nControls and results work.");
             let font = TextStyle::Body.resolve(ui.style());
             let color = ui.visuals().weak_text_color();
             painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);

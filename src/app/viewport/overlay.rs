@@ -109,8 +109,8 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<St
     let layers = &session.scene().layers;
     let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
     match &hit.target {
-        Target::Implant => vec![format!("Implant, {:.1} mm above the wall", hit.point.z)],
-        Target::Ring => vec!["Outside the pocket: not simulated".to_owned()],
+        Target::Implant => vec![format!("Implant, {:.1} mm above the chest wall", hit.point.z)],
+        Target::Ring => vec!["Outside the pocket (not computed)".to_owned()],
         Target::Cut(layer) => vec![format!("Cut through {}", name(*layer))],
         Target::Sheet(nodes) => {
             let Some(fields) = &picture.fields else { return Vec::new() };
@@ -121,7 +121,7 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<St
             };
             let mut lines = vec![
                 format!("Strain {:.0} %", 100.0 * value(Field::PrincipalStrain)),
-                format!("Area ×{:.2}", value(Field::AreaStretch)),
+                format!("Area ratio {:.2}", value(Field::AreaStretch)),
             ];
             let pressure = value(Field::ContactPressure);
             if pressure > 0.0 {

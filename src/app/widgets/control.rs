@@ -114,7 +114,7 @@ impl Control<'_> {
 /// The reason why something typed was not taken.
 pub(in crate::app) fn rejection_label(ui: &mut Ui, reason: &str) {
     let color = theme::palette(ui.visuals()).bad;
-    let words = RichText::new(format!("Not taken: {reason}")).color(color);
+    let words = RichText::new(format!("Not accepted: {reason}")).color(color);
     let response = ui.add(egui::Label::new(words).wrap());
     // A new reason is brought into sight, once.
     let (key, frame) = (response.id.with(reason), ui.ctx().cumulative_frame_nr());

@@ -24,9 +24,9 @@ impl Kind {
         match self {
             Self::Length => "a unit of length",
             Self::Stress => "a unit of stress",
-            Self::Percent | Self::Fraction => "a unit of strain or share",
+            Self::Percent | Self::Fraction => "a percentage",
             Self::Angle => "a unit of angle",
-            Self::Plain => "a unit that this number has",
+            Self::Plain => "a unit of this number",
         }
     }
 
@@ -65,7 +65,7 @@ impl Kind {
 pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {
-        return Err("type a number".to_owned());
+        return Err("enter a number".to_owned());
     }
     let ends = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
     let longest = ends.filter_map(|end| Some((end, number(&text[..end])?))).last();
@@ -84,11 +84,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
             let known: Vec<&str> = kind.units().iter().map(|(unit, _)| *unit).collect();
             let known = known.join(" ");
             let known = if known.is_empty() { "none".to_owned() } else { known };
-            return Err(format!(
-                "“{}” is not {}; understood: {known}",
-                truncated(typed),
-                kind.name()
-            ));
+            return Err(format!("“{}” is not {}; allowed: {known}", truncated(typed), kind.name()));
         }
     };
     let value = significant(value * factor);
@@ -178,7 +174,7 @@ mod tests {
     #[test]
     fn what_is_no_number_is_refused_in_one_line() {
         for (text, kind, words) in [
-            ("", Kind::Length, "type a number"),
+            ("", Kind::Length, "enter a number"),
             ("abc", Kind::Length, "“abc” is not a number"),
             ("nan", Kind::Plain, "“nan” is not a number"),
             ("inf", Kind::Plain, "“inf” is not a number"),
@@ -186,8 +182,8 @@ mod tests {
             ("1e999", Kind::Plain, "“1e999” is too large"),
             ("1,234.5", Kind::Length, "“1,234.5” is not a number"),
             ("1 2", Kind::Length, "“1 2” is not a number"),
-            ("45 kg", Kind::Length, "“kg” is not a unit of length; understood: mm cm m in inch \""),
-            ("45 mm", Kind::Percent, "“mm” is not a unit of strain or share; understood: %"),
+            ("45 kg", Kind::Length, "“kg” is not a unit of length; allowed: mm cm m in inch \""),
+            ("45 mm", Kind::Percent, "“mm” is not a percentage; allowed: %"),
         ] {
             assert_eq!(parse(text, kind).unwrap_err(), words);
         }

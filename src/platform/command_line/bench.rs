@@ -9,10 +9,10 @@ use std::time::Instant;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// The folder for `work_precision.csv` and `.svg`; made if it is missing.
+    /// Folder for `work_precision.csv` and `.svg`; created if it is missing.
     #[arg(long, value_name = "D")]
     out_dir: PathBuf,
-    /// One scene on coarse grids: seconds instead of minutes.
+    /// Only one scene on coarse grids: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
 }

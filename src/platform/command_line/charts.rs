@@ -18,7 +18,7 @@ const PAPER_ERROR: f64 = 0.35;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// The folder for the charts; made if it is missing.
+    /// Folder for the charts; created if it is missing.
     #[arg(long, value_name = "D")]
     out_dir: PathBuf,
 }

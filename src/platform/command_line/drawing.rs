@@ -101,7 +101,7 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
         .build_cartesian_2d(0.0..1.02, 0.0..highest)?;
     let name = match chart.kind {
         Kind::Stress => "nominal stress (kPa)",
-        Kind::Transverse => "contraction across the pull, −ε (–)",
+        Kind::Transverse => "transverse contraction, −ε (–)",
     };
     let decimals = if chart.kind == Kind::Stress && highest > 10.0 { 0 } else { 1 };
     plane
@@ -149,7 +149,7 @@ fn draw_legend(area: &Area, chart: &Chart) -> Drawn {
     let text = font(17).color(&TEXT);
     let label = |words: &str, x: i32, y: i32| area.draw_text(words, &text, at(x, y - 7));
     let (first, second) = (14, 40);
-    label("Poisson ratio asked for:", 72, first)?;
+    label("Poisson ratio specified:", 72, first)?;
     for (k, (series, colour)) in chart.panels[0].1.iter().zip(COLOURS).enumerate() {
         let x = 250 + 90 * k as i32;
         area.draw(&PathElement::new([at(x, first), at(x + 26, first)], pen(colour, 3)))?;

@@ -25,9 +25,10 @@ impl Format {
             "obj" => Ok(Self::Obj),
             "ply" => Ok(Self::Ply),
             "glb" => Ok(Self::Glb),
-            _ => {
-                Err(input_error(path, "--mesh: allowed: a name ending in .stl, .obj, .ply or .glb"))
-            }
+            _ => Err(input_error(
+                path,
+                "--mesh: unknown format; allowed: a file name ending in .stl, .obj, .ply or .glb",
+            )),
         }
     }
 

@@ -32,7 +32,7 @@ pub enum Next {
     Exit(ExitCode),
 }
 
-/// Preview how skin and adipose stretch over an implant. Without a command: opens the app.
+/// Preview how skin and adipose tissue stretch over an implant. Without a command, the app opens.
 #[derive(Parser)]
 #[command(name = "implant-preview", version, about)]
 struct Arguments {
@@ -44,15 +44,15 @@ struct Arguments {
 enum Command {
     /// Solve scenes and write their results.
     Simulate(simulate::Arguments),
-    /// Pull a square sample apart, as in the paper, and write a table.
+    /// Simulate the paper's tension test on a square sample and write a table.
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
     Charts(charts::Arguments),
-    /// Map where an evenly stretched sheet is stable, over strain and Poisson ratio.
+    /// Map the stability of a uniformly stretched sheet over strain and Poisson ratio.
     Stability(stability::Arguments),
-    /// Measure run time against error of the solvers and of what they are compared with.
+    /// Measure run time against error for the solvers and the reference methods.
     Bench(bench::Arguments),
-    /// Solve random scenes and hold every shape against what must always be true.
+    /// Solve random scenes and check every result against invariants.
     Stress(stress::Arguments),
 }
 
@@ -92,7 +92,7 @@ pub fn run() -> Next {
         if cfg!(feature = "app") {
             return Next::OpenApp;
         }
-        output::error("no command, and this build has no window; allowed: see --help");
+        output::error("no command given, and this build has no window; see --help");
         return Next::Exit(ExitCode::from(BAD_INPUT));
     };
     Next::Exit(exit_code(catch_panic(|| match command {
@@ -111,7 +111,7 @@ fn catch_panic(
 ) -> Option<Result<ExitStatus, InputError>> {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::error(&format!("a defect in the program at {place}; nothing was written"));
+        output::error(&format!("internal error at {place}; no file was written"));
     }));
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
     drop(std::panic::take_hook());

@@ -50,7 +50,7 @@ pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
         return Ok(());
     }
     if path.is_dir() || path.file_name().is_none() {
-        return Err(input_error(path, "is a folder; allowed: the name of a file"));
+        return Err(input_error(path, "is a folder; allowed: a file name"));
     }
     let folder = folder_of(path);
     if !folder.is_dir() {
@@ -65,7 +65,7 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), InputError> {
         return Err(input_error(folder, "is a file; allowed: a folder"));
     }
     fs::create_dir_all(folder)
-        .map_err(|error| input_error(folder, format!("cannot be made: {error}")))
+        .map_err(|error| input_error(folder, format!("cannot be created: {error}")))
 }
 
 /// Do two names mean the same file, or both standard output?

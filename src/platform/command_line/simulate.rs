@@ -16,13 +16,13 @@ pub(super) struct Arguments {
     /// Scene files, JSON or JSON lines; `-` is standard input.
     #[arg(required = true, value_name = "SCENE.json")]
     scenes: Vec<PathBuf>,
-    /// Where the result goes; `-` is standard output. Several scenes give JSON lines.
+    /// Output file for the result; `-` is standard output. Several scenes give JSON lines.
     #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
     out: PathBuf,
-    /// The deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
+    /// Output file for the deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
     #[arg(long, value_name = "M.stl|.obj|.ply|.glb")]
     mesh: Option<PathBuf>,
-    /// The profile as a table (one scene only); `-` is standard output.
+    /// Output file for the profile as a table (one scene only); `-` is standard output.
     #[arg(long, value_name = "P.csv")]
     profile: Option<PathBuf>,
 }
@@ -66,7 +66,7 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
                 path.display().to_string()
             };
             return Err(InputError(format!(
-                "{place}: is named for two outputs; allowed: one each"
+                "{place}: named for two outputs; allowed: one output per file"
             )));
         }
         let is_input = |scene: &PathBuf| {
@@ -75,7 +75,7 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
             same_file(scene, path) == Some(true)
         };
         if !output::is_standard(path) && arguments.scenes.iter().any(is_input) {
-            return Err(output::input_error(path, "is a scene to read; allowed: another file"));
+            return Err(output::input_error(path, "is an input scene; allowed: another file"));
         }
     }
     Ok(())
@@ -128,7 +128,10 @@ fn outputs(
                 None => output::warn(&format!(
                     "{}: not written: {}",
                     path.display(),
-                    outcome.warnings.first().map_or("there is no shape", String::as_str)
+                    outcome
+                        .warnings
+                        .first()
+                        .map_or("the scene has no stable shape", String::as_str)
                 )),
             }
         }

@@ -30,7 +30,7 @@ const CURVES: [(&str, CurveSpec); 4] = [
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// The folder for `stability.csv` and the maps; made if it is missing.
+    /// Folder for `stability.csv` and the maps; created if it is missing.
     #[arg(long, value_name = "D")]
     out_dir: PathBuf,
 }
@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
             mapped.iter().filter(is_wanted).flat_map(|m| m.points.iter().copied()).collect()
         };
         let map = Map {
-            title: format!("Where the paper's springs are stable: {curve}"),
+            title: format!("Stability of the paper's springs: {curve}"),
             strains: &strains,
             poisson_ratios: &poisson_ratios,
             panels: Load::ALL.map(|load| (load, of(Springs::Nikolaev, load))),

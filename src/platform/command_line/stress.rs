@@ -9,16 +9,16 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// How many random scenes; every tenth comes with a session of random edits.
+    /// Number of random scenes; every tenth has a session of random edits.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = cases, allow_negative_numbers = true)]
     cases: u64,
-    /// The seed: the same one gives the same scenes everywhere.
+    /// Seed; equal seeds give equal scenes on every machine.
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
-    /// The most nodes a side, 17 to 513.
+    /// Maximum nodes per side, 17 to 513.
     #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true)]
     most_nodes: usize,
-    /// The file for the summary (JSON); `-`: standard output.
+    /// Output file for the summary (JSON); `-` is standard output.
     #[arg(long, value_name = "F", default_value = STANDARD)]
     out: PathBuf,
 }

@@ -26,13 +26,13 @@ pub(super) struct Arguments {
     /// Cells per side of the sample, 1 to 16.
     #[arg(long, default_value_t = 4, value_parser = cells, allow_negative_numbers = true)]
     cells: u8,
-    /// Angle of the pull to the grid [degrees], -360 to 360.
+    /// Angle between load and grid [degrees], -360 to 360.
     #[arg(long, default_value_t = 0.0, value_parser = angle, allow_negative_numbers = true)]
     angle: f64,
-    /// `paper`: 15 000 damped iterations a load; `equilibrium`: Newton's method.
+    /// `paper`: 15 000 damped iterations per load; `equilibrium`: Newton's method.
     #[arg(long, default_value = "equilibrium")]
     protocol: ProtocolArgument,
-    /// Where the table goes; `-` is standard output.
+    /// Output file for the table; `-` is standard output.
     #[arg(long, default_value = output::STANDARD, value_name = "T.csv")]
     out: PathBuf,
 }
