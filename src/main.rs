@@ -1,4 +1,4 @@
-//! The desktop app, the page and the command line: all three start here.
+//! Entry point of the desktop app, the page and the command line.
 
 #[cfg(target_arch = "wasm32")]
 fn main() {

@@ -1,10 +1,10 @@
-// The benchmark's page: starts and stops the study, shows what was measured so far.
-// ?nodes_per_side=17,33&cases=default&methods=newton,multigrid_1 (each may be left out) is a choice
-// of one's own.
+// The benchmark's page: starts and stops the study and shows its progress.
+// Query of the address, all parts optional:
+// ?nodes_per_side=17,33&cases=default&methods=newton,multigrid_1.
 
 const element = (id) => document.getElementById(id);
 
-// The quickest first.
+// In order of speed, the fastest first.
 const METHODS = {
   multigrid_1: "full multigrid, 1 cycle",
   multigrid_2: "full multigrid, 2 cycles",
@@ -21,18 +21,18 @@ let startedAt = 0;
 let clockStep = 0;
 let progress = null;
 let csv = "";
-// By the scene's name: its picture and times, and which scene is shown.
+// Chart and times by the name of the scene, and the displayed scene.
 const measured = new Map();
 let shown = null;
 
-/** The options in the address (the API's object), or null. */
+/** The options of the API in the address, or null. */
 function optionsInAddress() {
   const query = new URLSearchParams(location.search);
   const options = {};
   for (const name of ["cases", "methods", "nodes_per_side"]) {
     const list = query.get(name)?.split(",");
     if (!list) continue;
-    // What is no number is left for the API to refuse.
+    // The API rejects values that are not numbers.
     const number = (text) => (/^\d+$/.test(text) ? Number(text) : text);
     options[name] = name === "nodes_per_side" ? list.map(number) : list;
   }
@@ -40,10 +40,10 @@ function optionsInAddress() {
 }
 
 function makeElement(tag, text, attributes = {}) {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
+  const created = document.createElement(tag);
+  created.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) created.setAttribute(name, value);
+  return created;
 }
 
 function timeText(ms) {
@@ -104,7 +104,7 @@ function showPiece({ scene, svg, times, csv: table }) {
   if (shown === null || shown === scene) showScene(scene);
 }
 
-/** Ends the worker, if there is one; `text` tells how it ended. */
+/** Terminates the worker, if there is one, and shows its final state. */
 function end(text) {
   worker?.terminate();
   worker = null;
@@ -120,8 +120,8 @@ function fail(message) {
   element("error").hidden = false;
 }
 
-function hear({ data }) {
-  if (!worker) return; // stopped meanwhile
+function onMessage({ data }) {
+  if (!worker) return; // the study was stopped
   if (data.progress) {
     progress = data.progress;
     showProgress();
@@ -163,14 +163,14 @@ function start() {
   element("state").textContent = "Loading…";
   startedAt = performance.now();
   worker = new Worker(new URL("bench_worker.mjs", import.meta.url), { type: "module" });
-  worker.onmessage = hear;
-  // A script that cannot be loaded gives no message.
+  worker.onmessage = onMessage;
+  // A script that cannot be loaded sends no message.
   worker.onerror = (event) => fail(event.message ?? "the program could not be loaded");
   worker.postMessage(JSON.stringify(options));
 }
 
 function save(text, type, name) {
-  // The address stays: some browsers read what is behind it only after the click.
+  // The address is not revoked: some browsers read the data only after the click.
   const address = URL.createObjectURL(new Blob([text], { type }));
   makeElement("a", "", { href: address, download: name }).click();
 }

@@ -1,19 +1,19 @@
-//! Keys, and the insertion that they move and play.
+//! Keyboard shortcuts, and playback of the insertion.
 
 use super::{App, toolbar};
 use crate::scene::Scene;
 use crate::session::Command;
 use eframe::egui::{self, Key, Modifiers};
 
-/// Seconds that play takes from flat to full height.
+/// Duration of the playback from flat to full height \[s\].
 const PLAY_SECONDS: f64 = 5.0;
-/// Steps of the insertion by key.
+/// Step of the insertion by a key \[-\].
 const INSERTION_STEP: f64 = 0.02;
 
 impl App {
-    /// Carries out the keys pressed since the frame before.
+    /// Executes the shortcuts pressed since the previous frame.
     pub(super) fn handle_keys(&mut self, ctx: &egui::Context) {
-        // A slow frame may hold several presses of a key.
+        // A slow frame may contain several presses of a key.
         let presses =
             |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
         let shortcut = |modifiers, key| presses(modifiers, key) > 0;
@@ -28,7 +28,7 @@ impl App {
         if shortcut(Modifiers::COMMAND, Key::S) {
             self.save_scene(ctx);
         }
-        // Single keys are for the picture, while it has the focus: elsewhere they are digits, or nothing.
+        // Single keys act on the picture while it has the focus. Elsewhere they are text.
         let focused = ctx.memory(egui::Memory::focused);
         if focused.is_none() || focused != self.viewport.id() {
             return;
@@ -42,7 +42,7 @@ impl App {
             let count = presses(Modifiers::NONE, key);
             if count > 0 {
                 let mut scene = self.session.scene().clone();
-                // In whole percent: steps of 0.02 do not add up to round values.
+                // Rounded to whole percent: steps of 0.02 accumulate rounding errors.
                 let percent = (100.0 * (scene.insertion + count as f64 * step)).round();
                 scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
                 self.gesture += 1;
@@ -68,7 +68,7 @@ impl App {
         self.gesture += 1;
     }
 
-    /// Raises the implant while playing: a step as soon as the step before is solved.
+    /// Advances the insertion during playback by one step, once the previous step is solved.
     pub(super) fn advance_playback(&mut self, ctx: &egui::Context, scene: &mut Scene) {
         if !self.is_playing || self.session.is_working() {
             return;

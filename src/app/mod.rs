@@ -4,7 +4,7 @@
 //! [`Session`]. A frame solves for one slice of a few milliseconds, so the app stays responsive.
 //! At rest the app neither solves nor draws.
 //!
-//! This file holds the state of the app and its interface to `platform` and the tests. `logic` runs
+//! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `ui` arranges the panels, `messages` shows notices and the pages without a picture.
 //!
 //! Uses all modules to its left. Used by `platform`.

@@ -1,4 +1,4 @@
-//! The right side: what a surgeon reads off, with units and where the limits come from.
+//! The right panel: results with units, and the sources of the limits.
 
 use super::theme::{self, SPACE};
 use super::widgets::{group, heading};
@@ -15,8 +15,8 @@ pub(super) enum PreviousResults {
     Hidden,
 }
 
-/// Shows a result. While a quick solve is under way, the figures of before stay; where it takes longer
-/// (`previous`), they go, and only a draft of the present scene stays that is known to be near its shape.
+/// Shows a result. During a short solve the previous results stay visible. During a long one (`previous`)
+/// only a provisional result of the present scene close to its equilibrium is shown.
 pub(super) fn show(ui: &mut Ui, session: &Session, previous: PreviousResults) {
     heading(ui, "Results");
     let is_near = session.is_outcome_present() && session.scene().springs == Springs::Coupled;
@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, previous: PreviousResults) {
     tissue(ui, outcome);
 }
 
-/// What a reader must know of before reading a number.
+/// Shows warnings, which apply to all numbers below.
 fn warnings(ui: &mut Ui, result: Option<&Outcome>) {
     let palette = theme::palette(ui.visuals());
     let Some(outcome) = result else { return };
@@ -50,13 +50,13 @@ fn warnings(ui: &mut Ui, result: Option<&Outcome>) {
     }
 }
 
-/// The colour of a band, from the lowest.
+/// Colour of a band, counted from the lowest.
 fn band_color(ui: &Ui, band: usize) -> Color32 {
     let palette = theme::palette(ui.visuals());
     [palette.text, palette.caution, palette.bad, palette.bad][band.min(3)]
 }
 
-/// The word of a band in its colour, in a row of its own.
+/// Shows the word of a band in its colour, in a separate row.
 fn band_row(ui: &mut Ui, band: usize, word: &str) {
     let text = RichText::new(word).small().color(band_color(ui, band));
     ui.add(egui::Label::new(text).wrap_mode(egui::TextWrapMode::Extend));
@@ -124,10 +124,10 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
                 band_row(ui, strain_band(greatest), strain_word(greatest));
                 for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
                     let key = format!("{limit:.2}");
-                    let share = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
+                    let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
                     let name = RichText::new(format!("Area strained above {:.0} %", 100.0 * limit));
-                    let color = band_color(ui, if share > 0.0 { k + 1 } else { 0 });
-                    row(ui, error, name.color(color), Some(100.0 * share), 1, "%");
+                    let color = band_color(ui, if fraction > 0.0 { k + 1 } else { 0 });
+                    row(ui, error, name.color(color), Some(100.0 * fraction), 1, "%");
                 }
             }
             for layer in &outcome.layers {
@@ -154,7 +154,7 @@ fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(3).spacing([SPACE, 3.0]).show(ui, add);
 }
 
-/// One line: name, value in figures of equal width, unit. What does not apply is a dash.
+/// Shows one row: name, right-aligned value in digits of equal width, unit. A missing value is a dash.
 fn row(
     ui: &mut Ui,
     error: f64,
@@ -174,14 +174,15 @@ fn row(
     ui.end_row();
 }
 
-/// A value with at most the given decimals, and none that its error leaves open. Strains and
-/// forces are slopes of the shape: their relative error is taken as ten times that of positions.
+/// Formats a value with at most the given decimals, and no more digits than its error allows. Strains and
+/// forces are derivatives of the shape: their relative error is assumed to be ten times that of
+/// positions.
 fn figures(value: f64, decimals: usize, position_error: f64) -> String {
     let open = (10.0 * position_error * value.abs()).max(1e-12);
     let known = (-open.log10()).floor().max(0.0) as usize;
     let decimals = decimals.min(known);
     let text = format!("{value:.decimals$}");
-    // No minus before a zero.
+    // No minus sign for a rounded zero.
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
 }
 

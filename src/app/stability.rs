@@ -1,5 +1,5 @@
-//! The mark at the paper's springs: at which strains a sheet of the chosen layers has no stable even
-//! shape, before anything is solved, and the way out.
+//! Stability display of the paper's springs: the strains at which a uniformly stretched sheet of the
+//! chosen layers is unstable, known before any solve, and a button for the coupled springs.
 
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::widgets::set_accessible_name;
@@ -7,13 +7,13 @@ use crate::scene::{Scene, Springs};
 use crate::springs::stability::{Limits, Load};
 use eframe::egui::{self, Align2, RichText, Ui, pos2, vec2};
 
-/// Height of a strip \[points\], and of its stable part.
+/// Height of a strip and of its stable part \[points\].
 const HEIGHT: f32 = 12.0;
 const STABLE_HEIGHT: f32 = 4.0;
-/// Width of the names left of the strips \[points\].
+/// Width of the names to the left of the strips \[points\].
 const NAME_WIDTH: f32 = 68.0;
 
-/// Words, strips and the button. `greatest_strain`: the greatest strain of the shape that is shown \[-\].
+/// Shows text, strips and button. `greatest_strain`: greatest strain of the displayed shape \[-\].
 pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_strain: Option<f64>) {
     let palette = theme::palette(ui.visuals());
     let first = Load::ALL.iter().filter_map(|&load| limits.first_loss(load)).reduce(f64::min);
@@ -39,7 +39,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
             ui.label(RichText::new(words).small().color(color));
         }
     });
-    // The row is always there, so that nothing moves under the pointer when a result comes.
+    // The row is always present, so that the controls below do not move when a result arrives.
     ui.small(greatest_strain.map_or_else(
         || "vertical line: greatest strain, not yet computed".to_owned(),
         |greatest_strain| {
@@ -59,7 +59,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
     ui.add_space(SPACE_SMALL);
 }
 
-/// What a strip says, in words.
+/// Description of a strip in words.
 fn words(load: Load, stretches: &[[f64; 2]]) -> String {
     let how = match load {
         Load::Uniaxial => "Uniaxial stretch",
@@ -79,7 +79,7 @@ fn words(load: Load, stretches: &[[f64; 2]]) -> String {
     format!("{how}: unstable {}", list.join(" and "))
 }
 
-/// Strain 0 to 100 % from left to right.
+/// Shows a strip for strains from 0 to 100 %.
 fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], greatest_strain: Option<f64>) {
     let palette = theme::palette(ui.visuals());
     let (rect, response) = row(ui, HEIGHT);
@@ -112,17 +112,17 @@ fn axis(ui: &mut Ui) {
     let (rect, _) = row(ui, HEIGHT);
     let (font, quiet) =
         (egui::TextStyle::Small.resolve(ui.style()), ui.visuals().weak_text_color());
-    for (share, align, text) in [
+    for (fraction, align, text) in [
         (0.0, Align2::LEFT_CENTER, "0"),
         (0.5, Align2::CENTER_CENTER, "50"),
         (1.0, Align2::RIGHT_CENTER, "100 % strain"),
     ] {
-        let x = rect.left() + share * rect.width();
+        let x = rect.left() + fraction * rect.width();
         ui.painter().text(pos2(x, rect.center().y), align, text, font.clone(), quiet);
     }
 }
 
-/// A row of the given height, right of the names.
+/// Allocates a row of the given height, to the right of the names.
 fn row(ui: &mut Ui, height: f32) -> (egui::Rect, egui::Response) {
     let size = vec2(ui.available_width() - SPACE, height);
     let (mut rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strips_are_told_in_words() {
+    fn strips_are_described_in_words() {
         assert_eq!(
             words(Load::Uniaxial, &[[0.224, 0.421], [0.97, 1.0]]),
             "Uniaxial stretch: unstable at 22–42 % and from 97 %"

@@ -1,4 +1,4 @@
-//! The status line: is the picture true, what did it cost.
+//! The status line: state of the computation, accuracy and cost.
 
 use super::theme;
 use crate::measure::{Status, no_shape};
@@ -9,30 +9,30 @@ use eframe::egui::{RichText, Ui};
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 
-/// Times of the frames and solves so far \[ms\].
+/// Times of frames and solves \[ms\].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timing {
-    /// Times spent in the app's own frames.
+    /// Times of frames \[ms\].
     frames: Recent,
-    /// Times in the solver in the frames that solved.
+    /// Solver times of the frames that solved \[ms\].
     pub(super) slices: Recent,
-    /// Greatest time in the solver of a frame, after the opening scene \[ms\].
+    /// Greatest solver time of a frame after the opening scene \[ms\].
     pub(super) slice_max: f64,
-    /// Frames drawn since the start.
+    /// Number of frames since the start.
     pub(super) frame_count: u64,
-    /// Time spent in the solver for the present scene.
+    /// Solver time for the present scene \[ms\].
     pub(super) solve_ms: f64,
 }
 
 /// The scene that a slice of solving belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SliceOf {
-    /// Solved in one long slice.
+    /// The first scene, which has one long slice.
     OpeningScene,
     EditedScene,
 }
 
-/// The newest times \[ms\], at most [`TIMES_KEPT`].
+/// The most recent times \[ms\], at most [`TIMES_KEPT`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Recent(VecDeque<f64>);
 
@@ -46,7 +46,7 @@ impl Recent {
         self.0.push_back(ms);
     }
 
-    /// The time that a share of them stays below.
+    /// The percentile of a fraction \[-\], 0 to 1.
     pub(super) fn percentile(&self, fraction: f64) -> f64 {
         let mut sorted: Vec<f64> = self.0.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
@@ -61,7 +61,7 @@ impl Timing {
         self.frames.add(ms);
     }
 
-    /// A slice of solving; the opening scene may take long ones.
+    /// Adds the time of a slice of solving \[ms\].
     pub(super) fn add_slice(&mut self, ms: f64, scene: SliceOf) {
         self.solve_ms += ms;
         if scene == SliceOf::EditedScene {
@@ -70,14 +70,14 @@ impl Timing {
         self.slices.add(ms);
     }
 
-    /// The frame time that a share of the frames stays below \[ms\].
+    /// The percentile of the frame times \[ms\] for a fraction \[-\].
     pub(super) fn percentile(&self, fraction: f64) -> f64 {
         self.frames.percentile(fraction)
     }
 }
 
-/// How the computation stands, in quiet text and with details. A state says nothing of the tissue: that
-/// is what the colours of limits are for.
+/// State of the computation, with details. The state is independent of the limits of the tissue, which
+/// have colours.
 struct StatusText {
     text: &'static str,
     details: String,
@@ -133,7 +133,7 @@ fn status_text(session: &Session) -> StatusText {
     }
 }
 
-/// One significant digit, rounded up: an error is not promised better than it is.
+/// Formats an error with one significant digit, rounded up.
 fn percent_text(percent: f64) -> String {
     if percent <= 1e-4 {
         return "0.0001 %".to_owned();
@@ -144,7 +144,7 @@ fn percent_text(percent: f64) -> String {
     format!("{rounded:.decimals$} %")
 }
 
-/// The line itself.
+/// Shows the status line.
 pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
     let StatusText { text, mut details, is_warning } = status_text(session);
     if let Some(outcome) = session.result() {

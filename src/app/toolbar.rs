@@ -1,4 +1,4 @@
-//! The top line: files, history, what is coloured, the section, the theme.
+//! The toolbar: files, history, coloured quantity, section, theme; and the window "About".
 
 use super::widgets::{Kind, NumberField, button_if, choice, set_accessible_name};
 use super::{App, theme};
@@ -6,7 +6,7 @@ use crate::session::Command;
 use crate::view::color::Quantity;
 use eframe::egui::{self, RichText, Ui};
 
-/// What keys 1 to 5 show.
+/// Quantities of the keys 1 to 5.
 pub(super) const QUANTITIES: [Quantity; 5] = [
     Quantity::Tissue,
     Quantity::Strain,
@@ -15,7 +15,7 @@ pub(super) const QUANTITIES: [Quantity; 5] = [
     Quantity::Pressure,
 ];
 
-/// Arrangement of the screen by its width.
+/// Arrangement of the screen, by its width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
     Wide,
@@ -90,7 +90,7 @@ impl App {
                 self.save_scene(&ctx);
                 ui.close();
             }
-            // A result that is not of this scene is never saved.
+            // The result of another scene is never saved.
             let has_result = self.session.result().is_some();
             let save = ui.add_enabled(has_result, egui::Button::new("Save result…"));
             if save.on_disabled_hover_text("No result yet: the scene is being computed").clicked() {

@@ -1,6 +1,6 @@
-//! What panels are made of: numbers that are typed exactly, sliders, groups, and names for screen readers.
+//! Widgets of the panels: exact number fields, sliders, groups, names for screen readers.
 //!
-//! Uses `theme`. Used by every panel.
+//! Uses `theme`. Used by all panels.
 
 mod control;
 mod number_field;
@@ -14,7 +14,7 @@ pub(super) use quantity::Kind;
 use super::theme::{SPACE, SPACE_SMALL};
 use eframe::egui::{self, Response, RichText, Ui};
 
-/// A titled group that can be folded.
+/// A collapsible group with a title.
 pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(
         ui,
@@ -25,20 +25,20 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     );
 }
 
-/// A heading with room above it.
+/// A heading with space around it.
 pub(super) fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(SPACE_SMALL);
     ui.heading(text);
     ui.add_space(SPACE_SMALL);
 }
 
-/// Gives a widget whose text is an icon or a number its name for screen readers and tests.
+/// Sets the name of a widget, for screen readers and tests, in place of its icon or number.
 pub(super) fn set_accessible_name(response: &Response, role: egui::Role, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
 }
 
-/// A button that may have nothing to do: it is then dim and does nothing, but keeps the keyboard's focus,
-/// which a disabled button would take with it. Returns whether it was pressed.
+/// A button that is inactive but focusable without `is_able`; a disabled button would lose the keyboard
+/// focus. Returns whether the button was pressed.
 pub(super) fn button_if(ui: &mut Ui, is_able: bool, text: &str, name: &str, tip: &str) -> bool {
     let color = if is_able { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
     let text = RichText::new(text).color(color);
@@ -71,7 +71,7 @@ pub(super) fn labelled_box(
     response
 }
 
-/// One of the choices of a box, which closes when it is taken, by a key too.
+/// A choice of a drop-down box; the box closes after a click or a key on the choice.
 pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::WidgetText>) -> Response {
     let response = ui.selectable_label(is_present, text.into());
     if response.clicked() {
@@ -80,7 +80,7 @@ pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::Widget
     response
 }
 
-/// Has a number field the keyboard? Then a touch screen's keyboard should show digits.
+/// Does a number field have the keyboard focus? A touch screen should then show a numeric keyboard.
 pub(super) fn has_number_focus(ctx: &egui::Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
     let number = ctx.data(|data| data.get_temp::<egui::Id>(number_field::focus_key()));

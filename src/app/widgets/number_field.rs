@@ -1,4 +1,4 @@
-//! A field for one number: what is typed is what is stored, or it is refused in words.
+//! A field for one number: the typed number is stored exactly, or rejected with a reason.
 
 use super::quantity::{self, Kind};
 use crate::app::theme;
@@ -6,22 +6,22 @@ use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, Ui};
 use egui::text::CCursorRange;
 use std::ops::RangeInclusive;
 
-/// A number that can be typed, and stepped by the arrow keys.
+/// A field for a number that is typed, or stepped by the arrow keys.
 pub(in crate::app) struct NumberField<'a> {
     /// Name for screen readers and tests.
     pub(in crate::app) name: &'a str,
     pub(in crate::app) kind: Kind,
-    /// What may be stored.
+    /// Allowed values.
     pub(in crate::app) allowed: RangeInclusive<f64>,
-    /// Why no more than that; where empty, the limit is said.
+    /// Reason of the limits; empty: the message contains the limit.
     pub(in crate::app) limit_reason: &'a str,
-    /// The least decimals shown.
+    /// Minimum number of decimals shown.
     pub(in crate::app) decimals: usize,
     /// Step of the arrow keys.
     pub(in crate::app) step: f64,
     /// Width \[points\].
     pub(in crate::app) width: f32,
-    /// Is the stored value itself refused, by what is around it?
+    /// Is the stored value invalid in its context?
     pub(in crate::app) is_invalid: bool,
 }
 
@@ -40,27 +40,27 @@ impl Default for NumberField<'_> {
     }
 }
 
-/// What came of showing a field.
+/// Response of a number field.
 pub(in crate::app) struct FieldResponse {
     pub(in crate::app) response: Response,
-    /// Was another value stored?
+    /// Has the value changed?
     pub(in crate::app) is_changed: bool,
-    /// Why what stands in the field was not stored.
+    /// Reason why the text of the field was rejected.
     pub(in crate::app) rejection: Option<String>,
-    /// A number that was typed now and is out of range.
+    /// A number outside the allowed range, typed in this frame.
     pub(in crate::app) out_of_range: Option<f64>,
 }
 
-/// Text that is being typed, or was refused.
+/// Text being edited, or rejected.
 #[derive(Clone)]
 struct Edit {
     text: String,
-    /// The value that the text is to replace.
+    /// The value before the edit.
     base_value: f64,
     rejection: Option<String>,
 }
 
-/// Where the field with the keyboard's focus is kept.
+/// Memory key of the number field with the keyboard focus.
 pub(super) fn focus_key() -> Id {
     Id::unique("number field with the focus")
 }
@@ -111,7 +111,7 @@ impl NumberField<'_> {
                 vertical_arrows: true,
                 ..EventFilter::default()
             })
-            // Enter takes the number and stays here.
+            // Enter commits the number and keeps the focus.
             .return_key(None);
         let mut response = ui.add(field);
         if response.gained_focus() {
@@ -119,7 +119,7 @@ impl NumberField<'_> {
         }
         let is_typed = text != edit.as_ref().map_or(&shown, |edit| &edit.text).as_str();
         if is_typed {
-            // A refused number is judged again with every key.
+            // A rejected number is validated again after every key.
             let was_rejected = edit.as_ref().is_some_and(|edit| edit.rejection.is_some());
             let rejection = if was_rejected { self.parse(&text).err() } else { None };
             edit = Some(Edit { text: text.clone(), base_value: *value, rejection });
@@ -140,7 +140,7 @@ impl NumberField<'_> {
                 select_all(ui, id, &shown);
             }
         }
-        // A click where nothing is being typed takes the whole number, as the first one did.
+        // A click outside an edit selects the whole number, as the first click does.
         if response.clicked() && edit.as_ref().is_none_or(|edit| edit.rejection.is_some()) {
             select_all(ui, id, &text);
         }
@@ -156,17 +156,18 @@ impl NumberField<'_> {
         if let Some(rejection) = &rejection {
             response = response.on_hover_text(rejection);
         } else if quantity::format(*value, self.decimals).len() > 7 {
-            // Longer than the field.
+            // The number is longer than the field.
             response = response.on_hover_text(value.to_string());
         }
         FieldResponse { response, is_changed, rejection, out_of_range }
     }
 
-    /// Stores what was typed, or keeps it with the reason against it; gives a number that is out of range.
+    /// Commits a text: stores its number, or keeps the text with the reason of its rejection. Returns a
+    /// number outside the allowed range.
     fn commit(&self, value: &mut f64, edit: &mut Option<Edit>, text: &str) -> Option<f64> {
         match self.parse(text) {
             Ok(number) => {
-                // What only stands for the stored value changes nothing.
+                // The displayed text is rounded: unchanged text leaves the value unchanged.
                 if text != quantity::format(*value, self.decimals) {
                     *value = number;
                 }
@@ -227,7 +228,7 @@ impl NumberField<'_> {
     }
 }
 
-/// Steps requested by the arrow and page keys since the frame before.
+/// Steps of the arrow and page keys since the previous frame.
 fn steps(ui: &Ui) -> f64 {
     ui.input_mut(|input| {
         let mut sum = 0.0;
@@ -243,7 +244,7 @@ fn steps(ui: &Ui) -> f64 {
     })
 }
 
-/// What a screen reader asks to be stored, as text.
+/// Values requested by a screen reader, as text.
 fn accesskit_values(ui: &Ui, id: Id) -> Vec<String> {
     use egui::accesskit::{Action, ActionData};
     ui.input(|input| {

@@ -1,17 +1,17 @@
-//! Numbers as people type and read them: decimal commas, units, and no digit lost.
+//! Numbers as text: decimal commas, units, exact values.
 
-/// What a number measures; decides which units may be typed behind it.
+/// Kind of a number, which determines the accepted units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::app) enum Kind {
-    /// Length, in mm.
+    /// Length \[mm\].
     Length,
-    /// Stress, in kPa.
+    /// Stress \[kPa\].
     Stress,
-    /// Fraction shown in percent.
+    /// Fraction in percent \[%\].
     Percent,
-    /// Fraction without unit; percent may be typed.
+    /// Fraction without unit \[-\]; percent are accepted.
     Fraction,
-    /// Angle, in degrees.
+    /// Angle \[degrees\].
     Angle,
     /// Number without unit.
     #[default]
@@ -19,7 +19,7 @@ pub(in crate::app) enum Kind {
 }
 
 impl Kind {
-    /// What it is called in a message.
+    /// Description of a unit of this kind in messages.
     fn name(self) -> &'static str {
         match self {
             Self::Length => "a unit of length",
@@ -30,7 +30,7 @@ impl Kind {
         }
     }
 
-    /// Units that may be typed, each with its factor; the first one is meant where none is typed.
+    /// Accepted units with their factors; the first unit is the default.
     fn units(self) -> &'static [(&'static str, f64)] {
         match self {
             Self::Length => &[
@@ -51,17 +51,17 @@ impl Kind {
         }
     }
 
-    /// The unit of the stored number.
+    /// Unit of the stored number.
     pub(in crate::app) fn unit(self) -> &'static str {
         self.units()[0].0
     }
 }
 
-/// Reads a typed number: decimal point or comma, then a unit or none. Gives the value in the first of
-/// the kind's units, as exact as it was typed.
+/// Parses a number with decimal point or comma and an optional unit. Returns the value in the first unit
+/// of its kind, with all typed digits.
 ///
 /// # Errors
-/// One line: what is wrong, and what is understood.
+/// Returns one line with the reason and the accepted units.
 pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {
@@ -95,7 +95,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     }
 }
 
-/// A number with a decimal point or one decimal comma, and nothing behind it.
+/// Parses a number with a decimal point or one decimal comma.
 fn number(text: &str) -> Option<f64> {
     let text = text.trim().replace('−', "-");
     if !text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',')) {
@@ -110,7 +110,7 @@ fn number(text: &str) -> Option<f64> {
     digits.starts_with(|c: char| c.is_ascii_digit() || c == '.').then(|| text.parse().ok())?
 }
 
-/// Twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
+/// Rounds to twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
 fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -124,13 +124,14 @@ fn truncated(text: &str) -> String {
     line.chars().take(MOST).chain(['…']).collect()
 }
 
-/// A value so many steps on, counted in multiples of the step: from a value between them to the next one.
+/// The value after a number of steps, a multiple of the step. A value between two multiples moves to the
+/// next multiple first.
 pub(super) fn stepped(value: f64, step: f64, steps: f64) -> f64 {
     let whole = if steps > 0.0 { f64::floor } else { f64::ceil };
     (whole(value / step + steps.signum() * 1e-9) + steps) * step
 }
 
-/// A value with at least the given decimals, and as many more as it has, up to six.
+/// Formats a value with at least the given decimals and, up to six, all further digits that it has.
 pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     let is_exact = |text: &str| {
         let read: f64 = text.parse().unwrap_or(f64::NAN);
@@ -138,7 +139,7 @@ pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     };
     let shown = |d: usize| format!("{value:.d$}");
     let text = (decimals..6).map(shown).find(|text| is_exact(text)).unwrap_or_else(|| shown(6));
-    // No minus before a zero.
+    // No minus sign for zero.
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
 }
 
@@ -147,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_typed_is_exact() {
+    fn typed_numbers_are_exact() {
         for (text, kind, value) in [
             ("39.8", Kind::Length, 39.8),
             (" 46,42 ", Kind::Length, 46.42),
@@ -172,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_refused_in_one_line() {
+    fn invalid_numbers_are_rejected_in_one_line() {
         for (text, kind, words) in [
             ("", Kind::Length, "enter a number"),
             ("abc", Kind::Length, "“abc” is not a number"),
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_shown_with_all_it_has() {
+    fn a_value_is_formatted_with_all_its_digits() {
         assert_eq!(format(46.0, 1), "46.0");
         assert_eq!(format(46.42, 1), "46.42");
         assert_eq!(format(46.400_000_000_000_006, 1), "46.4");

@@ -1,5 +1,5 @@
-//! The rail of a slider. A mouse moves it from anywhere; a finger by its handle, or once it travels along
-//! the rail: a swipe across it scrolls the panel.
+//! The rail of a slider. A mouse moves the handle from anywhere on the rail. A finger moves it from the
+//! handle, or after dragging along the rail; a swipe across the rail scrolls the panel.
 
 use super::quantity;
 use crate::app::theme;
@@ -11,46 +11,46 @@ use std::ops::RangeInclusive;
 
 /// Radius of the handle \[points\].
 const HANDLE: f32 = 7.0;
-/// A finger this close to the handle has it \[points\].
+/// Distance from the handle within which a finger grabs it \[points\].
 const TOUCH_REACH: f32 = 24.0;
-/// Travel \[points\] that decides between moving the handle and scrolling.
+/// Travel that decides between dragging and scrolling \[points\].
 const DRAG_THRESHOLD: f32 = 8.0;
 const LINE: f32 = 5.0;
 
 /// A rail with a handle.
 pub(super) struct Rail<'a> {
     pub(super) name: &'a str,
-    /// What the rail shows.
+    /// Range of the rail.
     pub(super) range: RangeInclusive<f64>,
-    /// What may be stored.
+    /// Allowed values.
     pub(super) allowed: RangeInclusive<f64>,
-    /// What dragging and keys round to; 0: three significant digits.
+    /// Rounding step of dragging and keys; 0: three significant digits.
     pub(super) step: f64,
     pub(super) logarithmic: bool,
     /// Width \[points\].
     pub(super) width: f32,
 }
 
-/// What came of showing a rail.
+/// Response of a rail.
 pub(super) struct RailResponse {
     pub(super) response: Response,
-    /// Was another value stored?
+    /// Has the value changed?
     pub(super) is_changed: bool,
-    /// Value requested in this frame outside the allowed range.
+    /// A value outside the allowed range, requested in this frame.
     pub(super) out_of_range: Option<f64>,
 }
 
-/// What the pointer that is down on the rail does.
+/// State of a press on the rail.
 #[derive(Clone, Copy, Default)]
 enum Press {
-    /// Just begun: in a page, word of the finger comes a frame after that of the press.
+    /// The press is new; in a page its touch event arrives one frame later.
     #[default]
     New,
-    /// A finger, not clear yet.
+    /// A finger, still undecided between dragging and scrolling.
     Undecided { from: Pos2 },
-    /// The handle follows, this far from the pointer.
+    /// The handle follows the pointer at this distance.
     Drag { offset: f32 },
-    /// The panel follows.
+    /// The panel scrolls.
     Scroll,
 }
 
@@ -90,7 +90,7 @@ impl Rail<'_> {
         RailResponse { is_changed: value.to_bits() != before.to_bits(), response, out_of_range }
     }
 
-    /// Where the handle is to go, if the pointer moves it now.
+    /// Position of the handle requested by the pointer.
     fn pointer(&self, ui: &Ui, response: &Response, handle: f32) -> Option<f32> {
         let id = response.id.with("press");
         let pressed_at =
@@ -99,7 +99,7 @@ impl Rail<'_> {
         let (is_touch, has_touch, delta) = ui
             .input(|input| (input.any_touches(), input.has_touch_screen(), input.pointer.delta()));
         let Some(at) = pressed_at else {
-            // A mouse that is down and up again within a frame or two.
+            // A mouse button pressed and released within one or two frames.
             let is_over = response.clicked() || response.drag_stopped();
             let is_quick = is_over && !has_touch && !matches!(kept, Some(Press::Drag { .. }));
             return response.interact_pointer_pos().filter(|_| is_quick).map(|at| at.x);
@@ -138,7 +138,7 @@ impl Rail<'_> {
                 ui.scroll_with_delta_animation(vec2(0.0, delta.y), none);
                 None
             }
-            // A handle that is pressed but not moved stays where it is: the value keeps its last digit.
+            // A handle pressed without motion stays, so that the value keeps its last digit.
             Press::Drag { offset } => {
                 (delta.x != 0.0 || (is_new && offset == 0.0)).then_some(at.x + offset)
             }
@@ -171,7 +171,7 @@ impl Rail<'_> {
         Some(moved.max(*self.range.start()).min(*self.range.end()))
     }
 
-    /// The step at a value: a hundredth of its power of ten where none is given.
+    /// The step at a value; without a given step a tenth of the leading digit's unit.
     fn step_at(&self, value: f64) -> f64 {
         if self.step > 0.0 {
             return self.step;
@@ -187,7 +187,7 @@ impl Rail<'_> {
         value.max(*self.range.start()).min(*self.range.end())
     }
 
-    /// Share of the rail, 0 to 1, at which a value stands.
+    /// Position of a value on the rail \[-\], 0 to 1.
     fn fraction(&self, value: f64) -> f32 {
         let [low, high, value] = [*self.range.start(), *self.range.end(), value]
             .map(|v| if self.logarithmic { v.max(f64::MIN_POSITIVE).ln() } else { v });

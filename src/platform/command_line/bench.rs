@@ -1,4 +1,4 @@
-//! `bench`: run time against error of all methods, as a table and a picture.
+//! `bench`: run time against error of all methods, as a table and a chart.
 
 use super::output::{self, File};
 use super::{ExitStatus, InputError};

@@ -1,4 +1,4 @@
-//! `charts`: the paper's charts 1 to 4 for both spring laws, and how far the Poisson ratio is off.
+//! `charts`: the paper's charts 1 to 4 for both spring laws, and the errors of the Poisson ratio.
 
 use super::drawing::{Chart, Kind, Series, draw};
 use super::output::{self, File, number};
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The Poisson ratios of the paper's charts.
+/// Poisson ratios of the paper's charts.
 const POISSON_RATIOS: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.45, 0.49];
-/// The greatest relative error of the Poisson ratio that the paper reports.
+/// Greatest relative error of the Poisson ratio reported in the paper.
 const PAPER_ERROR: f64 = 0.35;
 
 #[derive(clap::Args)]
@@ -23,7 +23,7 @@ pub(super) struct Arguments {
     out_dir: PathBuf,
 }
 
-/// One test of the series with both of its reports.
+/// A test with its reports by both protocols.
 struct TestReports {
     tissue: &'static str,
     test: Test,
@@ -87,7 +87,7 @@ fn run_tests() -> Result<Vec<TestReports>, InputError> {
         .collect())
 }
 
-/// The rows of a chart's panels: the equilibrium, with the columns of `tension`.
+/// The table of a chart: the equilibrium, with the columns of `tension`.
 fn table(reports: &[&TestReports]) -> String {
     let rows = reports.iter().map(|p| table_rows(&p.test, p.tissue, &p.equilibrium));
     COLUMNS.to_owned() + &rows.collect::<String>()
@@ -122,7 +122,8 @@ fn chart(number: usize, tissue: &str, kind: Kind, reports: &[&TestReports]) -> C
     }
 }
 
-/// Stable stretches as lines, the paper's protocol as points, the ends of stability as marks.
+/// The series of a test: stable branches as lines, the paper's protocol as points, losses of stability as
+/// marks.
 fn series(kind: Kind, rank: usize, reports: &TestReports) -> Series {
     let mut series = Series::new(reports.test.poisson_ratio);
     let mut branch = vec![(0.0, 0.0)];
@@ -130,7 +131,7 @@ fn series(kind: Kind, rank: usize, reports: &TestReports) -> Series {
         match row.measured {
             Some(m) => branch.push((m.strain, kind.value(row.load_kpa, m.transverse_strain))),
             None if !branch.is_empty() => {
-                // The first limit is known to 0.001, later ones to a row.
+                // The first loss is known to 0.001, further losses to one row.
                 let at = match reports.equilibrium.stability_lost_at {
                     Some(strain) if series.lost.is_empty() => strain,
                     _ => row.strain_expected,
@@ -147,7 +148,7 @@ fn series(kind: Kind, rank: usize, reports: &TestReports) -> Series {
     if !branch.is_empty() {
         series.branches.push(branch);
     }
-    // One row in six, each Poisson ratio its own: where all lie on one curve all can be seen.
+    // One row in six, different for each Poisson ratio, so that coinciding series remain visible.
     series.points = reports
         .paper
         .rows
@@ -162,7 +163,7 @@ fn series(kind: Kind, rank: usize, reports: &TestReports) -> Series {
     series
 }
 
-/// The greatest relative error of the Poisson ratio per law, curve and ν: as CSV and as Markdown.
+/// Greatest relative error of the Poisson ratio per law, curve and ν, as CSV and as Markdown.
 fn poisson_errors(reports: &[TestReports]) -> (String, String) {
     let mut csv = "springs,curve,poisson_ratio,greatest_error_equilibrium,greatest_error_paper_protocol,stability_lost_at,error_reported_in_paper\n".to_owned();
     let mut markdown = format!(

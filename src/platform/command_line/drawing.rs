@@ -1,16 +1,16 @@
-//! Draws a chart: two panels side by side, the paper's springs and the coupled ones.
+//! Drawing of a chart with two panels: the paper's springs and the coupled springs.
 
 use crate::view::svg::{Area, Drawn, FINE, GRID, TEXT, at, font, page, pen};
 use crate::view::svg_backend::SvgBackend;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-/// What a chart shows against the elongation.
+/// Quantity plotted against the elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// The load \[kPa\].
     Stress,
-    /// The strain across the pull, its sign turned \[-\].
+    /// The negative transverse strain \[-\].
     Transverse,
 }
 
@@ -23,15 +23,15 @@ impl Kind {
     }
 }
 
-/// One Poisson ratio in one panel. Points are (elongation, value).
+/// Data of one Poisson ratio in one panel, as (elongation, value).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Series {
     poisson_ratio: f64,
-    /// Lines over the strains where the equilibrium is stable.
+    /// Lines over the strains with a stable equilibrium.
     pub(super) branches: Vec<Vec<(f64, f64)>>,
-    /// Measured by the paper's protocol.
+    /// Values by the paper's protocol.
     pub(super) points: Vec<(f64, f64)>,
-    /// Where stability is lost.
+    /// Points of loss of stability.
     pub(super) lost: Vec<(f64, f64)>,
 }
 
@@ -61,7 +61,7 @@ const LEGEND_HEIGHT: u32 = 62;
 const TITLE_HEIGHT: u32 = 40;
 const CURVE: RGBColor = RGBColor(0xb8, 0xbe, 0xc6);
 const LOST: RGBColor = RGBColor(0xc6, 0x28, 0x28);
-/// From low to high ν; told apart also without red–green sight.
+/// Colours from low to high ν, distinct without red–green vision.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0x3b, 0x0f, 0x70),
     RGBColor(0x33, 0x63, 0xb5),
@@ -71,7 +71,7 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(0xd4, 0x4e, 0x8c),
 ];
 
-/// The chart as SVG text.
+/// Draws the chart as SVG text.
 pub(super) fn draw(chart: &Chart) -> Result<String, Box<dyn std::error::Error>> {
     page(SIZE, |whole| {
         let title = font(25).style(FontStyle::Bold).color(&TEXT);
@@ -144,7 +144,7 @@ fn draw_panel(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dra
     Ok(())
 }
 
-/// Two rows below the panels: the Poisson ratios, then what lines, points and marks are.
+/// Draws two rows below the panels: the Poisson ratios, and the meaning of lines, points and marks.
 fn draw_legend(area: &Area, chart: &Chart) -> Drawn {
     let text = font(17).color(&TEXT);
     let label = |words: &str, x: i32, y: i32| area.draw_text(words, &text, at(x, y - 7));

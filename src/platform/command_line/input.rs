@@ -1,4 +1,4 @@
-//! Reading: whole files up to a length, or standard input.
+//! Input: whole files up to a size, or standard input.
 
 use super::InputError;
 use super::output::{input_error, is_standard};
@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// The bytes of a file; a little more than `max_bytes` of one that is longer, which its reader will refuse.
+/// Reads a file, and at most one byte more than `max_bytes`, so that the parser rejects longer files.
 pub(super) fn read(path: &Path, max_bytes: usize) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     let max_bytes = max_bytes as u64 + 1;

@@ -1,10 +1,9 @@
 //! The command line: `simulate`, `tension`, `charts`, `stability`, `bench` and `stress`. Native only.
 //!
-//! Exit codes: 0 fine; 1 a defect of the program; 2 bad input (one line on standard error: file, field, what is allowed, and
-//! nothing is written); 3 no converged answer (the result is written, with its status).
+//! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
+//! values; no file is written); 3 no converged solution (the result is written with its status).
 //!
-//! Files are written under a temporary name beside their place and renamed, so that nobody ever
-//! meets half a file.
+//! Files are written under a temporary name and renamed, so that no reader meets an incomplete file.
 
 mod bench;
 mod charts;
@@ -23,12 +22,12 @@ use std::fmt::Display;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-/// What `main` does next.
+/// Next action of `main`.
 #[derive(Debug)]
 pub enum Next {
-    /// No command was given: open the window.
+    /// Open the window: no command was given.
     OpenApp,
-    /// A command has run: leave with this code.
+    /// Exit with the code of a command.
     Exit(ExitCode),
 }
 
@@ -56,7 +55,7 @@ enum Command {
     Stress(stress::Arguments),
 }
 
-/// How a command that understood its input outcome.
+/// Status of a command with valid input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ExitStatus {
     Converged,
@@ -68,7 +67,7 @@ enum ExitStatus {
 #[error("{0}")]
 struct InputError(String);
 
-/// Reads a number in a range, ends included, for an option.
+/// Parses a number within a range, ends included.
 fn in_range<T>(text: &str, least: T, most: T) -> Result<T, String>
 where
     T: FromStr + PartialOrd + Display,
@@ -81,7 +80,7 @@ const DEFECT: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
 
-/// Runs the command given to this process, if any.
+/// Runs the command of this process, if there is one.
 #[must_use]
 pub fn run() -> Next {
     let arguments = match Arguments::try_parse() {
@@ -110,8 +109,8 @@ fn catch_panic(
     command: impl FnOnce() -> Result<ExitStatus, InputError>,
 ) -> Option<Result<ExitStatus, InputError>> {
     std::panic::set_hook(Box::new(|panic| {
-        let place = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::error(&format!("internal error at {place}; no file was written"));
+        let location = panic.location().map(ToString::to_string).unwrap_or_default();
+        output::error(&format!("internal error at {location}; no file was written"));
     }));
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
     drop(std::panic::take_hook());
@@ -130,11 +129,11 @@ fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {
     }
 }
 
-/// Help and version as they are; a wrong argument in one line.
+/// Prints help and version unchanged, and an invalid argument in one line.
 fn report_usage(error: &clap::Error) -> ExitCode {
     use clap::error::ErrorKind;
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        // A closed pipe is no reason to complain.
+        // A closed pipe is not an error.
         let _ = error.print();
         return ExitCode::SUCCESS;
     }

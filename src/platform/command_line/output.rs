@@ -1,14 +1,14 @@
-//! Writing: whole files or none, standard output, and the one line on standard error.
+//! Output: files written completely or not at all, standard output, and the line on standard error.
 
 use super::InputError;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// The name that stands for standard input or output.
+/// The name of standard input and output.
 pub(super) const STANDARD: &str = "-";
 
-/// What is to be written, and where.
+/// A file to be written.
 #[derive(Debug)]
 pub(super) struct File {
     pub(super) path: PathBuf,
@@ -21,13 +21,13 @@ impl File {
     }
 }
 
-/// Says one line on standard error.
+/// Prints an error on standard error, in one line.
 #[allow(clippy::print_stderr)] // the command line is where the program speaks
 pub(super) fn error(line: &str) {
     eprintln!("error: {line}");
 }
 
-/// Says a remark on standard error.
+/// Prints a warning on standard error, in one line.
 #[allow(clippy::print_stderr)] // the command line is where the program speaks
 pub(super) fn warn(line: &str) {
     eprintln!("note: {line}");
@@ -44,7 +44,7 @@ pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
-/// Checks, before anything is computed, that a file can stand here.
+/// Checks, before any computation, that a file can be written to this path.
 pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
     if is_standard(path) {
         return Ok(());
@@ -59,7 +59,7 @@ pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Makes a folder for outputs, before anything is computed.
+/// Creates the output folder before any computation.
 pub(super) fn make_folder(folder: &Path) -> Result<(), InputError> {
     if folder.exists() && !folder.is_dir() {
         return Err(input_error(folder, "is a file; allowed: a folder"));
@@ -68,7 +68,7 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), InputError> {
         .map_err(|error| input_error(folder, format!("cannot be created: {error}")))
 }
 
-/// Do two names mean the same file, or both standard output?
+/// Do two paths refer to the same file, or both to standard output?
 pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| match path.canonicalize() {
         Ok(found) => Some(found),
@@ -85,8 +85,8 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Writes all files or none: first under temporary names, then renamed. What is no regular file (a
-/// device, a pipe) cannot be replaced: it is written straight, after those. `-` is written last.
+/// Writes all files or none: first under temporary names, then renamed. Special files (devices, pipes)
+/// cannot be replaced and are written directly, after the regular files; `-` is written last.
 pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
     let mut pending: Vec<(PathBuf, PathBuf)> = Vec::new();
     let mut failure = None;
@@ -95,7 +95,7 @@ pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
     };
     let is_regular = |file: &File| !is_standard(&file.path) && !is_special(file);
     for (index, file) in files.iter().enumerate().filter(|(_, file)| is_regular(file)) {
-        // The file that a link leads to, not the link.
+        // The target of a link, not the link.
         let path = file.path.canonicalize().unwrap_or_else(|_| file.path.clone());
         let name = format!(".implant-preview-{}-{index}.part", std::process::id());
         let temporary = folder_of(&path).join(name);
@@ -112,7 +112,7 @@ pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
                 .map(|error| input_error(path, format!("cannot be written: {error}")));
         }
         if failure.is_some() {
-            // Best effort: the first failure is the one to report.
+            // Removal is best effort: the first failure is the one to report.
             let _ = fs::remove_file(temporary);
         }
     }
@@ -137,7 +137,7 @@ fn write_durably(path: &Path, content: &[u8]) -> std::io::Result<()> {
 fn print(content: &[u8]) -> Result<(), InputError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(content).and_then(|()| out.flush()) {
-        // A reader that has seen enough (`| head`) is no error.
+        // A reader that closes the pipe early (`| head`) is not an error.
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(InputError(format!("standard output: cannot be written: {error}")))
         }
@@ -145,7 +145,7 @@ fn print(content: &[u8]) -> Result<(), InputError> {
     }
 }
 
-/// A number for a table: ten significant digits, no trailing zeros.
+/// Formats a number for a table: ten significant digits, no trailing zeros.
 pub(super) fn number(value: f64) -> String {
     let digits = format!("{value:.9e}");
     digits
@@ -153,7 +153,7 @@ pub(super) fn number(value: f64) -> String {
         .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
 }
 
-/// A text for a table: quoted where a comma, a quote or a line end needs it.
+/// Formats a text for a table: quoted if it contains a comma, a quote or a line break.
 pub(super) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

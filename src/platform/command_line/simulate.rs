@@ -1,4 +1,4 @@
-//! `simulate`: scenes in, results out.
+//! `simulate`: solves scenes and writes their results.
 
 use super::mesh::Surface;
 use super::mesh_formats::Format;
@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     Ok(if all_converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }
 
-/// Every output has its own place, none of them an input.
+/// Checks that all outputs are different files, and none of them an input.
 fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
     let outputs: Vec<&Path> =
         [Some(&arguments.out), arguments.mesh.as_ref(), arguments.profile.as_ref()]
@@ -60,13 +60,13 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
     for (k, path) in outputs.iter().enumerate() {
         output::check_path(path)?;
         if outputs[..k].iter().any(|other| output::is_same_file(other, path)) {
-            let place = if output::is_standard(path) {
+            let name = if output::is_standard(path) {
                 "standard output".to_owned()
             } else {
                 path.display().to_string()
             };
             return Err(InputError(format!(
-                "{place}: named for two outputs; allowed: one output per file"
+                "{name}: named for two outputs; allowed: one output per file"
             )));
         }
         let is_input = |scene: &PathBuf| {
@@ -81,10 +81,10 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Reads a scene, or one scene a line.
+/// Reads the scenes of a file: one scene, or one scene per line.
 fn read_scenes(path: &Path) -> Result<Vec<Scene>, InputError> {
     let bytes = input::read(path, read::MAX_LINES_BYTES)?;
-    // JSON lines by the file's name; `read` also knows them by their first line.
+    // JSON lines by the extension; `read` also detects them by the first line.
     let is_lines = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
     read::scenes(&bytes, is_lines).map_err(|error| output::input_error(path, error))
 }
@@ -104,7 +104,7 @@ fn solve(scene: &Scene, needs_surface: bool) -> Result<(Outcome, Option<Surface>
     Ok((outcome, surface))
 }
 
-/// All files of this run, ready to be written. A scene without a stable shape has no mesh.
+/// The output files of this run. A scene without a stable shape has no mesh.
 fn outputs(
     arguments: &Arguments,
     format: Option<Format>,

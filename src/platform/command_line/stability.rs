@@ -1,4 +1,4 @@
-//! `stability`: where an evenly stretched sheet is stable, as a table and a map for each curve.
+//! `stability`: stability of a uniformly stretched sheet, as a table and a map for each curve.
 
 use super::output::{self, File, number};
 use super::{ExitStatus, InputError};
@@ -16,11 +16,11 @@ const COLUMNS: &str = "springs,curve,load,poisson_ratio,strain,transverse_strain
     least_eigenvalue_sheet,least_eigenvalue_waves,wave_x,wave_y,wave_angle_deg,polarisation_deg,\
     least_eigenvalue_out_of_plane,status\n";
 
-/// Steps of the strain from 0 to 1, and of the Poisson ratio from 0 to 0.5.
+/// Number of steps of the strain from 0 to 1, and of the Poisson ratio from 0 to 0.5.
 const STRAINS: u32 = 100;
 const POISSON_RATIOS: u32 = 50;
 
-/// The curves: both presets, a line, and an exponential that rises to 55 times its first slope.
+/// The curves: both presets, a line, and an exponential whose slope rises by a factor of 55.
 const CURVES: [(&str, CurveSpec); 4] = [
     ("skin", CurveSpec::Skin {}),
     ("adipose", CurveSpec::Adipose {}),
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     out_dir: PathBuf,
 }
 
-/// The map of one curve, law and load: row by row, Poisson ratios rising.
+/// The map of a curve, law and load; rows with rising Poisson ratio.
 struct Mapped {
     springs: Springs,
     curve: &'static str,
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     };
     let strains = steps(STRAINS, FULL_STRAIN);
     let mut poisson_ratios = steps(POISSON_RATIOS, limits::POISSON_RATIO.1);
-    // At ν = 0 every state is neutral, and close to it stiffnesses bend: one row more.
+    // At ν = 0 every state is neutral, and near ν = 0 the stiffness varies strongly: one more row.
     poisson_ratios.insert(1, 0.5 * poisson_ratios[1]);
     let mapped = map_all(&strains, &poisson_ratios)?;
     let mut files = vec![File::new(&folder.join("stability.csv"), table(&mapped))];
@@ -91,7 +91,7 @@ fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, Input
     Ok(maps.par_iter().map(map).collect())
 }
 
-/// What the coupled springs do where the paper's are shown.
+/// Summary of the coupled springs, for the chart of the paper's springs.
 fn coupled_note(points: &[Point]) -> String {
     let least = points.iter().map(|p| p.wave.stiffness).fold(f64::INFINITY, f64::min);
     let unstable = points.iter().filter(|p| p.wave.stiffness < 0.0).count();

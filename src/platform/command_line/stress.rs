@@ -1,4 +1,4 @@
-//! `stress`: random scenes and sessions, and what came of them.
+//! `stress`: robustness runs over random scenes and sessions.
 
 use super::output::{self, File, STANDARD};
 use super::{ExitStatus, InputError, in_range};

@@ -1,4 +1,4 @@
-//! `tension`: the paper's stretching experiment as a table.
+//! `tension`: the paper's tension test as a table.
 
 use super::output::{self, File, number, quoted};
 use super::{ExitStatus, InputError, in_range, input};
@@ -9,7 +9,7 @@ use crate::springs::Springs;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
-/// The first line of every table of this experiment.
+/// Header of the table.
 pub(super) const COLUMNS: &str = "springs,curve,poisson_ratio,load_kpa,strain,strain_expected,transverse_strain,poisson_measured,status\n";
 
 #[derive(clap::Args)]
@@ -102,7 +102,7 @@ fn read_curve(name: &str) -> Result<Curve, InputError> {
     Curve::new(&preset).map_err(|error| output::input_error(Path::new(name), error))
 }
 
-/// The rows of a report under [`COLUMNS`]; a row without a stable shape measures nothing.
+/// The rows of a report below [`COLUMNS`]; rows without a stable shape contain no measured values.
 pub(super) fn table_rows(test: &Test, curve: &str, report: &Report) -> String {
     let springs = match test.springs {
         Springs::Coupled => "coupled",
