@@ -6,6 +6,7 @@ use super::widgets::{
 };
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use eframe::egui::{self, Ui};
+use std::ops::RangeInclusive;
 
 /// Upper limits of a point: strain \[-\] and stress \[kPa\].
 const MAX_POINT: [f64; 2] = [10.0, 1e7];
@@ -88,32 +89,25 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
 
 fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
     Control {
-        label,
         unit: "kPa",
         kind: Kind::Stress,
-        range: 0.01..=1e4,
-        reset,
-        decimals: 2,
-        step: 0.0,
-        logarithmic: true,
         tooltip: "In vivo: breast fat about 3 kPa, breast skin 56–344 kPa.",
-        ..Control::default()
+        ..parameter(label, 0.01..=1e4, reset)
     }
     .show(ui, value);
 }
 
-fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: std::ops::RangeInclusive<f64>) {
+fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: RangeInclusive<f64>) {
     Control {
-        label: "Rate",
-        range,
-        reset,
-        decimals: 2,
-        step: 0.0,
-        logarithmic: true,
         tooltip: "How quickly the slope changes with strain.",
-        ..Control::default()
+        ..parameter("Rate", range, reset)
     }
     .show(ui, value);
+}
+
+/// A control of a curve's parameter, with a logarithmic rail.
+fn parameter(label: &str, range: RangeInclusive<f64>, reset: f64) -> Control<'_> {
+    Control { label, range, reset, decimals: 2, step: 0.0, logarithmic: true, ..Control::default() }
 }
 
 /// A table of points being edited, with the points of the curve that it will replace.

@@ -1,6 +1,7 @@
 //! The right panel: results with units, and the sources of the limits.
 
 use super::theme::{self, SPACE};
+use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, heading};
 use crate::measure::bands::{pressure_band, pressure_word, strain_band, strain_word};
 use crate::measure::{Outcome, Pressure, STRAIN_BANDS, Status};
@@ -181,9 +182,7 @@ fn figures(value: f64, decimals: usize, position_error: f64) -> String {
     let open = (10.0 * position_error * value.abs()).max(1e-12);
     let known = (-open.log10()).floor().max(0.0) as usize;
     let decimals = decimals.min(known);
-    let text = format!("{value:.decimals$}");
-    // No minus sign for a rounded zero.
-    if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
+    without_negative_zero(format!("{value:.decimals$}"))
 }
 
 fn hint(ui: &mut Ui, text: &str) {

@@ -26,7 +26,7 @@ const HEAP: usize = 26 << 20;
 pub fn run() {
     std::panic::set_hook(Box::new(|info| {
         let message = info.payload_as_str().unwrap_or("panic");
-        let place =
+        let location =
             info.location().map(|at| format!(" ({}:{})", source_path(at.file()), at.line()));
         call("implantPreviewCrashed", &format!("{message}{}", location.unwrap_or_default()));
     }));

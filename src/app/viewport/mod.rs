@@ -5,6 +5,7 @@
 mod overlay;
 mod renderer;
 
+use super::widgets::arrow_keys;
 use crate::session::Session;
 use crate::view::camera::Camera;
 use crate::view::color::Quantity;
@@ -12,8 +13,8 @@ use crate::view::pick::{self, Hit};
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use eframe::egui::{
-    self, Align2, Color32, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense,
-    TextStyle, Ui, WidgetInfo,
+    self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
+    Ui, WidgetInfo,
 };
 use eframe::{egui_glow, glow};
 use glam::Vec2;
@@ -203,12 +204,7 @@ impl Viewport {
             moved |= self.camera.zoom((scroll * 0.003).exp() * pinch);
         }
         if response.has_focus() {
-            let own = EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
             moved |= self.keys(ui);
         }
         if moved {

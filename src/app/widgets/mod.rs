@@ -12,7 +12,9 @@ pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
 use super::theme::{SPACE, SPACE_SMALL};
-use eframe::egui::{self, Response, RichText, Ui};
+use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
+use egui::accesskit::{Action, ActionData};
+use std::ops::RangeInclusive;
 
 /// A collapsible group with a title.
 pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
@@ -80,9 +82,45 @@ pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::Widget
     response
 }
 
+/// Filter of a focused widget that receives the arrow keys; otherwise the keys move the focus.
+pub(super) fn arrow_keys() -> EventFilter {
+    EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() }
+}
+
+/// Keys that step a number, with their numbers of steps.
+const STEP_KEYS: [(Key, f64); 4] =
+    [(Key::ArrowUp, 1.0), (Key::ArrowDown, -1.0), (Key::PageUp, 10.0), (Key::PageDown, -10.0)];
+
+/// Sum of the steps of the keys pressed since the previous frame.
+fn key_steps(ui: &Ui, keys: impl IntoIterator<Item = (Key, f64)>) -> f64 {
+    ui.input_mut(|input| {
+        let mut steps =
+            |(key, steps)| steps * input.count_and_consume_key(Modifiers::NONE, key) as f64;
+        keys.into_iter().map(&mut steps).sum()
+    })
+}
+
+/// Values that a screen reader has requested for a widget since the previous frame.
+fn set_value_requests(ui: &Ui, id: Id) -> Vec<ActionData> {
+    ui.input(|input| {
+        let requests = input.accesskit_action_requests(id, Action::SetValue);
+        requests.filter_map(|request| request.data.clone()).collect()
+    })
+}
+
+/// Describes range and step of a number to screen readers, which may then request a value.
+fn describe_range(response: &Response, range: &RangeInclusive<f64>, step: f64) {
+    response.ctx.accesskit_node_builder(response.id, |node| {
+        node.set_min_numeric_value(*range.start());
+        node.set_max_numeric_value(*range.end());
+        node.set_numeric_value_step(step);
+        node.add_action(Action::SetValue);
+    });
+}
+
 /// Does a number field have the keyboard focus? A touch screen should then show a numeric keyboard.
 pub(super) fn has_number_focus(ctx: &egui::Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
-    let number = ctx.data(|data| data.get_temp::<egui::Id>(number_field::focus_key()));
+    let number = ctx.data(|data| data.get_temp::<Id>(number_field::focus_key()));
     focused.is_some() && focused == number
 }

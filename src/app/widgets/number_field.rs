@@ -1,8 +1,10 @@
 //! A field for one number: the typed number is stored exactly, or rejected with a reason.
 
 use super::quantity::{self, Kind};
+use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, set_value_requests};
 use crate::app::theme;
-use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, Ui};
+use eframe::egui::{self, Id, Key, Response, Ui};
+use egui::accesskit::ActionData;
 use egui::text::CCursorRange;
 use std::ops::RangeInclusive;
 
@@ -74,14 +76,19 @@ impl NumberField<'_> {
         let mut out_of_range = None;
         if ui.memory(|memory| memory.has_focus(id)) {
             ui.data_mut(|data| data.insert_temp(focus_key(), id));
-            let steps = steps(ui);
+            let steps = key_steps(ui, STEP_KEYS);
             if steps != 0.0 {
                 *value = self.clamped(quantity::stepped(*value, self.step, steps));
                 edit = None;
             }
         }
-        for request in accesskit_values(ui, id) {
-            out_of_range = self.commit(value, &mut edit, &request).or(out_of_range);
+        for request in set_value_requests(ui, id) {
+            let text = match request {
+                ActionData::NumericValue(number) => number.to_string(),
+                ActionData::Value(text) => text.into(),
+                _ => continue,
+            };
+            out_of_range = self.commit(value, &mut edit, &text).or(out_of_range);
         }
 
         let palette = theme::palette(ui.visuals());
@@ -106,11 +113,7 @@ impl NumberField<'_> {
             .align(egui::Align2::RIGHT_CENTER)
             .desired_width(self.width)
             .char_limit(64)
-            .event_filter(EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            })
+            .event_filter(arrow_keys())
             // Enter commits the number and keeps the focus.
             .return_key(None);
         let mut response = ui.add(field);
@@ -211,7 +214,6 @@ impl NumberField<'_> {
     }
 
     fn describe(&self, ui: &Ui, response: &Response, value: f64) {
-        use egui::accesskit::Action;
         response.widget_info(|| egui::WidgetInfo {
             label: Some(self.name.to_owned()),
             ..egui::WidgetInfo::drag_value(response.enabled(), value)
@@ -220,43 +222,9 @@ impl NumberField<'_> {
             node.set_role(egui::accesskit::Role::SpinButton);
             node.set_label(self.name);
             node.set_numeric_value(value);
-            node.set_min_numeric_value(*self.allowed.start());
-            node.set_max_numeric_value(*self.allowed.end());
-            node.set_numeric_value_step(self.step);
-            node.add_action(Action::SetValue);
         });
+        describe_range(response, &self.allowed, self.step);
     }
-}
-
-/// Steps of the arrow and page keys since the previous frame.
-fn steps(ui: &Ui) -> f64 {
-    ui.input_mut(|input| {
-        let mut sum = 0.0;
-        for (key, step) in [
-            (Key::ArrowUp, 1.0),
-            (Key::ArrowDown, -1.0),
-            (Key::PageUp, 10.0),
-            (Key::PageDown, -10.0),
-        ] {
-            sum += step * input.count_and_consume_key(Modifiers::NONE, key) as f64;
-        }
-        sum
-    })
-}
-
-/// Values requested by a screen reader, as text.
-fn accesskit_values(ui: &Ui, id: Id) -> Vec<String> {
-    use egui::accesskit::{Action, ActionData};
-    ui.input(|input| {
-        let requests = input.accesskit_action_requests(id, Action::SetValue);
-        requests
-            .filter_map(|request| match &request.data {
-                Some(ActionData::NumericValue(number)) => Some(number.to_string()),
-                Some(ActionData::Value(text)) => Some(text.to_string()),
-                _ => None,
-            })
-            .collect()
-    })
 }
 
 fn select_all(ui: &Ui, id: Id, text: &str) {

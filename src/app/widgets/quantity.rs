@@ -139,7 +139,11 @@ pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     };
     let shown = |d: usize| format!("{value:.d$}");
     let text = (decimals..6).map(shown).find(|text| is_exact(text)).unwrap_or_else(|| shown(6));
-    // No minus sign for zero.
+    without_negative_zero(text)
+}
+
+/// Removes the minus sign of a number that is rounded to zero.
+pub(in crate::app) fn without_negative_zero(text: String) -> String {
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
 }
 

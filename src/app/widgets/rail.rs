@@ -1,12 +1,12 @@
 //! The rail of a slider. A mouse moves the handle from anywhere on the rail. A finger moves it from the
 //! handle, or after dragging along the rail; a swipe across the rail scrolls the panel.
 
-use super::quantity;
+use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, quantity, set_value_requests};
 use crate::app::theme;
 use eframe::egui::{
-    self, EventFilter, Id, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2,
-    remap_clamp, vec2,
+    self, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
 };
+use egui::accesskit::ActionData;
 use std::ops::RangeInclusive;
 
 /// Radius of the handle \[points\].
@@ -68,15 +68,14 @@ impl Rail<'_> {
                 Some(self.rounded(self.value_at(remap_clamp(x, track.min..=track.max, 0.0..=1.0))));
         }
         if response.has_focus() {
-            let own = EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
             requested = self.keys(ui, *value).or(requested);
         }
-        requested = set_by_screen_reader(ui, response.id).or(requested);
+        for request in set_value_requests(ui, response.id) {
+            if let ActionData::NumericValue(number) = request {
+                requested = Some(number);
+            }
+        }
         let mut out_of_range = None;
         if let Some(requested) = requested {
             *value = requested.max(*self.allowed.start()).min(*self.allowed.end());
@@ -146,24 +145,11 @@ impl Rail<'_> {
     }
 
     fn keys(&self, ui: &Ui, value: f64) -> Option<f64> {
-        let (mut steps, mut end) = (0.0, None);
-        ui.input_mut(|input| {
-            for (key, step) in [
-                (Key::ArrowRight, 1.0),
-                (Key::ArrowUp, 1.0),
-                (Key::ArrowLeft, -1.0),
-                (Key::ArrowDown, -1.0),
-                (Key::PageUp, 10.0),
-                (Key::PageDown, -10.0),
-            ] {
-                steps += step * input.count_and_consume_key(Modifiers::NONE, key) as f64;
-            }
-            for (key, value) in [(Key::Home, *self.range.start()), (Key::End, *self.range.end())] {
-                if input.consume_key(Modifiers::NONE, key) {
-                    end = Some(value);
-                }
-            }
-        });
+        let sideways = [(Key::ArrowRight, 1.0), (Key::ArrowLeft, -1.0)];
+        let steps = key_steps(ui, STEP_KEYS.into_iter().chain(sideways));
+        let is_pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        let start = is_pressed(Key::Home).then_some(*self.range.start());
+        let end = is_pressed(Key::End).then_some(*self.range.end()).or(start);
         if end.is_some() || steps == 0.0 {
             return end;
         }
@@ -205,14 +191,8 @@ impl Rail<'_> {
     }
 
     fn describe(&self, response: &Response, value: f64) {
-        use egui::accesskit::Action;
         response.widget_info(|| egui::WidgetInfo::slider(response.enabled(), value, self.name));
-        response.ctx.accesskit_node_builder(response.id, |node| {
-            node.set_min_numeric_value(*self.range.start());
-            node.set_max_numeric_value(*self.range.end());
-            node.set_numeric_value_step(self.step_at(value));
-            node.add_action(Action::SetValue);
-        });
+        describe_range(response, &self.range, self.step_at(value));
     }
 
     fn paint(&self, ui: &Ui, response: &Response, rect: Rect, handle: f32) {
@@ -227,17 +207,4 @@ impl Rail<'_> {
         let centre = pos2(handle, rect.center().y);
         painter.circle(centre, HANDLE - 1.0, fill, Stroke::new(width, palette.accent));
     }
-}
-
-fn set_by_screen_reader(ui: &Ui, id: Id) -> Option<f64> {
-    use egui::accesskit::{Action, ActionData};
-    ui.input(|input| {
-        let requests = input.accesskit_action_requests(id, Action::SetValue);
-        requests
-            .filter_map(|request| match request.data {
-                Some(ActionData::NumericValue(number)) => Some(number),
-                _ => None,
-            })
-            .last()
-    })
 }

@@ -1,25 +1,23 @@
 //! `bench`: run time against error of all methods, as a table and a chart.
 
-use super::output::{self, File};
+use super::output::{self, File, OutputFolder};
 use super::{ExitStatus, InputError};
 use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric, table};
 use crate::view::work_precision::draw;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Folder for `work_precision.csv` and `.svg`; created if it is missing.
-    #[arg(long, value_name = "D")]
-    out_dir: PathBuf,
+    #[command(flatten)]
+    folder: OutputFolder,
     /// Only one scene on coarse grids: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let folder = &arguments.out_dir;
-    output::make_folder(folder)?;
+    let folder = arguments.folder.create()?;
     let plan = if arguments.quick { Plan::quick() } else { Plan::full() };
     let mut study = Study::new(plan, Some(axisymmetric));
     let start = Instant::now();

@@ -1,7 +1,7 @@
 //! `charts`: the paper's charts 1 to 4 for both spring laws, and the errors of the Poisson ratio.
 
 use super::drawing::{Chart, Kind, Series, draw};
-use super::output::{self, File, number};
+use super::output::{self, File, OutputFolder, number, springs_name};
 use super::tension::{COLUMNS, table_rows};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec};
@@ -9,19 +9,12 @@ use crate::experiment::tension::{Protocol, Report, Test, run as run_tension};
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Poisson ratios of the paper's charts.
 const POISSON_RATIOS: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.45, 0.49];
 /// Greatest relative error of the Poisson ratio reported in the paper.
 const PAPER_ERROR: f64 = 0.35;
-
-#[derive(clap::Args)]
-pub(super) struct Arguments {
-    /// Folder for the charts; created if it is missing.
-    #[arg(long, value_name = "D")]
-    out_dir: PathBuf,
-}
 
 /// A test with its reports by both protocols.
 struct TestReports {
@@ -31,9 +24,8 @@ struct TestReports {
     paper: Report,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let folder = &arguments.out_dir;
-    output::make_folder(folder)?;
+pub(super) fn run(folder: &OutputFolder) -> Result<ExitStatus, InputError> {
+    let folder = folder.create()?;
     let reports = run_tests()?;
     let mut files = Vec::new();
     for (k, (tissue, kind)) in [
@@ -175,10 +167,7 @@ fn poisson_errors(reports: &[TestReports]) -> (String, String) {
     );
     for p in reports {
         let nu = p.test.poisson_ratio;
-        let springs = match p.test.springs {
-            Springs::Coupled => "coupled",
-            Springs::Nikolaev => "nikolaev",
-        };
+        let springs = springs_name(p.test.springs);
         let errors = [&p.equilibrium, &p.paper].map(|report| report.greatest_poisson_error(nu));
         let lost = p.equilibrium.stability_lost_at;
         // Writing to a String cannot fail.

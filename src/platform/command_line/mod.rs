@@ -46,9 +46,9 @@ enum Command {
     /// Simulate the paper's tension test on a square sample and write a table.
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
-    Charts(charts::Arguments),
+    Charts(output::OutputFolder),
     /// Map the stability of a uniformly stretched sheet over strain and Poisson ratio.
-    Stability(stability::Arguments),
+    Stability(output::OutputFolder),
     /// Measure run time against error for the solvers and the reference methods.
     Bench(bench::Arguments),
     /// Solve random scenes and check every result against invariants.
@@ -97,8 +97,8 @@ pub fn run() -> Next {
     Next::Exit(exit_code(catch_panic(|| match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
-        Command::Charts(arguments) => charts::run(&arguments),
-        Command::Stability(arguments) => stability::run(&arguments),
+        Command::Charts(folder) => charts::run(&folder),
+        Command::Stability(folder) => stability::run(&folder),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
     })))

@@ -1,9 +1,32 @@
 //! Output: files written completely or not at all, standard output, and the line on standard error.
 
 use super::InputError;
+use crate::springs::Springs;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+/// Argument of the commands that write several files.
+#[derive(clap::Args)]
+pub(super) struct OutputFolder {
+    /// Folder for the tables and charts; created if it is missing.
+    #[arg(long, value_name = "D")]
+    out_dir: PathBuf,
+}
+
+impl OutputFolder {
+    /// Creates the folder before any computation.
+    pub(super) fn create(&self) -> Result<&Path, InputError> {
+        let folder = self.out_dir.as_path();
+        if folder.exists() && !folder.is_dir() {
+            return Err(input_error(folder, "is a file; allowed: a folder"));
+        }
+        match fs::create_dir_all(folder) {
+            Ok(()) => Ok(folder),
+            Err(error) => Err(input_error(folder, format!("cannot be created: {error}"))),
+        }
+    }
+}
 
 /// The name of standard input and output.
 pub(super) const STANDARD: &str = "-";
@@ -57,15 +80,6 @@ pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
         return Err(input_error(path, format!("the folder {} does not exist", folder.display())));
     }
     Ok(())
-}
-
-/// Creates the output folder before any computation.
-pub(super) fn make_folder(folder: &Path) -> Result<(), InputError> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(input_error(folder, "is a file; allowed: a folder"));
-    }
-    fs::create_dir_all(folder)
-        .map_err(|error| input_error(folder, format!("cannot be created: {error}")))
 }
 
 /// Do two paths refer to the same file, or both to standard output?
@@ -151,6 +165,14 @@ pub(super) fn number(value: f64) -> String {
     digits
         .parse::<f64>()
         .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
+}
+
+/// Name of a spring law in tables and arguments.
+pub(super) fn springs_name(springs: Springs) -> &'static str {
+    match springs {
+        Springs::Coupled => "coupled",
+        Springs::Nikolaev => "nikolaev",
+    }
 }
 
 /// Formats a text for a table: quoted if it contains a comma, a quote or a line break.

@@ -1,6 +1,6 @@
 //! `stability`: stability of a uniformly stretched sheet, as a table and a map for each curve.
 
-use super::output::{self, File, number};
+use super::output::{self, File, OutputFolder, number, springs_name};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
 use crate::experiment::stability::{Point, row};
@@ -10,7 +10,7 @@ use crate::springs::stability::Load;
 use crate::view::stability_map::{Map, draw};
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const COLUMNS: &str = "springs,curve,load,poisson_ratio,strain,transverse_strain,\
     least_eigenvalue_sheet,least_eigenvalue_waves,wave_x,wave_y,wave_angle_deg,polarisation_deg,\
@@ -28,13 +28,6 @@ const CURVES: [(&str, CurveSpec); 4] = [
     ("exponential", CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 }),
 ];
 
-#[derive(clap::Args)]
-pub(super) struct Arguments {
-    /// Folder for `stability.csv` and the maps; created if it is missing.
-    #[arg(long, value_name = "D")]
-    out_dir: PathBuf,
-}
-
 /// The map of a curve, law and load; rows with rising Poisson ratio.
 struct Mapped {
     springs: Springs,
@@ -43,9 +36,8 @@ struct Mapped {
     points: Vec<Point>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let folder = &arguments.out_dir;
-    output::make_folder(folder)?;
+pub(super) fn run(folder: &OutputFolder) -> Result<ExitStatus, InputError> {
+    let folder = folder.create()?;
     let steps = |count: u32, end: f64| -> Vec<f64> {
         (0..=count).map(|k| end * f64::from(k) / f64::from(count)).collect()
     };
@@ -112,10 +104,7 @@ fn table(mapped: &[Mapped]) -> String {
     let rounded = |value: f64, unit: f64| number((value / unit).round() * unit);
     let mut table = COLUMNS.to_owned();
     for Mapped { springs, curve, load, points } in mapped {
-        let springs = match springs {
-            Springs::Coupled => "coupled",
-            Springs::Nikolaev => "nikolaev",
-        };
+        let springs = springs_name(*springs);
         let load = load.name();
         for point in points {
             let status = match point.wave.stiffness {

@@ -1,6 +1,6 @@
 //! `tension`: the paper's tension test as a table.
 
-use super::output::{self, File, number, quoted};
+use super::output::{self, File, number, quoted, springs_name};
 use super::{ExitStatus, InputError, in_range, input};
 use crate::curve::{Curve, CurveSpec};
 use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
@@ -104,10 +104,7 @@ fn read_curve(name: &str) -> Result<Curve, InputError> {
 
 /// The rows of a report below [`COLUMNS`]; rows without a stable shape contain no measured values.
 pub(super) fn table_rows(test: &Test, curve: &str, report: &Report) -> String {
-    let springs = match test.springs {
-        Springs::Coupled => "coupled",
-        Springs::Nikolaev => "nikolaev",
-    };
+    let springs = springs_name(test.springs);
     let line = |row: &Row| {
         let [strain, across, poisson] = match row.measured {
             Some(m) => [m.strain, m.transverse_strain, m.poisson_ratio()].map(number),
