@@ -76,8 +76,7 @@ impl Timing {
     }
 }
 
-/// State of the computation, with details. The state is independent of the limits of the tissue, which
-/// have colours.
+/// State of the computation, with details. Its text has no colour of a tissue limit.
 struct StatusText {
     text: &'static str,
     details: String,

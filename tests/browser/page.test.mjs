@@ -56,7 +56,7 @@ describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
     await context.close();
   });
 
-  test("a browser without WASM SIMD is told so", async () => {
+  test("a browser without WASM SIMD gets a message", async () => {
     const { page, finish } = await fixture.openPage("", {
       init: () => {
         WebAssembly.validate = () => false;

@@ -91,37 +91,14 @@ impl NumberField<'_> {
             out_of_range = self.commit(value, &mut edit, &text).or(out_of_range);
         }
 
-        let palette = theme::palette(ui.visuals());
-        let shown = quantity::format(*value, self.decimals);
-        let mut text = edit.as_ref().map_or_else(|| shown.clone(), |edit| edit.text.clone());
+        let shown = self.shown(edit.as_ref(), *value);
+        let mut text = shown.clone();
         let is_rejected = self.is_invalid || edit.as_ref().is_some_and(|e| e.rejection.is_some());
-        let visuals = ui.visuals();
-        let stroke = if is_rejected {
-            egui::Stroke::new(2.0, palette.bad)
-        } else {
-            egui::Stroke::new(1.0, palette.edge)
-        };
-        let frame = egui::Frame::new()
-            .fill(visuals.extreme_bg_color)
-            .stroke(stroke)
-            .corner_radius(visuals.widgets.inactive.corner_radius)
-            .inner_margin(egui::Margin::symmetric(5, 2));
-        let field = egui::TextEdit::singleline(&mut text)
-            .id(id)
-            .frame(frame)
-            .font(egui::TextStyle::Monospace)
-            .align(egui::Align2::RIGHT_CENTER)
-            .desired_width(self.width)
-            .char_limit(64)
-            .event_filter(arrow_keys())
-            // Enter commits the number and keeps the focus.
-            .return_key(None);
-        let mut response = ui.add(field);
+        let mut response = ui.add(self.text_edit(ui, id, &mut text, is_rejected));
         if response.gained_focus() {
             select_all(ui, id, &text);
         }
-        let is_typed = text != edit.as_ref().map_or(&shown, |edit| &edit.text).as_str();
-        if is_typed {
+        if text != shown {
             // A rejected number is validated again after every key.
             let was_rejected = edit.as_ref().is_some_and(|edit| edit.rejection.is_some());
             let rejection = if was_rejected { self.parse(&text).err() } else { None };
@@ -136,11 +113,7 @@ impl NumberField<'_> {
                 out_of_range = self.commit(value, &mut edit, &text).or(out_of_range);
             }
             if enter && response.has_focus() {
-                let shown = edit.as_ref().map_or_else(
-                    || quantity::format(*value, self.decimals),
-                    |edit| edit.text.clone(),
-                );
-                select_all(ui, id, &shown);
+                select_all(ui, id, &self.shown(edit.as_ref(), *value));
             }
         }
         // A click outside an edit selects the whole number, as the first click does.
@@ -163,6 +136,42 @@ impl NumberField<'_> {
             response = response.on_hover_text(value.to_string());
         }
         FieldResponse { response, is_changed, rejection, out_of_range }
+    }
+
+    /// Text of the field: the text of an edit, otherwise the value.
+    fn shown(&self, edit: Option<&Edit>, value: f64) -> String {
+        edit.map_or_else(|| quantity::format(value, self.decimals), |edit| edit.text.clone())
+    }
+
+    /// The text field, with a red frame around a rejected number.
+    fn text_edit<'t>(
+        &self,
+        ui: &Ui,
+        id: Id,
+        text: &'t mut String,
+        is_rejected: bool,
+    ) -> egui::TextEdit<'t> {
+        let (palette, visuals) = (theme::palette(ui.visuals()), ui.visuals());
+        let stroke = if is_rejected {
+            egui::Stroke::new(2.0, palette.bad)
+        } else {
+            egui::Stroke::new(1.0, palette.edge)
+        };
+        let frame = egui::Frame::new()
+            .fill(visuals.extreme_bg_color)
+            .stroke(stroke)
+            .corner_radius(visuals.widgets.inactive.corner_radius)
+            .inner_margin(egui::Margin::symmetric(5, 2));
+        egui::TextEdit::singleline(text)
+            .id(id)
+            .frame(frame)
+            .font(egui::TextStyle::Monospace)
+            .align(egui::Align2::RIGHT_CENTER)
+            .desired_width(self.width)
+            .char_limit(64)
+            .event_filter(arrow_keys())
+            // Enter commits the number and keeps the focus.
+            .return_key(None)
     }
 
     /// Commits a text: stores its number, or keeps the text with the reason of its rejection. Returns a

@@ -45,13 +45,13 @@ impl File {
 }
 
 /// Prints an error on standard error, in one line.
-#[allow(clippy::print_stderr)] // the command line is where the program speaks
+#[allow(clippy::print_stderr)] // the command line prints to the terminal
 pub(super) fn error(line: &str) {
     eprintln!("error: {line}");
 }
 
 /// Prints a warning on standard error, in one line.
-#[allow(clippy::print_stderr)] // the command line is where the program speaks
+#[allow(clippy::print_stderr)] // the command line prints to the terminal
 pub(super) fn warn(line: &str) {
     eprintln!("note: {line}");
 }
