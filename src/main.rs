@@ -1,4 +1,4 @@
-//! The desktop app, the page and the command line: all three start here.
+//! Entry point of the desktop app, the page and the command line.
 
 #[cfg(target_arch = "wasm32")]
 fn main() {
@@ -16,9 +16,9 @@ fn main() -> std::process::ExitCode {
     }
     #[cfg(feature = "app")]
     if let Err(error) = implant_preview::platform::native::run() {
-        #[expect(clippy::print_stderr, reason = "there is no window to say it in")]
+        #[expect(clippy::print_stderr, reason = "without a window, standard error is left")]
         {
-            eprintln!("implant-preview: no window: {error}");
+            eprintln!("implant-preview: the window cannot be opened: {error}");
         }
         return std::process::ExitCode::FAILURE;
     }

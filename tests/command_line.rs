@@ -333,9 +333,9 @@ fn charts_draws_four_charts_with_tables_for_both_laws() {
     );
     for (chart, words) in [
         ("chart-1-skin-stress", &["skin Ef", "nominal stress (kPa)", "stability lost"][..]),
-        ("chart-2-skin-transverse", &["contraction across the pull", "0.49", "stability lost"]),
+        ("chart-2-skin-transverse", &["transverse contraction", "0.49", "stability lost"]),
         ("chart-3-adipose-stress", &["adipose Ef", "elongation", "Coupled springs"]),
-        ("chart-4-adipose-transverse", &["contraction across the pull", "The paper"]),
+        ("chart-4-adipose-transverse", &["transverse contraction", "The paper"]),
     ] {
         let picture = fs::read_to_string(made.join(format!("{chart}.svg"))).unwrap();
         assert!(

@@ -181,7 +181,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
         }
         let before = insertion(&harness);
         if is_rested {
-            harness.state_mut().rested();
+            harness.state_mut().mark_paused();
         }
         harness.input_mut().time = Some(time + 5.0);
         harness.step();
@@ -195,7 +195,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
 #[test]
 fn a_message_is_there_until_it_is_closed() {
     let mut harness = app(WIDE, |_| {});
-    harness.state_mut().tell("This is the scene that was open.");
+    harness.state_mut().notify("This is the scene that was open.");
     harness.run();
     harness.get_by_label("This is the scene that was open.");
     harness.get_by_role_and_label(Role::Button, "Close message").click();
@@ -324,15 +324,15 @@ fn the_papers_springs_are_marked_before_they_are_solved() {
         .with_max_steps(1)
         .build_ui_state(|ui, app: &mut App| app.show(ui), app);
     assert!(harness.state().session().is_working(), "solved already: the test shows nothing");
-    harness.get_by_label("No stable even shape, first at 23 % strain");
-    harness.get_by_label("Stretched one way: no stable shape at 23–42 %");
-    harness.get_by_label("Stretched both ways: no stable shape at 33–41 %");
+    harness.get_by_label("Springs unstable, first at 23 % strain");
+    harness.get_by_label("Uniaxial stretch: unstable at 23–42 %");
+    harness.get_by_label("Equibiaxial stretch: unstable at 33–41 %");
     harness.get_by_role_and_label(Role::Button, "Switch to coupled springs").click();
     for _ in 0..4 {
         harness.step();
     }
     assert_eq!(harness.state().session().scene().springs, Springs::Coupled);
-    assert_eq!(harness.query_all_by_label_contains("No stable even shape").count(), 0);
+    assert_eq!(harness.query_all_by_label_contains("Springs unstable").count(), 0);
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
     harness.get_by_role_and_label(Role::Button, "Remove layer 1").click();
     settle(&mut harness);
     assert_eq!(asked(&harness), 2);
-    harness.get_by_label("Stretched one way: no stable shape from 11 % on");
+    harness.get_by_label("Uniaxial stretch: unstable from 11 %");
 }
 
 #[test]
@@ -359,7 +359,7 @@ fn layers_that_stay_stable_under_the_papers_springs_are_said_so() {
         scene.layers.truncate(1);
         scene.layers[0].poisson_ratio = 0.3;
     });
-    harness.get_by_label_contains("stable at every strain to 100 %");
+    harness.get_by_label_contains("stable at all strains up to 100 %");
     let offers = harness.query_all_by_label("Switch to coupled springs");
     assert_eq!(offers.count(), 0);
 }
@@ -415,7 +415,7 @@ fn the_last_point_of_a_measured_curve_can_be_entered() {
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
     // What is out of order is said, and nothing is stored, not even clamped.
     type_into(&mut harness, "Stress of point 3", "90");
-    harness.get_by_label_contains("must be above that of the point before it, 100 kPa");
+    harness.get_by_label_contains("must be greater than that of point 2 (100 kPa)");
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
     // The rest of a table in disorder can be put in order in any sequence.
     type_into(&mut harness, "Stress of point 2", "50");
@@ -465,9 +465,9 @@ fn what_is_typed_is_stored_exactly_or_refused_in_words() {
         assert_eq!(radius(&harness).to_bits(), f64::to_bits(value), "{text}");
     }
     for (text, reason) in [
-        ("-5", "Not taken: at least 10 mm"),
-        ("500", "Not taken: at most 120 mm"),
-        ("abc", "Not taken: “abc” is not a number"),
+        ("-5", "Not accepted: at least 10 mm"),
+        ("500", "Not accepted: at most 120 mm"),
+        ("abc", "Not accepted: “abc” is not a number"),
     ] {
         type_into(&mut harness, field, text);
         harness.get_by_label(reason);
@@ -476,7 +476,7 @@ fn what_is_typed_is_stored_exactly_or_refused_in_words() {
     // Escape puts the value back, and the reason is gone.
     harness.key_press(egui::Key::Escape);
     harness.run();
-    assert_eq!(harness.query_all_by_label_contains("Not taken").count(), 0);
+    assert_eq!(harness.query_all_by_label_contains("Not accepted").count(), 0);
     // Enter leaves the focus where it is.
     type_into(&mut harness, field, "40");
     assert!(harness.get_by_role_and_label(Role::SpinButton, field).is_focused());
@@ -503,7 +503,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
     let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
     let before = scene(&harness);
     type_into(&mut harness, "Position across (mm)", "25");
-    harness.get_by_label("Not taken: 15 mm is the most in this pocket");
+    harness.get_by_label("Not accepted: at most 15 mm in this pocket");
     assert_eq!(scene(&harness), before);
     let offer = "Enlarge the pocket to a radius of 80 mm";
     harness.get_by_role_and_label(Role::Button, offer).click();
@@ -525,7 +525,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
         (scene(&harness).pocket_radius_mm, scene(&harness).implant.center_mm),
         (70.0, [15.0, 0.0])
     );
-    harness.get_by_label_contains("15 mm is the most in this pocket");
+    harness.get_by_label_contains("at most 15 mm in this pocket");
 }
 
 #[test]
@@ -674,7 +674,7 @@ fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
         for is_page in [false, true] {
             let mut harness = app(size, |_| {});
             if is_page {
-                harness.state_mut().has_surroundings();
+                harness.state_mut().enable_page_navigation();
             }
             for _ in 0..40 {
                 harness.key_press(egui::Key::Tab);
@@ -816,7 +816,7 @@ fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
     assert!(!harness.state().session().is_working());
     assert_eq!(harness.state().outcome(), None);
     assert!(harness.state().summary().starts_with("Stopped"));
-    harness.get_by_role_and_label(Role::Button, "Compute it").click();
+    harness.get_by_role_and_label(Role::Button, "Continue computing").click();
     (0..3).for_each(|_| harness.step());
     assert!(harness.state().session().is_working());
 }

@@ -1,10 +1,10 @@
-// The benchmark's page: starts and stops the study, shows what was measured so far.
-// ?nodes_per_side=17,33&cases=default&methods=newton,multigrid_1 (each may be left out) is a choice
-// of one's own.
+// The benchmark's page: starts and stops the study and shows its progress.
+// Query of the address, all parts optional:
+// ?nodes_per_side=17,33&cases=default&methods=newton,multigrid_1.
 
 const element = (id) => document.getElementById(id);
 
-// The quickest first.
+// In order of speed, the fastest first.
 const METHODS = {
   multigrid_1: "full multigrid, 1 cycle",
   multigrid_2: "full multigrid, 2 cycles",
@@ -21,18 +21,18 @@ let startedAt = 0;
 let clockStep = 0;
 let progress = null;
 let csv = "";
-// By the scene's name: its picture and times, and which scene is shown.
+// Chart and times by the name of the scene, and the displayed scene.
 const measured = new Map();
 let shown = null;
 
-/** The options in the address (the API's object), or null. */
+/** The options of the API in the address, or null. */
 function optionsInAddress() {
   const query = new URLSearchParams(location.search);
   const options = {};
   for (const name of ["cases", "methods", "nodes_per_side"]) {
     const list = query.get(name)?.split(",");
     if (!list) continue;
-    // What is no number is left for the API to refuse.
+    // The API rejects values that are not numbers.
     const number = (text) => (/^\d+$/.test(text) ? Number(text) : text);
     options[name] = name === "nodes_per_side" ? list.map(number) : list;
   }
@@ -40,10 +40,10 @@ function optionsInAddress() {
 }
 
 function makeElement(tag, text, attributes = {}) {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
+  const created = document.createElement(tag);
+  created.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) created.setAttribute(name, value);
+  return created;
 }
 
 function timeText(ms) {
@@ -57,7 +57,7 @@ function timeText(ms) {
 function showTimes(times) {
   const grids = [...new Set(times.map((time) => time.nodes_per_side))];
   const head = document.createElement("tr");
-  head.append(makeElement("th", "nodes a side", { scope: "col" }));
+  head.append(makeElement("th", "nodes per side", { scope: "col" }));
   head.append(...grids.map((grid) => makeElement("th", grid, { scope: "col" })));
   element("grids").replaceChildren(head);
   const known = Object.keys(METHODS).filter((name) => times.some((time) => time.method === name));
@@ -78,7 +78,7 @@ function showScene(name) {
   const { svg, times } = measured.get(name);
   const picture = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement;
   picture.setAttribute("role", "img");
-  picture.setAttribute("aria-label", `Run time against error, scene ${name}; the times are in the table`);
+  picture.setAttribute("aria-label", `Run time against error, scene ${name}; the table below lists the times`);
   element("picture").replaceChildren(document.adoptNode(picture));
   showTimes(times);
   element("scene").value = name;
@@ -90,7 +90,7 @@ function showProgress() {
   element("progress").max = all;
   element("progress").value = done;
   element("now").textContent = next
-    ? `${done + 1} of ${all}: ${METHODS[next.method]}; ${next.nodes_per_side} nodes a side; scene ${next.scene}`
+    ? `${done + 1} of ${all}: ${METHODS[next.method]}; ${next.nodes_per_side} nodes per side; scene ${next.scene}`
     : "";
 }
 
@@ -104,7 +104,7 @@ function showPiece({ scene, svg, times, csv: table }) {
   if (shown === null || shown === scene) showScene(scene);
 }
 
-/** Ends the worker, if there is one; `text` tells how it ended. */
+/** Terminates the worker, if there is one, and shows its final state. */
 function end(text) {
   worker?.terminate();
   worker = null;
@@ -120,20 +120,20 @@ function fail(message) {
   element("error").hidden = false;
 }
 
-function hear({ data }) {
-  if (!worker) return; // stopped meanwhile
+function onMessage({ data }) {
+  if (!worker) return; // the study was stopped
   if (data.progress) {
     progress = data.progress;
     showProgress();
   }
   switch (data.type) {
     case "warming":
-      element("state").textContent = "Warming up, for code gets quicker once it has run for a while…";
+      element("state").textContent = "Warming up: browsers optimise code that has run for some time…";
       break;
     case "begun":
       clockStep = data.clockStep;
-      element("clock").textContent = `; its clock goes in steps of ${Number(clockStep.toPrecision(2))} ms`;
-      element("state").textContent = "Measuring; other work on this machine makes the times longer.";
+      element("clock").textContent = `; clock resolution ${Number(clockStep.toPrecision(2))} ms`;
+      element("state").textContent = "Measuring. Other programs on this machine make the times longer.";
       break;
     case "piece":
       showPiece(data);
@@ -163,14 +163,14 @@ function start() {
   element("state").textContent = "Loading…";
   startedAt = performance.now();
   worker = new Worker(new URL("bench_worker.mjs", import.meta.url), { type: "module" });
-  worker.onmessage = hear;
-  // A script that cannot be loaded gives no message.
-  worker.onerror = (event) => fail(event.message ?? "its program could not be loaded");
+  worker.onmessage = onMessage;
+  // A script that cannot be loaded sends no message.
+  worker.onerror = (event) => fail(event.message ?? "the program could not be loaded");
   worker.postMessage(JSON.stringify(options));
 }
 
 function save(text, type, name) {
-  // The address stays: some browsers read what is behind it only after the click.
+  // The address is not revoked: some browsers read the data only after the click.
   const address = URL.createObjectURL(new Blob([text], { type }));
   makeElement("a", "", { href: address, download: name }).click();
 }
@@ -179,7 +179,7 @@ element("form").onsubmit = (event) => {
   event.preventDefault();
   if (!worker) return start();
   const done = progress ? `${progress.done} of ${progress.all}` : "none";
-  end(`Stopped; measured: ${done}.`);
+  end(`Stopped. Measured: ${done}.`);
 };
 element("scene").onchange = (event) => showScene(event.target.value);
 element("save-table").onclick = () => save(csv, "text/csv", "work_precision.csv");

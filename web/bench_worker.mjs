@@ -1,17 +1,17 @@
-// Runs the study of run time against error beside the page, which so stays responsive. The page
-// sends the options (JSON text or undefined) once and ends the worker to stop it.
+// Runs the study of run time against error in a worker, so that the page stays responsive. The page sends
+// the options (JSON text or undefined) once, and terminates the worker to stop the study.
 
 import init, { Benchmark, wasm } from "./implant-preview.mjs";
 
-// What the picture and the table mark [share of the dome's radius].
+// Error of the mark in chart and table, relative to the dome's radius [-].
 const MARK = 1e-3;
 
 const fail = (error) => postMessage({ type: "failed", message: String(error?.message ?? error) });
 
-// The program's panic hook calls this; what follows from the panic is thrown after it.
+// The program's panic hook calls this function; exceptions caused by the panic follow.
 globalThis.implantPreviewCrashed = fail;
 
-/** The least step of the clock [ms]: browsers make it coarse. */
+/** Resolution of the clock [ms]; browsers reduce it. */
 function clockStep() {
   let least = Infinity;
   for (let k = 0; k < 5; k += 1) {
@@ -23,7 +23,7 @@ function clockStep() {
   return least;
 }
 
-/** Browsers optimise code once it has run for a while: without this the first times are too long. */
+/** Runs a short study, so that the browser has optimised the code before the measurement. */
 function warmUp() {
   const benchmark = new Benchmark('{"quick": true, "nodes_per_side": [17]}');
   while (benchmark.advance());

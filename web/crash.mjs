@@ -1,14 +1,14 @@
-// What is left when the app has stopped: the message, and its scene.
+// The page after a crash of the app: the message, and the scene.
 //
-// The app hands over each new scene after the frame that first showed it. Only a crash writes it down,
-// for this tab alone (sessionStorage: it stays on this machine); the next start takes it, once. A
-// scene that stops the app again after that is offered for saving and not opened any more.
+// The app passes each new scene after the first frame with it. Only a crash stores the scene, for this
+// tab (sessionStorage, on this machine); the next start takes it, once. A scene with which the app
+// crashes again can be saved, but is not opened again.
 
 const KEY = "implant-preview/kept-scene/1";
 
 const element = (id) => document.getElementById(id);
 
-// Some browsers refuse their storage in private windows, by throwing.
+// Some browsers throw an exception on access to the storage in private windows.
 function tryStorage(use) {
   try {
     return use(sessionStorage);
@@ -24,7 +24,7 @@ const reopened = tryStorage((storage) => {
 });
 let newest = null;
 
-/** Keeps a scene for the next start of this tab. Returns whether it will be there. */
+/** Stores a scene for the next start of this tab. Returns whether the scene is stored. */
 function keep(scene) {
   return tryStorage((storage) => {
     storage.setItem(KEY, scene);
@@ -39,32 +39,32 @@ function save(scene) {
   link.click();
 }
 
-// The app calls these two: with each new scene, and at its start for the one to open.
+// Called by the app: with each new scene, and at its start for the scene to open.
 globalThis.implantPreviewKeep = (scene) => {
   newest = scene;
 };
 globalThis.implantPreviewKept = () => reopened;
 
-function fateOf(scene) {
+function reloadMessage(scene) {
   if (scene === null) return "";
   if (scene === reopened) {
-    return "This scene has stopped it twice: after a reload the preview opens on its default scene. Save this one if you need it.";
+    return "The preview has stopped twice with this scene. After a reload it opens the default scene; save this scene if you need it.";
   }
   return keep(scene)
-    ? "After a reload the preview opens on the scene it had."
-    : "This browser keeps nothing for the reload: save the scene first.";
+    ? "After a reload the preview opens this scene again."
+    : "This browser cannot keep the scene for a reload: save the scene first.";
 }
 
-// The app's panic hook calls this, and so does a start that failed. The first message is the
-// cause: what comes after it is its consequence.
+// Called by the app's panic hook, and after a failed start. The first message is the cause; later ones
+// are consequences.
 globalThis.implantPreviewCrashed = (message) => {
   if (!element("crashed").hidden) return;
   const scene = newest ?? reopened;
   element("loading")?.remove();
   element("lost").hidden = true;
-  element("crashed-scene").textContent = fateOf(scene);
+  element("crashed-scene").textContent = reloadMessage(scene);
   element("crashed-text").textContent = String(message);
-  // Where nothing was shown yet, the message is all there is: a download that failed, say.
+  // Before the first scene only the message is available, for example of a failed download.
   element("crashed-details").open = newest === null;
   element("crashed-save").hidden = scene === null;
   element("crashed-save").onclick = () => save(scene);
@@ -73,7 +73,7 @@ globalThis.implantPreviewCrashed = (message) => {
   element("crashed-reload").focus();
 };
 
-/** Is the app there, but stopped in the middle of something? */
+/** Is the app loaded, but stuck after an exception within a frame? */
 function isStuck() {
   try {
     globalThis.implantPreview?.stats();
@@ -83,18 +83,18 @@ function isStuck() {
   }
 }
 
-// A lack of memory ends in a trap without a panic. An exception of the browser in the middle of a
-// frame leaves the app stuck; other scripts may throw what they like.
-function heard(error) {
+// Lack of memory ends in a trap without a panic. An exception of the browser within a frame leaves the
+// app stuck; exceptions of other scripts are ignored.
+function onError(error) {
   if (error instanceof WebAssembly.RuntimeError || isStuck()) {
     globalThis.implantPreviewCrashed(error?.message ?? error);
   }
 }
-addEventListener("error", (event) => heard(event.error ?? event.message));
-addEventListener("unhandledrejection", (event) => heard(event.reason));
+addEventListener("error", (event) => onError(event.error ?? event.message));
+addEventListener("unhandledrejection", (event) => onError(event.reason));
 
-// While the graphics are gone the canvas is blank. The app comes back by itself; if it does not, a
-// reload helps.
+// While the graphics context is lost the canvas is blank. The app restores itself; otherwise a reload
+// helps.
 const canvas = element("implant-preview-canvas");
 canvas.addEventListener("webglcontextlost", () => {
   element("lost-reload").onclick = () => {

@@ -1,5 +1,5 @@
-// Starts the app: checks what it needs, downloads it with progress, shows what went wrong.
-// The app removes #loading once its first frame is painted.
+// Starts the app: checks the browser's features, downloads the program with progress, shows errors.
+// The app removes #loading after its first frame.
 
 import "./crash.mjs";
 
@@ -12,10 +12,10 @@ const SIMD_MODULE = new Uint8Array([
 ]);
 
 function missingFeature() {
-  if (typeof WebAssembly !== "object") return "It has no WebAssembly.";
-  if (!WebAssembly.validate(SIMD_MODULE)) return "Its WebAssembly has no SIMD instructions.";
+  if (typeof WebAssembly !== "object") return "WebAssembly is not supported.";
+  if (!WebAssembly.validate(SIMD_MODULE)) return "WebAssembly SIMD instructions are not supported.";
   if (!document.createElement("canvas").getContext("webgl2")) {
-    return "WebGL 2 is missing or switched off.";
+    return "WebGL 2 is not supported or turned off.";
   }
   return null;
 }
@@ -36,11 +36,11 @@ function showProgress(received, total) {
     `Loading the preview: ${megabytes(received)}${total ? ` of ${megabytes(total)}` : ""} MB`;
 }
 
-// The response, its bytes counted as they come in.
+// Fetches a file and counts its bytes.
 async function download(address) {
   const response = await fetch(address);
   if (!response.ok) throw new Error(`${address}: the server answered ${response.status}`);
-  // The length is that of the compressed bytes, which are not the ones that can be counted here.
+  // The length header counts compressed bytes, but the stream is decompressed.
   const compressed = response.headers.get("Content-Encoding");
   const total = compressed ? 0 : Number(response.headers.get("Content-Length"));
   let received = 0;
@@ -54,7 +54,7 @@ async function download(address) {
   return new Response(response.body.pipeThrough(counter), response);
 }
 
-/** Starts the app from the files that the page names. */
+/** Starts the app from the files named in the page. */
 async function start() {
   const missing = missingFeature();
   if (missing) {
@@ -68,7 +68,7 @@ async function start() {
       download(wasm),
     ]);
     await api.default({ module_or_path: response });
-    globalThis.implantPreviewApi = api; // Only now can its functions be called.
+    globalThis.implantPreviewApi = api; // The functions can be called from now on.
     const text = element("loading-text");
     if (text) text.textContent = "Starting…";
   } catch (error) {

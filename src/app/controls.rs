@@ -1,52 +1,23 @@
-//! The left side: what the surgeon chooses. Each function edits a copy of the scene; the app turns
-//! what changed into a command.
+//! The left panel: the inputs. Each function edits a copy of the scene; the app turns the difference
+//! into a command.
 
 use super::curve_editor;
-use super::notice::{Notice, Offer};
+use super::messages::{Notice, Offer};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
-use super::widgets::{Control, Kind, button_if, choice, group, name_it};
+use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
 use crate::scene::{Implant, Layer, Scene, Springs, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
-/// The rail of the implant's position goes so far to both sides \[mm\].
+/// Range of the position sliders, to both sides \[mm\].
 const SHIFT_MM: f64 = 60.0;
 
-/// Implant and pocket. Gives what the user must know of a value that does not fit.
+/// Shows implant and pocket. Returns a notice about a position that does not fit the pocket.
 pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) -> Option<Notice> {
-    let usual = Scene::default();
     let mut notice = None;
     group(ui, "Implant", |ui| {
-        let Implant { base_radius_mm: radius, projection_mm: projection, .. } = &mut scene.implant;
-        let (least, most) = limits::BASE_RADIUS_MM;
-        Control {
-            label: "Base radius",
-            unit: "mm",
-            kind: Kind::Length,
-            range: least..=most,
-            reset: usual.implant.base_radius_mm,
-            tooltip: "Half of the implant's width. Round implants are 78–180 mm across.",
-            ..Control::default()
-        }
-        .show(ui, radius);
-        ui.checkbox(is_hemisphere, "Hemisphere (projection = base radius)").on_hover_text(
-            "The highest dome over a base: the paper's bound, under which the covered area doubles.",
-        );
-        let (least, most) = limits::PROJECTION_MM;
-        ui.add_enabled_ui(!*is_hemisphere, |ui| {
-            Control {
-                label: "Projection",
-                unit: "mm",
-                kind: Kind::Length,
-                range: least..=most,
-                reset: *radius,
-                tooltip: "Height of the implant above its base. Round implants: 20–75 mm, \
-                          0.39–1.07 of the base radius.",
-                ..Control::default()
-            }
-            .show(ui, projection);
-        });
+        dome(ui, &mut scene.implant, is_hemisphere);
         for (label, axis, side) in [
             ("Position across", 0, "patient's left or right"),
             ("Position along", 1, "head or feet"),
@@ -54,32 +25,60 @@ pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) 
             notice = position(ui, scene, axis, label, side).or(notice.take());
         }
     });
-    let [x, y] = scene.implant.center_mm;
-    let least = (scene.implant.base_radius_mm + x.hypot(y)).min(limits::POCKET_RADIUS_MAX_MM);
-    group(ui, "Pocket", |ui| {
-        Control {
-            label: "Pocket radius",
-            unit: "mm",
-            kind: Kind::Length,
-            range: limits::BASE_RADIUS_MM.0..=limits::POCKET_RADIUS_MAX_MM,
-            allowed: Some(least..=limits::POCKET_RADIUS_MAX_MM),
-            limit: &format!(
-                "the implant where it lies needs {:.1} mm; at most {:.0} mm",
-                least,
-                limits::POCKET_RADIUS_MAX_MM
-            ),
-            reset: (least + 15.0).min(limits::POCKET_RADIUS_MAX_MM),
-            tooltip: "The dissected disc under the tissue. Outside of it the tissue stays on the \
-                      chest wall. At least as wide as the implant where it lies.",
-            ..Control::default()
-        }
-        .show(ui, &mut scene.pocket_radius_mm);
-    });
+    group(ui, "Pocket", |ui| pocket(ui, scene));
     notice
 }
 
-/// Position of the implant along one axis. The pocket stays as it is: a larger one would lessen the
-/// strain. What does not fit is said, with a larger pocket as an offer.
+/// Base radius and projection of the implant.
+fn dome(ui: &mut Ui, implant: &mut Implant, is_hemisphere: &mut bool) {
+    let usual = Scene::default().implant.base_radius_mm;
+    Control {
+        tooltip: "Half the width of the implant. Round implants are 78–180 mm wide.",
+        ..length(limits::BASE_RADIUS_MM, "Base radius", usual)
+    }
+    .show(ui, &mut implant.base_radius_mm);
+    ui.checkbox(is_hemisphere, "Hemisphere (projection = base radius)")
+        .on_hover_text("The shape of the paper: the implant doubles the area that it covers.");
+    ui.add_enabled_ui(!*is_hemisphere, |ui| {
+        Control {
+            tooltip: "Height of the implant above its base. Round implants: 20–75 mm, or 0.39–1.07 of \
+                      the base radius.",
+            ..length(limits::PROJECTION_MM, "Projection", implant.base_radius_mm)
+        }
+        .show(ui, &mut implant.projection_mm);
+    });
+}
+
+fn pocket(ui: &mut Ui, scene: &mut Scene) {
+    let [x, y] = scene.implant.center_mm;
+    let most = limits::POCKET_RADIUS_MAX_MM;
+    let least = (scene.implant.base_radius_mm + x.hypot(y)).min(most);
+    Control {
+        allowed: Some(least..=most),
+        limit_reason: &format!(
+            "at least {least:.1} mm for this implant at this position; at most {most:.0} mm"
+        ),
+        tooltip: "Radius of the dissected pocket under the tissue. Outside the pocket the tissue stays \
+                  attached to the chest wall. The pocket must contain the implant.",
+        ..length((limits::BASE_RADIUS_MM.0, most), "Pocket radius", (least + 15.0).min(most))
+    }
+    .show(ui, &mut scene.pocket_radius_mm);
+}
+
+/// A control of a length \[mm\].
+fn length((least, most): (f64, f64), label: &str, reset: f64) -> Control<'_> {
+    Control {
+        label,
+        unit: "mm",
+        kind: Kind::Length,
+        range: least..=most,
+        reset,
+        ..Control::default()
+    }
+}
+
+/// Position of the implant along one axis. The pocket keeps its radius, because a larger pocket would
+/// reduce the strain. A notice about a position outside the pocket offers a larger pocket.
 fn position(
     ui: &mut Ui,
     scene: &mut Scene,
@@ -89,42 +88,40 @@ fn position(
 ) -> Option<Notice> {
     let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
     let most = (room * room - other * other).max(0.0).sqrt();
-    let words = format!("{} mm is the most in this pocket", floored(most));
+    let reason = format!("at most {} mm in this pocket", floor_to_tenth(most));
+    // The position of a scene file may exceed the rail, or the pocket's rim by rounding.
+    let reach = most.max(scene.implant.center_mm[axis].abs());
     let change = Control {
-        label,
-        unit: "mm",
-        kind: Kind::Length,
-        range: -SHIFT_MM..=SHIFT_MM,
-        // A file may have it at the rim, rounding included, or farther out than the rail goes.
-        allowed: Some({
-            let most = most.max(scene.implant.center_mm[axis].abs());
-            -most..=most
-        }),
-        limit: &words,
-        tooltip: &format!("Offset of the implant in its pocket towards the {side}."),
-        ..Control::default()
+        allowed: Some(-reach..=reach),
+        limit_reason: &reason,
+        tooltip: &format!("Offset of the implant from the pocket's centre towards the {side}."),
+        ..length((-SHIFT_MM, SHIFT_MM), label, 0.0)
     }
     .show(ui, &mut scene.implant.center_mm[axis]);
-    let asked = change.asked?;
-    let reach = scene.implant.base_radius_mm + asked.hypot(other);
-    // Half millimetres, and a pocket that holds what was asked for.
-    let pocket_radius_mm = (2.0 * reach).ceil() / 2.0;
-    let offer = (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
-        let mut scene = scene.clone();
-        scene.pocket_radius_mm = pocket_radius_mm;
-        scene.implant.center_mm[axis] = asked;
-        let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
-        Offer { label, scene: Box::new(scene) }
-    });
-    Some(Notice { offer, ..Notice::caution(format!("{label}: {words}.")) })
+    let requested = change.out_of_range?;
+    let offer = larger_pocket(scene, axis, requested);
+    Some(Notice { offer, ..Notice::caution(format!("{label}: {reason}.")) })
 }
 
-/// A tenth of a millimetre is the finest that is said, rounded so that it still fits.
-fn floored(mm: f64) -> f64 {
+/// The offer of a pocket, in steps of 0.5 mm, that contains the implant at the requested position \[mm\].
+fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
+    let offset = requested.hypot(scene.implant.center_mm[1 - axis]);
+    let pocket_radius_mm = (2.0 * (scene.implant.base_radius_mm + offset)).ceil() / 2.0;
+    (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
+        let mut scene = scene.clone();
+        scene.pocket_radius_mm = pocket_radius_mm;
+        scene.implant.center_mm[axis] = requested;
+        let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
+        Offer { label, scene: Box::new(scene) }
+    })
+}
+
+/// A length rounded down to 0.1 mm, so that the displayed limit is itself allowed.
+fn floor_to_tenth(mm: f64) -> f64 {
     (10.0 * mm + 1e-6).floor() / 10.0
 }
 
-/// The layers, from the skin inwards.
+/// Shows the layers, from the skin inwards.
 pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
     let mut action = None;
     let count = scene.layers.len();
@@ -138,11 +135,17 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
             ui.horizontal(|ui| {
                 let named = |text: &str| format!("{text} layer {}", k + 1);
                 for (text, name, tooltip, is_able, what) in [
-                    ("Up", "Move up", "Move this layer towards the skin", k > 0, Action::Up(k)),
+                    (
+                        "Up",
+                        "Move up",
+                        "Move this layer outwards, towards the skin",
+                        k > 0,
+                        Action::Up(k),
+                    ),
                     (
                         "Down",
                         "Move down",
-                        "Move this layer inwards",
+                        "Move this layer inwards, towards the implant",
                         k + 1 < count,
                         Action::Up(k + 1),
                     ),
@@ -161,7 +164,7 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
         for (name, make) in
             [("Add skin", Layer::skin as fn() -> Layer), ("Add adipose", Layer::adipose)]
         {
-            if button_if(ui, room, name, name, "Added innermost; up to 8 layers") {
+            if button_if(ui, room, name, name, "Add this layer innermost; at most 8 layers") {
                 action = Some(Action::Add(make()));
             }
         }
@@ -177,7 +180,7 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
 }
 
 enum Action {
-    /// Exchange with the layer above.
+    /// Exchanges the layer with the one outside it.
     Up(usize),
     Remove(usize),
     Add(Layer),
@@ -195,19 +198,13 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
             label: Some("Tissue".to_owned()),
             ..egui::WidgetInfo::text_edit(true, "", &layer.tissue, "")
         });
-        response.on_hover_text("Free text; skin and adipose have their own colours");
+        response.on_hover_text("Any name; “skin” and “adipose” have their own colours");
     });
-    let (least, most) = limits::THICKNESS_MM;
     Control {
-        label: "Thickness",
-        unit: "mm",
-        kind: Kind::Length,
-        range: least..=most,
-        reset: usual.thickness_mm,
         step: 0.1,
         logarithmic: true,
-        tooltip: "Thickness at rest. Breast skin is about 1–3 mm, the adipose layer 5–40 mm.",
-        ..Control::default()
+        tooltip: "Unstretched thickness. Breast skin is about 1–3 mm thick, the adipose layer 5–40 mm.",
+        ..length(limits::THICKNESS_MM, "Thickness", usual.thickness_mm)
     }
     .show(ui, &mut layer.thickness_mm);
     let (least, most) = limits::POISSON_RATIO;
@@ -217,79 +214,78 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
         reset: usual.poisson_ratio,
         decimals: 2,
         step: 0.01,
-        tooltip: "How much the tissue narrows when stretched. Soft tissues: 0.35–0.50; 0.50 keeps \
-                  its volume.",
+        tooltip: "Transverse contraction relative to the stretch. Soft tissue: 0.35–0.50; at 0.50 the volume \
+                  is constant.",
         ..Control::default()
     }
     .show(ui, &mut layer.poisson_ratio);
     curve_editor::show(ui, &mut layer.curve);
 }
 
-/// Spring law and resolution.
+/// Springs, resolution and tolerance.
 pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
     group(ui, "Method", |ui| {
-        let label = ui.label(RichText::new("Springs").color(ui.visuals().weak_text_color()));
-        let name = |springs: Springs| match springs {
-            Springs::Coupled => "Coupled (exact, isotropic)",
-            Springs::Nikolaev => "Nikolaev 2013, as published",
-        };
-        let response = egui::ComboBox::from_id_salt("springs")
-            .width(ui.available_width() - SPACE)
-            .selected_text(name(scene.springs))
-            .show_ui(ui, |ui| {
-                for springs in [Springs::Coupled, Springs::Nikolaev] {
-                    if choice(ui, scene.springs == springs, name(springs)).clicked() {
-                        scene.springs = springs;
-                    }
-                }
-            })
-            .response
-            .labelled_by(label.id);
-        name_it(&response, egui::Role::ComboBox, "Springs");
-        response.on_hover_text(
-            "Coupled springs meet the measured curve and Poisson ratio exactly, in every \
-                 direction. The paper's springs are for comparison: with large strains and Poisson \
-                 ratios they have no stable shape.",
-        );
+        springs(ui, &mut scene.springs);
         if let Some(limits) = session.stability_limits() {
             stability::show(ui, scene, limits, session.greatest_strain());
         }
         ui.add_space(SPACE_SMALL);
-        let label = ui.label(RichText::new("Resolution").color(ui.visuals().weak_text_color()));
-        let nodes = &mut scene.solver.nodes_per_side;
-        let response = egui::ComboBox::from_id_salt("resolution")
-            .width(ui.available_width() - SPACE)
-            .selected_text(format!("{nodes} nodes a side"))
-            .show_ui(ui, |ui| {
-                for count in [33, 65, 129, 193, 257] {
-                    if choice(ui, *nodes == count, format!("{count} nodes a side")).clicked() {
-                        *nodes = count;
-                    }
-                }
-            })
-            .response
-            .labelled_by(label.id);
-        name_it(&response, egui::Role::ComboBox, "Resolution");
-        response
-            .on_hover_text("Finer grids are slower; 129 is within 0.02 % of the exact membrane");
-        let mut percent = scene.solver.tolerance * 100.0;
-        let (least, most) = limits::TOLERANCE;
-        let change = Control {
-            label: "Tolerance",
-            unit: "% of the base radius",
-            kind: Kind::Percent,
-            range: 100.0 * least.max(1e-6)..=100.0 * most,
-            allowed: Some(100.0 * least..=100.0 * most),
-            reset: 0.01,
-            decimals: 2,
-            step: 0.0,
-            logarithmic: true,
-            tooltip: "The greatest position error of a node that the solver may leave.",
-            ..Control::default()
-        }
-        .show(ui, &mut percent);
-        if change.is_changed {
-            scene.solver.tolerance = (percent / 100.0).clamp(least, most);
+        resolution(ui, &mut scene.solver.nodes_per_side);
+        tolerance(ui, &mut scene.solver.tolerance);
+    });
+}
+
+fn springs(ui: &mut Ui, springs: &mut Springs) {
+    let name = |springs: Springs| match springs {
+        Springs::Coupled => "Coupled (exact, isotropic)",
+        Springs::Nikolaev => "Nikolaev 2013, as published",
+    };
+    let response = labelled_box(ui, "Springs", name(*springs), |ui| {
+        for law in [Springs::Coupled, Springs::Nikolaev] {
+            if choice(ui, *springs == law, name(law)).clicked() {
+                *springs = law;
+            }
         }
     });
+    response.on_hover_text(
+        "Coupled springs reproduce the measured curve and Poisson ratio exactly, in every direction. The \
+         springs of Nikolaev 2013 are for comparison; at large strains and Poisson ratios they are \
+         unstable.",
+    );
+}
+
+fn resolution(ui: &mut Ui, nodes_per_side: &mut usize) {
+    let name = |count: usize| format!("{count} nodes per side");
+    let response = labelled_box(ui, "Resolution", &name(*nodes_per_side), |ui| {
+        for count in [33, 65, 129, 193, 257] {
+            if choice(ui, *nodes_per_side == count, name(count)).clicked() {
+                *nodes_per_side = count;
+            }
+        }
+    });
+    response.on_hover_text(
+        "Finer grids take longer. 129 nodes per side are within 0.02 % of the exact membrane.",
+    );
+}
+
+fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
+    let (least, most) = limits::TOLERANCE;
+    let mut percent = 100.0 * *tolerance;
+    let change = Control {
+        label: "Tolerance",
+        unit: "% of the base radius",
+        kind: Kind::Percent,
+        range: 100.0 * least.max(1e-6)..=100.0 * most,
+        allowed: Some(100.0 * least..=100.0 * most),
+        reset: 0.01,
+        decimals: 2,
+        step: 0.0,
+        logarithmic: true,
+        tooltip: "Largest position error of a node that the solver accepts.",
+        ..Control::default()
+    }
+    .show(ui, &mut percent);
+    if change.is_changed {
+        *tolerance = (percent / 100.0).clamp(least, most);
+    }
 }

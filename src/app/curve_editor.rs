@@ -1,21 +1,24 @@
-//! Choosing a layer's stress–strain curve: its kind, its numbers, its marked points.
+//! Editor of a layer's stress–strain curve: its kind, its parameters, its measured points.
 
 use super::theme::SPACE;
-use super::widgets::{Control, Kind, NumberField, button_if, choice, name_it, refused};
+use super::widgets::{
+    Control, Kind, NumberField, button_if, choice, labelled_box, quantity, rejection_label,
+};
 use crate::curve::{Curve, CurveSpec, Interpolation};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Ui};
+use std::ops::RangeInclusive;
 
-/// What a marked point may be: strain \[-\] and stress \[kPa\].
-const MOST: [f64; 2] = [10.0, 1e7];
+/// Upper limits of a point: strain \[-\] and stress \[kPa\].
+const MAX_POINT: [f64; 2] = [10.0, 1e7];
 
-/// The kinds that can be made here; sections come from a scene file.
+/// Name and description of the kinds that the editor offers. Curves of sections come from a scene file.
 const KINDS: [(&str, &str); 6] = [
-    ("Skin preset", "Slope 100 kPa to strain 0.4, stiffening to 1000 kPa at 0.7"),
+    ("Skin preset", "Modulus 100 kPa up to strain 0.4, rising to 1000 kPa at 0.7"),
     ("Adipose preset", "0.4 kPa · atan(7.5 ε): initial modulus 3 kPa"),
     ("Linear", "Young's modulus"),
     ("Arctangent", "scale · atan(rate · ε)"),
     ("Exponential (Fung)", "scale · (exp(rate · ε) − 1)"),
-    ("Measured points", "Marked points joined by lines or a monotone spline"),
+    ("Measured points", "Points joined by straight lines or a monotone spline"),
 ];
 
 fn kind(spec: &CurveSpec) -> Option<usize> {
@@ -30,7 +33,7 @@ fn kind(spec: &CurveSpec) -> Option<usize> {
     })
 }
 
-/// A curve of another kind, as near to the present one as that kind allows.
+/// Converts a curve to another kind, as close to the present curve as that kind allows.
 fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
     let curve = Curve::new(spec).ok();
     let slope = curve.as_ref().map_or(10.0, |c| c.slope(0.0)).clamp(0.01, 1e5);
@@ -42,7 +45,7 @@ fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
         4 => CurveSpec::Exponential { scale_kpa: slope / 4.0, rate: 4.0 },
         _ => {
             let stress = |e: f64| curve.as_ref().map_or(slope * e, |c| c.stress(e));
-            // Where the curve changes its form there is a point too.
+            // Breaks of the curve become points too.
             let breaks: Vec<f64> = curve.iter().flat_map(Curve::breaks).collect();
             let mut strains = vec![0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
             strains.extend(breaks.into_iter().filter(|e| *e > 0.05 && *e < 0.95).take(6));
@@ -54,25 +57,18 @@ fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
     }
 }
 
-/// Edits a curve in place. What is refused is not taken over, and said below the table.
+/// Edits a curve in place. Invalid input leaves the curve unchanged; the reason is below the table.
 pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
-    let label =
-        ui.label(RichText::new("Stress–strain curve").color(ui.visuals().weak_text_color()));
     let present = kind(spec);
-    let response = egui::ComboBox::from_id_salt("curve")
-        .width(ui.available_width() - SPACE)
-        .selected_text(present.map_or("Sections (from a file)", |k| KINDS[k].0))
-        .show_ui(ui, |ui| {
-            for (k, (name, tooltip)) in KINDS.iter().enumerate() {
-                let choice = choice(ui, present == Some(k), *name);
-                if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
-                    *spec = converted(spec, k);
-                }
+    let selected = present.map_or("Sections (from a file)", |k| KINDS[k].0);
+    let response = labelled_box(ui, "Stress–strain curve", selected, |ui| {
+        for (k, (name, tooltip)) in KINDS.iter().enumerate() {
+            let choice = choice(ui, present == Some(k), *name);
+            if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
+                *spec = converted(spec, k);
             }
-        })
-        .response
-        .labelled_by(label.id);
-    name_it(&response, egui::Role::ComboBox, "Stress–strain curve");
+        }
+    });
     response.on_hover_text("Nominal stress against engineering strain, as measured");
     match spec {
         CurveSpec::Linear { modulus_kpa } => {
@@ -93,133 +89,134 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) {
 
 fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
     Control {
-        label,
         unit: "kPa",
         kind: Kind::Stress,
-        range: 0.01..=1e4,
-        reset,
-        decimals: 2,
-        step: 0.0,
-        logarithmic: true,
         tooltip: "In vivo: breast fat about 3 kPa, breast skin 56–344 kPa.",
-        ..Control::default()
+        ..parameter(label, 0.01..=1e4, reset)
     }
     .show(ui, value);
 }
 
-fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: std::ops::RangeInclusive<f64>) {
+fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: RangeInclusive<f64>) {
     Control {
-        label: "Rate",
-        range,
-        reset,
-        decimals: 2,
-        step: 0.0,
-        logarithmic: true,
-        tooltip: "How fast the curve bends with strain.",
-        ..Control::default()
+        tooltip: "How quickly the slope changes with strain.",
+        ..parameter("Rate", range, reset)
     }
     .show(ui, value);
 }
 
-/// A table that is being filled in, of the points that it is to replace.
+/// A control of a curve's parameter, with a logarithmic rail.
+fn parameter(label: &str, range: RangeInclusive<f64>, reset: f64) -> Control<'_> {
+    Control { label, range, reset, decimals: 2, step: 0.0, logarithmic: true, ..Control::default() }
+}
+
+/// A table of points being edited, with the points of the curve that it will replace.
 #[derive(Clone)]
-struct Table {
-    of: Vec<[f64; 2]>,
+struct PointTable {
+    source: Vec<[f64; 2]>,
     points: Vec<[f64; 2]>,
 }
 
-/// Edits the points in a table of their own: the curve takes them over as soon as they are in order, and
-/// stays as it was until then.
+/// Edits the points in a separate table. The curve takes the points of the table as soon as they are
+/// valid.
 fn edit_points(ui: &mut Ui, points: &mut Vec<[f64; 2]>, interpolation: &mut Interpolation) {
     ui.horizontal(|ui| {
         ui.radio_value(interpolation, Interpolation::Line, "Lines");
         ui.radio_value(interpolation, Interpolation::Spline, "Spline");
     });
     let id = ui.scope_id().with("table");
-    let kept = ui.data(|data| data.get_temp::<Table>(id)).filter(|table| table.of == *points);
+    let kept = ui.data(|data| data.get_temp::<PointTable>(id));
+    let kept = kept.filter(|table| table.source == *points);
     let mut table = kept.map_or_else(|| points.clone(), |table| table.points);
-    let fault = disorder(&table);
-    let (mut remove, mut refusals) = (None, Vec::new());
-    egui::Grid::new("points").num_columns(3).spacing([SPACE, 2.0]).show(ui, |ui| {
-        ui.small("Strain");
-        ui.small("Stress (kPa)");
-        ui.end_row();
-        for k in 0..table.len() {
-            if k == 0 {
-                // The first point is the origin of every curve.
-                for _ in 0..2 {
-                    ui.monospace("0");
-                }
-                ui.end_row();
-                continue;
-            }
-            for (axis, kind) in [Kind::Fraction, Kind::Stress].into_iter().enumerate() {
-                let name = format!("{} of point {}", ["Strain", "Stress"][axis], k + 1);
-                let typed = NumberField {
-                    name: &name,
-                    kind,
-                    allowed: 0.0..=MOST[axis],
-                    decimals: [2, 1][axis],
-                    step: [0.01, 1.0][axis],
-                    is_faulty: fault == Some((k, axis)),
-                    ..NumberField::default()
-                }
-                .show(ui, &mut table[k][axis]);
-                refusals.extend(typed.refusal.map(|reason| format!("{name}: {reason}")));
-            }
-            let name = format!("Remove point {}", k + 1);
-            if button_if(ui, table.len() > 2, "×", &name, "") {
-                remove = Some(k);
-            }
-            ui.end_row();
-        }
-    });
-    refusals.iter().for_each(|reason| refused(ui, reason));
+    let removed = point_grid(ui, &mut table);
     ui.small(
-        "The curve goes through the points; between them it is joined as chosen above, which may \
-              differ a little from the curve that they were taken from.",
+        "The curve passes through the points. Between the points it follows the lines or the spline \
+         chosen above and may differ slightly from the original curve.",
     );
-    if let Some(k) = remove {
+    if let Some(k) = removed {
         table.remove(k);
     }
-    if button_if(ui, true, "Add point", "Add point", "Goes on as a line from the last two")
-        && let [.., [e0, s0], [e1, s1]] = table[..]
+    if button_if(
+        ui,
+        true,
+        "Add point",
+        "Add point",
+        "Add a point on the line through the last two points",
+    ) && let [.., [e0, s0], [e1, s1]] = table[..]
         && e1 < 9.0
         && e1 > e0
     {
         table.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
     }
-    match disorder(&table) {
-        Some((k, axis)) => {
-            let (name, unit) = [("strain", ""), ("stress", " kPa")][axis];
-            let value = |k: usize| super::widgets::quantity::format(table[k][axis], 0);
-            refused(
-                ui,
-                &format!(
-                    "the {name} of point {}, {}{unit}, must be above that of the point before it, \
-                     {}{unit}. Until then the curve stays as it was.",
-                    k + 1,
-                    value(k),
-                    value(k - 1),
-                ),
-            );
-        }
-        None if table != *points => {
-            let spec = CurveSpec::Points { points: table.clone(), interpolation: *interpolation };
-            match Curve::new(&spec) {
-                Ok(_) => points.clone_from(&table),
-                Err(error) => {
-                    refused(ui, &format!("{error}. Until then the curve stays as it was."));
-                }
+    if table != *points {
+        match invalid_reason(&table, *interpolation) {
+            None => points.clone_from(&table),
+            Some(reason) => {
+                rejection_label(ui, &format!("{reason}. Until then the curve is unchanged."));
             }
         }
-        None => {}
     }
-    ui.data_mut(|data| data.insert_temp(id, Table { of: points.clone(), points: table }));
+    ui.data_mut(|data| {
+        data.insert_temp(id, PointTable { source: points.clone(), points: table });
+    });
 }
 
-/// The first point, and the axis in which it is not above the point before it.
-fn disorder(points: &[[f64; 2]]) -> Option<(usize, usize)> {
+/// Shows a row per point, and the reasons of rejected numbers. Returns the point to remove.
+fn point_grid(ui: &mut Ui, table: &mut [[f64; 2]]) -> Option<usize> {
+    let invalid = first_non_increasing(table);
+    let is_removable = table.len() > 2;
+    let (mut removed, mut rejections) = (None, Vec::new());
+    egui::Grid::new("points").num_columns(3).spacing([SPACE, 2.0]).show(ui, |ui| {
+        ui.small("Strain");
+        ui.small("Stress (kPa)");
+        ui.end_row();
+        // The first point of every curve is the origin.
+        for _ in 0..2 {
+            ui.monospace("0");
+        }
+        ui.end_row();
+        for (k, point) in table.iter_mut().enumerate().skip(1) {
+            for (axis, kind) in [Kind::Fraction, Kind::Stress].into_iter().enumerate() {
+                let name = format!("{} of point {}", ["Strain", "Stress"][axis], k + 1);
+                let field = NumberField {
+                    name: &name,
+                    kind,
+                    allowed: 0.0..=MAX_POINT[axis],
+                    decimals: [2, 1][axis],
+                    step: [0.01, 1.0][axis],
+                    is_invalid: invalid == Some((k, axis)),
+                    ..NumberField::default()
+                };
+                let response = field.show(ui, &mut point[axis]);
+                rejections.extend(response.rejection.map(|reason| format!("{name}: {reason}")));
+            }
+            let name = format!("Remove point {}", k + 1);
+            if button_if(ui, is_removable, "×", &name, "") {
+                removed = Some(k);
+            }
+            ui.end_row();
+        }
+    });
+    rejections.iter().for_each(|reason| rejection_label(ui, reason));
+    removed
+}
+
+/// Reason why points are no valid curve; `None` for valid points.
+fn invalid_reason(points: &[[f64; 2]], interpolation: Interpolation) -> Option<String> {
+    let Some((k, axis)) = first_non_increasing(points) else {
+        let spec = CurveSpec::Points { points: points.to_vec(), interpolation };
+        return Curve::new(&spec).err().map(|error| error.to_string());
+    };
+    let (name, unit) = [("strain", ""), ("stress", " kPa")][axis];
+    let value = |k: usize| quantity::format(points[k][axis], 0);
+    let (point, here, before) = (k + 1, value(k), value(k - 1));
+    Some(format!(
+        "the {name} of point {point} ({here}{unit}) must be greater than that of point {k} ({before}{unit})"
+    ))
+}
+
+/// Finds the first point that does not exceed the previous point, and the axis in which it does not.
+fn first_non_increasing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
     (1..points.len()).find_map(|k| {
         let axis = (0..2).find(|&axis| points[k][axis] <= points[k - 1][axis])?;
         Some((k, axis))
@@ -246,8 +243,8 @@ mod tests {
 
     #[test]
     fn points_that_do_not_rise_are_found() {
-        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]), None);
-        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.4, 220.0]]), Some((2, 0)));
-        assert_eq!(disorder(&[[0.0, 0.0], [0.4, 100.0], [0.5, 90.0]]), Some((2, 1)));
+        assert_eq!(first_non_increasing(&[[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]), None);
+        assert_eq!(first_non_increasing(&[[0.0, 0.0], [0.4, 100.0], [0.4, 220.0]]), Some((2, 0)));
+        assert_eq!(first_non_increasing(&[[0.0, 0.0], [0.4, 100.0], [0.5, 90.0]]), Some((2, 1)));
     }
 }

@@ -1,20 +1,21 @@
-//! Opening and saving: dialogs and dropped files, in the background, on the desktop and in the page.
+//! Opening and saving of files: dialogs and dropped files, in the background, on the desktop and in the
+//! page.
 
 use crate::scene::MAX_SCENE_BYTES;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// What the background has to say.
+/// Result of a file operation in the background.
 pub(super) enum FileEvent {
-    /// A file's text was read.
+    /// The text of a file that was read.
     Opened { name: String, text: String },
-    /// A file was written.
+    /// The name of a file that was written.
     Saved(String),
-    /// One line: what went wrong.
+    /// An error message of one line.
     Failed(String),
 }
 
-/// Dialogs under way.
+/// Channel between file operations in the background and the app.
 pub(super) struct Files {
     sender: Sender<FileEvent>,
     receiver: Receiver<FileEvent>,
@@ -26,12 +27,12 @@ impl Files {
         Self { sender, receiver }
     }
 
-    /// The next event, if there is one.
+    /// Returns the next event, if there is one.
     pub(super) fn next(&self) -> Option<FileEvent> {
         self.receiver.try_recv().ok()
     }
 
-    /// Asks for a scene file.
+    /// Opens a dialog for a scene file and reads the file.
     pub(super) fn open(&self, ctx: &Context) {
         let dialog = rfd::AsyncFileDialog::new().add_filter("Scene", &["json"]).pick_file();
         self.run(ctx, async move {
@@ -41,7 +42,7 @@ impl Files {
         });
     }
 
-    /// Asks where to save a text.
+    /// Opens a dialog for a file name and writes the text.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn save(&self, ctx: &Context, suggestion: &str, text: String) {
         let dialog = rfd::AsyncFileDialog::new()
@@ -53,25 +54,25 @@ impl Files {
             let name = file.file_name();
             Some(match file.write(text.as_bytes()).await {
                 Ok(()) => FileEvent::Saved(name),
-                Err(error) => FileEvent::Failed(format!("{name}: not saved: {error}")),
+                Err(error) => FileEvent::Failed(format!("{name} was not saved: {error}")),
             })
         });
     }
 
-    /// Hands a text to the browser's downloads, which know where to save it. A dialog in the page could
-    /// only say that there was something to download, not that it was.
+    /// Passes the text to the browser's downloads. A dialog in the page could only report that a download
+    /// was offered, not that the file was saved.
     #[cfg(target_arch = "wasm32")]
     pub(super) fn save(&self, _: &Context, name: &str, text: String) {
         let name = name.to_owned();
         let event = match download(&name, &text) {
             Ok(()) => FileEvent::Saved(name),
-            Err(error) => FileEvent::Failed(format!("{name}: not saved: {error:?}")),
+            Err(error) => FileEvent::Failed(format!("{name} was not saved: {error:?}")),
         };
-        // The receiver is in this very struct.
+        // `self` owns the receiver, so sending cannot fail.
         let _ = self.sender.send(event);
     }
 
-    /// Reads a file that was dropped on the window.
+    /// Reads a file dropped on the window.
     pub(super) fn dropped(&self, ctx: &Context, file: DroppedFileHandle) {
         self.run(ctx, async move {
             let name = file
@@ -91,7 +92,7 @@ impl Files {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
             if let Some(event) = pollster::block_on(job) {
-                // The app may have been closed meanwhile.
+                // Sending fails if the app was closed in the meantime.
                 let _ = sender.send(event);
                 ctx.request_repaint();
             }
@@ -110,7 +111,7 @@ impl Files {
     }
 }
 
-/// Date and time now, UTC, as in RFC 3339.
+/// Present date and time (UTC, RFC 3339).
 pub(super) fn date() -> String {
     #[cfg(target_arch = "wasm32")]
     return js_sys::Date::new_0().to_iso_string().into();
@@ -129,21 +130,21 @@ fn download(name: &str, text: &str) -> Result<(), wasm_bindgen::JsValue> {
     link.set_href(&address);
     link.set_download(name);
     link.click();
-    // The address stays: some browsers read what is behind it only after the click.
+    // The address is not revoked: some browsers read the data only after the click.
     Ok(())
 }
 
 fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     let bytes = match bytes {
         Ok(bytes) => bytes,
-        Err(error) => return FileEvent::Failed(format!("{name}: not read: {error}")),
+        Err(error) => return FileEvent::Failed(format!("{name} cannot be read: {error}")),
     };
     if bytes.len() > MAX_SCENE_BYTES {
         let megabytes = bytes.len() / 1_000_000;
-        return FileEvent::Failed(format!("{name} is {megabytes} MB long; allowed: to 10 MB"));
+        return FileEvent::Failed(format!("{name} has {megabytes} MB; allowed: up to 10 MB"));
     }
     match String::from_utf8(bytes) {
         Ok(text) => FileEvent::Opened { name, text },
-        Err(_) => FileEvent::Failed(format!("{name} is not a text file; allowed: scene JSON")),
+        Err(_) => FileEvent::Failed(format!("{name} is not a text file; allowed: a scene (JSON)")),
     }
 }

@@ -1,46 +1,47 @@
-//! The keyboard's focus: a ring that is always seen, a way into the app and out of it, and a place to go
-//! back to when what had the focus is gone.
+//! Keyboard focus: a visible ring, entry into the app and exit from it, and return to the previous
+//! control when the focused widget disappears.
 
 use super::theme;
 use eframe::egui::output::OutputEvent;
 use eframe::egui::{
-    self, Context, Event, FocusDirection, Id, Key, LayerId, Modifiers, Order, Rect, Sense, Stroke,
-    StrokeKind, Ui,
+    self, Context, Event, FocusDirection, Id, Key, LayerId, Modifiers, Order, Rect, Response,
+    Sense, Stroke, StrokeKind, Ui,
 };
 
-/// Who has the keyboard, and how the focus got there.
+/// State of the keyboard focus.
 #[derive(Default)]
 pub(super) struct Focus {
-    /// Did the focus come by a key? A click needs no ring.
-    is_by_key: bool,
-    /// The last widget of the panels that had the focus: not one of a menu.
-    base: Option<Id>,
-    base_name: String,
-    /// What had the focus in the frame before.
-    before: Option<Id>,
-    /// Name of what has the focus, and where it was drawn \[points\].
+    /// Did a key move the focus? After a click there is no ring.
+    is_by_keyboard: bool,
+    /// The panel widget that had the focus last, without the widgets of menus.
+    return_target: Option<Id>,
+    return_name: String,
+    /// The focused widget of the previous frame.
+    previous: Option<Id>,
+    /// Name of the focused widget, and its rectangle \[points\].
     name: String,
-    place: Option<Rect>,
-    /// What was scrolled to last.
+    rect: Option<Rect>,
+    /// The widget that was last scrolled into view.
     scrolled_to: Option<Id>,
-    /// Times that it was tried for what has the focus now.
+    /// Number of scroll attempts for the focused widget.
     scrolls: u32,
-    /// Are there places before and behind the app that the Tab key leads to, as in a page?
-    has_edges: bool,
-    /// The focus is to come in with the next frame, and comes in with this one.
-    enter: Option<FocusDirection>,
+    /// Is the app part of a page, with elements before and after it in the Tab order?
+    is_in_page: bool,
+    /// Direction in which the focus enters the app with the next frame, and whether it enters with this
+    /// frame.
+    pending_entry: Option<FocusDirection>,
     is_entering: bool,
-    leave: Option<FocusDirection>,
+    exit: Option<FocusDirection>,
 }
 
-/// The two ends of the order in which the Tab key goes through the app.
+/// The two ends of the app's Tab order.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Edge {
+pub(super) enum Boundary {
     First,
     Last,
 }
 
-impl Edge {
+impl Boundary {
     fn id(self) -> Id {
         Id::unique(match self {
             Self::First => "before the first control",
@@ -50,60 +51,61 @@ impl Edge {
 }
 
 impl Focus {
-    /// From now on the Tab key leads out of the app at its last control, and at its first one backwards.
-    pub(super) fn has_surroundings(&mut self) {
-        self.has_edges = true;
+    /// Lets the Tab key leave the app after its last control, and before its first control backwards.
+    pub(super) fn enable_page_navigation(&mut self) {
+        self.is_in_page = true;
     }
 
-    /// The focus comes in from outside, to the first control or the last one.
+    /// Moves the focus from outside to the first control or to the last.
     pub(super) fn enter(&mut self, direction: FocusDirection) {
-        self.enter = Some(direction);
-        self.is_by_key = true;
+        self.pending_entry = Some(direction);
+        self.is_by_keyboard = true;
     }
 
-    /// Did the Tab key lead out of the app in this frame?
-    pub(super) fn leaves(&mut self) -> Option<FocusDirection> {
-        self.leave.take()
+    /// Returns the direction in which the Tab key has left the app in this frame.
+    pub(super) fn take_exit(&mut self) -> Option<FocusDirection> {
+        self.exit.take()
     }
 
-    /// Before the first widget of a frame.
-    pub(super) fn begin(&mut self, ctx: &Context) {
+    /// Starts a frame; called before its first widget.
+    pub(super) fn begin_frame(&mut self, ctx: &Context) {
         ctx.input(|input| {
             for event in &input.events {
                 match event {
                     Event::Key { key, pressed: true, .. } if is_moving(*key) => {
-                        self.is_by_key = true;
+                        self.is_by_keyboard = true;
                     }
-                    Event::PointerButton { pressed: true, .. } => self.is_by_key = false,
+                    Event::PointerButton { pressed: true, .. } => self.is_by_keyboard = false,
                     _ => {}
                 }
             }
         });
-        let direction = self.enter.take();
+        let direction = self.pending_entry.take();
         self.is_entering = direction.is_some();
         if let Some(direction) = direction {
-            let edge = if direction == FocusDirection::Next { Edge::First } else { Edge::Last };
+            let boundary =
+                if direction == FocusDirection::Next { Boundary::First } else { Boundary::Last };
             ctx.memory_mut(|memory| {
-                memory.request_focus(edge.id());
+                memory.request_focus(boundary.id());
                 memory.move_focus(direction);
             });
         }
     }
 
-    /// An end of the order: where there are surroundings, it leads to them.
-    pub(super) fn edge(&mut self, ui: &Ui, edge: Edge) {
-        if !self.has_edges {
+    /// Adds an end of the Tab order. In a page, the focus passes through it to the elements outside.
+    pub(super) fn boundary(&mut self, ui: &Ui, boundary: Boundary) {
+        if !self.is_in_page {
             return;
         }
-        let place = Rect::from_min_size(ui.max_rect().min, egui::Vec2::ZERO);
-        let response = ui.interact(place, edge.id(), Sense::FOCUSABLE);
+        let rect = Rect::from_min_size(ui.max_rect().min, egui::Vec2::ZERO);
+        let response = ui.interact(rect, boundary.id(), Sense::FOCUSABLE);
         if self.is_entering || !response.has_focus() {
             return;
         }
-        // From nowhere inwards, or outwards?
-        let (inwards, modifiers) = match edge {
-            Edge::First => (FocusDirection::Next, Modifiers::NONE),
-            Edge::Last => (FocusDirection::Previous, Modifiers::SHIFT),
+        // Inwards if nothing had the focus, otherwise outwards.
+        let (inwards, modifiers) = match boundary {
+            Boundary::First => (FocusDirection::Next, Modifiers::NONE),
+            Boundary::Last => (FocusDirection::Previous, Modifiers::SHIFT),
         };
         let is_inwards = ui.input(|input| {
             input.events.iter().any(|event| {
@@ -111,21 +113,23 @@ impl Focus {
                     if *with == modifiers)
             })
         });
-        ui.memory_mut(|memory| memory.surrender_focus(edge.id()));
+        ui.memory_mut(|memory| memory.surrender_focus(boundary.id()));
         if is_inwards {
-            self.enter = Some(inwards);
+            self.pending_entry = Some(inwards);
         } else {
-            self.leave = Some(match edge {
-                Edge::First => FocusDirection::Previous,
-                Edge::Last => FocusDirection::Next,
+            self.exit = Some(match boundary {
+                Boundary::First => FocusDirection::Previous,
+                Boundary::Last => FocusDirection::Next,
             });
         }
         ui.ctx().request_repaint();
     }
 
-    /// Behind the widgets of a scrolled panel: brings what has got the focus by a key into sight.
-    pub(super) fn scroll(&mut self, ui: &Ui) {
-        let Some(id) = ui.memory(egui::Memory::focused).filter(|_| self.is_by_key) else { return };
+    /// Scrolls the widget focused by a key into view; called after the widgets of a scrolled panel.
+    pub(super) fn scroll_into_view(&mut self, ui: &Ui) {
+        let Some(id) = ui.memory(egui::Memory::focused).filter(|_| self.is_by_keyboard) else {
+            return;
+        };
         if self.scrolled_to == Some(id) {
             return;
         }
@@ -133,35 +137,36 @@ impl Focus {
         if !ui.min_rect().contains(response.rect.center()) || response.layer_id != ui.layer_id() {
             return;
         }
-        // The place is that of the frame before: a scroll under way is not yet in it.
-        if self.place != Some(response.rect) {
+        // The stored rectangle is that of the previous frame, before a scroll in progress.
+        if self.rect != Some(response.rect) {
             return;
         }
-        let (wanted, seen) = (response.rect.expand(theme::SPACE), ui.clip_rect());
-        let is_seen = wanted.top() >= seen.top() && wanted.bottom() <= seen.bottom();
+        let (target, visible) = (response.rect.expand(theme::SPACE), ui.clip_rect());
+        let is_visible = target.top() >= visible.top() && target.bottom() <= visible.bottom();
         let is_at_end = self.scrolls >= 4;
-        if is_seen || is_at_end {
+        if is_visible || is_at_end {
             (self.scrolled_to, self.scrolls) = (Some(id), 0);
         } else {
             self.scrolls += 1;
             let none = egui::style::ScrollAnimation::none();
-            ui.scroll_to_rect_animation(wanted.expand(theme::SPACE), None, none);
+            ui.scroll_to_rect_animation(target.expand(theme::SPACE), None, none);
             ui.ctx().request_repaint();
         }
     }
 
-    /// Name of what has the focus, and where it is \[points\].
+    /// Name of the focused widget, and its rectangle \[points\].
     pub(super) fn focused(&self) -> Option<(&str, Rect)> {
-        Some((&self.name, self.place?))
+        Some((&self.name, self.rect?))
     }
 
-    /// Behind the last widget of a frame. `picture`: the widget that a click gives the focus without a word.
-    pub(super) fn end(&mut self, ctx: &Context, picture: Option<Id>) {
+    /// Ends a frame; called after its last widget. `picture`: the widget that gets its focus by a click,
+    /// without an event.
+    pub(super) fn end_frame(&mut self, ctx: &Context, picture: Option<Id>) {
         let focused = ctx.memory(egui::Memory::focused);
-        if focused != self.before {
-            // What gets the focus back does not say its name again.
-            let is_back = focused.is_some() && focused == self.base;
-            self.name = if is_back { self.base_name.clone() } else { String::new() };
+        if focused != self.previous {
+            // A widget that gets the focus back does not repeat its name.
+            let is_back = focused.is_some() && focused == self.return_target;
+            self.name = if is_back { self.return_name.clone() } else { String::new() };
         }
         ctx.output(|output| {
             for event in &output.events {
@@ -175,56 +180,58 @@ impl Focus {
             "3-D view".clone_into(&mut self.name);
         }
         let response = focused.and_then(|id| ctx.read_response(id));
-        let place = response.as_ref().map(|response| response.rect);
-        if std::mem::replace(&mut self.place, place) != place {
+        let rect = response.as_ref().map(|response| response.rect);
+        if std::mem::replace(&mut self.rect, rect) != rect {
             ctx.request_repaint();
         }
         if let Some(response) = &response
             && response.layer_id.order == Order::Background
         {
-            self.base = focused;
-            self.base_name.clone_from(&self.name);
+            self.return_target = focused;
+            self.return_name.clone_from(&self.name);
         }
-        // A menu that closes, or Escape, takes the focus: it goes back to where it came from.
+        // A closed menu or Escape removes the focus: it returns to the widget that had it before.
         let is_pressed = ctx.input(|input| input.pointer.any_pressed());
         if focused.is_none()
-            && self.before.is_some()
-            && self.is_by_key
+            && self.previous.is_some()
+            && self.is_by_keyboard
             && !is_pressed
-            && self.leave.is_none()
-            && let Some(base) = self.base
-            && ctx.read_response(base).is_some()
+            && self.exit.is_none()
+            && let Some(return_target) = self.return_target
+            && ctx.read_response(return_target).is_some()
             && !ctx.input(|input| input.key_pressed(Key::Tab))
         {
-            ctx.memory_mut(|memory| memory.request_focus(base));
+            ctx.memory_mut(|memory| memory.request_focus(return_target));
             ctx.request_repaint();
         }
-        self.before = focused;
+        self.previous = focused;
         if focused.is_none() {
             self.scrolled_to = None;
         }
-        if let Some(response) = response.filter(|_| self.is_by_key) {
-            let seen = response.rect.intersect(response.interact_rect);
-            if seen.is_positive() {
-                let style = ctx.global_style();
-                let painter =
-                    ctx.layer_painter(LayerId::new(Order::Tooltip, Id::unique("focus ring")));
-                // Inside of what is as large as the picture, around all else.
-                let ring = if seen.area() > 0.1 * ctx.content_rect().area() {
-                    seen.shrink(2.0)
-                } else {
-                    seen.expand(3.0)
-                };
-                let outside = Stroke::new(1.0, style.visuals.panel_fill);
-                painter.rect_stroke(ring.expand(2.0), 6.0, outside, StrokeKind::Inside);
-                let line = Stroke::new(2.0, style.visuals.text_color());
-                painter.rect_stroke(ring, 5.0, line, StrokeKind::Middle);
-            }
+        if let Some(response) = response.filter(|_| self.is_by_keyboard) {
+            draw_ring(ctx, &response);
         }
     }
 }
 
-/// Keys that move the focus or what has it.
+/// Draws the ring around the focused widget.
+fn draw_ring(ctx: &Context, response: &Response) {
+    let visible = response.rect.intersect(response.interact_rect);
+    if !visible.is_positive() {
+        return;
+    }
+    // Inside large widgets such as the picture, around all others.
+    let is_large = visible.area() > 0.1 * ctx.content_rect().area();
+    let ring = if is_large { visible.shrink(2.0) } else { visible.expand(3.0) };
+    let style = ctx.global_style();
+    let painter = ctx.layer_painter(LayerId::new(Order::Tooltip, Id::unique("focus ring")));
+    let outline = Stroke::new(1.0, style.visuals.panel_fill);
+    painter.rect_stroke(ring.expand(2.0), 6.0, outline, StrokeKind::Inside);
+    let line = Stroke::new(2.0, style.visuals.text_color());
+    painter.rect_stroke(ring, 5.0, line, StrokeKind::Middle);
+}
+
+/// Keys that move the focus or change the focused widget.
 fn is_moving(key: Key) -> bool {
     matches!(
         key,

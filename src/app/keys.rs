@@ -1,34 +1,34 @@
-//! Keys, and the insertion that they move and play.
+//! Keyboard shortcuts, and playback of the insertion.
 
 use super::{App, toolbar};
 use crate::scene::Scene;
 use crate::session::Command;
 use eframe::egui::{self, Key, Modifiers};
 
-/// Seconds that play takes from flat to full height.
+/// Duration of the playback from flat to full height \[s\].
 const PLAY_SECONDS: f64 = 5.0;
-/// Steps of the insertion by key.
+/// Step of the insertion by a key \[-\].
 const INSERTION_STEP: f64 = 0.02;
 
 impl App {
-    /// Carries out the keys pressed since the frame before.
-    pub(super) fn keys(&mut self, ctx: &egui::Context) {
-        // A slow frame may hold several presses of a key.
+    /// Executes the shortcuts pressed since the previous frame.
+    pub(super) fn handle_keys(&mut self, ctx: &egui::Context) {
+        // A slow frame may contain several presses of a key.
         let presses =
             |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
         let shortcut = |modifiers, key| presses(modifiers, key) > 0;
         let redo = presses(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             + presses(Modifiers::COMMAND, Key::Y);
-        (0..redo).for_each(|_| self.run(Command::Redo));
+        (0..redo).for_each(|_| self.execute(Command::Redo));
         let undo = presses(Modifiers::COMMAND, Key::Z);
-        (0..undo).for_each(|_| self.run(Command::Undo));
+        (0..undo).for_each(|_| self.execute(Command::Undo));
         if shortcut(Modifiers::COMMAND, Key::O) {
             self.files.open(ctx);
         }
         if shortcut(Modifiers::COMMAND, Key::S) {
             self.save_scene(ctx);
         }
-        // Single keys are for the picture, while it has the focus: elsewhere they are digits, or nothing.
+        // Single keys act on the picture while it has the focus. Elsewhere they are text.
         let focused = ctx.memory(egui::Memory::focused);
         if focused.is_none() || focused != self.viewport.id() {
             return;
@@ -42,14 +42,14 @@ impl App {
             let count = presses(Modifiers::NONE, key);
             if count > 0 {
                 let mut scene = self.session.scene().clone();
-                // In whole percent: steps of 0.02 do not add up to round values.
+                // Rounded to whole percent: steps of 0.02 accumulate rounding errors.
                 let percent = (100.0 * (scene.insertion + count as f64 * step)).round();
                 scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
                 self.gesture += 1;
-                self.run(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+                self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
             }
         }
-        (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_play());
+        (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_playback());
         if shortcut(Modifiers::NONE, Key::F) {
             self.viewport.fit(&self.session);
         }
@@ -63,17 +63,17 @@ impl App {
         }
     }
 
-    pub(super) fn toggle_play(&mut self) {
+    pub(super) fn toggle_playback(&mut self) {
         self.is_playing = !self.is_playing;
         self.gesture += 1;
     }
 
-    /// Raises the implant while playing: a step as soon as the step before is solved.
-    pub(super) fn play(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+    /// Advances the insertion during playback by one step, once the previous step is solved.
+    pub(super) fn advance_playback(&mut self, ctx: &egui::Context, scene: &mut Scene) {
         if !self.is_playing || self.session.is_working() {
             return;
         }
-        let since = if self.is_rested { 0.0 } else { ctx.input(|input| input.stable_dt) };
+        let since = if self.was_paused { 0.0 } else { ctx.input(|input| input.stable_dt) };
         let seconds = f64::from(since).clamp(0.01, 0.2);
         scene.insertion = if scene.insertion >= 1.0 {
             0.0

@@ -1,160 +1,170 @@
-//! Two plots: the layers' curves with the strains now in use, and the cross-section.
+//! The plots: stress–strain curves of the layers with the present strains, and the cross-section.
 
+use super::readings::PreviousResults;
 use super::theme;
 use super::widgets::group;
 use crate::mesh::NodeKind;
 use crate::session::Session;
+use crate::solve::Problem;
 use eframe::egui::{Color32, RichText, Sense, Ui};
-use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints, Points, uniform_grid_spacer};
+use egui_plot::{
+    Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, PlotUi, Points, uniform_grid_spacer,
+};
 
-/// Samples of a curve.
+/// Number of intervals of a sampled curve.
 const SAMPLES: i32 = 160;
 
-/// Curves of all layers up to strain 1, the used part drawn strong; not while a long solve is under way
-/// (`is_long`), whose strains are not known.
-pub(super) fn curves(ui: &mut Ui, session: &Session, is_long: bool) {
-    let used = session.greatest_strain().filter(|_| !is_long);
-    let outcome = session.outcome().filter(|_| !is_long);
+/// Points (x, y) of a line.
+type Polyline = Vec<[f64; 2]>;
+
+/// Plots the curves of all layers up to strain 1, thick up to the greatest strain. During a long solve
+/// (`previous`) the strains are unknown and the thick part is missing.
+pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) {
+    let greatest_strain = session.greatest_strain().filter(|_| previous == PreviousResults::Shown);
     let colors = theme::palette(ui.visuals()).curves;
     group(ui, "Stress–strain curves", |ui| {
-        Plot::new("curves")
-            .height(180.0)
+        fixed_plot("curves", 180.0)
             .legend(Legend::default().position(egui_plot::Corner::LeftTop))
             .x_axis_label("strain")
             .x_grid_spacer(uniform_grid_spacer(|_| [1.0, 0.5, 0.1]))
             .x_axis_formatter(|mark, _| format!("{:.1}", mark.value))
             .y_axis_label("stress (kPa)")
-            // Not a stop of the Tab key: there is nothing to do in it.
-            .sense(Sense::hover())
-            .allow_scroll(false)
-            .allow_drag(false)
-            .allow_zoom(false)
             .show(ui, |plot| {
-                let materials = &session.problem().materials;
-                for (k, (layer, material)) in
-                    session.scene().layers.iter().zip(materials).enumerate()
-                {
-                    let curve = &material.curve;
+                for k in 0..session.scene().layers.len() {
                     let color = colors[k % colors.len()];
-                    let name = format!("{} {}", k + 1, layer.tissue);
-                    let sampled = |end: f64| -> PlotPoints<'static> {
-                        (0..=SAMPLES)
-                            .map(|i| end * f64::from(i) / f64::from(SAMPLES))
-                            .map(|e| [e, curve.stress(e)])
-                            .collect()
-                    };
-                    plot.line(
-                        // Without a name it stays out of the legend.
-                        Line::new(name.clone(), sampled(used.unwrap_or(0.0).max(1.0)))
-                            .color(color.gamma_multiply(0.5))
-                            .width(1.0),
-                    );
-                    let Some(used) = used else { continue };
-                    plot.line(Line::new(name, sampled(used)).color(color).width(3.0));
-                    let here = vec![[used, curve.stress(used)]];
-                    plot.points(Points::new("", here).color(color).radius(4.0));
-                    let both_ways = outcome.and_then(|o| o.layers.get(k)?.max_stress_kpa);
-                    if let Some(stress) = both_ways {
-                        let here = Points::new("", vec![[used, stress]]);
-                        plot.points(
-                            here.color(color)
-                                .radius(5.0)
-                                .filled(false)
-                                .shape(egui_plot::MarkerShape::Diamond),
-                        );
-                    }
+                    layer_curve(plot, session, k, color, greatest_strain);
                 }
             });
-        ui.small(used.map_or_else(
-            || "How far this plan stretches the tissue is being computed.".to_owned(),
-            |used| {
+        ui.small(greatest_strain.map_or_else(
+            || "The strains of this scene are being computed.".to_owned(),
+            |strain| {
                 format!(
-                    "Thick line: how far this plan stretches the tissue, {:.0} %. Dot: the stress there if \
-                     it were stretched one way, as in the measurement. Diamond: the greatest stress over \
-                     this implant, stretched both ways.",
-                    100.0 * used
+                    "Thick line: strains in this scene, up to {:.0} %. Dot: stress at that strain under \
+                     uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \
+                     implant, where the stretch is biaxial.",
+                    100.0 * strain
                 )
             },
         ));
     });
 }
 
-/// The section along x through the pocket's centre: implant, inner face, outer skin; the tissue only where
-/// it has a shape.
+/// Plots the curve of a layer, its strained part and the stresses at the greatest strain.
+fn layer_curve(
+    plot: &mut PlotUi<'_>,
+    session: &Session,
+    k: usize,
+    color: Color32,
+    greatest_strain: Option<f64>,
+) {
+    let (layer, material) = (&session.scene().layers[k], &session.problem().materials[k]);
+    let name = format!("{} {}", k + 1, layer.tissue);
+    let sampled = |end: f64| -> PlotPoints<'static> {
+        let strains = (0..=SAMPLES).map(|i| end * f64::from(i) / f64::from(SAMPLES));
+        strains.map(|strain| [strain, material.curve.stress(strain)]).collect()
+    };
+    plot.line(
+        Line::new(name.clone(), sampled(greatest_strain.unwrap_or(0.0).max(1.0)))
+            .color(color.gamma_multiply(0.5))
+            .width(1.0),
+    );
+    let Some(strain) = greatest_strain else { return };
+    plot.line(Line::new(name, sampled(strain)).color(color).width(3.0));
+    // Points without a name are not in the legend.
+    let uniaxial = vec![[strain, material.curve.stress(strain)]];
+    plot.points(Points::new("", uniaxial).color(color).radius(4.0));
+    if let Some(stress) = session.outcome().and_then(|o| o.layers.get(k)?.max_stress_kpa) {
+        let biaxial = Points::new("", vec![[strain, stress]]).color(color).radius(5.0);
+        plot.points(biaxial.filled(false).shape(MarkerShape::Diamond));
+    }
+}
+
+/// Plots the section in the plane y = 0: implant, inner face and outer skin. Without a stable shape the
+/// tissue is missing.
 pub(super) fn section(ui: &mut Ui, session: &Session) {
     let palette = theme::palette(ui.visuals());
     let problem = session.problem();
-    let (sheet, dome) = (&problem.sheet, problem.obstacle.dome);
-    let n = sheet.nodes_per_side();
-    let row: Vec<usize> =
-        (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside).collect();
-    let (x, stack) = (session.shape(), session.solution().stack());
-    let inner: Vec<[f64; 2]> = row.iter().map(|&k| [x[k].x, x[k].z]).collect();
-    let outer: Vec<[f64; 2]> = row
+    let implant = ("implant", palette.accent, dome_outline(problem));
+    let tissue = (!session.has_no_shape()).then(|| {
+        let [inner, outer] = tissue_faces(session);
+        [("skin", palette.curves[0], outer), ("inner face", palette.curves[1], inner)]
+    });
+    let radius = problem.sheet.radius_mm();
+    let wall = ("chest wall", palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
+    let names: Vec<(&str, Color32)> = tissue
         .iter()
-        .map(|&k| {
-            let thickness: f64 = stack.thickness_mm.iter().map(|t| f64::from(t[k])).sum();
-            let normal = stack.normal[k].as_dvec3();
-            [x[k].x + normal.x * thickness, x[k].z + normal.z * thickness]
-        })
+        .flatten()
+        .chain([&implant, &wall])
+        .map(|&(name, color, _)| (name, color))
         .collect();
-    // Where the plane y = 0 cuts the dome, an ellipse too.
-    let across = dome.center.y / dome.base_radius;
-    let share = (1.0 - across * across).max(0.0).sqrt();
-    let dome_line: Vec<[f64; 2]> = (0..=SAMPLES)
-        .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
-        .map(|a| {
-            let (sin, cos) = a.sin_cos();
-            [
-                dome.center.x + share * dome.base_radius * cos,
-                dome.base_height + share * dome.projection * sin,
-            ]
-        })
-        .filter(|p| p[1] >= -1e-9)
-        .collect();
-    let has_shape = !session.has_no_shape();
     group(ui, "Cross-section", |ui| {
-        Plot::new("section")
-            .height(170.0)
+        fixed_plot("section", 170.0)
             .data_aspect(1.0)
             .x_axis_label("across (mm)")
             .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
             .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
             .y_axis_label("height (mm)")
             .include_y(0.0)
-            // Not a stop of the Tab key: there is nothing to do in it.
-            .sense(Sense::hover())
-            .allow_scroll(false)
-            .allow_drag(false)
-            .allow_zoom(false)
             .show(ui, |plot| {
-                let mut line = |name: &str, points: Vec<[f64; 2]>, color: Color32, width: f32| {
-                    plot.line(Line::new(name, points).color(color).width(width));
-                };
-                line("implant", dome_line, palette.accent, 1.5);
-                if has_shape {
-                    line("inner face", inner, palette.curves[1], 2.0);
-                    line("skin", outer, palette.curves[0], 2.0);
+                let (name, color, points) = implant;
+                plot.line(Line::new(name, points).color(color).width(1.5));
+                for (name, color, points) in tissue.into_iter().flatten().rev() {
+                    plot.line(Line::new(name, points).color(color).width(2.0));
                 }
-                let a = sheet.radius_mm();
-                let wall = vec![[-a, 0.0], [a, 0.0]];
+                let (name, color, points) = wall;
                 plot.line(
-                    Line::new("chest wall", wall)
-                        .color(palette.caution.gamma_multiply(0.6))
+                    Line::new(name, points)
+                        .color(color.gamma_multiply(0.6))
                         .style(LineStyle::dashed_dense())
                         .width(1.0),
                 );
             });
         ui.horizontal_wrapped(|ui| {
-            let names = [
-                ("skin", palette.curves[0]),
-                ("inner face", palette.curves[1]),
-                ("implant", palette.accent),
-                ("chest wall", palette.caution),
-            ];
-            for &(name, color) in &names[if has_shape { 0 } else { 2 }..] {
+            for (name, color) in names {
                 ui.label(RichText::new(name).small().color(color));
             }
         });
     });
+}
+
+/// Inner and outer face of the tissue on the grid row nearest to y = 0 \[mm\].
+fn tissue_faces(session: &Session) -> [Polyline; 2] {
+    let sheet = &session.problem().sheet;
+    let n = sheet.nodes_per_side();
+    let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);
+    let (x, stack) = (session.shape(), session.solution().stack());
+    let outer = |k: usize| {
+        let thickness: f64 = stack.thickness_mm.iter().map(|t| f64::from(t[k])).sum();
+        let normal = stack.normal[k].as_dvec3();
+        [x[k].x + normal.x * thickness, x[k].z + normal.z * thickness]
+    };
+    [row.clone().map(|k| [x[k].x, x[k].z]).collect(), row.map(outer).collect()]
+}
+
+/// Intersection of the dome with the plane y = 0, above the chest wall: an arc of an ellipse \[mm\].
+fn dome_outline(problem: &Problem) -> Polyline {
+    let dome = problem.obstacle.dome;
+    let offset = dome.center.y / dome.base_radius;
+    let scale = (1.0 - offset * offset).max(0.0).sqrt();
+    (0..=SAMPLES)
+        .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
+        .map(|angle| {
+            let (sin, cos) = angle.sin_cos();
+            [
+                dome.center.x + scale * dome.base_radius * cos,
+                dome.base_height + scale * dome.projection * sin,
+            ]
+        })
+        .filter(|point| point[1] >= -1e-9)
+        .collect()
+}
+
+/// A plot without interaction, so that the Tab key skips it.
+fn fixed_plot(name: &'static str, height: f32) -> Plot<'static> {
+    Plot::new(name)
+        .height(height)
+        .sense(Sense::hover())
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_zoom(false)
 }

@@ -1,6 +1,7 @@
-//! The right side: what a surgeon reads off, with units and where the limits come from.
+//! The right panel: results with units, and the sources of the limits.
 
 use super::theme::{self, SPACE};
+use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, heading};
 use crate::measure::bands::{pressure_band, pressure_word, strain_band, strain_word};
 use crate::measure::{Outcome, Pressure, STRAIN_BANDS, Status};
@@ -8,19 +9,26 @@ use crate::session::Session;
 use crate::springs::Springs;
 use eframe::egui::{self, Color32, RichText, Ui};
 
-/// Shows a result. While a quick solve is under way, the figures of before stay; where it takes longer
-/// (`is_long`), they go, and only a draft of the present scene stays that is known to be near its shape.
-pub(super) fn show(ui: &mut Ui, session: &Session, is_long: bool) {
+/// Results of the previous scene during a solve: shown during a short one, hidden during a long one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PreviousResults {
+    Shown,
+    Hidden,
+}
+
+/// Shows a result. During a short solve the previous results stay visible. During a long one (`previous`)
+/// only a provisional result of the present scene close to its equilibrium is shown.
+pub(super) fn show(ui: &mut Ui, session: &Session, previous: PreviousResults) {
     heading(ui, "Results");
     let is_near = session.is_outcome_present() && session.scene().springs == Springs::Coupled;
-    let outcome = session.outcome().filter(|_| is_near || !is_long);
+    let outcome = session.outcome().filter(|_| is_near || previous == PreviousResults::Shown);
     let Some(outcome) = outcome.filter(|_| !session.is_stopped()) else {
         let words = if session.is_stopped() { "Not computed." } else { "Updating…" };
         ui.label(RichText::new(words).color(ui.visuals().weak_text_color()));
         return;
     };
     if outcome.status == Status::Unstable {
-        ui.label("There is no stable shape in this scene, so there is nothing to read off.");
+        ui.label("This scene has no stable shape, so there are no results.");
         return;
     }
     warnings(ui, session.result());
@@ -29,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, is_long: bool) {
     tissue(ui, outcome);
 }
 
-/// What a reader must know of before reading a number.
+/// Shows warnings, which apply to all numbers below.
 fn warnings(ui: &mut Ui, result: Option<&Outcome>) {
     let palette = theme::palette(ui.visuals());
     let Some(outcome) = result else { return };
@@ -43,13 +51,13 @@ fn warnings(ui: &mut Ui, result: Option<&Outcome>) {
     }
 }
 
-/// The colour of a band, from the lowest.
+/// Colour of a band, counted from the lowest.
 fn band_color(ui: &Ui, band: usize) -> Color32 {
     let palette = theme::palette(ui.visuals());
     [palette.text, palette.caution, palette.bad, palette.bad][band.min(3)]
 }
 
-/// The word of a band in its colour, in a row of its own.
+/// Shows the word of a band in its colour, in a separate row.
 fn band_row(ui: &mut Ui, band: usize, word: &str) {
     let text = RichText::new(word).small().color(band_color(ui, band));
     ui.add(egui::Label::new(text).wrap_mode(egui::TextWrapMode::Extend));
@@ -74,8 +82,8 @@ fn shape(ui: &mut Ui, outcome: &Outcome) {
         });
         hint(
             ui,
-            "This is the geometric gain at once. Of an expander's geometric gain only about 35 % \
-             was realised in vivo.",
+            "Geometric gain directly after insertion. With tissue expanders about 35 % of the geometric \
+             gain was realised in vivo.",
         );
     });
 }
@@ -94,13 +102,13 @@ fn contact(ui: &mut Ui, outcome: &Outcome) {
             if let Some(most) = mmhg.map(|p| p.max) {
                 band_row(ui, pressure_band(most), pressure_word(most));
             }
-            row(ui, error, "Contact ends at", outcome.contact_angle_deg, 1, "°");
-            row(ui, error, "Tissue touches out to", outcome.contact_material_radius_mm, 1, "mm");
+            row(ui, error, "Contact angle", outcome.contact_angle_deg, 1, "°");
+            row(ui, error, "Contact radius, at rest", outcome.contact_material_radius_mm, 1, "mm");
         });
         hint(
             ui,
-            "30–60 mmHg was measured right after clinical filling of expanders. One pig study saw \
-             blood flow near zero above 80 mmHg, another only a moderate drop at 100 mmHg.",
+            "In patients, 30–60 mmHg was measured directly after filling an expander. In one study of \
+             pigs blood flow was near zero above 80 mmHg; in another it fell only moderately at 100 mmHg.",
         );
     });
 }
@@ -117,10 +125,10 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
                 band_row(ui, strain_band(greatest), strain_word(greatest));
                 for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
                     let key = format!("{limit:.2}");
-                    let share = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
+                    let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
                     let name = RichText::new(format!("Area strained above {:.0} %", 100.0 * limit));
-                    let color = band_color(ui, if share > 0.0 { k + 1 } else { 0 });
-                    row(ui, error, name.color(color), Some(100.0 * share), 1, "%");
+                    let color = band_color(ui, if fraction > 0.0 { k + 1 } else { 0 });
+                    row(ui, error, name.color(color), Some(100.0 * fraction), 1, "%");
                 }
             }
             for layer in &outcome.layers {
@@ -130,13 +138,13 @@ fn tissue(ui: &mut Ui, outcome: &Outcome) {
         });
         hint(
             ui,
-            "Stress is of tissue stretched both ways, as over an implant: higher than the curve's at the \
-             same strain, which is measured stretching one way.",
+            "These stresses are for biaxial stretch, as over an implant. They are higher than the \
+             curve's at the same strain, because the curve is measured under uniaxial stretch.",
         );
         hint(
             ui,
             &format!(
-                "Strains below {high:.0} % are usual, {high:.0}–{very_high:.0} % high; excised back \
+                "Strains below {high:.0} % are usual, {high:.0}–{very_high:.0} % are high. Excised back \
                  skin failed at {failure:.0} ± 17 %.",
             ),
         );
@@ -147,7 +155,7 @@ fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(3).spacing([SPACE, 3.0]).show(ui, add);
 }
 
-/// One line: name, value in figures of equal width, unit. What does not apply is a dash.
+/// Shows one row: name, right-aligned value in digits of equal width, unit. A missing value is a dash.
 fn row(
     ui: &mut Ui,
     error: f64,
@@ -167,15 +175,14 @@ fn row(
     ui.end_row();
 }
 
-/// A value with at most the given decimals, and none that its error leaves open. Strains and
-/// forces are slopes of the shape: their relative error is taken as ten times that of positions.
+/// Formats a value with at most the given decimals, and no more digits than its error allows. Strains and
+/// forces are derivatives of the shape: their relative error is assumed to be ten times that of
+/// positions.
 fn figures(value: f64, decimals: usize, position_error: f64) -> String {
     let open = (10.0 * position_error * value.abs()).max(1e-12);
     let known = (-open.log10()).floor().max(0.0) as usize;
     let decimals = decimals.min(known);
-    let text = format!("{value:.decimals$}");
-    // No minus before a zero.
-    if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
+    without_negative_zero(format!("{value:.decimals$}"))
 }
 
 fn hint(ui: &mut Ui, text: &str) {

@@ -1,83 +1,91 @@
-//! The mark at the paper's springs: at which strains a sheet of the chosen layers has no stable even
-//! shape, before anything is solved, and the way out.
+//! Stability display of the paper's springs: the strains at which a uniformly stretched sheet of the
+//! chosen layers is unstable, known before any solve, and a button for the coupled springs.
 
 use super::theme::{self, SPACE, SPACE_SMALL};
-use super::widgets::name_it;
+use super::widgets::set_accessible_name;
 use crate::scene::{Scene, Springs};
 use crate::springs::stability::{Limits, Load};
 use eframe::egui::{self, Align2, RichText, Ui, pos2, vec2};
 
-/// Height of a strip \[points\], and of its stable part.
+/// Height of a strip and of its stable part \[points\].
 const HEIGHT: f32 = 12.0;
 const STABLE_HEIGHT: f32 = 4.0;
-/// Width of the names left of the strips \[points\].
+/// Width of the names to the left of the strips \[points\].
 const NAME_WIDTH: f32 = 68.0;
 
-/// Words, strips and the button. `used`: the greatest strain of the shape that is shown \[-\].
-pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, used: Option<f64>) {
+/// Shows text, strips and button. `greatest_strain`: greatest strain of the displayed shape \[-\].
+pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_strain: Option<f64>) {
     let palette = theme::palette(ui.visuals());
     let first = Load::ALL.iter().filter_map(|&load| limits.first_loss(load)).reduce(f64::min);
     let Some(first) = first else {
-        ui.small("An evenly stretched sheet of these layers is stable at every strain to 100 %.");
+        ui.small(
+            "With these springs, uniformly stretched tissue is stable at all strains up to 100 %.",
+        );
         return;
     };
     ui.add_space(SPACE_SMALL);
-    let words = format!("No stable even shape, first at {:.0} % strain", 100.0 * first);
+    let words = format!("Springs unstable, first at {:.0} % strain", 100.0 * first);
     ui.label(RichText::new(words).strong().color(palette.caution));
     ui.small(
-        "Evenly stretched, these layers give way under these springs at the strains marked below. \
-         An implant that stretches much of the tissue so far may get no result.",
+        "With these springs, uniformly stretched tissue is unstable at the strains marked below. A \
+         scene in which much of the tissue has such strains may have no result.",
     );
     for load in Load::ALL {
-        strip(ui, load, limits.of(load), used);
+        strip(ui, load, limits.of(load), greatest_strain);
     }
     axis(ui);
     ui.horizontal_wrapped(|ui| {
-        for (words, color) in
-            [("thin: stable", palette.accent), ("thick: no stable shape", palette.bad)]
-        {
+        for (words, color) in [("thin: stable", palette.accent), ("thick: unstable", palette.bad)] {
             ui.label(RichText::new(words).small().color(color));
         }
     });
-    // The row is always there, so that nothing moves under the pointer when a result comes.
-    ui.small(used.map_or_else(
-        || "upright line: greatest strain, once there is a shape".to_owned(),
-        |used| format!("upright line: greatest strain now, {:.0} %", 100.0 * used),
+    // The row is always present, so that the controls below do not move when a result arrives.
+    ui.small(greatest_strain.map_or_else(
+        || "vertical line: greatest strain, not yet computed".to_owned(),
+        |greatest_strain| {
+            format!(
+                "vertical line: greatest strain in this scene, {:.0} %",
+                100.0 * greatest_strain
+            )
+        },
     ));
     let button = ui.button("Switch to coupled springs");
-    if button.on_hover_text("They are stable at every strain, with the same curves").clicked() {
+    if button
+        .on_hover_text("Coupled springs use the same curves and are stable at all strains")
+        .clicked()
+    {
         scene.springs = Springs::Coupled;
     }
     ui.add_space(SPACE_SMALL);
 }
 
-/// What a strip says, in words.
+/// Description of a strip in words.
 fn words(load: Load, stretches: &[[f64; 2]]) -> String {
     let how = match load {
-        Load::Uniaxial => "Stretched one way",
-        Load::Equibiaxial => "Stretched both ways",
+        Load::Uniaxial => "Uniaxial stretch",
+        Load::Equibiaxial => "Equibiaxial stretch",
     };
     if stretches.is_empty() {
-        return format!("{how}: stable at every strain to 100 %");
+        return format!("{how}: stable at all strains up to 100 %");
     }
     let percent = |[from, to]: &[f64; 2]| {
         if *to < 1.0 {
             format!("at {:.0}–{:.0} %", 100.0 * from, 100.0 * to)
         } else {
-            format!("from {:.0} % on", 100.0 * from)
+            format!("from {:.0} %", 100.0 * from)
         }
     };
     let list: Vec<String> = stretches.iter().map(percent).collect();
-    format!("{how}: no stable shape {}", list.join(" and "))
+    format!("{how}: unstable {}", list.join(" and "))
 }
 
-/// Strain 0 to 100 % from left to right.
-fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], used: Option<f64>) {
+/// Shows a strip for strains from 0 to 100 %.
+fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], greatest_strain: Option<f64>) {
     let palette = theme::palette(ui.visuals());
     let (rect, response) = row(ui, HEIGHT);
     let name = match load {
-        Load::Uniaxial => "One way",
-        Load::Equibiaxial => "Both ways",
+        Load::Uniaxial => "Uniaxial",
+        Load::Equibiaxial => "Biaxial",
     };
     let painter = ui.painter();
     let (font, quiet) =
@@ -91,12 +99,12 @@ fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], used: Option<f64>) {
         let thick = egui::Rect::from_x_y_ranges(at(from)..=at(to), rect.y_range());
         painter.rect_filled(thick, 1.0, palette.bad);
     }
-    if let Some(used) = used {
+    if let Some(greatest_strain) = greatest_strain {
         let line = egui::Stroke::new(1.5, ui.visuals().text_color());
-        painter.vline(at(used.clamp(0.0, 1.0)), rect.y_range().expand(2.0), line);
+        painter.vline(at(greatest_strain.clamp(0.0, 1.0)), rect.y_range().expand(2.0), line);
     }
     let words = words(load, stretches);
-    name_it(&response, egui::Role::Label, &words);
+    set_accessible_name(&response, egui::Role::Label, &words);
     response.on_hover_text(words);
 }
 
@@ -104,17 +112,17 @@ fn axis(ui: &mut Ui) {
     let (rect, _) = row(ui, HEIGHT);
     let (font, quiet) =
         (egui::TextStyle::Small.resolve(ui.style()), ui.visuals().weak_text_color());
-    for (share, align, text) in [
+    for (fraction, align, text) in [
         (0.0, Align2::LEFT_CENTER, "0"),
         (0.5, Align2::CENTER_CENTER, "50"),
         (1.0, Align2::RIGHT_CENTER, "100 % strain"),
     ] {
-        let x = rect.left() + share * rect.width();
+        let x = rect.left() + fraction * rect.width();
         ui.painter().text(pos2(x, rect.center().y), align, text, font.clone(), quiet);
     }
 }
 
-/// A row of the given height, right of the names.
+/// Allocates a row of the given height, to the right of the names.
 fn row(ui: &mut Ui, height: f32) -> (egui::Rect, egui::Response) {
     let size = vec2(ui.available_width() - SPACE, height);
     let (mut rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
@@ -127,14 +135,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strips_are_told_in_words() {
+    fn strips_are_described_in_words() {
         assert_eq!(
             words(Load::Uniaxial, &[[0.224, 0.421], [0.97, 1.0]]),
-            "Stretched one way: no stable shape at 22–42 % and from 97 % on"
+            "Uniaxial stretch: unstable at 22–42 % and from 97 %"
         );
         assert_eq!(
             words(Load::Equibiaxial, &[]),
-            "Stretched both ways: stable at every strain to 100 %"
+            "Equibiaxial stretch: stable at all strains up to 100 %"
         );
     }
 }

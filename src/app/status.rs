@@ -1,4 +1,4 @@
-//! The status line: is the picture true, what did it cost.
+//! The status line: state of the computation, accuracy and cost.
 
 use super::theme;
 use crate::measure::{Status, no_shape};
@@ -9,22 +9,30 @@ use eframe::egui::{RichText, Ui};
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 
-/// Times of the frames and solves so far \[ms\].
+/// Times of frames and solves \[ms\].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timing {
-    /// Times spent in the app's own frames.
+    /// Times of frames \[ms\].
     frames: Recent,
-    /// Times in the solver in the frames that solved.
+    /// Solver times of the frames that solved \[ms\].
     pub(super) slices: Recent,
-    /// Greatest time in the solver of a frame, after the opening scene \[ms\].
+    /// Greatest solver time of a frame after the opening scene \[ms\].
     pub(super) slice_max: f64,
-    /// Frames drawn since the start.
+    /// Number of frames since the start.
     pub(super) frame_count: u64,
-    /// Time spent in the solver for the present scene.
+    /// Solver time for the present scene \[ms\].
     pub(super) solve_ms: f64,
 }
 
-/// The newest times \[ms\], at most [`TIMES_KEPT`].
+/// The scene that a slice of solving belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SliceOf {
+    /// The first scene, which has one long slice.
+    OpeningScene,
+    EditedScene,
+}
+
+/// The most recent times \[ms\], at most [`TIMES_KEPT`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Recent(VecDeque<f64>);
 
@@ -38,12 +46,12 @@ impl Recent {
         self.0.push_back(ms);
     }
 
-    /// The time that a share of them stays below.
-    pub(super) fn percentile(&self, share: f64) -> f64 {
+    /// The percentile of a fraction \[-\], 0 to 1.
+    pub(super) fn percentile(&self, fraction: f64) -> f64 {
         let mut sorted: Vec<f64> = self.0.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
-        let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-        sorted.get(place).copied().unwrap_or(0.0)
+        let rank = (fraction * sorted.len().saturating_sub(1) as f64).round() as usize;
+        sorted.get(rank).copied().unwrap_or(0.0)
     }
 }
 
@@ -53,76 +61,78 @@ impl Timing {
         self.frames.add(ms);
     }
 
-    /// A slice of solving; the opening scene may take long ones.
-    pub(super) fn add_slice(&mut self, ms: f64, is_opening: bool) {
+    /// Adds the time of a slice of solving \[ms\].
+    pub(super) fn add_slice(&mut self, ms: f64, scene: SliceOf) {
         self.solve_ms += ms;
-        if !is_opening {
+        if scene == SliceOf::EditedScene {
             self.slice_max = self.slice_max.max(ms);
         }
         self.slices.add(ms);
     }
 
-    /// The frame time that a share of the frames stays below \[ms\].
-    pub(super) fn percentile(&self, share: f64) -> f64 {
-        self.frames.percentile(share)
+    /// The percentile of the frame times \[ms\] for a fraction \[-\].
+    pub(super) fn percentile(&self, fraction: f64) -> f64 {
+        self.frames.percentile(fraction)
     }
 }
 
-/// How the computation stands, in quiet words and with details. A state says nothing of the tissue: that
-/// is what the colours of limits are for.
-struct State {
-    words: &'static str,
+/// State of the computation, with details. Its text has no colour of a tissue limit.
+struct StatusText {
+    text: &'static str,
     details: String,
-    is_loud: bool,
+    is_warning: bool,
 }
 
-fn state(session: &Session) -> State {
-    let quiet = |words, details: String| State { words, details, is_loud: false };
-    let loud = |words, details: String| State { words, details, is_loud: true };
+fn status_text(session: &Session) -> StatusText {
+    let quiet = |text, details: String| StatusText { text, details, is_warning: false };
+    let warning = |text, details: String| StatusText { text, details, is_warning: true };
     if session.is_stopped() {
-        return loud("Stopped: not computed", "The solve was cancelled.".to_owned());
+        return warning("Stopped: not computed", "The computation was cancelled.".to_owned());
     }
     let Some(outcome) = session.result() else {
         let details = match session.displayed() {
             Displayed::Draft if session.scene().springs == Springs::Nikolaev => {
-                "A draft of the shape; its stability is being tested.".to_owned()
+                "Provisional shape; the stability test is running.".to_owned()
             }
-            Displayed::Draft => "A draft of the shape, within 0.1 % of the base radius.".to_owned(),
+            Displayed::Draft => {
+                "Provisional shape: position error below 0.1 % of the base radius.".to_owned()
+            }
             Displayed::Coarse { nodes_per_side } => format!(
-                "A draft of the shape on {nodes_per_side} of {} nodes a side.",
+                "Provisional shape on a coarse grid: {nodes_per_side} of {} nodes per side.",
                 session.problem().sheet.nodes_per_side()
             ),
             Displayed::Previous | Displayed::Final => {
-                "The shape of before is still shown.".to_owned()
+                "The previous shape is still shown.".to_owned()
             }
         };
         return quiet("Updating…", details);
     };
     let error = outcome.solver.estimated_position_error;
+    let percent = |error: f64| percent_text(100.0 * error);
     match outcome.status {
         Status::Converged => {
-            let error = error
-                .map_or_else(|| "the tolerance".to_owned(), |error| percent_text(100.0 * error));
-            let details = format!(
-                "Converged: every node is within {error} of the base radius of this grid's equilibrium."
+            let error = error.map_or_else(
+                || "below the tolerance".to_owned(),
+                |error| format!("at most {} of the base radius", percent(error)),
             );
+            let details = format!("Converged: the position error on this grid is {error}.");
             quiet("Up to date", details)
         }
         Status::NotConverged => {
             let error = match error {
                 Some(error) if error < 10.0 => {
-                    format!("estimated position error {}", percent_text(100.0 * error))
+                    format!("the estimated position error is {} of the base radius", percent(error))
                 }
-                _ => "no error estimate".to_owned(),
+                _ => "there is no error estimate".to_owned(),
             };
-            let words = "Not finished: do not use these numbers";
-            loud(words, format!("The solve ended above its tolerance: {error}."))
+            let text = "Not finished: do not use these numbers";
+            warning(text, format!("The solver stopped above its tolerance; {error}."))
         }
-        Status::Unstable => loud("No stable shape", no_shape(session.invalid()).to_owned()),
+        Status::Unstable => warning("No stable shape", no_shape(session.invalid()).to_owned()),
     }
 }
 
-/// One significant digit, rounded up: an error is not promised better than it is.
+/// Formats an error with one significant digit, rounded up.
 fn percent_text(percent: f64) -> String {
     if percent <= 1e-4 {
         return "0.0001 %".to_owned();
@@ -133,14 +143,14 @@ fn percent_text(percent: f64) -> String {
     format!("{rounded:.decimals$} %")
 }
 
-/// The line itself.
+/// Shows the status line.
 pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
-    let State { words, mut details, is_loud } = state(session);
+    let StatusText { text, mut details, is_warning } = status_text(session);
     if let Some(outcome) = session.result() {
         let solver = &outcome.solver;
         let _ = write!(
             details,
-            "\nSolve {:.0} ms, {:.0} work units (evaluations of all nodal forces), {} nodes; a frame \
+            "\nSolve: {:.0} ms, {:.0} work units (evaluations of all nodal forces), {} nodes. Frame: \
              {:.1} ms.",
             timing.solve_ms,
             solver.work_units,
@@ -148,10 +158,10 @@ pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
             timing.percentile(0.5),
         );
     }
-    let text = if is_loud {
-        RichText::new(format!("! {words}")).strong().color(theme::palette(ui.visuals()).bad)
+    let text = if is_warning {
+        RichText::new(format!("! {text}")).strong().color(theme::palette(ui.visuals()).bad)
     } else {
-        RichText::new(words).color(ui.visuals().weak_text_color())
+        RichText::new(text).color(ui.visuals().weak_text_color())
     };
     ui.label(text).on_hover_text(details);
 }
@@ -172,8 +182,12 @@ mod tests {
     #[test]
     fn the_longest_slice_is_not_that_of_the_opening_scene() {
         let mut timing = Timing::default();
-        for (ms, is_opening) in [(300.0, true), (12.0, false), (9.0, false)] {
-            timing.add_slice(ms, is_opening);
+        for (ms, scene) in [
+            (300.0, SliceOf::OpeningScene),
+            (12.0, SliceOf::EditedScene),
+            (9.0, SliceOf::EditedScene),
+        ] {
+            timing.add_slice(ms, scene);
         }
         assert_eq!((timing.slice_max, timing.solve_ms), (12.0, 321.0));
     }

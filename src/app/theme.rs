@@ -1,40 +1,40 @@
-//! Colours, sizes and type of the app: the only place with such literals.
+//! Colours, sizes and fonts of the app; other files contain no such literals.
 
 use eframe::egui::{
     Color32, Context, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Theme,
     Visuals, vec2,
 };
 
-/// Space between things that belong together \[points\].
+/// Space between related elements \[points\].
 pub(super) const SPACE_SMALL: f32 = 4.0;
-/// Space between things.
+/// Space between elements \[points\].
 pub(super) const SPACE: f32 = 8.0;
-/// Width of the side panels.
+/// Width of the side panels \[points\].
 pub(super) const PANEL_WIDTH: f32 = 312.0;
-/// Below this width the panels become a bottom sheet.
+/// Width of the window below which the panels become a bottom sheet \[points\].
 pub(super) const NARROW: f32 = 760.0;
 
-/// Colours of one theme.
+/// Colours of a theme.
 pub(super) struct Palette {
     ground: Color32,
     panel: Color32,
     field: Color32,
     line: Color32,
-    /// Border of what can be typed into or pressed.
+    /// Border of fields and buttons.
     pub(super) edge: Color32,
     /// Rail of a slider.
     pub(super) rail: Color32,
     pub(super) text: Color32,
     quiet: Color32,
-    /// The one accent.
+    /// The accent colour.
     pub(super) accent: Color32,
-    /// Text on the accent.
+    /// Text on the accent colour.
     on_accent: Color32,
-    /// High, or to be looked at.
+    /// High values and cautions.
     pub(super) caution: Color32,
-    /// Very high, refused or failed.
+    /// Very high values and errors.
     pub(super) bad: Color32,
-    /// Curves in plots, one for each layer in turn.
+    /// Curves in plots, one per layer in turn.
     pub(super) curves: [Color32; 4],
 }
 
@@ -74,17 +74,17 @@ const DARK: Palette = Palette {
     curves: [rgb(0x00E0_9A80), rgb(0x00E2_BE5A), rgb(0x0086_AEE6), rgb(0x00B3_A0DC)],
 };
 
-/// The palette of the theme in use.
+/// The palette of the present theme.
 pub(super) fn palette(visuals: &Visuals) -> &'static Palette {
     if visuals.dark_mode { &DARK } else { &LIGHT }
 }
 
-/// Sets type, spacing and colours of both themes.
+/// Sets fonts, spacing and colours of both themes.
 pub(super) fn install(ctx: &Context) {
     for (theme, palette) in [(Theme::Light, &LIGHT), (Theme::Dark, &DARK)] {
         ctx.style_mut_of(theme, |style| apply(style, palette, theme));
     }
-    // Where the system has no say: the same on the desktop and in the page.
+    // Fallback without a system theme: equal on the desktop and in the page.
     ctx.options_mut(|options| options.fallback_theme = Theme::Light);
 }
 
@@ -94,7 +94,7 @@ fn apply(style: &mut Style, palette: &Palette, theme: Theme) {
         (TextStyle::Body, FontId::new(13.5, FontFamily::Proportional)),
         (TextStyle::Button, FontId::new(13.5, FontFamily::Proportional)),
         (TextStyle::Heading, FontId::new(16.0, FontFamily::Proportional)),
-        // Numbers: every figure has the same width.
+        // Numbers: all digits have equal width.
         (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
     ]
     .into();
@@ -121,7 +121,7 @@ fn apply(style: &mut Style, palette: &Palette, theme: Theme) {
     visuals.weak_text_color = Some(palette.quiet);
     visuals.selection.bg_fill = palette.accent;
     visuals.selection.stroke = Stroke::new(1.0, palette.on_accent);
-    // A cursor that blinks would draw at rest.
+    // A blinking cursor would cause frames at rest.
     visuals.text_cursor.blink = false;
     visuals.window_stroke = Stroke::new(1.0, palette.line);
     let corner = CornerRadius::same(6);
@@ -151,8 +151,12 @@ mod tests {
     /// Relative luminance of a colour (WCAG 2.2).
     fn luminance(color: Color32) -> f64 {
         let linear = |byte: u8| {
-            let share = f64::from(byte) / 255.0;
-            if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+            let fraction = f64::from(byte) / 255.0;
+            if fraction <= 0.04045 {
+                fraction / 12.92
+            } else {
+                ((fraction + 0.055) / 1.055).powf(2.4)
+            }
         };
         0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
     }
@@ -170,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn text_and_parts_can_be_seen_in_both_themes() {
+    fn text_and_widgets_have_contrast_in_both_themes() {
         for (name, p) in [("light", &LIGHT), ("dark", &DARK)] {
             let grounds = [("panel", p.panel), ("ground", p.ground), ("field", p.field)];
             let text = [
@@ -197,14 +201,14 @@ mod tests {
             assert!(ratio >= 3.0, "{name}: the rail has {ratio:.2} : 1");
             let ratio = contrast(p.on_accent, p.accent);
             assert!(ratio >= 4.5, "{name}: text on the accent has {ratio:.2} : 1");
-            // The accent is also the colour of words: implant, stable.
+            // The accent is also the colour of the words "implant" and "stable".
             let ratio = contrast(p.accent, p.panel);
             assert!(ratio >= 4.5, "{name}: accent as text has {ratio:.2} : 1");
         }
     }
 
     #[test]
-    fn what_is_drawn_takes_its_colours_from_the_palette() {
+    fn styles_use_the_colours_of_the_palette() {
         let ctx = Context::default();
         install(&ctx);
         for (theme, p) in [(Theme::Light, &LIGHT), (Theme::Dark, &DARK)] {

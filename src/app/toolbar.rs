@@ -1,12 +1,12 @@
-//! The top line: files, history, what is coloured, the section, the theme.
+//! The toolbar: files, history, coloured quantity, section, theme; and the window "About".
 
-use super::widgets::{Kind, NumberField, button_if, choice, name_it};
+use super::widgets::{Kind, NumberField, button_if, choice, set_accessible_name};
 use super::{App, theme};
 use crate::session::Command;
 use crate::view::color::Quantity;
 use eframe::egui::{self, RichText, Ui};
 
-/// What keys 1 to 5 show.
+/// Quantities of the keys 1 to 5.
 pub(super) const QUANTITIES: [Quantity; 5] = [
     Quantity::Tissue,
     Quantity::Strain,
@@ -15,11 +15,18 @@ pub(super) const QUANTITIES: [Quantity; 5] = [
     Quantity::Pressure,
 ];
 
+/// Arrangement of the screen, by its width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layout {
+    Wide,
+    Narrow,
+}
+
 impl App {
-    pub(super) fn toolbar(&mut self, ui: &mut Ui, is_narrow: bool) {
+    pub(super) fn toolbar(&mut self, ui: &mut Ui, layout: Layout) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal_wrapped(|ui| {
-            if !is_narrow {
+            if layout == Layout::Wide {
                 ui.label(RichText::new("implant-preview").strong());
                 ui.separator();
             }
@@ -29,16 +36,16 @@ impl App {
                 ("Redo", self.session.can_redo(), Command::Redo),
             ] {
                 if button_if(ui, enabled, name, name, "") {
-                    self.run(command);
+                    self.execute(command);
                 }
             }
             ui.separator();
             self.quantity_box(ui);
             ui.toggle_value(&mut self.options.section, "Section")
-                .on_hover_text("Cut the picture open to see the layers");
-            if self.options.section && !is_narrow {
+                .on_hover_text("Cut the tissue open to show the layers");
+            if self.options.section && layout == Layout::Wide {
                 ui.toggle_value(&mut self.options.half, "Half")
-                    .on_hover_text("Take away a half instead of a quarter");
+                    .on_hover_text("Remove half of the tissue instead of a quarter");
                 let mut angle = f64::from(self.options.section_azimuth_deg);
                 let field = NumberField {
                     name: "Direction of the cut",
@@ -55,10 +62,11 @@ impl App {
                 }
                 typed
                     .response
-                    .on_hover_text("Direction of the cut, in degrees; arrow keys turn it");
+                    .on_hover_text("Direction of the cut in degrees; the arrow keys change it");
                 ui.label("°");
             }
-            ui.toggle_value(&mut self.options.net, "Net").on_hover_text("The springs of the sheet");
+            ui.toggle_value(&mut self.options.net, "Net")
+                .on_hover_text("Show the springs of the sheet");
             if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
                 self.viewport.fit(&self.session);
             }
@@ -82,24 +90,21 @@ impl App {
                 self.save_scene(&ctx);
                 ui.close();
             }
-            // A result that is not of this scene is never saved.
+            // The result of another scene is never saved.
             let has_result = self.session.result().is_some();
             let save = ui.add_enabled(has_result, egui::Button::new("Save result…"));
-            if save
-                .on_disabled_hover_text("While the scene is being computed there is none")
-                .clicked()
-            {
+            if save.on_disabled_hover_text("No result yet: the scene is being computed").clicked() {
                 self.save_result(&ctx);
                 ui.close();
             }
             if ui
-                .button("Opening scene")
-                .on_hover_text("Back to the start; can be undone")
+                .button("Default scene")
+                .on_hover_text("Open the default scene; Undo restores the present one")
                 .clicked()
             {
                 let scene = Box::default();
                 self.gesture += 1;
-                self.run(Command::Edit { scene, gesture: self.gesture });
+                self.execute(Command::Edit { scene, gesture: self.gesture });
                 ui.close();
             }
         });
@@ -108,7 +113,7 @@ impl App {
     fn quantity_box(&mut self, ui: &mut Ui) {
         let layers = &self.session.scene().layers;
         let name = |quantity: Quantity| match quantity {
-            Quantity::Tissue => "Plain tissue".to_owned(),
+            Quantity::Tissue => "Natural colours".to_owned(),
             Quantity::Strain => "Strain".to_owned(),
             Quantity::AreaStretch => "Area stretch".to_owned(),
             Quantity::Stress(k) => {
@@ -136,11 +141,11 @@ impl App {
                 }
             })
             .response;
-        name_it(&response, egui::Role::ComboBox, "Colour by");
-        response.on_hover_text("What the surface is coloured by (1–5)");
+        set_accessible_name(&response, egui::Role::ComboBox, "Colour by");
+        response.on_hover_text("Quantity shown by the colours (keys 1–5)");
     }
 
-    pub(super) fn about(&mut self, ctx: &egui::Context) {
+    pub(super) fn about_window(&mut self, ctx: &egui::Context) {
         if self.show_about && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.show_about = false;
         }
@@ -152,26 +157,26 @@ impl App {
             .show(ctx, |ui| {
                 ui.label(RichText::new("A preview, not a medical device.").strong());
                 ui.label(
-                    "It shows how a sheet of skin and adipose stretches over a smooth dome, from \
-                     measured stress–strain curves and Poisson ratios, at equilibrium and without \
-                     friction. It knows nothing of a patient's anatomy, healing or blood supply. Do \
-                     not base a decision on it alone.",
+                    "The program computes how layers of skin and adipose tissue stretch over a smooth \
+                     dome, from measured stress–strain curves and Poisson ratios, in equilibrium and \
+                     without friction. It does not model a patient's anatomy, healing or blood supply. \
+                     Do not base a decision on it alone.",
                 );
-                ui.label("Everything is computed on this machine; no data leaves it.");
+                ui.label("All computation runs on this machine; no data leaves it.");
                 ui.label(
-                    "After S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
+                    "Based on S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
                      deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94.",
                 );
                 ui.label(
-                    "Mouse: drag turns, Shift or the right button moves, the wheel zooms. Touch: one \
-                     finger turns, two move and zoom.",
+                    "Mouse: drag to rotate, Shift or the right button to move, wheel to zoom. Touch: one \
+                     finger to rotate, two fingers to move and zoom.",
                 );
                 ui.separator();
                 ui.label(
                     "Keys: Ctrl+Z undo · Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save · Tab next control · \
-                     Esc close. On a slider: arrows, Page up and down, Home, End. On the picture, after a \
-                     click on it: [ and ] or up and down insertion · space play · F fit · 1–5 colours · \
-                     Shift and arrows turn · + and − zoom.",
+                     Esc close. On a slider: arrows, Page Up, Page Down, Home, End. In the picture, after \
+                     a click on it: [ ] or up and down arrows, insertion · Space play · F fit · 1–5 \
+                     colours · Shift and arrows rotate · + − zoom.",
                 );
                 ui.small(format!("Version {}", env!("CARGO_PKG_VERSION")));
             });
@@ -182,7 +187,7 @@ fn theme_menu(ui: &mut Ui) {
     ui.menu_button("Theme", |ui| {
         let mut preference = ui.ctx().options(|options| options.theme_preference);
         for (choice, name) in [
-            (egui::ThemePreference::System, "As the system"),
+            (egui::ThemePreference::System, "System"),
             (egui::ThemePreference::Light, "Light"),
             (egui::ThemePreference::Dark, "Dark"),
         ] {

@@ -1,6 +1,6 @@
-//! Where the program meets its surroundings: files, clocks, windows, the web page, JavaScript.
+//! Platform code: files, clocks, windows, the web page, JavaScript.
 //!
-//! The only modules that know a platform; nothing else uses them.
+//! Only these modules depend on a platform; no other module uses them.
 
 #[cfg(all(feature = "js-api", target_arch = "wasm32"))]
 pub mod js;

@@ -4,10 +4,10 @@ use crate::app::App;
 use crate::scene::Scene;
 use eframe::egui;
 
-/// Opens the desktop app and returns when its window is closed.
+/// Opens the desktop app; returns after its window is closed.
 ///
 /// # Errors
-/// If no window or no OpenGL can be had.
+/// Returns an error without a window system or OpenGL.
 pub fn run() -> eframe::Result {
     let viewport = egui::ViewportBuilder::default()
         .with_title("implant-preview")

@@ -1,62 +1,64 @@
-//! The page: starts the app on the canvas, keeps it when the WebGL context is lost, lets it rest while
-//! the tab is hidden, and gives it to JavaScript as `window.implantPreview`.
+//! The page: runs the app on the canvas, restores it after the loss of the WebGL context, suspends it
+//! while the tab is hidden, and exports it to JavaScript as `window.implantPreview`.
 //!
-//! What remains when the app itself has stopped is JavaScript: `web/crash.mjs`. It is told of every new
-//! scene and of every panic.
+//! After a crash of the app only JavaScript remains: `web/crash.mjs`, which gets every new scene and
+//! every panic message.
 
 use crate::app::App;
 use crate::scene::Scene;
 use eframe::WebRunner;
+use eframe::egui::FocusDirection;
 use std::cell::{Cell, RefCell, RefMut};
 use wasm_bindgen::prelude::*;
 
-/// The canvas that the page has for the app.
+/// Id of the canvas of the app.
 const CANVAS: &str = "implant-preview-canvas";
-/// What the picture shows in words; the Tab key comes to it behind the app's last control.
+/// Id of the result in words; in the Tab order it follows the app's last control.
 const SUMMARY: &str = "implant-preview-summary";
-/// The link before the app: the Tab key comes to it before the app's first control.
+/// Id of the link before the app; in the Tab order it precedes the app's first control.
 const SKIP: &str = "implant-preview-skip";
 
-/// Room that the heap is given at the start \[bytes\]: more than a session at 129 nodes a side takes.
+/// Initial size of the heap \[bytes\], above that of a session at 129 nodes per side.
 const HEAP: usize = 26 << 20;
 
-/// Starts the app, where there is a page for it: a worker only calls the functions of the API. What
-/// goes wrong is shown by the page.
+/// Starts the app if there is a page; a worker only calls the functions of the API. The page shows
+/// errors.
 pub fn run() {
     std::panic::set_hook(Box::new(|info| {
         let message = info.payload_as_str().unwrap_or("panic");
-        let place = info.location().map(|at| format!(" ({}:{})", short(at.file()), at.line()));
-        call("implantPreviewCrashed", &format!("{message}{}", place.unwrap_or_default()));
+        let location =
+            info.location().map(|at| format!(" ({}:{})", source_path(at.file()), at.line()));
+        call("implantPreviewCrashed", &format!("{message}{}", location.unwrap_or_default()));
     }));
     if web_sys::window().is_none() {
         return;
     }
-    make_room();
+    reserve_heap();
     wasm_bindgen_futures::spawn_local(async {
-        match Stage::new() {
-            Ok(stage) => stage.start().await,
-            Err(error) => stopped(&error),
+        match PageHost::new() {
+            Ok(host) => host.start().await,
+            Err(error) => show_crash(&error),
         }
     });
 }
 
-/// Grows the memory once, for the allocator to keep: it would grow in steps for minutes, as pieces of all
-/// sizes come and go, and each step takes every view of it that scripts hold.
-fn make_room() {
+/// Grows the memory once at the start. Otherwise it would grow in steps for minutes, and each step
+/// detaches the array views of scripts.
+fn reserve_heap() {
     let mut room = Vec::<u8>::new();
-    // Where there is no such room, the heap grows as it must.
+    // Without so much memory, the heap grows on demand.
     let _ = room.try_reserve_exact(HEAP);
     std::hint::black_box(&room);
 }
 
-/// The end of a source file's path, without the folders of the machine it was compiled on.
-fn short(path: &str) -> &str {
+/// Shortens a source path to the part below the folders of the build machine.
+fn source_path(path: &str) -> &str {
     path.rsplit_once("/registry/src/")
         .and_then(|(_, path)| path.split_once('/'))
         .map_or(path, |(_, path)| path)
 }
 
-/// Calls a function of the page, if there is such a page; nothing is left to tell it to if that fails.
+/// Calls a function of the page, if it exists; errors cannot be reported any further.
 fn call(function: &str, text: &str) -> JsValue {
     js_sys::Reflect::get(&js_sys::global(), &function.into())
         .and_then(JsCast::dyn_into::<js_sys::Function>)
@@ -64,8 +66,8 @@ fn call(function: &str, text: &str) -> JsValue {
         .unwrap_or_default()
 }
 
-/// Shows the page's crash message.
-fn stopped(error: &JsValue) {
+/// Shows the crash message of the page.
+fn show_crash(error: &JsValue) {
     let text = error.as_string().unwrap_or_else(|| format!("{error:?}"));
     call("implantPreviewCrashed", &text);
 }
@@ -73,72 +75,72 @@ fn stopped(error: &JsValue) {
 fn document() -> Result<web_sys::Document, JsValue> {
     web_sys::window()
         .and_then(|window| window.document())
-        .ok_or_else(|| JsValue::from_str("there is no document"))
+        .ok_or_else(|| JsValue::from_str("the page has no document"))
 }
 
-/// Gives an element of the page the keyboard's focus, once this frame is over: the runner, which has the
-/// focus until then, would take it back.
+/// Moves the keyboard focus to an element of the page after this frame; during the frame the runner would
+/// take the focus back.
 fn focus(id: &'static str) {
-    let give = Closure::once_into_js(move || {
+    let callback = Closure::once_into_js(move || {
         let element = document().ok().and_then(|document| document.get_element_by_id(id));
         if let Some(element) = element.and_then(|e| e.dyn_into::<web_sys::HtmlElement>().ok()) {
             let _ = element.focus();
         }
     });
     if let Some(window) = web_sys::window() {
-        let _ = window.set_timeout_with_callback(give.unchecked_ref());
+        let _ = window.set_timeout_with_callback(callback.unchecked_ref());
     }
 }
 
-/// What is there as long as the page: the app outlives the runner, which ends with its WebGL context.
-struct Stage {
+/// State with the lifetime of the page. The app outlives the runner, which ends with its WebGL context.
+struct PageHost {
     canvas: web_sys::HtmlCanvasElement,
     runner: WebRunner,
     app: RefCell<Option<App>>,
-    /// Held while the tab is hidden: the runner finds its app taken, draws nothing and sets no timer.
-    rest: RefCell<Option<RefMut<'static, Page>>>,
-    /// Is the WebGL context lost? Then there is no runner.
+    /// Borrowed while the tab is hidden: the runner finds no app, draws nothing and sets no timer.
+    paused_app: RefCell<Option<RefMut<'static, PageApp>>>,
+    /// Is the WebGL context lost? There is no runner then.
     is_lost: Cell<bool>,
 }
 
-impl Stage {
+impl PageHost {
     fn new() -> Result<&'static Self, JsValue> {
         let canvas = document()?
             .get_element_by_id(CANVAS)
             .ok_or_else(|| JsValue::from_str("the page has no canvas"))?
             .dyn_into()?;
-        let stage: &Self = Box::leak(Box::new(Self {
+        let host: &Self = Box::leak(Box::new(Self {
             canvas,
             runner: WebRunner::new(),
             app: RefCell::default(),
-            rest: RefCell::default(),
+            paused_app: RefCell::default(),
             is_lost: Cell::default(),
         }));
         let listen =
-            |target: &web_sys::EventTarget, name, hear: fn(&'static Self, web_sys::Event)| {
-                let closure = Closure::<dyn FnMut(_)>::new(move |event| hear(stage, event));
-                let hear = closure.into_js_value();
-                target.add_event_listener_with_callback(name, hear.unchecked_ref())
+            |target: &web_sys::EventTarget, name, handler: fn(&'static Self, web_sys::Event)| {
+                let closure = Closure::<dyn FnMut(_)>::new(move |event| handler(host, event));
+                let handler = closure.into_js_value();
+                target.add_event_listener_with_callback(name, handler.unchecked_ref())
             };
-        listen(&stage.canvas, "webglcontextlost", Self::lost)?;
-        listen(&*document()?, "focusin", Self::focused)?;
-        listen(&stage.canvas, "webglcontextrestored", Self::restored)?;
-        let window = web_sys::window().ok_or("there is no window")?;
-        // The runner listens on the document. It must see the tab hidden before its app is taken, and
-        // the tab shown when the app is back: the window hears first and last.
-        listen(&window, "visibilitychange", |stage, _| stage.attend())?;
-        let closure = Closure::<dyn FnMut()>::new(move || drop(stage.rest.take()));
-        let hear = closure.into_js_value();
+        listen(&host.canvas, "webglcontextlost", Self::on_context_lost)?;
+        listen(&*document()?, "focusin", Self::on_focus_in)?;
+        listen(&host.canvas, "webglcontextrestored", Self::on_context_restored)?;
+        let window = web_sys::window().ok_or("the page has no window")?;
+        // The runner listens on the document. Its handler must run before the app is borrowed, and after
+        // the app is returned: the window's handlers run last and first.
+        listen(&window, "visibilitychange", |host, _| host.update_pause())?;
+        let closure = Closure::<dyn FnMut()>::new(move || drop(host.paused_app.take()));
+        let handler = closure.into_js_value();
         window.add_event_listener_with_callback_and_bool(
             "visibilitychange",
-            hear.unchecked_ref(),
+            handler.unchecked_ref(),
             true,
         )?;
-        Ok(stage)
+        Ok(host)
     }
 
-    /// Starts the runner: on the scene of before a crash or the default one, or with the app that has
-    /// lost its context.
+    /// Starts the runner with the scene kept from a crash, with the default scene, or with the app that
+    /// has lost its context.
     async fn start(&'static self) {
         let options = eframe::WebOptions {
             renderer: eframe::Renderer::Glow,
@@ -151,44 +153,46 @@ impl Stage {
                 app.move_to(&cc.egui_ctx, cc.gl.as_ref());
             } else {
                 let kept = call("implantPreviewKept", "").as_string();
-                // One of an older version may be refused.
+                // A scene of an older version may be invalid.
                 let kept = kept.and_then(|json| Scene::from_json(&json).ok());
                 let is_kept = kept.is_some();
                 let new = App::new(&cc.egui_ctx, cc.gl.as_ref(), kept.unwrap_or_default())?;
                 let new = app.insert(new);
-                new.has_surroundings();
+                new.enable_page_navigation();
                 if is_kept {
-                    new.tell("The preview had stopped. This is the scene that was open.");
+                    new.notify(
+                        "The preview restarted after an error, with the scene that was open.",
+                    );
                 }
             }
-            Ok(Box::new(Page {
-                stage: self,
+            Ok(Box::new(PageApp {
+                host: self,
                 summary: String::new(),
                 scene: None,
                 is_loading: true,
-                is_number: false,
+                is_decimal_keyboard: false,
             }))
         });
         if let Err(error) = self.runner.start(self.canvas.clone(), options, create).await {
-            stopped(&error);
+            show_crash(&error);
             return;
         }
-        self.attend();
-        let handle = JsValue::from(Handle { stage: self });
-        // Setting a field of the global object does not fail.
+        self.update_pause();
+        let handle = JsValue::from(Handle { host: self });
+        // Setting a property of the global object does not fail.
         let _ = js_sys::Reflect::set(&js_sys::global(), &"implantPreview".into(), &handle);
     }
 
-    /// The focus has come to the canvas, or to the hidden field that hears the keys: from before the app,
-    /// or from behind it?
-    fn focused(&'static self, event: web_sys::Event) {
+    /// Handles a focus change to the canvas, or to the hidden input field, from an element before or
+    /// after the app.
+    fn on_focus_in(&'static self, event: web_sys::Event) {
         let id = |target: Option<web_sys::EventTarget>| {
             target.and_then(|t| t.dyn_into::<web_sys::Element>().ok()).map(|element| element.id())
         };
         let from = event.unchecked_ref::<web_sys::FocusEvent>().related_target();
-        let is_forwards = match id(from).as_deref() {
-            Some(SKIP) => true,
-            Some(SUMMARY) => false,
+        let direction = match id(from).as_deref() {
+            Some(SKIP) => FocusDirection::Next,
+            Some(SUMMARY) => FocusDirection::Previous,
             _ => return,
         };
         let is_app = id(event.target()).is_some_and(|id| id == CANVAS || id.is_empty());
@@ -196,69 +200,69 @@ impl Stage {
             && let Ok(mut app) = self.app.try_borrow_mut()
             && let Some(app) = &mut *app
         {
-            app.enter(is_forwards);
+            app.enter(direction);
         }
     }
 
-    /// The hidden field next to the canvas that hears the keys while a text is typed.
+    /// The hidden input field beside the canvas, which receives typed text.
     fn key_field(&self) -> Option<web_sys::Element> {
         self.canvas.next_element_sibling().filter(|element| element.tag_name() == "INPUT")
     }
 
-    fn lost(&'static self, event: web_sys::Event) {
-        // Without this the browser does not give a new context.
+    fn on_context_lost(&'static self, event: web_sys::Event) {
+        // Otherwise the browser does not restore the context.
         event.prevent_default();
         self.is_lost.set(true);
-        self.rest.take();
+        self.paused_app.take();
         self.runner.destroy();
     }
 
-    fn restored(&'static self, _: web_sys::Event) {
+    fn on_context_restored(&'static self, _: web_sys::Event) {
         self.is_lost.set(false);
         wasm_bindgen_futures::spawn_local(self.start());
     }
 
-    /// Lets the app rest while the tab is hidden.
-    fn attend(&'static self) {
-        self.rest.take();
+    /// Suspends the app while the tab is hidden.
+    fn update_pause(&'static self) {
+        self.paused_app.take();
         if document().is_ok_and(|document| document.hidden()) && !self.is_lost.get() {
-            *self.rest.borrow_mut() = self.runner.app_mut::<Page>();
+            *self.paused_app.borrow_mut() = self.runner.app_mut::<PageApp>();
             if let Ok(mut app) = self.app.try_borrow_mut()
                 && let Some(app) = &mut *app
             {
-                app.rested();
+                app.mark_paused();
             }
         }
     }
 
-    /// The app, unless it was stopped in the middle of something.
+    /// The app, unless a panic has stopped it.
     fn app(&self) -> Result<RefMut<'_, App>, JsError> {
         let has_runner = self.is_lost.get()
-            || self.rest.borrow().is_some()
-            || self.runner.app_mut::<Page>().is_some();
+            || self.paused_app.borrow().is_some()
+            || self.runner.app_mut::<PageApp>().is_some();
         let app = self.app.try_borrow_mut().ok().filter(|_| has_runner);
         app.and_then(|app| RefMut::filter_map(app, Option::as_mut).ok())
             .ok_or_else(|| JsError::new("the app is not running"))
     }
 }
 
-/// The app in its runner, and what the page around it shows.
-struct Page {
-    stage: &'static Stage,
+/// The app in its runner, and the state of the page around it.
+struct PageApp {
+    host: &'static PageHost,
     summary: String,
-    /// The scene that the page was told of last.
+    /// The last scene passed to the page.
     scene: Option<Scene>,
     is_loading: bool,
-    /// Is the touch screen's keyboard one for numbers?
-    is_number: bool,
+    /// Does the touch screen show a numeric keyboard?
+    is_decimal_keyboard: bool,
 }
 
-impl eframe::App for Page {
+impl eframe::App for PageApp {
     fn ui(&mut self, ui: &mut eframe::egui::Ui, frame: &mut eframe::Frame) {
-        let mut app = self.stage.app.borrow_mut();
+        let mut app = self.host.app.borrow_mut();
         let Some(app) = &mut *app else { return };
         app.ui(ui, frame);
-        // The second frame proves that the first one was painted.
+        // A second frame shows that the first frame was painted.
         if self.is_loading && app.stats().frames > 1 {
             self.is_loading = false;
             if let Some(loading) = document().ok().and_then(|d| d.get_element_by_id("loading")) {
@@ -267,18 +271,18 @@ impl eframe::App for Page {
         } else if self.is_loading {
             ui.ctx().request_repaint();
         }
-        if app.is_number_wanted() != self.is_number
-            && let Some(field) = self.stage.key_field()
+        if app.has_number_focus() != self.is_decimal_keyboard
+            && let Some(field) = self.host.key_field()
         {
-            self.is_number = !self.is_number;
-            let mode = if self.is_number { "decimal" } else { "text" };
-            // Setting an attribute of a valid name does not fail.
+            self.is_decimal_keyboard = !self.is_decimal_keyboard;
+            let mode = if self.is_decimal_keyboard { "decimal" } else { "text" };
+            // Setting an attribute with a valid name does not fail.
             let _ = field.set_attribute("inputmode", mode);
         }
-        if let Some(is_forwards) = app.leaves() {
-            focus(if is_forwards { SUMMARY } else { SKIP });
+        if let Some(direction) = app.take_focus_exit() {
+            focus(if direction == FocusDirection::Next { SUMMARY } else { SKIP });
         }
-        // After the frame: a scene that stops the app in its first frame is not kept.
+        // After the frame: a scene that crashes the app in its first frame is not kept.
         let scene = app.session().scene();
         if self.scene.as_ref() != Some(scene) {
             call("implantPreviewKeep", &scene.to_json());
@@ -301,50 +305,50 @@ impl eframe::App for Page {
 /// `window.implantPreview`: the running app, for scripts and tests.
 #[wasm_bindgen]
 pub struct Handle {
-    stage: &'static Stage,
+    host: &'static PageHost,
 }
 
 #[wasm_bindgen]
 impl Handle {
-    /// The scene on the table (JSON text).
+    /// The present scene (JSON text).
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn scene(&self) -> Result<String, JsError> {
-        Ok(self.stage.app()?.session().scene().to_json())
+        Ok(self.host.app()?.session().scene().to_json())
     }
 
-    /// Puts a scene (JSON text) on the table.
+    /// Replaces the scene (JSON text).
     ///
     /// # Errors
-    /// Throws an `Error` with one line that names the field; the scene is then as before.
+    /// Throws an `Error` with one line that names the field; the scene is then unchanged.
     #[wasm_bindgen(js_name = setScene)]
     pub fn set_scene(
         &self,
         #[wasm_bindgen(unchecked_param_type = "string")] json: &JsValue,
     ) -> Result<(), JsError> {
-        let mut app = self.stage.app()?;
+        let mut app = self.host.app()?;
         app.open(super::text::text(json, "scene")?)?;
-        app.wake();
+        app.request_frame();
         Ok(())
     }
 
-    /// The scene's result with the scene, the program's version and the date (JSON text), or `undefined`
-    /// while it is being solved.
+    /// The result of the present scene with `scene`, `program_version` and `date` (JSON text);
+    /// `undefined` during a solve.
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn result(&self) -> Result<Option<String>, JsError> {
-        Ok(self.stage.app()?.result_json())
+        Ok(self.host.app()?.result_json())
     }
 
-    /// The control that has the keyboard's focus, `{ name, x, y, width, height }` in pixels of the page, or
+    /// The control with the keyboard focus, `{ name, x, y, width, height }` in pixels of the page, or
     /// `undefined`.
     ///
     /// # Errors
     /// Throws if the app is not running.
     pub fn focused(&self) -> Result<JsValue, JsError> {
-        let app = self.stage.app()?;
+        let app = self.host.app()?;
         let Some((name, [x, y, width, height])) = app.focused() else {
             return Ok(JsValue::UNDEFINED);
         };
@@ -363,7 +367,7 @@ impl Handle {
     /// # Errors
     /// Throws if the app is not running.
     pub fn stats(&self) -> Result<JsValue, JsError> {
-        let stats = self.stage.app()?.stats();
+        let stats = self.host.app()?.stats();
         Ok(object([
             ("frames", JsValue::from(stats.frames as f64)),
             ("frame_ms_p50", stats.frame_ms_p50.into()),
@@ -381,11 +385,11 @@ impl Handle {
     }
 }
 
-/// A JavaScript object of these fields.
+/// Creates a JavaScript object with these properties.
 fn object<const N: usize>(fields: [(&str, JsValue); N]) -> JsValue {
     let object = js_sys::Object::new();
     for (name, value) in fields {
-        // Setting a field of a fresh object does not fail.
+        // Setting a property of a new object does not fail.
         let _ = js_sys::Reflect::set(&object, &name.into(), &value);
     }
     object.into()

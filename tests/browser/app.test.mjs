@@ -1,23 +1,12 @@
 // The app in the built page: what a hand on the keys or the pointer does, and what comes of it.
 
 import assert from "node:assert/strict";
-import { after, before, describe, test } from "node:test";
+import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-let site;
-let browser;
-before(async () => {
-  site = await harness.serve();
-  browser = await harness.startBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await site?.close();
-});
-
-const openApp = (options) => harness.openApp(browser, site, options);
-
-const stats = (page) => page.evaluate(() => implantPreview.stats());
+const fixture = harness.setUp();
+const { openApp } = fixture;
+const { settled, stats } = harness;
 
 /** The scene as text and the result, once the app has solved it. */
 async function solved(page) {
@@ -42,11 +31,9 @@ function assertSameAsNative({ text, scene, result }) {
   assert.ok(Math.abs(ratio - 1) < 1e-3, `area ratio ${ratio} times the native one`);
 }
 
-const { settled } = harness;
-
 describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
   test("opens on the default scene, solved as natively, in one download, and then rests", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const { defaults, downloads } = await page.evaluate(() => ({
       defaults: JSON.parse(implantPreviewApi.default_scene()),
       downloads: performance.getEntriesByType("resource").filter((r) => r.name.endsWith(".wasm")),
@@ -65,12 +52,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.ok((await harness.colours(page)) > 200, "the picture is blank");
     await harness.screenshot(page, "desktop");
     console.log("at rest:", JSON.stringify(later));
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("keys move the implant; the answer is the native one; undo takes it back", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const before = await solved(page);
     await harness.focusPicture(page);
     const press = async (key, insertion) => {
@@ -86,12 +72,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assertSameAsNative(after);
     for (const insertion of [0.92, 0.94, 0.96, 0.98, 1]) await press("Control+z", insertion);
     assert.deepEqual((await solved(page)).scene, before.scene);
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("the insertion slider follows the pointer", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     await settled(page);
     const before = await solved(page);
     const insertion = () => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);
@@ -113,12 +98,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.ok(after.scene.insertion < before.scene.insertion);
     assertSameAsNative(after);
     await harness.screenshot(page, "half");
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("a scene from a script is shown; a refused one changes nothing", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const before = await solved(page);
     const refused = await page.evaluate(() => {
       try {
@@ -147,12 +131,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.equal(layers[0].thickness_mm, asked.layers[0].thickness_mm);
     assert.equal(layers[0].poisson_ratio, asked.layers[0].poisson_ratio);
     assertSameAsNative(after);
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("fits a phone, in the dark; a finger scrolls, moves sliders and reads values", async () => {
-    const { page, problems, close } = await openApp({
+    const { page, finish } = await openApp({
       viewport: { width: 390, height: 844 },
       // A scale of 2 would be emulated only by half: the size in device pixels that the app asks for is not.
       options: { hasTouch: true, isMobile: true, deviceScaleFactor: 1, colorScheme: "dark" },
@@ -215,7 +198,6 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await harness.screenshot(page, "phone-values");
     assertSameAsNative(await solved(page));
     assert.ok((await harness.colours(page)) > 200, "the picture is blank");
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 });

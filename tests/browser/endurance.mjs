@@ -76,7 +76,7 @@ async function memory(page, cdp) {
  * seconds more. Gives what there was after the warm-up and after each drag from then on: memory [bytes]
  * and the app's figures.
  */
-export async function endure(page, seconds, { warm = 0, tell = () => {} } = {}) {
+export async function endure(page, seconds, { warm = 0, report = () => {} } = {}) {
   const cdp = await page.context().newCDPSession(page);
   await cdp.send("Performance.enable");
   const opening = await page.evaluate(() => implantPreview.scene());
@@ -105,7 +105,7 @@ export async function endure(page, seconds, { warm = 0, tell = () => {} } = {}) 
     if (samples.length === 0) end = since() + seconds;
     const stats = await page.evaluate(() => implantPreview.stats());
     samples.push({ name, seconds: since(), ...(await memory(page, cdp)), ...stats });
-    tell(samples.at(-1));
+    report(samples.at(-1));
   }
   await cdp.detach();
   return samples;
@@ -120,7 +120,7 @@ async function main(minutes) {
   const { page, problems } = await harness.openApp(browser, site, { viewport: VIEWPORT });
   const samples = await endure(page, 60 * minutes, {
     warm: 120,
-    tell: (sample) => console.log(JSON.stringify(sample)),
+    report: (sample) => console.log(JSON.stringify(sample)),
   });
   await browser.close();
   await site.close();

@@ -1,11 +1,13 @@
 // What the browser tests stand on: a server of the built page, a browser, the native program.
 
+import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { extname, join, normalize } from "node:path";
+import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -94,7 +96,29 @@ export async function openPage(browser, address, { viewport, init, options } = {
   });
   if (init) await page.addInitScript(init);
   await page.goto(address);
-  return { page, problems, close: () => context.close() };
+  const close = () => context.close();
+  const finish = async () => {
+    assert.deepEqual(problems, []);
+    await close();
+  };
+  return { page, problems, close, finish };
+}
+
+/** Starts the server and a browser before the tests of a file or suite, and ends both after the tests. */
+export function setUp(options) {
+  const fixture = {
+    openApp: (options) => openApp(fixture.browser, fixture.site, options),
+    openPage: (path = "", options) => openPage(fixture.browser, fixture.site.address + path, options),
+  };
+  before(async () => {
+    fixture.site = await serve();
+    fixture.browser = await startBrowser(options);
+  });
+  after(async () => {
+    await fixture.browser?.close();
+    await fixture.site?.close();
+  });
+  return fixture;
 }
 
 /** What the native program computes for a scene (JSON text). */
@@ -252,6 +276,19 @@ export async function openTab(browser, { init } = {}) {
     close: () => root.send("Target.closeTarget", { targetId }),
   };
 }
+
+/** Name and text of the file that an action downloads. */
+export async function download(page, action) {
+  const [file] = await Promise.all([page.waitForEvent("download"), action()]);
+  return { name: file.suggestedFilename(), text: await readFile(await file.path(), "utf8") };
+}
+
+/** The present scene as JSON text, and as an object. */
+export const sceneText = (page) => page.evaluate(() => implantPreview.scene());
+export const scene = async (page) => JSON.parse(await sceneText(page));
+
+/** Counters and times of the running app. */
+export const stats = (page) => page.evaluate(() => implantPreview.stats());
 
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 

@@ -1,23 +1,11 @@
 // The app by the keyboard alone, and what is typed, in the built page.
 
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
-import { after, before, describe, test } from "node:test";
+import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-let site;
-let browser;
-before(async () => {
-  site = await harness.serve();
-  browser = await harness.startBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await site?.close();
-});
-
-const openApp = (options) => harness.openApp(browser, site, { viewport: { width: 1000, height: 700 }, ...options });
-const scene = async (page) => JSON.parse(await page.evaluate(() => implantPreview.scene()));
+const fixture = harness.setUp();
+const openApp = (options) => fixture.openApp({ viewport: { width: 1000, height: 700 }, ...options });
 
 /** Is a ring in the colour of text drawn around what has the focus? Its left side is looked at. */
 async function hasRing(page, { x, y, width, height }) {
@@ -37,7 +25,7 @@ async function hasRing(page, { x, y, width, height }) {
 
 describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
   test("goes through every control both ways, with a ring that is seen, and leaves the app at both ends", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const walk = async (back) => {
       const names = [];
       await harness.tab(page, { back });
@@ -83,8 +71,7 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
     // The browser goes on from the link to the app, and the link leads to the words.
     await harness.tab(page);
     assert.equal((await harness.focused(page)).name, "File");
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("does so on a phone's tabs too", async () => {
@@ -114,8 +101,8 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
 
 describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
   test("step a slider, commit a number and stay, and close what is open", async () => {
-    const { page, problems, close } = await openApp();
-    const pocket = async () => (await scene(page)).pocket_radius_mm;
+    const { page, finish } = await openApp();
+    const pocket = async () => (await harness.scene(page)).pocket_radius_mm;
     await harness.control(page, "Pocket radius (mm)");
     for (const [key, value] of [
       ["ArrowRight", 70.5],
@@ -152,12 +139,11 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
     await page.waitForTimeout(500);
     assert.ok((await harness.difference(page, open, await page.screenshot())) > 5000, "About stays open");
     assert.equal((await harness.focused(page)).name, "About");
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("that are digits colour nothing unless the picture has the focus", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const picture = () => page.screenshot({ clip: { x: 320, y: 50, width: 350, height: 500 } });
     await harness.settled(page);
     const first = await picture();
@@ -168,14 +154,13 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
     await page.keyboard.press("5");
     await harness.settled(page);
     assert.ok((await harness.difference(page, first, await picture())) > 1000, "the picture does not hear 5");
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 });
 
 describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
   test("is saved with the scene that it is of, and there is none while that is solved", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const seen = await page.evaluate(() => {
       const wide = JSON.parse(implantPreview.scene());
       wide.pocket_radius_mm = 178;
@@ -185,7 +170,7 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     assert.deepEqual(seen, [undefined, false]);
     await page.waitForFunction(() => implantPreview.stats().converged);
     const result = JSON.parse(await page.evaluate(() => implantPreview.result()));
-    assert.deepEqual(result.scene, await scene(page));
+    assert.deepEqual(result.scene, await harness.scene(page));
     assert.equal(result.scene.pocket_radius_mm, 178);
     assert.ok(Math.abs(result.area_before_cm2 - 0.01 * Math.PI * 178 ** 2) < 1e-9);
     assert.equal(result.program_version, await page.evaluate(() => implantPreviewApi.version()));
@@ -196,11 +181,9 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     await page.waitForTimeout(400);
     for (let presses = 0; presses < 3; presses += 1) await harness.tab(page);
     assert.equal((await harness.focused(page)).name, "Save result…");
-    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
-    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
+    const saved = JSON.parse((await harness.download(page, () => page.keyboard.press("Enter"))).text);
     assert.deepEqual(saved.scene, result.scene);
     assert.equal(saved.contact_force_n, result.contact_force_n);
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 });

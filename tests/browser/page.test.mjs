@@ -1,26 +1,16 @@
 // The built page in a real browser.
 
 import assert from "node:assert/strict";
-import { after, before, describe, test } from "node:test";
+import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
 const RADIUS_MM = 55;
 
-let site;
-before(async () => {
-  site = await harness.serve();
-});
-after(() => site.close());
-
 describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
-  let browser;
-  before(async () => {
-    browser = await harness.startBrowser();
-  });
-  after(() => browser.close());
+  const fixture = harness.setUp();
 
   test("the JavaScript API in the page computes what the native program computes", async () => {
-    const { page, problems, close } = await harness.openPage(browser, site.address, {
+    const { page, finish } = await fixture.openPage("", {
       // The functions are there only once they can be called, however long the download is compiled.
       init: () => {
         const instantiate = WebAssembly.instantiateStreaming;
@@ -51,15 +41,14 @@ describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
       isError: true,
       message: "implant.base_radius_mm is 500; allowed: 10 to 120 mm",
     });
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("a download that fails is shown, not swallowed", async () => {
-    const context = await browser.newContext();
+    const context = await fixture.browser.newContext();
     const page = await context.newPage();
     await page.route("**/*.wasm", (route) => route.fulfill({ status: 404 }));
-    await page.goto(site.address);
+    await page.goto(fixture.site.address);
     await page.locator("#crashed").waitFor({ state: "visible", timeout: harness.PATIENCE });
     assert.match(await page.locator("#crashed-text").textContent(), /answered 404/);
     assert.equal(await page.locator("#crashed-text").isVisible(), true);
@@ -67,8 +56,8 @@ describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
     await context.close();
   });
 
-  test("a browser without WASM SIMD is told so", async () => {
-    const { page, problems, close } = await harness.openPage(browser, site.address, {
+  test("a browser without WASM SIMD gets a message", async () => {
+    const { page, finish } = await fixture.openPage("", {
       init: () => {
         WebAssembly.validate = () => false;
       },
@@ -76,19 +65,18 @@ describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
     await page.locator("#missing").waitFor({ state: "visible" });
     assert.match(await page.locator("#missing-text").textContent(), /SIMD/);
     assert.equal(await page.locator("#loading").count(), 0);
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 });
 
 describe("without WebGL", { timeout: 4 * harness.PATIENCE }, () => {
+  const fixture = harness.setUp({ webgl: false });
+
   test("the page says what is missing", async () => {
-    const browser = await harness.startBrowser({ webgl: false });
-    const { page, problems } = await harness.openPage(browser, site.address);
+    const { page, finish } = await fixture.openPage();
     await page.locator("#missing").waitFor({ state: "visible" });
     assert.match(await page.locator("#missing-text").textContent(), /WebGL 2/);
     await harness.screenshot(page, "missing");
-    assert.deepEqual(problems, []);
-    await browser.close();
+    await finish();
   });
 });

@@ -2,24 +2,12 @@
 // stays here, a lost picture or a crash costs no work, a hidden tab rests.
 
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
-import { after, before, describe, test } from "node:test";
+import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-let site;
-let browser;
-before(async () => {
-  site = await harness.serve();
-  browser = await harness.startBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await site?.close();
-});
-
-const openApp = (options) => harness.openApp(browser, site, options);
-
-const sceneOf = (page) => page.evaluate(() => implantPreview.scene());
+const fixture = harness.setUp();
+const { openApp } = fixture;
+const { sceneText } = harness;
 
 /** Records what the page's policy forbids, in `violations`. */
 function watchPolicy() {
@@ -100,8 +88,8 @@ const BLOCKED = [
 
 describe("the policy of the page", { timeout: 6 * harness.PATIENCE }, () => {
   test("is kept while scenes are opened, solved and saved; all comes from the page's own place", async () => {
-    const { page, problems, close } = await openApp({ init: watchPolicy });
-    const opened = JSON.parse(await sceneOf(page));
+    const { page, finish } = await openApp({ init: watchPolicy });
+    const opened = JSON.parse(await sceneText(page));
     opened.insertion = 0.5;
     const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.keyboard.press("Control+o")]);
     // The dialog's own style sheet is let through.
@@ -115,16 +103,15 @@ describe("the policy of the page", { timeout: 6 * harness.PATIENCE }, () => {
     await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.5);
     await harness.focusPicture(page);
     await page.keyboard.press("4");
-    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Control+s")]);
-    assert.equal(download.suggestedFilename(), "scene.json");
-    assert.equal(JSON.parse(await readFile(await download.path(), "utf8")).insertion, 0.5);
+    const saved = await harness.download(page, () => page.keyboard.press("Control+s"));
+    assert.equal(saved.name, "scene.json");
+    assert.equal(JSON.parse(saved.text).insertion, 0.5);
     await page.waitForFunction(() => implantPreview.stats().converged);
     const names = await page.evaluate(() => performance.getEntriesByType("resource").map((r) => r.name));
     assert.ok(names.some((name) => name.endsWith(".wasm")), names.join());
-    assert.deepEqual(names.filter((name) => !name.startsWith(site.address) && !name.startsWith("blob:")), []);
+    assert.deepEqual(names.filter((name) => !name.startsWith(fixture.site.address) && !name.startsWith("blob:")), []);
     assert.deepEqual(await page.evaluate(() => violations), []);
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   for (const [name, path] of [
@@ -132,7 +119,7 @@ describe("the policy of the page", { timeout: 6 * harness.PATIENCE }, () => {
     ["benchmark", "bench.html"],
   ]) {
     test(`stops foreign scripts, styles and requests in the ${name}'s page`, async () => {
-      const { page, close } = await harness.openPage(browser, site.address + path, { init: watchPolicy });
+      const { page, close } = await fixture.openPage(path, { init: watchPolicy });
       assert.equal(await page.locator("script:not([src]), style, [onclick]").count(), 0);
       const { done, blocked } = await page.evaluate(attack);
       assert.deepEqual(done, []);
@@ -177,7 +164,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
   };
 
   test("gives back the same picture: scene, history, camera, colours, panels; nothing is solved anew", async () => {
-    const { page, problems, close } = await openApp();
+    const { page, finish } = await openApp();
     const seen = [await picture(page)];
     // Each of these must show in the picture, or the test would prove nothing.
     const change = async (name, act) => {
@@ -204,21 +191,21 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
     });
     await change("what is folded", () => page.mouse.click(60, 89));
     await change("the section", () => page.mouse.click(466, 18));
-    const before = { scene: await sceneOf(page), stats: await page.evaluate(() => implantPreview.stats()) };
+    const before = { scene: await sceneText(page), stats: await page.evaluate(() => implantPreview.stats()) };
     for (let times = 0; times < 2; times += 1) {
       await lose(page);
       await page.waitForTimeout(1200);
       assert.equal(await page.locator("#lost").isVisible(), true);
       await harness.screenshot(page, "lost");
       // Scripts find the scene meanwhile.
-      assert.equal(await sceneOf(page), before.scene);
+      assert.equal(await sceneText(page), before.scene);
       await restore(page);
       await page.waitForFunction((frames) => implantPreview.stats().frames > frames, before.stats.frames);
       assert.equal(await page.locator("#lost").isVisible(), false);
       const after = await picture(page);
       await harness.screenshot(page, "restored");
       assert.equal(await harness.difference(page, seen.at(-1), after), 0, "the picture is another one");
-      assert.equal(await sceneOf(page), before.scene);
+      assert.equal(await sceneText(page), before.scene);
       const { solves, work_units } = await page.evaluate(() => implantPreview.stats());
       assert.deepEqual([solves, work_units], [before.stats.solves, before.stats.work_units]);
     }
@@ -227,8 +214,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
     await page.keyboard.press("Control+z");
     await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 1);
     assert.equal(await page.locator("#crashed").isVisible(), false);
-    assert.deepEqual(problems, []);
-    await close();
+    await finish();
   });
 
   test("that does not come back keeps the scene for a reload", async () => {
@@ -236,13 +222,13 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
     await harness.focusPicture(page);
     await page.keyboard.press("[");
     await page.waitForFunction(() => JSON.parse(implantPreview.scene()).insertion === 0.98);
-    const scene = await sceneOf(page);
+    const scene = await sceneText(page);
     await lose(page);
     await page.locator("#lost").waitFor({ state: "visible" });
     await harness.screenshot(page, "lost-phone");
     await Promise.all([page.waitForEvent("load"), page.getByRole("button", { name: "Reload" }).click()]);
     await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    assert.equal(await sceneOf(page), scene);
+    assert.equal(await sceneText(page), scene);
     await close();
   });
 });
@@ -263,8 +249,8 @@ describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
     })()`);
 
   test("draws, solves and asks for nothing; play goes on from where it was", async () => {
-    const tab = await harness.openTab(browser, { init });
-    await tab.open(site.address);
+    const tab = await harness.openTab(fixture.browser, { init });
+    await tab.open(fixture.site.address);
     await tab.waitFor("globalThis.implantPreview?.stats().converged");
     await tab.evaluate(`(() => {
       const scene = JSON.parse(implantPreview.scene());
@@ -278,7 +264,7 @@ describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
     await tab.press(" ", " ");
     await tab.waitFor("JSON.parse(implantPreview.scene()).insertion > 0.15");
 
-    const other = await harness.openTab(browser);
+    const other = await harness.openTab(fixture.browser);
     await tab.waitFor("document.hidden");
     await harness.pause(300);
     const before = await state(tab);
@@ -313,9 +299,9 @@ describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
   });
 
   test("that was opened behind another one starts when it is shown", async () => {
-    const tab = await harness.openTab(browser, { init });
-    const other = await harness.openTab(browser);
-    await tab.open(site.address);
+    const tab = await harness.openTab(fixture.browser, { init });
+    const other = await harness.openTab(fixture.browser);
+    await tab.open(fixture.site.address);
     await tab.waitFor("globalThis.implantPreview");
     await harness.pause(2000);
     const before = await state(tab);
@@ -378,9 +364,11 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     });
     await opened.page.waitForFunction(() => implantPreview.stats().converged);
     await harness.settled(opened.page);
-    return { ...opened, scene: await sceneOf(opened.page) };
+    return { ...opened, scene: await sceneText(opened.page) };
   };
-  const fate = (page) => page.locator("#crashed-scene").textContent();
+  const saveScene = (page) =>
+    harness.download(page, () => page.getByRole("button", { name: "Save the scene" }).click());
+  const reloadMessage = (page) => page.locator("#crashed-scene").textContent();
   const cause = (page) => page.locator("#crashed-text").textContent();
 
   test("by a panic is shown, keeps the scene for the reload, and for one reload only", async () => {
@@ -389,20 +377,16 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     assert.equal(await page.evaluate(() => sessionStorage.length), 0, "kept before there was a crash");
     await crash(page, panic);
     assert.match(await cause(page), /^should have a Performance \(eframe-[\d.]+\/src\/web\/\w+\.rs:\d+\)$/);
-    assert.match(await fate(page), /opens on the scene it had/);
+    assert.match(await reloadMessage(page), /opens this scene again/);
     await harness.screenshot(page, "crashed");
-    const saved = await Promise.all([
-      page.waitForEvent("download"),
-      page.getByRole("button", { name: "Save the scene" }).click(),
-    ]);
-    assert.equal(await readFile(await saved[0].path(), "utf8"), scene);
+    assert.equal((await saveScene(page)).text, scene);
     await reload(page);
-    assert.equal(await sceneOf(page), scene);
+    assert.equal(await sceneText(page), scene);
     await harness.screenshot(page, "recovered");
     assert.equal(await page.evaluate(() => sessionStorage.length), 0);
     await page.reload();
     await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
     await close();
   });
 
@@ -416,7 +400,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     await page.locator("summary").click();
     await harness.screenshot(page, "crashed-phone");
     await reload(page);
-    assert.equal(await sceneOf(page), scene);
+    assert.equal(await sceneText(page), scene);
     await harness.screenshot(page, "recovered-phone");
     await close();
   });
@@ -424,10 +408,10 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
   test("for want of memory keeps the scene of before", async () => {
     const { page, scene, close } = await openChanged();
     await crash(page, exhaustMemory);
-    assert.match(await fate(page), /opens on the scene it had/);
+    assert.match(await reloadMessage(page), /opens this scene again/);
     console.log("out of memory:", await cause(page));
     await reload(page);
-    assert.equal(await sceneOf(page), scene);
+    assert.equal(await sceneText(page), scene);
     await close();
   });
 
@@ -436,18 +420,13 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
     await crash(page, panic);
     await reload(page);
-    assert.equal(await sceneOf(page), scene);
+    assert.equal(await sceneText(page), scene);
     await crash(page, panic);
-    assert.match(await fate(page), /twice.*default scene/);
+    assert.match(await reloadMessage(page), /twice.*default scene/);
     await harness.screenshot(page, "crashed-twice");
-    const [download] = await Promise.all([
-      page.waitForEvent("download"),
-      page.getByRole("button", { name: "Save the scene" }).click(),
-    ]);
-    assert.equal(download.suggestedFilename(), "scene.json");
-    assert.equal(await readFile(await download.path(), "utf8"), scene);
+    assert.deepEqual(await saveScene(page), { name: "scene.json", text: scene });
     await reload(page);
-    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
     await close();
   });
 
@@ -469,14 +448,10 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     await page.getByRole("button", { name: "Reload" }).click();
     await page.locator("#crashed-scene").getByText("twice").waitFor();
     assert.match(await cause(page), /context/);
-    const [download] = await Promise.all([
-      page.waitForEvent("download"),
-      page.getByRole("button", { name: "Save the scene" }).click(),
-    ]);
-    assert.equal(await readFile(await download.path(), "utf8"), scene);
+    assert.equal((await saveScene(page)).text, scene);
     await page.evaluate(() => localStorage.clear());
     await reload(page);
-    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
     await close();
   });
 
@@ -497,12 +472,8 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     ]) {
       const { page, scene, close } = await openChanged({ init });
       await crash(page, panic);
-      assert.match(await fate(page), /keeps nothing.*save the scene first/);
-      const [download] = await Promise.all([
-        page.waitForEvent("download"),
-        page.getByRole("button", { name: "Save the scene" }).click(),
-      ]);
-      assert.equal(await readFile(await download.path(), "utf8"), scene);
+      assert.match(await reloadMessage(page), /cannot keep the scene.*save the scene first/);
+      assert.equal((await saveScene(page)).text, scene);
       await reload(page);
       await close();
     }
@@ -520,7 +491,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
       await new Promise((resolve) => setTimeout(resolve, 500));
     });
     assert.equal(await page.locator("#crashed").isVisible(), false);
-    assert.equal(await sceneOf(page), scene);
+    assert.equal(await sceneText(page), scene);
     await close();
   });
 
@@ -537,7 +508,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
       init: () => sessionStorage.setItem("implant-preview/kept-scene/1", '{"schema":"of another time"}'),
     });
     const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
-    assert.deepEqual(JSON.parse(await sceneOf(page)), JSON.parse(defaults));
+    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
     await close();
   });
 });

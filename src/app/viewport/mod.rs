@@ -1,10 +1,11 @@
-//! The 3-D view: camera under the hand, the picture, colour bar, values under the pointer.
+//! The 3-D view: camera, picture, colour bar, values at the pointer.
 //!
-//! Works without GL (tests, a browser without WebGL2): everything but the picture itself.
+//! Without GL (in tests, without WebGL 2) only the picture itself is missing.
 
 mod overlay;
 mod renderer;
 
+use super::widgets::arrow_keys;
 use crate::session::Session;
 use crate::view::camera::Camera;
 use crate::view::color::Quantity;
@@ -12,8 +13,8 @@ use crate::view::pick::{self, Hit};
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use eframe::egui::{
-    self, Align2, Color32, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense,
-    TextStyle, Ui, WidgetInfo,
+    self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
+    Ui, WidgetInfo,
 };
 use eframe::{egui_glow, glow};
 use glam::Vec2;
@@ -21,23 +22,23 @@ use renderer::{Frame, Renderer};
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
 
-/// Radians to orbit by an arrow key, in points of a drag.
+/// Motion of the camera by an arrow key, as the length of a drag \[points\].
 const KEY_ORBIT: f32 = 14.0;
-/// Larger grids are not searched under the pointer while a solve is under way.
+/// Maximum nodes per side for which a running solve still shows values at the pointer.
 const PICK_WHILE_SOLVING: usize = 257;
 
-/// What the user has chosen to see; none of it solves anything.
+/// Display options; changes cause no solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Options {
-    /// What the skin is coloured by.
+    /// Quantity shown by the colours of the skin.
     pub(crate) quantity: Quantity,
     /// Is the tissue cut open?
     pub(crate) section: bool,
-    /// Direction that the opening faces \[degrees\], from +x counter-clockwise.
+    /// Azimuth of the opening \[degrees\], from +x counter-clockwise.
     pub(crate) section_azimuth_deg: f32,
-    /// Take away a whole half, not only a quarter?
+    /// Remove half of the tissue instead of a quarter?
     pub(crate) half: bool,
-    /// Draw the net of springs?
+    /// Draw the springs?
     pub(crate) net: bool,
 }
 
@@ -56,32 +57,33 @@ impl Default for Options {
 /// The 3-D view with its camera.
 pub(crate) struct Viewport {
     renderer: Option<Arc<Mutex<Renderer>>>,
-    problem: Option<String>,
+    error: Option<String>,
     camera: Camera,
-    /// Radius \[mm\] of the ball that the camera was fitted to; `None` once a hand has moved it.
+    /// Radius of the sphere to which the camera is fitted \[mm\]; `None` after the user has moved the
+    /// camera.
     fitted: Option<f32>,
-    placed: bool,
+    is_placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
-    /// Where a finger has tapped: the values there stay, because a finger does not hover.
+    /// Position of the last tap: its values stay visible, because a finger cannot hover.
     tapped: Option<Pos2>,
-    /// Where a finger came down last.
+    /// Position of the last touch.
     touched: Option<Pos2>,
     picture: Picture,
-    /// Where the clock of the picture starts.
+    /// Start of the picture's clock.
     start: Instant,
 }
 
 impl Viewport {
-    /// A viewport that draws with the given context, or says why it cannot.
+    /// Creates a view for a graphics context; without one it shows the reason.
     #[must_use]
     pub(crate) fn new(gl: Option<&Arc<glow::Context>>) -> Self {
         let mut viewport = Self {
             renderer: None,
-            problem: None,
+            error: None,
             camera: Camera::new(90.0, 1.4),
             fitted: None,
-            placed: false,
+            is_placed: false,
             aspect: 1.4,
             id: None,
             tapped: None,
@@ -93,28 +95,28 @@ impl Viewport {
         viewport
     }
 
-    /// Goes on drawing with another context; what the one before held went with it.
+    /// Moves the view to another graphics context; the resources of the previous one are lost.
     pub(crate) fn move_to(&mut self, gl: Option<&Arc<glow::Context>>) {
-        (self.renderer, self.problem) = match gl.map(|gl| Renderer::new(gl)) {
+        (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
             Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
-            Some(Err(problem)) => (None, Some(problem)),
-            None => (None, Some("no OpenGL or WebGL2".to_owned())),
+            Some(Err(error)) => (None, Some(error)),
+            None => (None, Some("OpenGL or WebGL 2 is missing".to_owned())),
         };
     }
 
-    /// Its widget, once shown: the one that has the focus after a click on the picture.
+    /// Id of the picture's widget after its first frame.
     pub(crate) fn id(&self) -> Option<egui::Id> {
         self.id
     }
 
-    /// Eases to the three-quarter view of the whole body.
+    /// Moves the camera smoothly to the three-quarter view of the whole body.
     pub(crate) fn fit(&mut self, session: &Session) {
         let radius = radius_to_fit(session);
         self.camera.fit(radius, self.aspect);
         self.fitted = Some(radius);
     }
 
-    /// Frees what is on the graphics card.
+    /// Frees the resources on the graphics card.
     pub(crate) fn destroy(&mut self, gl: Option<&glow::Context>) {
         if let Some(gl) = gl
             && let Some(renderer) = self.renderer.take()
@@ -124,14 +126,8 @@ impl Viewport {
         }
     }
 
-    /// Shows the session in all the space that is left.
-    pub(crate) fn show(
-        &mut self,
-        ui: &mut Ui,
-        session: &Session,
-        options: &mut Options,
-        dark: bool,
-    ) {
+    /// Shows the session in the remaining space.
+    pub(crate) fn show(&mut self, ui: &mut Ui, session: &Session, options: &mut Options) {
         let (area, response) = ui.allocate_exact_size(
             ui.available_size().max(egui::Vec2::splat(1.0)),
             Sense::click_and_drag() | Sense::FOCUSABLE,
@@ -159,9 +155,9 @@ impl Viewport {
             return;
         }
         let painter = ui.painter_at(area);
-        overlay::background(&painter, area, dark);
-        let foot = session.problem().obstacle.dome.wall_radius() as f32;
-        self.draw(ui, &painter, area, section, (options.net, foot));
+        overlay::background(ui, &painter, area);
+        let foot_radius = session.problem().obstacle.dome.wall_radius() as f32;
+        self.draw(ui, &painter, area, section, (options.net, foot_radius));
         if let Some(scale) = &self.picture.scale
             && self.picture.body.layers() > 0
         {
@@ -171,16 +167,16 @@ impl Viewport {
         self.show_values(ui, &painter, &response, session, section);
     }
 
-    /// A view that no hand has moved goes on fitting when the window changes its form.
+    /// Fits the camera to a new aspect ratio, unless the user has moved the camera.
     fn place_camera(&mut self, session: &Session, aspect: f32) {
-        if !self.placed {
+        if !self.is_placed {
             self.fitted = Some(radius_to_fit(session));
         }
-        let reformed = !self.placed || (aspect - self.aspect).abs() > 1e-4;
+        let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
         if let Some(radius) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
             self.camera = Camera::new(radius, aspect);
         }
-        (self.placed, self.aspect) = (true, aspect);
+        (self.is_placed, self.aspect) = (true, aspect);
     }
 
     fn move_camera(&mut self, ui: &Ui, response: &Response, area: Rect) -> bool {
@@ -208,12 +204,7 @@ impl Viewport {
             moved |= self.camera.zoom((scroll * 0.003).exp() * pinch);
         }
         if response.has_focus() {
-            let own = EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
             moved |= self.keys(ui);
         }
         if moved {
@@ -223,7 +214,7 @@ impl Viewport {
         moved || eased
     }
 
-    /// Shift and the arrows orbit, plus and minus zoom.
+    /// Shift with arrow keys rotates the camera, plus and minus zoom.
     fn keys(&mut self, ui: &Ui) -> bool {
         let mut moved = false;
         ui.input_mut(|input| {
@@ -252,11 +243,11 @@ impl Viewport {
         painter: &egui::Painter,
         area: Rect,
         section: Section,
-        (net, foot): (bool, f32),
+        (net, foot_radius): (bool, f32),
     ) {
         let Some(renderer) = &self.renderer else {
-            let why = self.problem.as_deref().unwrap_or("no graphics");
-            let text = format!("No 3-D picture here: {why}.\nControls and results work.");
+            let why = self.error.as_deref().unwrap_or("graphics are missing");
+            let text = format!("The 3-D view is not available: {why}.\nControls and results work.");
             let font = TextStyle::Body.resolve(ui.style());
             let color = ui.visuals().weak_text_color();
             painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);
@@ -275,7 +266,7 @@ impl Viewport {
             axis: section.axis,
             net,
             grid_centre: 0.5 * self.picture.body.nodes_per_side.saturating_sub(1) as f32,
-            foot,
+            foot_radius,
         };
         let renderer = Arc::clone(renderer);
         let paint = egui_glow::CallbackFn::new(move |_, painter| {
@@ -310,7 +301,7 @@ impl Viewport {
         section: Section,
     ) {
         let busy = session.is_working() && self.picture.body.nodes_per_side > PICK_WHILE_SOLVING;
-        // A quick finger is down and up again within one frame.
+        // A short touch starts and ends within one frame.
         ui.input(|input| {
             for event in &input.events {
                 if let egui::Event::Touch { phase: egui::TouchPhase::Start, pos, .. } = event {
@@ -320,7 +311,7 @@ impl Viewport {
         });
         if response.clicked() {
             let at = self.touched.take();
-            // A second tap on the same place puts the values away.
+            // A second tap at the same position hides the values.
             let is_same = |a: Pos2, b: Pos2| a.distance(b) < 24.0;
             let is_again = self.tapped.zip(at).is_some_and(|(a, b)| is_same(a, b));
             self.tapped = at.filter(|_| !is_again);
@@ -343,7 +334,7 @@ impl Viewport {
     }
 }
 
-/// Radius \[mm\] of the ball that holds the body.
+/// Radius of the sphere around the body \[mm\].
 fn radius_to_fit(session: &Session) -> f32 {
     let problem = session.problem();
     let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();

@@ -1,4 +1,4 @@
-//! What is written over the picture: colour bar, scale bar, values under the pointer.
+//! Overlays of the picture: colour bar, scale bar, values at the pointer.
 
 use crate::measure::Field;
 use crate::session::Session;
@@ -22,7 +22,7 @@ fn font(ui: &Ui) -> FontId {
     TextStyle::Small.resolve(ui.style())
 }
 
-/// The colour bar at the right edge, with its title, unit and ticks.
+/// Draws the colour bar at the right edge with title, unit and ticks.
 pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     let font = font(ui);
     let text = ui.visuals().text_color();
@@ -59,7 +59,7 @@ pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     }
 }
 
-/// Keeps writing readable over the body.
+/// Draws a background that keeps text readable over the body.
 fn backdrop(ui: &Ui, painter: &Painter, rect: Rect) {
     let fill = ui.visuals().panel_fill.gamma_multiply(0.6);
     painter.rect_filled(rect.expand(6.0), CornerRadius::same(4), fill);
@@ -69,7 +69,7 @@ fn height_of(scale: &Scale, bar: Rect, value: f32) -> f32 {
     bar.bottom() - bar.height() * (value - scale.low) / (scale.high - scale.low)
 }
 
-/// Where the labels stand so that none covers another: from low to high, then pushed back down.
+/// Heights of the labels without overlap: raised from low to high, then pushed down from the top.
 fn label_heights(scale: &Scale, bar: Rect, spacing: f32) -> Vec<f32> {
     let mut heights: Vec<f32> =
         scale.ticks.iter().map(|(value, _)| height_of(scale, bar, *value)).collect();
@@ -85,7 +85,7 @@ fn label_heights(scale: &Scale, bar: Rect, spacing: f32) -> Vec<f32> {
     heights
 }
 
-/// A bar of a round length in mm, true at the point looked at.
+/// Draws a bar of a round length in mm; the scale holds at the camera's target.
 pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f32) {
     let length_mm = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]
         .into_iter()
@@ -104,24 +104,24 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
     painter.text(at, Align2::CENTER_BOTTOM, label, font(ui), ui.visuals().text_color());
 }
 
-/// The values at a hit, one line each.
+/// The values at a hit, one per line.
 pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<String> {
     let layers = &session.scene().layers;
     let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
     match &hit.target {
-        Target::Implant => vec![format!("Implant, {:.1} mm above the wall", hit.point.z)],
-        Target::Ring => vec!["Outside the pocket: not simulated".to_owned()],
+        Target::Implant => vec![format!("Implant, {:.1} mm above the chest wall", hit.point.z)],
+        Target::Ring => vec!["Outside the pocket (not computed)".to_owned()],
         Target::Cut(layer) => vec![format!("Cut through {}", name(*layer))],
         Target::Sheet(nodes) => {
             let Some(fields) = &picture.fields else { return Vec::new() };
-            // Of these three nodes only: a field that is not shown is not computed.
+            // Interpolated between three nodes; fields that are not displayed are not computed.
             let value = |field: Field| -> f32 {
                 let at = |&(node, weight)| fields.at(field, node).map(|v| v as f32 * weight);
                 nodes.iter().map(at).sum::<Option<f32>>().unwrap_or(0.0)
             };
             let mut lines = vec![
                 format!("Strain {:.0} %", 100.0 * value(Field::PrincipalStrain)),
-                format!("Area ×{:.2}", value(Field::AreaStretch)),
+                format!("Area ratio {:.2}", value(Field::AreaStretch)),
             ];
             let pressure = value(Field::ContactPressure);
             if pressure > 0.0 {
@@ -137,7 +137,7 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<St
     }
 }
 
-/// At most three figures.
+/// Formats a value with at most three digits.
 fn three_figures(value: f32) -> String {
     match value.abs() {
         v if v >= 100.0 => format!("{value:.0}"),
@@ -146,7 +146,7 @@ fn three_figures(value: f32) -> String {
     }
 }
 
-/// A small box beside the pointer, kept inside the area.
+/// Draws a small box beside the pointer, inside the area.
 pub(crate) fn pointer_box(ui: &Ui, painter: &Painter, area: Rect, pointer: Pos2, lines: &[String]) {
     let galley = painter.layout_no_wrap(lines.join("\n"), font(ui), ui.visuals().text_color());
     let padding = Vec2::splat(8.0);
@@ -170,9 +170,9 @@ pub(crate) fn pointer_box(ui: &Ui, painter: &Painter, area: Rect, pointer: Pos2,
     painter.galley(corner + padding, galley, visuals.text_color());
 }
 
-/// A quiet gradient behind the body, lighter above.
-pub(crate) fn background(painter: &Painter, area: Rect, dark: bool) {
-    let (top, bottom) = if dark {
+/// Draws a gradient behind the body, lighter at the top.
+pub(crate) fn background(ui: &Ui, painter: &Painter, area: Rect) {
+    let (top, bottom) = if ui.visuals().dark_mode {
         (Color32::from_rgb(40, 43, 47), Color32::from_rgb(22, 24, 27))
     } else {
         (Color32::from_rgb(247, 248, 249), Color32::from_rgb(219, 223, 227))

@@ -1,7 +1,7 @@
-//! The picture on the graphics card: one program, four meshes, a colour table.
+//! Renderer of the picture: one shader program, four meshes, a colour table.
 //!
-//! Uploads only what changed: a mesh, its indices or a table that is the same `Arc` as before stays
-//! where it is.
+//! Uploads changes only: a mesh, its indices or a table with the same `Arc` as before is not uploaded
+//! again.
 
 use crate::view::color::Rgb;
 use crate::view::mesh::{Mesh, Vertex};
@@ -9,10 +9,10 @@ use eframe::glow::{self, HasContext as _};
 use glam::{Mat4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// What a mesh is made of, in the order of drawing; the number is the shader's `u_material`.
+/// Materials in drawing order; the number is the shader's `u_material`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Material {
-    /// Skin's outside, the inner face, the block's side: opened by the cut.
+    /// Outer skin, inner face and lateral face of the tissue; removed in front of the cut.
     Tissue = 0,
     /// Cut faces.
     Cap = 1,
@@ -25,43 +25,43 @@ pub(crate) enum Material {
 const MATERIALS: [Material; 4] =
     [Material::Tissue, Material::Cap, Material::Implant, Material::Wall];
 
-/// Everything that one frame shows.
+/// Content of a frame.
 #[derive(Clone)]
 pub(crate) struct Frame {
     /// A mesh for each material.
     pub(crate) meshes: [Arc<Mesh>; 4],
-    /// The colours of the quantity shown.
+    /// Colour table of the displayed quantity.
     pub(crate) table: Arc<Vec<Rgb>>,
-    /// Field values at the table's ends.
+    /// Field values at the ends of the table.
     pub(crate) range: [f32; 2],
     /// The camera.
     pub(crate) clip_from_world: Mat4,
     pub(crate) eye: Vec3,
     pub(crate) right: Vec3,
     pub(crate) up: Vec3,
-    /// The cut's planes and its axis on the wall.
+    /// Planes of the cut, and its axis on the chest wall.
     pub(crate) planes: Option<[Vec3; 2]>,
     pub(crate) axis: Vec2,
     /// Draw the springs?
     pub(crate) net: bool,
-    /// The grid's middle \[cells\].
+    /// Middle of the grid \[cells\].
     pub(crate) grid_centre: f32,
-    /// Radius of the circle in which the implant meets the wall \[mm\].
-    pub(crate) foot: f32,
+    /// Radius of the circle where the implant meets the chest wall \[mm\].
+    pub(crate) foot_radius: f32,
 }
 
-/// A mesh on the card.
+/// Buffers of a mesh on the graphics card.
 struct Buffers {
     vertex_array: glow::VertexArray,
     vertices: glow::Buffer,
     indices: glow::Buffer,
-    shown: Option<Arc<Mesh>>,
+    uploaded: Option<Arc<Mesh>>,
 }
 
 impl Buffers {
-    /// Are these the indices on the card? They stay while a shape only moves its vertices.
-    fn holds_indices_of(&self, mesh: &Mesh) -> bool {
-        self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(&shown.indices, &mesh.indices))
+    /// Are the indices of this mesh on the graphics card? Deformation changes vertices only.
+    fn has_indices_of(&self, mesh: &Mesh) -> bool {
+        self.uploaded.as_ref().is_some_and(|uploaded| Arc::ptr_eq(&uploaded.indices, &mesh.indices))
     }
 }
 
@@ -70,31 +70,31 @@ pub(crate) struct Renderer {
     program: glow::Program,
     buffers: Vec<Buffers>,
     table: glow::Texture,
-    shown_table: Option<Arc<Vec<Rgb>>>,
+    uploaded_table: Option<Arc<Vec<Rgb>>>,
 }
 
 const ATTRIBUTES: [(&str, i32); 5] =
     [("a_position", 3), ("a_normal", 3), ("a_grid", 2), ("a_value", 1), ("a_color", 3)];
 
 impl Renderer {
-    /// Compiles the shaders and makes room on the card.
+    /// Compiles the shaders and creates the buffers.
     ///
     /// # Errors
-    /// What the driver said, in one line.
+    /// Returns the message of the driver in one line.
     pub(crate) fn new(gl: &glow::Context) -> Result<Self, String> {
         let version = if cfg!(target_arch = "wasm32") { "#version 300 es" } else { "#version 330" };
         let prefix = format!("{version}\nprecision highp float;\nprecision highp int;\n");
-        // SAFETY: all calls are made with the context's thread and the objects just made by it.
+        // SAFETY: all calls run on the context's thread, with objects created here by that context.
         unsafe {
             let program = link(gl, &prefix)?;
             let table = gl.create_texture()?;
             let buffers =
                 MATERIALS.iter().map(|_| Buffers::new(gl, program)).collect::<Result<_, _>>()?;
-            Ok(Self { program, buffers, table, shown_table: None })
+            Ok(Self { program, buffers, table, uploaded_table: None })
         }
     }
 
-    /// Draws a frame into the present viewport, over what is there.
+    /// Draws a frame into the present viewport, over its content.
     pub(crate) fn paint(&mut self, gl: &glow::Context, frame: &Frame) {
         // SAFETY: as in `new`; egui restores its own state after a paint callback.
         unsafe {
@@ -113,10 +113,10 @@ impl Renderer {
             gl.use_program(Some(self.program));
             self.set_frame_uniforms(gl, frame);
             for (material, buffers) in MATERIALS.into_iter().zip(&self.buffers) {
-                let Some(mesh) = &buffers.shown else { continue };
+                let Some(mesh) = &buffers.uploaded else { continue };
                 let cut = material == Material::Tissue && frame.planes.is_some();
-                gl.uniform_1_i32(self.at(gl, "u_material").as_ref(), material as i32);
-                gl.uniform_1_i32(self.at(gl, "u_cut").as_ref(), i32::from(cut));
+                gl.uniform_1_i32(self.uniform(gl, "u_material").as_ref(), material as i32);
+                gl.uniform_1_i32(self.uniform(gl, "u_cut").as_ref(), i32::from(cut));
                 gl.bind_vertex_array(Some(buffers.vertex_array));
                 gl.draw_elements(glow::TRIANGLES, mesh.indices.len() as i32, glow::UNSIGNED_INT, 0);
             }
@@ -126,9 +126,9 @@ impl Renderer {
         }
     }
 
-    /// Frees what is on the card.
+    /// Frees the resources on the graphics card.
     pub(crate) fn destroy(&self, gl: &glow::Context) {
-        // SAFETY: the objects were made by this context and are not used again.
+        // SAFETY: this context created the objects; they are not used again.
         unsafe {
             gl.delete_program(self.program);
             gl.delete_texture(self.table);
@@ -140,17 +140,17 @@ impl Renderer {
         }
     }
 
-    unsafe fn at(&self, gl: &glow::Context, name: &str) -> Option<glow::UniformLocation> {
+    unsafe fn uniform(&self, gl: &glow::Context, name: &str) -> Option<glow::UniformLocation> {
         // SAFETY: the program lives as long as the renderer.
         unsafe { gl.get_uniform_location(self.program, name) }
     }
 
     unsafe fn set_frame_uniforms(&self, gl: &glow::Context, frame: &Frame) {
         let planes = frame.planes.unwrap_or_default();
-        // SAFETY: the program is in use.
+        // SAFETY: the program is active.
         unsafe {
             gl.uniform_matrix_4_f32_slice(
-                self.at(gl, "u_clip_from_world").as_ref(),
+                self.uniform(gl, "u_clip_from_world").as_ref(),
                 false,
                 &frame.clip_from_world.to_cols_array(),
             );
@@ -162,27 +162,27 @@ impl Renderer {
                 ("u_planes[1]", planes[1]),
                 ("u_axis", frame.axis.extend(0.0)),
             ] {
-                gl.uniform_3_f32(self.at(gl, name).as_ref(), v.x, v.y, v.z);
+                gl.uniform_3_f32(self.uniform(gl, name).as_ref(), v.x, v.y, v.z);
             }
-            gl.uniform_2_f32(self.at(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
-            gl.uniform_1_f32(self.at(gl, "u_foot").as_ref(), frame.foot);
+            gl.uniform_2_f32(self.uniform(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
+            gl.uniform_1_f32(self.uniform(gl, "u_foot").as_ref(), frame.foot_radius);
             let centre = frame.grid_centre;
-            gl.uniform_2_f32(self.at(gl, "u_grid_centre").as_ref(), centre, centre);
-            gl.uniform_1_i32(self.at(gl, "u_net").as_ref(), i32::from(frame.net));
-            gl.uniform_1_i32(self.at(gl, "u_table").as_ref(), 0);
+            gl.uniform_2_f32(self.uniform(gl, "u_grid_centre").as_ref(), centre, centre);
+            gl.uniform_1_i32(self.uniform(gl, "u_net").as_ref(), i32::from(frame.net));
+            gl.uniform_1_i32(self.uniform(gl, "u_table").as_ref(), 0);
             gl.active_texture(glow::TEXTURE0);
             gl.bind_texture(glow::TEXTURE_2D, Some(self.table));
         }
     }
 
     unsafe fn upload_table(&mut self, gl: &glow::Context, table: &Arc<Vec<Rgb>>) {
-        if self.shown_table.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, table)) {
+        if self.uploaded_table.as_ref().is_some_and(|uploaded| Arc::ptr_eq(uploaded, table)) {
             return;
         }
         let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
         let texels: Vec<u8> =
             table.iter().flat_map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
-        // SAFETY: the texture belongs to this context; the slice holds width × 4 bytes.
+        // SAFETY: the texture belongs to this context; the slice contains width × 4 bytes.
         unsafe {
             gl.active_texture(glow::TEXTURE0);
             gl.bind_texture(glow::TEXTURE_2D, Some(self.table));
@@ -207,13 +207,13 @@ impl Renderer {
                 glow::PixelUnpackData::Slice(Some(&texels)),
             );
         }
-        self.shown_table = Some(Arc::clone(table));
+        self.uploaded_table = Some(Arc::clone(table));
     }
 }
 
 impl Buffers {
     unsafe fn new(gl: &glow::Context, program: glow::Program) -> Result<Self, String> {
-        // SAFETY: the attribute layout below is that of `Vertex`.
+        // SAFETY: the attribute layout is that of `Vertex`.
         unsafe {
             let vertex_array = gl.create_vertex_array()?;
             let (vertices, indices) = (gl.create_buffer()?, gl.create_buffer()?);
@@ -222,36 +222,43 @@ impl Buffers {
             gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(indices));
             let mut offset = 0;
             for (name, size) in ATTRIBUTES {
-                if let Some(place) = gl.get_attrib_location(program, name) {
+                if let Some(location) = gl.get_attrib_location(program, name) {
                     let stride = size_of::<Vertex>() as i32;
-                    gl.enable_vertex_attrib_array(place);
-                    gl.vertex_attrib_pointer_f32(place, size, glow::FLOAT, false, stride, offset);
+                    gl.enable_vertex_attrib_array(location);
+                    gl.vertex_attrib_pointer_f32(
+                        location,
+                        size,
+                        glow::FLOAT,
+                        false,
+                        stride,
+                        offset,
+                    );
                 }
                 offset += 4 * size;
             }
             gl.bind_vertex_array(None);
-            Ok(Self { vertex_array, vertices, indices, shown: None })
+            Ok(Self { vertex_array, vertices, indices, uploaded: None })
         }
     }
 
     unsafe fn upload(&mut self, gl: &glow::Context, mesh: &Arc<Mesh>) {
-        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, mesh)) {
+        if self.uploaded.as_ref().is_some_and(|uploaded| Arc::ptr_eq(uploaded, mesh)) {
             return;
         }
-        // SAFETY: the buffers belong to this context; the bytes are those of whole slices.
+        // SAFETY: the buffers belong to this context; the bytes are whole slices.
         unsafe {
             gl.bind_vertex_array(Some(self.vertex_array));
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
             let vertices = bytemuck::cast_slice(&mesh.vertices);
             gl.buffer_data_u8_slice(glow::ARRAY_BUFFER, vertices, glow::DYNAMIC_DRAW);
-            if !self.holds_indices_of(mesh) {
+            if !self.has_indices_of(mesh) {
                 gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(self.indices));
                 let indices = bytemuck::cast_slice(&mesh.indices);
                 gl.buffer_data_u8_slice(glow::ELEMENT_ARRAY_BUFFER, indices, glow::DYNAMIC_DRAW);
             }
             gl.bind_vertex_array(None);
         }
-        self.shown = Some(Arc::clone(mesh));
+        self.uploaded = Some(Arc::clone(mesh));
     }
 }
 
@@ -260,7 +267,7 @@ unsafe fn link(gl: &glow::Context, prefix: &str) -> Result<glow::Program, String
         (glow::VERTEX_SHADER, include_str!("surface.vert")),
         (glow::FRAGMENT_SHADER, include_str!("surface.frag")),
     ];
-    // SAFETY: every object is made here by this context.
+    // SAFETY: this context creates every object here.
     unsafe {
         let program = gl.create_program()?;
         let mut shaders = Vec::new();

@@ -25,7 +25,7 @@ float line(float at, float width) {
     return 1.0 - smoothstep(0.35, 1.15, from_line / max(width, 1e-6));
 }
 
-// The springs: edges strong, diagonals faint, `spacing` cells apart.
+// The springs: edges strong, diagonals weak, `spacing` cells apart.
 float springs(vec2 grid, vec2 width, float spacing) {
     vec2 q = grid / spacing;
     vec2 w = width / spacing;
@@ -40,7 +40,7 @@ void main() {
     vec3 from_axis = v_position - u_axis;
     if (u_cut && dot(u_planes[0], from_axis) > 0.0 && dot(u_planes[1], from_axis) > 0.0) discard;
 
-    // Derivatives before any branch that differs between neighbours.
+    // Derivatives are computed before any branch that differs between neighbouring pixels.
     vec2 width = fwidth(v_grid);
 
     bool has_value = v_value > -1.0e8;
@@ -55,7 +55,7 @@ void main() {
     vec3 normal = normalize(v_normal);
     if (dot(normal, view) < 0.0) normal = -normal;
 
-    // The lamps go with the eye, as a surgeon's do; the sky stays with the body.
+    // The lamps move with the camera, like surgical lamps; the sky is fixed to the body.
     vec3 back = normalize(cross(u_right, u_up));
     vec3 key = normalize(0.55 * back + 0.75 * u_up - 0.50 * u_right + vec3(0.0, 0.0, 0.25));
     vec3 fill = normalize(0.8 * back + 0.2 * u_up + 0.8 * u_right);
@@ -68,11 +68,11 @@ void main() {
     float filled = clamp(dot(normal, fill), 0.0, 1.0);
     vec3 light = ambient + vec3(0.74, 0.72, 0.69) * lit + vec3(0.10, 0.11, 0.13) * filled;
     if (u_material == 0 && !has_value) {
-        // Light that went through skin comes out red where the surface turns away.
+        // Subsurface scattering: light through the skin is red where the surface turns away.
         light += vec3(0.10, 0.025, 0.015) * (1.0 - lit);
     }
     if (u_material == 1) light = mix(light, vec3(1.0), 0.7);
-    // Where implant and wall meet, each keeps light from the other.
+    // Ambient occlusion where the implant meets the wall.
     if (u_material == 2) light *= 1.0 - 0.45 * exp(-max(v_position.z, 0.0) / 9.0);
     if (u_material == 3) light *= 1.0 - 0.50 * exp(-abs(length(from_axis.xy) - u_foot) / 11.0);
     vec3 color = base * light;
@@ -83,7 +83,7 @@ void main() {
     if (u_material == 0) {
         color += vec3(0.10) * pow(facing, 18.0) + vec3(0.09, 0.08, 0.08) * rim;
     } else if (u_material == 2) {
-        // Pearl: a tight highlight on a wide one, a cool rim.
+        // Pearl: a narrow highlight on a wide one, a cool rim.
         color += vec3(0.22) * pow(facing, 90.0) + vec3(0.05) * pow(facing, 12.0);
         color += vec3(0.10, 0.14, 0.20) * rim;
     }

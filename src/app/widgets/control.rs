@@ -1,4 +1,4 @@
-//! A row with a slider: label and unit, rail, typed value, and the reason where one is refused.
+//! A row with a slider: label and unit, rail, number field, and the reason of a rejection.
 
 use super::number_field::NumberField;
 use super::quantity::{self, Kind};
@@ -7,23 +7,23 @@ use crate::app::theme;
 use eframe::egui::{self, RichText, Sense, Ui};
 use std::ops::RangeInclusive;
 
-/// A slider with label, unit, typed value, double-click to reset and a tooltip.
+/// A slider with label, unit, number field, tooltip, and reset by double-click.
 pub(in crate::app) struct Control<'a> {
     pub(in crate::app) label: &'a str,
-    /// Unit behind the label.
+    /// Unit after the label.
     pub(in crate::app) unit: &'a str,
-    /// What is measured: decides which units may be typed.
+    /// Kind of the number, which determines the accepted units.
     pub(in crate::app) kind: Kind,
-    /// What the rail shows.
+    /// Range of the rail.
     pub(in crate::app) range: RangeInclusive<f64>,
-    /// What may be stored; `None`: the rail's range.
+    /// Allowed values; `None`: the range of the rail.
     pub(in crate::app) allowed: Option<RangeInclusive<f64>>,
-    /// Why no more than that.
-    pub(in crate::app) limit: &'a str,
+    /// Reason of the limit, shown for a value outside of it.
+    pub(in crate::app) limit_reason: &'a str,
     pub(in crate::app) reset: f64,
-    /// The least decimals shown.
+    /// Minimum number of decimals shown.
     pub(in crate::app) decimals: usize,
-    /// What dragging and keys round to; 0: some digits of the value.
+    /// Rounding step of dragging and keys; 0: three significant digits.
     pub(in crate::app) step: f64,
     pub(in crate::app) logarithmic: bool,
     pub(in crate::app) tooltip: &'a str,
@@ -37,7 +37,7 @@ impl Default for Control<'_> {
             kind: Kind::Plain,
             range: 0.0..=1.0,
             allowed: None,
-            limit: "",
+            limit_reason: "",
             reset: 0.0,
             decimals: 1,
             step: 0.5,
@@ -47,17 +47,17 @@ impl Default for Control<'_> {
     }
 }
 
-/// What came of showing a control.
+/// Response of a control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::app) struct Change {
-    /// Was another value stored?
+pub(in crate::app) struct ControlResponse {
+    /// Has the value changed?
     pub(in crate::app) is_changed: bool,
-    /// A value that was asked for in this frame and is not allowed.
-    pub(in crate::app) asked: Option<f64>,
+    /// A value outside the allowed range, requested in this frame.
+    pub(in crate::app) out_of_range: Option<f64>,
 }
 
 impl Control<'_> {
-    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> Change {
+    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> ControlResponse {
         let name = match self.unit {
             "" => self.label.to_owned(),
             unit => format!("{} ({unit})", self.label),
@@ -69,11 +69,11 @@ impl Control<'_> {
             quantity::format(self.reset, 0)
         );
         let label = ui.label(RichText::new(&name).color(ui.visuals().weak_text_color()));
-        // Not a stop of the Tab key.
+        // Skipped by the Tab key.
         let label = label.interact(Sense::CLICK).on_hover_text(&tooltip);
-        let (mut change, mut refusal) = (Change::default(), None);
+        let (mut change, mut rejection) = (ControlResponse::default(), None);
         ui.horizontal(|ui| {
-            // The value stands right of the rail, at the same place in every row.
+            // The field is to the right of the rail, at the same position in every row.
             let field_width = 62.0;
             let rail = Rail {
                 name: &name,
@@ -89,19 +89,19 @@ impl Control<'_> {
                 name: &name,
                 kind: self.kind,
                 allowed,
-                limit: self.limit,
+                limit_reason: self.limit_reason,
                 decimals: self.decimals,
                 step: if self.step > 0.0 { self.step } else { 0.1 },
                 width: field_width,
-                is_faulty: false,
+                is_invalid: false,
             };
             let typed = field.show(ui, value);
             change.is_changed = moved.is_changed || typed.is_changed;
-            change.asked = moved.asked.or(typed.asked);
-            refusal = typed.refusal;
+            change.out_of_range = moved.out_of_range.or(typed.out_of_range);
+            rejection = typed.rejection;
         });
-        if let Some(refusal) = refusal {
-            refused(ui, &refusal);
+        if let Some(rejection) = rejection {
+            rejection_label(ui, &rejection);
         }
         if label.double_clicked() && value.to_bits() != self.reset.to_bits() {
             *value = self.reset;
@@ -111,12 +111,12 @@ impl Control<'_> {
     }
 }
 
-/// The reason why something typed was not taken.
-pub(in crate::app) fn refused(ui: &mut Ui, reason: &str) {
+/// Shows why an entry was rejected.
+pub(in crate::app) fn rejection_label(ui: &mut Ui, reason: &str) {
     let color = theme::palette(ui.visuals()).bad;
-    let words = RichText::new(format!("Not taken: {reason}")).color(color);
+    let words = RichText::new(format!("Not accepted: {reason}")).color(color);
     let response = ui.add(egui::Label::new(words).wrap());
-    // A new reason is brought into sight, once.
+    // A new reason is scrolled into view, once.
     let (key, frame) = (response.id.with(reason), ui.ctx().cumulative_frame_nr());
     let before = ui.data_mut(|data| {
         let before = data.get_temp::<u64>(key);
@@ -133,8 +133,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slider_that_no_hand_moves_leaves_its_value_alone() {
-        // Finer than the step, and outside of the range that the slider offers.
+    fn an_untouched_slider_keeps_its_value() {
+        // Finer than the step, and outside the slider's range.
         for given in [55.3, 1.234_567, 130.0] {
             let mut value = given;
             let mut changed = false;

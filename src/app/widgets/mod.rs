@@ -1,20 +1,22 @@
-//! What panels are made of: numbers that are typed exactly, sliders, groups, and names for screen readers.
+//! Widgets of the panels: exact number fields, sliders, groups, names for screen readers.
 //!
-//! Uses `theme`. Used by every panel.
+//! Uses `theme`. Used by all panels.
 
 mod control;
 mod number_field;
 pub(super) mod quantity;
 mod rail;
 
-pub(super) use control::{Control, refused};
+pub(super) use control::{Control, rejection_label};
 pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
 use super::theme::{SPACE, SPACE_SMALL};
-use eframe::egui::{self, Response, RichText, Ui};
+use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
+use egui::accesskit::{Action, ActionData};
+use std::ops::RangeInclusive;
 
-/// A titled group that can be folded.
+/// A collapsible group with a title.
 pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(
         ui,
@@ -25,20 +27,20 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     );
 }
 
-/// A heading with room above it.
+/// A heading with space around it.
 pub(super) fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(SPACE_SMALL);
     ui.heading(text);
     ui.add_space(SPACE_SMALL);
 }
 
-/// Gives a widget whose text is an icon or a number its name for screen readers and tests.
-pub(super) fn name_it(response: &Response, role: egui::Role, name: &str) {
+/// Sets the name of a widget, for screen readers and tests, in place of its icon or number.
+pub(super) fn set_accessible_name(response: &Response, role: egui::Role, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
 }
 
-/// A button that may have nothing to do: it is then dim and does nothing, but keeps the keyboard's focus,
-/// which a disabled button would take with it. Returns whether it was pressed.
+/// A button that is inactive but focusable without `is_able`; a disabled button would lose the keyboard
+/// focus. Returns whether the button was pressed.
 pub(super) fn button_if(ui: &mut Ui, is_able: bool, text: &str, name: &str, tip: &str) -> bool {
     let color = if is_able { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
     let text = RichText::new(text).color(color);
@@ -53,7 +55,25 @@ pub(super) fn button_if(ui: &mut Ui, is_able: bool, text: &str, name: &str, tip:
     is_able && is_pressed
 }
 
-/// One of the choices of a box, which closes when it is taken, by a key too.
+/// A drop-down box of full width under its label; `add` shows the choices.
+pub(super) fn labelled_box(
+    ui: &mut Ui,
+    label: &str,
+    selected: &str,
+    add: impl FnOnce(&mut Ui),
+) -> Response {
+    let text = ui.label(RichText::new(label).color(ui.visuals().weak_text_color()));
+    let response = egui::ComboBox::from_id_salt(label)
+        .width(ui.available_width() - SPACE)
+        .selected_text(selected)
+        .show_ui(ui, add)
+        .response
+        .labelled_by(text.id);
+    set_accessible_name(&response, egui::Role::ComboBox, label);
+    response
+}
+
+/// A choice of a drop-down box; the box closes after a click or a key on the choice.
 pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::WidgetText>) -> Response {
     let response = ui.selectable_label(is_present, text.into());
     if response.clicked() {
@@ -62,9 +82,45 @@ pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::Widget
     response
 }
 
-/// Has a number field the keyboard? Then a touch screen's keyboard should show digits.
-pub(super) fn is_number_wanted(ctx: &egui::Context) -> bool {
+/// Filter of a focused widget that receives the arrow keys; otherwise the keys move the focus.
+pub(super) fn arrow_keys() -> EventFilter {
+    EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() }
+}
+
+/// Keys that step a number, with their numbers of steps.
+const STEP_KEYS: [(Key, f64); 4] =
+    [(Key::ArrowUp, 1.0), (Key::ArrowDown, -1.0), (Key::PageUp, 10.0), (Key::PageDown, -10.0)];
+
+/// Sum of the steps of the keys pressed since the previous frame.
+fn key_steps(ui: &Ui, keys: impl IntoIterator<Item = (Key, f64)>) -> f64 {
+    ui.input_mut(|input| {
+        let mut steps =
+            |(key, steps)| steps * input.count_and_consume_key(Modifiers::NONE, key) as f64;
+        keys.into_iter().map(&mut steps).sum()
+    })
+}
+
+/// Values that a screen reader has requested for a widget since the previous frame.
+fn set_value_requests(ui: &Ui, id: Id) -> Vec<ActionData> {
+    ui.input(|input| {
+        let requests = input.accesskit_action_requests(id, Action::SetValue);
+        requests.filter_map(|request| request.data.clone()).collect()
+    })
+}
+
+/// Describes range and step of a number to screen readers, which may then request a value.
+fn describe_range(response: &Response, range: &RangeInclusive<f64>, step: f64) {
+    response.ctx.accesskit_node_builder(response.id, |node| {
+        node.set_min_numeric_value(*range.start());
+        node.set_max_numeric_value(*range.end());
+        node.set_numeric_value_step(step);
+        node.add_action(Action::SetValue);
+    });
+}
+
+/// Does a number field have the keyboard focus? A touch screen should then show a numeric keyboard.
+pub(super) fn has_number_focus(ctx: &egui::Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
-    let number = ctx.data(|data| data.get_temp::<egui::Id>(number_field::focused_key()));
+    let number = ctx.data(|data| data.get_temp::<Id>(number_field::focus_key()));
     focused.is_some() && focused == number
 }

@@ -1,28 +1,30 @@
-//! A field for one number: what is typed is what is stored, or it is refused in words.
+//! A field for one number: the typed number is stored exactly, or rejected with a reason.
 
 use super::quantity::{self, Kind};
+use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, set_value_requests};
 use crate::app::theme;
-use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, Ui};
+use eframe::egui::{self, Id, Key, Response, Ui};
+use egui::accesskit::ActionData;
 use egui::text::CCursorRange;
 use std::ops::RangeInclusive;
 
-/// A number that can be typed, and stepped by the arrow keys.
+/// A field for a number that is typed, or stepped by the arrow keys.
 pub(in crate::app) struct NumberField<'a> {
     /// Name for screen readers and tests.
     pub(in crate::app) name: &'a str,
     pub(in crate::app) kind: Kind,
-    /// What may be stored.
+    /// Allowed values.
     pub(in crate::app) allowed: RangeInclusive<f64>,
-    /// Why no more than that; where empty, the limit is said.
-    pub(in crate::app) limit: &'a str,
-    /// The least decimals shown.
+    /// Reason of the limits; empty: the message contains the limit.
+    pub(in crate::app) limit_reason: &'a str,
+    /// Minimum number of decimals shown.
     pub(in crate::app) decimals: usize,
     /// Step of the arrow keys.
     pub(in crate::app) step: f64,
     /// Width \[points\].
     pub(in crate::app) width: f32,
-    /// Is the stored value itself refused, by what is around it?
-    pub(in crate::app) is_faulty: bool,
+    /// Is the stored value invalid in its context?
+    pub(in crate::app) is_invalid: bool,
 }
 
 impl Default for NumberField<'_> {
@@ -31,65 +33,126 @@ impl Default for NumberField<'_> {
             name: "",
             kind: Kind::Plain,
             allowed: f64::MIN..=f64::MAX,
-            limit: "",
+            limit_reason: "",
             decimals: 1,
             step: 1.0,
             width: 62.0,
-            is_faulty: false,
+            is_invalid: false,
         }
     }
 }
 
-/// What came of showing a field.
-pub(in crate::app) struct Typed {
+/// Response of a number field.
+pub(in crate::app) struct FieldResponse {
     pub(in crate::app) response: Response,
-    /// Was another value stored?
+    /// Has the value changed?
     pub(in crate::app) is_changed: bool,
-    /// Why what stands in the field was not stored.
-    pub(in crate::app) refusal: Option<String>,
-    /// A number that was typed now and is out of range.
-    pub(in crate::app) asked: Option<f64>,
+    /// Reason why the text of the field was rejected.
+    pub(in crate::app) rejection: Option<String>,
+    /// A number outside the allowed range, typed in this frame.
+    pub(in crate::app) out_of_range: Option<f64>,
 }
 
-/// Text that is being typed, or was refused.
+/// Text being edited, or rejected.
 #[derive(Clone)]
 struct Edit {
     text: String,
-    /// The value that the text is to replace.
-    of: f64,
-    refusal: Option<String>,
+    /// The value before the edit.
+    base_value: f64,
+    rejection: Option<String>,
 }
 
-/// Where the field with the keyboard's focus is kept.
-pub(super) fn focused_key() -> Id {
+/// Memory key of the number field with the keyboard focus.
+pub(super) fn focus_key() -> Id {
     Id::unique("number field with the focus")
 }
 
 impl NumberField<'_> {
-    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> Typed {
+    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> FieldResponse {
         let id = ui.make_persistent_id((self.name, "number"));
         let before = *value;
         let kept = ui.data(|data| data.get_temp::<Edit>(id));
-        let mut edit = kept.filter(|edit| edit.of.to_bits() == value.to_bits());
-        let mut asked = None;
+        let mut edit = kept.filter(|edit| edit.base_value.to_bits() == value.to_bits());
+        let mut out_of_range = None;
         if ui.memory(|memory| memory.has_focus(id)) {
-            ui.data_mut(|data| data.insert_temp(focused_key(), id));
-            let steps = steps(ui);
+            ui.data_mut(|data| data.insert_temp(focus_key(), id));
+            let steps = key_steps(ui, STEP_KEYS);
             if steps != 0.0 {
                 *value = self.clamped(quantity::stepped(*value, self.step, steps));
                 edit = None;
             }
         }
-        for request in accesskit_values(ui, id) {
-            asked = self.take(value, &mut edit, &request).or(asked);
+        for request in set_value_requests(ui, id) {
+            let text = match request {
+                ActionData::NumericValue(number) => number.to_string(),
+                ActionData::Value(text) => text.into(),
+                _ => continue,
+            };
+            out_of_range = self.commit(value, &mut edit, &text).or(out_of_range);
         }
 
-        let palette = theme::palette(ui.visuals());
-        let shown = quantity::format(*value, self.decimals);
-        let mut text = edit.as_ref().map_or_else(|| shown.clone(), |edit| edit.text.clone());
-        let is_refused = self.is_faulty || edit.as_ref().is_some_and(|e| e.refusal.is_some());
-        let visuals = ui.visuals();
-        let stroke = if is_refused {
+        let shown = self.shown(edit.as_ref(), *value);
+        let mut text = shown.clone();
+        let is_rejected = self.is_invalid || edit.as_ref().is_some_and(|e| e.rejection.is_some());
+        let mut response = ui.add(self.text_edit(ui, id, &mut text, is_rejected));
+        if response.gained_focus() {
+            select_all(ui, id, &text);
+        }
+        if text != shown {
+            // A rejected number is validated again after every key.
+            let was_rejected = edit.as_ref().is_some_and(|edit| edit.rejection.is_some());
+            let rejection = if was_rejected { self.parse(&text).err() } else { None };
+            edit = Some(Edit { text: text.clone(), base_value: *value, rejection });
+        }
+        let (enter, escape) =
+            ui.input(|input| (input.key_pressed(Key::Enter), input.key_pressed(Key::Escape)));
+        if escape && (response.lost_focus() || response.has_focus()) {
+            edit = None;
+        } else if (enter && response.has_focus()) || response.lost_focus() {
+            if edit.is_some() {
+                out_of_range = self.commit(value, &mut edit, &text).or(out_of_range);
+            }
+            if enter && response.has_focus() {
+                select_all(ui, id, &self.shown(edit.as_ref(), *value));
+            }
+        }
+        // A click outside an edit selects the whole number, as the first click does.
+        if response.clicked() && edit.as_ref().is_none_or(|edit| edit.rejection.is_some()) {
+            select_all(ui, id, &text);
+        }
+        let is_changed = value.to_bits() != before.to_bits();
+        let rejection = edit.as_ref().and_then(|edit| edit.rejection.clone());
+        ui.data_mut(|data| match edit {
+            Some(edit) => {
+                data.insert_temp(id, edit);
+            }
+            None => data.remove::<Edit>(id),
+        });
+        self.describe(ui, &response, *value);
+        if let Some(rejection) = &rejection {
+            response = response.on_hover_text(rejection);
+        } else if quantity::format(*value, self.decimals).len() > 7 {
+            // The number is longer than the field.
+            response = response.on_hover_text(value.to_string());
+        }
+        FieldResponse { response, is_changed, rejection, out_of_range }
+    }
+
+    /// Text of the field: the text of an edit, otherwise the value.
+    fn shown(&self, edit: Option<&Edit>, value: f64) -> String {
+        edit.map_or_else(|| quantity::format(value, self.decimals), |edit| edit.text.clone())
+    }
+
+    /// The text field, with a red frame around a rejected number.
+    fn text_edit<'t>(
+        &self,
+        ui: &Ui,
+        id: Id,
+        text: &'t mut String,
+        is_rejected: bool,
+    ) -> egui::TextEdit<'t> {
+        let (palette, visuals) = (theme::palette(ui.visuals()), ui.visuals());
+        let stroke = if is_rejected {
             egui::Stroke::new(2.0, palette.bad)
         } else {
             egui::Stroke::new(1.0, palette.edge)
@@ -99,94 +162,48 @@ impl NumberField<'_> {
             .stroke(stroke)
             .corner_radius(visuals.widgets.inactive.corner_radius)
             .inner_margin(egui::Margin::symmetric(5, 2));
-        let field = egui::TextEdit::singleline(&mut text)
+        egui::TextEdit::singleline(text)
             .id(id)
             .frame(frame)
             .font(egui::TextStyle::Monospace)
             .align(egui::Align2::RIGHT_CENTER)
             .desired_width(self.width)
             .char_limit(64)
-            .event_filter(EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            })
-            // Enter takes the number and stays here.
-            .return_key(None);
-        let mut response = ui.add(field);
-        if response.gained_focus() {
-            select_all(ui, id, &text);
-        }
-        let is_typed = text != edit.as_ref().map_or(&shown, |edit| &edit.text).as_str();
-        if is_typed {
-            // A refused number is judged again with every key.
-            let was_refused = edit.as_ref().is_some_and(|edit| edit.refusal.is_some());
-            let refusal = if was_refused { self.read(&text).err() } else { None };
-            edit = Some(Edit { text: text.clone(), of: *value, refusal });
-        }
-        let (enter, escape) =
-            ui.input(|input| (input.key_pressed(Key::Enter), input.key_pressed(Key::Escape)));
-        if escape && (response.lost_focus() || response.has_focus()) {
-            edit = None;
-        } else if (enter && response.has_focus()) || response.lost_focus() {
-            if edit.is_some() {
-                asked = self.take(value, &mut edit, &text).or(asked);
-            }
-            if enter && response.has_focus() {
-                let shown = edit.as_ref().map_or_else(
-                    || quantity::format(*value, self.decimals),
-                    |edit| edit.text.clone(),
-                );
-                select_all(ui, id, &shown);
-            }
-        }
-        // A click where nothing is being typed takes the whole number, as the first one did.
-        if response.clicked() && edit.as_ref().is_none_or(|edit| edit.refusal.is_some()) {
-            select_all(ui, id, &text);
-        }
-        let is_changed = value.to_bits() != before.to_bits();
-        let refusal = edit.as_ref().and_then(|edit| edit.refusal.clone());
-        ui.data_mut(|data| match edit {
-            Some(edit) => {
-                data.insert_temp(id, edit);
-            }
-            None => data.remove::<Edit>(id),
-        });
-        self.describe(ui, &response, *value);
-        if let Some(refusal) = &refusal {
-            response = response.on_hover_text(refusal);
-        } else if quantity::format(*value, self.decimals).len() > 7 {
-            // Longer than the field.
-            response = response.on_hover_text(value.to_string());
-        }
-        Typed { response, is_changed, refusal, asked }
+            .event_filter(arrow_keys())
+            // Enter commits the number and keeps the focus.
+            .return_key(None)
     }
 
-    /// Stores what was typed, or keeps it with the reason against it; gives a number that is out of range.
-    fn take(&self, value: &mut f64, edit: &mut Option<Edit>, text: &str) -> Option<f64> {
-        match self.read(text) {
+    /// Commits a text: stores its number, or keeps the text with the reason of its rejection. Returns a
+    /// number outside the allowed range.
+    fn commit(&self, value: &mut f64, edit: &mut Option<Edit>, text: &str) -> Option<f64> {
+        match self.parse(text) {
             Ok(number) => {
-                // What only stands for the stored value changes nothing.
+                // The displayed text is rounded: unchanged text leaves the value unchanged.
                 if text != quantity::format(*value, self.decimals) {
                     *value = number;
                 }
                 *edit = None;
                 None
             }
-            Err(refusal) => {
-                *edit = Some(Edit { text: text.to_owned(), of: *value, refusal: Some(refusal) });
+            Err(rejection) => {
+                *edit = Some(Edit {
+                    text: text.to_owned(),
+                    base_value: *value,
+                    rejection: Some(rejection),
+                });
                 quantity::parse(text, self.kind).ok()
             }
         }
     }
 
-    fn read(&self, text: &str) -> Result<f64, String> {
+    fn parse(&self, text: &str) -> Result<f64, String> {
         let number = quantity::parse(text, self.kind)?;
         if self.allowed.contains(&number) {
             return Ok(number);
         }
-        if !self.limit.is_empty() {
-            return Err(self.limit.to_owned());
+        if !self.limit_reason.is_empty() {
+            return Err(self.limit_reason.to_owned());
         }
         let unit = self.kind.unit();
         let end = |value: f64| {
@@ -206,7 +223,6 @@ impl NumberField<'_> {
     }
 
     fn describe(&self, ui: &Ui, response: &Response, value: f64) {
-        use egui::accesskit::Action;
         response.widget_info(|| egui::WidgetInfo {
             label: Some(self.name.to_owned()),
             ..egui::WidgetInfo::drag_value(response.enabled(), value)
@@ -215,43 +231,9 @@ impl NumberField<'_> {
             node.set_role(egui::accesskit::Role::SpinButton);
             node.set_label(self.name);
             node.set_numeric_value(value);
-            node.set_min_numeric_value(*self.allowed.start());
-            node.set_max_numeric_value(*self.allowed.end());
-            node.set_numeric_value_step(self.step);
-            node.add_action(Action::SetValue);
         });
+        describe_range(response, &self.allowed, self.step);
     }
-}
-
-/// Steps asked for by the arrow and page keys since the frame before.
-fn steps(ui: &Ui) -> f64 {
-    ui.input_mut(|input| {
-        let mut sum = 0.0;
-        for (key, step) in [
-            (Key::ArrowUp, 1.0),
-            (Key::ArrowDown, -1.0),
-            (Key::PageUp, 10.0),
-            (Key::PageDown, -10.0),
-        ] {
-            sum += step * input.count_and_consume_key(Modifiers::NONE, key) as f64;
-        }
-        sum
-    })
-}
-
-/// What a screen reader asks to be stored, as text.
-fn accesskit_values(ui: &Ui, id: Id) -> Vec<String> {
-    use egui::accesskit::{Action, ActionData};
-    ui.input(|input| {
-        let requests = input.accesskit_action_requests(id, Action::SetValue);
-        requests
-            .filter_map(|request| match &request.data {
-                Some(ActionData::NumericValue(number)) => Some(number.to_string()),
-                Some(ActionData::Value(text)) => Some(text.to_string()),
-                _ => None,
-            })
-            .collect()
-    })
 }
 
 fn select_all(ui: &Ui, id: Id, text: &str) {

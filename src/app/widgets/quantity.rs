@@ -1,17 +1,17 @@
-//! Numbers as people type and read them: decimal commas, units, and no digit lost.
+//! Numbers as text: decimal commas, units, exact values.
 
-/// What a number measures; decides which units may be typed behind it.
+/// Kind of a number, which determines the accepted units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::app) enum Kind {
-    /// Length, in mm.
+    /// Length \[mm\].
     Length,
-    /// Stress, in kPa.
+    /// Stress \[kPa\].
     Stress,
-    /// Fraction shown in percent.
+    /// Fraction in percent \[%\].
     Percent,
-    /// Fraction without unit; percent may be typed.
+    /// Fraction without unit \[-\]; percent are accepted.
     Fraction,
-    /// Angle, in degrees.
+    /// Angle \[degrees\].
     Angle,
     /// Number without unit.
     #[default]
@@ -19,18 +19,18 @@ pub(in crate::app) enum Kind {
 }
 
 impl Kind {
-    /// What it is called in a message.
+    /// Description of a unit of this kind in messages.
     fn name(self) -> &'static str {
         match self {
             Self::Length => "a unit of length",
             Self::Stress => "a unit of stress",
-            Self::Percent | Self::Fraction => "a unit of strain or share",
+            Self::Percent | Self::Fraction => "a percentage",
             Self::Angle => "a unit of angle",
-            Self::Plain => "a unit that this number has",
+            Self::Plain => "a unit of this number",
         }
     }
 
-    /// Units that may be typed, each with its factor; the first one is meant where none is typed.
+    /// Accepted units with their factors; the first unit is the default.
     fn units(self) -> &'static [(&'static str, f64)] {
         match self {
             Self::Length => &[
@@ -51,26 +51,26 @@ impl Kind {
         }
     }
 
-    /// The unit of the stored number.
+    /// Unit of the stored number.
     pub(in crate::app) fn unit(self) -> &'static str {
         self.units()[0].0
     }
 }
 
-/// Reads a typed number: decimal point or comma, then a unit or none. Gives the value in the first of
-/// the kind's units, as exact as it was typed.
+/// Parses a number with decimal point or comma and an optional unit. Returns the value in the first unit
+/// of its kind, with all typed digits.
 ///
 /// # Errors
-/// One line: what is wrong, and what is understood.
+/// Returns one line with the reason and the accepted units.
 pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {
-        return Err("type a number".to_owned());
+        return Err("enter a number".to_owned());
     }
     let ends = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
     let longest = ends.filter_map(|end| Some((end, number(&text[..end])?))).last();
     let Some((end, value)) = longest else {
-        return Err(format!("“{}” is not a number", shortened(text)));
+        return Err(format!("“{}” is not a number", truncated(text)));
     };
     let typed = text[end..].trim();
     let is_meant = |unit: &str| unit.to_lowercase() == typed.to_lowercase();
@@ -78,28 +78,24 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
         _ if typed.is_empty() => 1.0,
         Some((_, factor)) => *factor,
         None if typed.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '-')) => {
-            return Err(format!("“{}” is not a number", shortened(text)));
+            return Err(format!("“{}” is not a number", truncated(text)));
         }
         None => {
             let known: Vec<&str> = kind.units().iter().map(|(unit, _)| *unit).collect();
             let known = known.join(" ");
             let known = if known.is_empty() { "none".to_owned() } else { known };
-            return Err(format!(
-                "“{}” is not {}; understood: {known}",
-                shortened(typed),
-                kind.name()
-            ));
+            return Err(format!("“{}” is not {}; allowed: {known}", truncated(typed), kind.name()));
         }
     };
     let value = significant(value * factor);
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(format!("“{}” is too large", shortened(text)))
+        Err(format!("“{}” is too large", truncated(text)))
     }
 }
 
-/// A number with a decimal point or one decimal comma, and nothing behind it.
+/// Parses a number with a decimal point or one decimal comma.
 fn number(text: &str) -> Option<f64> {
     let text = text.trim().replace('−', "-");
     if !text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',')) {
@@ -114,12 +110,12 @@ fn number(text: &str) -> Option<f64> {
     digits.starts_with(|c: char| c.is_ascii_digit() || c == '.').then(|| text.parse().ok())?
 }
 
-/// Twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
+/// Rounds to twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
 fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-fn shortened(text: &str) -> String {
+fn truncated(text: &str) -> String {
     const MOST: usize = 16;
     let line: String = text.chars().filter(|c| !c.is_control()).collect();
     if line.chars().count() <= MOST {
@@ -128,13 +124,14 @@ fn shortened(text: &str) -> String {
     line.chars().take(MOST).chain(['…']).collect()
 }
 
-/// A value so many steps on, counted in multiples of the step: from a value between them to the next one.
+/// The value after a number of steps, a multiple of the step. A value between two multiples moves to the
+/// next multiple first.
 pub(super) fn stepped(value: f64, step: f64, steps: f64) -> f64 {
     let whole = if steps > 0.0 { f64::floor } else { f64::ceil };
     (whole(value / step + steps.signum() * 1e-9) + steps) * step
 }
 
-/// A value with at least the given decimals, and as many more as it has, up to six.
+/// Formats a value with at least the given decimals and, up to six, all further digits that it has.
 pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     let is_exact = |text: &str| {
         let read: f64 = text.parse().unwrap_or(f64::NAN);
@@ -142,7 +139,11 @@ pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     };
     let shown = |d: usize| format!("{value:.d$}");
     let text = (decimals..6).map(shown).find(|text| is_exact(text)).unwrap_or_else(|| shown(6));
-    // No minus before a zero.
+    without_negative_zero(text)
+}
+
+/// Removes the minus sign of a number that is rounded to zero.
+pub(in crate::app) fn without_negative_zero(text: String) -> String {
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
 }
 
@@ -151,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_typed_is_exact() {
+    fn typed_numbers_are_exact() {
         for (text, kind, value) in [
             ("39.8", Kind::Length, 39.8),
             (" 46,42 ", Kind::Length, 46.42),
@@ -176,9 +177,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_refused_in_one_line() {
+    fn invalid_numbers_are_rejected_in_one_line() {
         for (text, kind, words) in [
-            ("", Kind::Length, "type a number"),
+            ("", Kind::Length, "enter a number"),
             ("abc", Kind::Length, "“abc” is not a number"),
             ("nan", Kind::Plain, "“nan” is not a number"),
             ("inf", Kind::Plain, "“inf” is not a number"),
@@ -186,8 +187,8 @@ mod tests {
             ("1e999", Kind::Plain, "“1e999” is too large"),
             ("1,234.5", Kind::Length, "“1,234.5” is not a number"),
             ("1 2", Kind::Length, "“1 2” is not a number"),
-            ("45 kg", Kind::Length, "“kg” is not a unit of length; understood: mm cm m in inch \""),
-            ("45 mm", Kind::Percent, "“mm” is not a unit of strain or share; understood: %"),
+            ("45 kg", Kind::Length, "“kg” is not a unit of length; allowed: mm cm m in inch \""),
+            ("45 mm", Kind::Percent, "“mm” is not a percentage; allowed: %"),
         ] {
             assert_eq!(parse(text, kind).unwrap_err(), words);
         }
@@ -196,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_shown_with_all_it_has() {
+    fn a_value_is_formatted_with_all_its_digits() {
         assert_eq!(format(46.0, 1), "46.0");
         assert_eq!(format(46.42, 1), "46.42");
         assert_eq!(format(46.400_000_000_000_006, 1), "46.4");

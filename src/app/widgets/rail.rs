@@ -1,167 +1,155 @@
-//! The rail of a slider. A mouse moves it from anywhere; a finger by its handle, or once it travels along
-//! the rail: a swipe across it scrolls the panel.
+//! The rail of a slider. A mouse moves the handle from anywhere on the rail. A finger moves it from the
+//! handle, or after dragging along the rail; a swipe across the rail scrolls the panel.
 
-use super::quantity;
+use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, quantity, set_value_requests};
 use crate::app::theme;
 use eframe::egui::{
-    self, EventFilter, Id, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2,
-    remap_clamp, vec2,
+    self, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
 };
+use egui::accesskit::ActionData;
 use std::ops::RangeInclusive;
 
 /// Radius of the handle \[points\].
 const HANDLE: f32 = 7.0;
-/// A finger this close to the handle has it \[points\].
-const GRASP: f32 = 24.0;
-/// Travel \[points\] that decides between moving the handle and scrolling.
-const TRAVEL: f32 = 8.0;
+/// Distance from the handle within which a finger grabs it \[points\].
+const TOUCH_REACH: f32 = 24.0;
+/// Travel that decides between dragging and scrolling \[points\].
+const DRAG_THRESHOLD: f32 = 8.0;
 const LINE: f32 = 5.0;
 
 /// A rail with a handle.
 pub(super) struct Rail<'a> {
     pub(super) name: &'a str,
-    /// What the rail shows.
+    /// Range of the rail.
     pub(super) range: RangeInclusive<f64>,
-    /// What may be stored.
+    /// Allowed values.
     pub(super) allowed: RangeInclusive<f64>,
-    /// What dragging and keys round to; 0: three significant digits.
+    /// Rounding step of dragging and keys; 0: three significant digits.
     pub(super) step: f64,
     pub(super) logarithmic: bool,
     /// Width \[points\].
     pub(super) width: f32,
 }
 
-/// What came of showing a rail.
-pub(super) struct Moved {
+/// Response of a rail.
+pub(super) struct RailResponse {
     pub(super) response: Response,
-    /// Was another value stored?
+    /// Has the value changed?
     pub(super) is_changed: bool,
-    /// A value that was asked for now and is not allowed.
-    pub(super) asked: Option<f64>,
+    /// A value outside the allowed range, requested in this frame.
+    pub(super) out_of_range: Option<f64>,
 }
 
-/// What the pointer that is down on the rail does.
+/// State of a press on the rail.
 #[derive(Clone, Copy, Default)]
-enum Hold {
-    /// Just begun: in a page, word of the finger comes a frame after that of the press.
+enum Press {
+    /// The press is new; in a page its touch event arrives one frame later.
     #[default]
     New,
-    /// A finger, not clear yet.
+    /// A finger, still undecided between dragging and scrolling.
     Undecided { from: Pos2 },
-    /// The handle follows, this far from the pointer.
+    /// The handle follows the pointer at this distance.
     Drag { offset: f32 },
-    /// The panel follows.
+    /// The panel scrolls.
     Scroll,
 }
 
 impl Rail<'_> {
-    pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> Moved {
+    pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> RailResponse {
         let size = vec2(self.width, ui.spacing().interact_size.y);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let track = rect.x_range().shrink(HANDLE);
         let before = *value;
-        let mut wanted = None;
+        let mut requested = None;
         if let Some(x) =
-            self.pointer(ui, &response, lerp(track.min..=track.max, self.share(*value)))
+            self.pointer(ui, &response, lerp(track.min..=track.max, self.fraction(*value)))
         {
-            wanted = Some(self.rounded(self.at(remap_clamp(x, track.min..=track.max, 0.0..=1.0))));
+            requested =
+                Some(self.rounded(self.value_at(remap_clamp(x, track.min..=track.max, 0.0..=1.0))));
         }
         if response.has_focus() {
-            let own = EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
-            wanted = self.keys(ui, *value).or(wanted);
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
+            requested = self.keys(ui, *value).or(requested);
         }
-        wanted = set_by_screen_reader(ui, response.id).or(wanted);
-        let mut asked = None;
-        if let Some(wanted) = wanted {
-            *value = wanted.max(*self.allowed.start()).min(*self.allowed.end());
-            let is_beyond = (wanted - *value).abs() > 1e-9 * (1.0 + wanted.abs());
-            asked = is_beyond.then_some(wanted);
+        for request in set_value_requests(ui, response.id) {
+            if let ActionData::NumericValue(number) = request {
+                requested = Some(number);
+            }
+        }
+        let mut out_of_range = None;
+        if let Some(requested) = requested {
+            *value = requested.max(*self.allowed.start()).min(*self.allowed.end());
+            let is_beyond = (requested - *value).abs() > 1e-9 * (1.0 + requested.abs());
+            out_of_range = is_beyond.then_some(requested);
         }
         self.describe(&response, *value);
         if ui.is_rect_visible(rect) {
-            self.paint(ui, &response, rect, lerp(track.min..=track.max, self.share(*value)));
+            self.paint(ui, &response, rect, lerp(track.min..=track.max, self.fraction(*value)));
         }
-        Moved { is_changed: value.to_bits() != before.to_bits(), response, asked }
+        RailResponse { is_changed: value.to_bits() != before.to_bits(), response, out_of_range }
     }
 
-    /// Where the handle is to go, if the pointer moves it now.
+    /// Position of the handle requested by the pointer.
     fn pointer(&self, ui: &Ui, response: &Response, handle: f32) -> Option<f32> {
-        let id = response.id.with("hold");
-        let held = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
-        let kept = ui.data_mut(|data| data.remove_temp::<Hold>(id));
+        let id = response.id.with("press");
+        let pressed_at =
+            response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
+        let kept = ui.data_mut(|data| data.remove_temp::<Press>(id));
         let (is_touch, has_touch, delta) = ui
             .input(|input| (input.any_touches(), input.has_touch_screen(), input.pointer.delta()));
-        let Some(at) = held else {
-            // A mouse that is down and up again within a frame or two.
+        let Some(at) = pressed_at else {
+            // A mouse button pressed and released within one or two frames.
             let is_over = response.clicked() || response.drag_stopped();
-            let is_quick = is_over && !has_touch && !matches!(kept, Some(Hold::Drag { .. }));
+            let is_quick = is_over && !has_touch && !matches!(kept, Some(Press::Drag { .. }));
             return response.interact_pointer_pos().filter(|_| is_quick).map(|at| at.x);
         };
-        let is_new = matches!(kept, Some(Hold::New));
-        let is_grasped = (at.x - handle).abs() <= if is_touch { GRASP } else { HANDLE };
-        let mut hold = match kept {
-            None => Hold::New,
-            Some(Hold::New) => match (is_touch, is_grasped) {
-                (_, true) => Hold::Drag { offset: handle - at.x },
-                (false, false) => Hold::Drag { offset: 0.0 },
-                (true, false) => Hold::Undecided { from: at },
+        let is_new = matches!(kept, Some(Press::New));
+        let is_on_handle = (at.x - handle).abs() <= if is_touch { TOUCH_REACH } else { HANDLE };
+        let mut press = match kept {
+            None => Press::New,
+            Some(Press::New) => match (is_touch, is_on_handle) {
+                (_, true) => Press::Drag { offset: handle - at.x },
+                (false, false) => Press::Drag { offset: 0.0 },
+                (true, false) => Press::Undecided { from: at },
             },
-            Some(hold) => hold,
+            Some(press) => press,
         };
-        if let Hold::Undecided { from } = hold {
+        if let Press::Undecided { from } = press {
             let travel = (at - from).abs();
-            if travel.x >= TRAVEL && travel.x >= travel.y {
-                hold = Hold::Drag { offset: handle - at.x };
-            } else if travel.y >= TRAVEL {
-                hold = Hold::Scroll;
+            if travel.x >= DRAG_THRESHOLD && travel.x >= travel.y {
+                press = Press::Drag { offset: handle - at.x };
+            } else if travel.y >= DRAG_THRESHOLD {
+                press = Press::Scroll;
             }
         }
         if is_new && !is_touch {
             response.request_focus();
         }
-        ui.data_mut(|data| data.insert_temp(id, hold));
-        match hold {
-            Hold::New => {
+        ui.data_mut(|data| data.insert_temp(id, press));
+        match press {
+            Press::New => {
                 ui.ctx().request_repaint();
                 None
             }
-            Hold::Undecided { .. } => None,
-            Hold::Scroll => {
+            Press::Undecided { .. } => None,
+            Press::Scroll => {
                 let none = egui::style::ScrollAnimation::none();
                 ui.scroll_with_delta_animation(vec2(0.0, delta.y), none);
                 None
             }
-            // A handle that is only held stays where it is: the value keeps its last digit.
-            Hold::Drag { offset } => {
+            // A handle pressed without motion stays, so that the value keeps its last digit.
+            Press::Drag { offset } => {
                 (delta.x != 0.0 || (is_new && offset == 0.0)).then_some(at.x + offset)
             }
         }
     }
 
     fn keys(&self, ui: &Ui, value: f64) -> Option<f64> {
-        let (mut steps, mut end) = (0.0, None);
-        ui.input_mut(|input| {
-            for (key, step) in [
-                (Key::ArrowRight, 1.0),
-                (Key::ArrowUp, 1.0),
-                (Key::ArrowLeft, -1.0),
-                (Key::ArrowDown, -1.0),
-                (Key::PageUp, 10.0),
-                (Key::PageDown, -10.0),
-            ] {
-                steps += step * input.count_and_consume_key(Modifiers::NONE, key) as f64;
-            }
-            for (key, value) in [(Key::Home, *self.range.start()), (Key::End, *self.range.end())] {
-                if input.consume_key(Modifiers::NONE, key) {
-                    end = Some(value);
-                }
-            }
-        });
+        let sideways = [(Key::ArrowRight, 1.0), (Key::ArrowLeft, -1.0)];
+        let steps = key_steps(ui, STEP_KEYS.into_iter().chain(sideways));
+        let is_pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        let start = is_pressed(Key::Home).then_some(*self.range.start());
+        let end = is_pressed(Key::End).then_some(*self.range.end()).or(start);
         if end.is_some() || steps == 0.0 {
             return end;
         }
@@ -169,7 +157,7 @@ impl Rail<'_> {
         Some(moved.max(*self.range.start()).min(*self.range.end()))
     }
 
-    /// The step at a value: a hundredth of its power of ten where none is given.
+    /// The step at a value; without a given step a tenth of the leading digit's unit.
     fn step_at(&self, value: f64) -> f64 {
         if self.step > 0.0 {
             return self.step;
@@ -185,28 +173,26 @@ impl Rail<'_> {
         value.max(*self.range.start()).min(*self.range.end())
     }
 
-    /// Share of the rail, 0 to 1, at which a value stands.
-    fn share(&self, value: f64) -> f32 {
+    /// Position of a value on the rail \[-\], 0 to 1.
+    fn fraction(&self, value: f64) -> f32 {
         let [low, high, value] = [*self.range.start(), *self.range.end(), value]
             .map(|v| if self.logarithmic { v.max(f64::MIN_POSITIVE).ln() } else { v });
         if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) as f32 } else { 0.0 }
     }
 
-    fn at(&self, share: f32) -> f64 {
+    fn value_at(&self, fraction: f32) -> f64 {
         let (low, high) = (*self.range.start(), *self.range.end());
-        let share = f64::from(share);
-        if self.logarithmic { low * (high / low).powf(share) } else { low + (high - low) * share }
+        let fraction = f64::from(fraction);
+        if self.logarithmic {
+            low * (high / low).powf(fraction)
+        } else {
+            low + (high - low) * fraction
+        }
     }
 
     fn describe(&self, response: &Response, value: f64) {
-        use egui::accesskit::Action;
         response.widget_info(|| egui::WidgetInfo::slider(response.enabled(), value, self.name));
-        response.ctx.accesskit_node_builder(response.id, |node| {
-            node.set_min_numeric_value(*self.range.start());
-            node.set_max_numeric_value(*self.range.end());
-            node.set_numeric_value_step(self.step_at(value));
-            node.add_action(Action::SetValue);
-        });
+        describe_range(response, &self.range, self.step_at(value));
     }
 
     fn paint(&self, ui: &Ui, response: &Response, rect: Rect, handle: f32) {
@@ -221,17 +207,4 @@ impl Rail<'_> {
         let centre = pos2(handle, rect.center().y);
         painter.circle(centre, HANDLE - 1.0, fill, Stroke::new(width, palette.accent));
     }
-}
-
-fn set_by_screen_reader(ui: &Ui, id: Id) -> Option<f64> {
-    use egui::accesskit::{Action, ActionData};
-    ui.input(|input| {
-        let requests = input.accesskit_action_requests(id, Action::SetValue);
-        requests
-            .filter_map(|request| match request.data {
-                Some(ActionData::NumericValue(number)) => Some(number),
-                _ => None,
-            })
-            .last()
-    })
 }

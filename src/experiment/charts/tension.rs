@@ -106,7 +106,7 @@ fn draw_series(area: &Area, chart: &Chart, title: &str, series: &[Series]) -> Dr
     };
     let name = match chart.kind {
         Kind::Stress => "nominal stress (kPa)",
-        Kind::Transverse => "contraction across the pull, −ε (–)",
+        Kind::Transverse => "transverse contraction, −ε (–)",
     };
     let decimals = if chart.kind == Kind::Stress && highest > 10.0 { 0 } else { 1 };
     let panel = Panel {
@@ -157,7 +157,7 @@ fn draw_legend(area: &Area, chart: &Chart) -> Drawn {
     let circle =
         |x: i32, y: i32, size, style| Element::Marker(at(x, y), Shape::Circle, size, style);
     let (first, second) = (14, 40);
-    label("Poisson ratio asked for:", 72, first)?;
+    label("Poisson ratio specified:", 72, first)?;
     for (k, (series, colour)) in chart.panels[0].1.iter().zip(COLOURS).enumerate() {
         let x = 250 + 90 * k as i32;
         let sample = Element::Line(line(x, first), pen(colour, 3));

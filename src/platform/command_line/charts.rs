@@ -1,40 +1,32 @@
-//! `charts`: the paper's charts 1 to 4 for both spring laws, and how far the Poisson ratio is off.
+//! `charts`: the paper's charts 1 to 4 for both spring laws, and the errors of the Poisson ratio.
 
-use super::output::{self, File, number};
+use super::output::{self, File, OutputFolder, number, springs_name};
 use super::tension::{COLUMNS, table_rows};
-use super::{Answer, Refused};
+use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec};
 use crate::experiment::charts::tension::{Chart, Kind, Series, draw};
-use crate::experiment::tension::{Protocol, Report, Test, run as pull};
+use crate::experiment::tension::{Protocol, Report, Test, run as run_tension};
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// The Poisson ratios of the paper's charts.
+/// Poisson ratios of the paper's charts.
 const POISSON_RATIOS: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.45, 0.49];
-/// The greatest relative error of the Poisson ratio that the paper reports.
+/// Greatest relative error of the Poisson ratio reported in the paper.
 const PAPER_ERROR: f64 = 0.35;
 
-#[derive(clap::Args)]
-pub(super) struct Arguments {
-    /// The folder for the charts; made if it is missing.
-    #[arg(long, value_name = "D")]
-    out_dir: PathBuf,
-}
-
-/// One test of the series with both of its reports.
-struct Pulled {
+/// A test with its reports by both protocols.
+struct TestReports {
     tissue: &'static str,
     test: Test,
     equilibrium: Report,
     paper: Report,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
-    let folder = &arguments.out_dir;
-    output::make_folder(folder)?;
-    let pulled = pull_all()?;
+pub(super) fn run(folder: &OutputFolder) -> Result<ExitStatus, InputError> {
+    let folder = folder.create()?;
+    let reports = run_tests()?;
     let mut files = Vec::new();
     for (k, (tissue, kind)) in [
         ("skin", Kind::Stress),
@@ -45,27 +37,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
     .into_iter()
     .enumerate()
     {
-        let of_tissue: Vec<&Pulled> = pulled.iter().filter(|p| p.tissue == tissue).collect();
+        let of_tissue: Vec<&TestReports> = reports.iter().filter(|p| p.tissue == tissue).collect();
         let name = match kind {
             Kind::Stress => format!("chart-{}-{tissue}-stress", k + 1),
             Kind::Transverse => format!("chart-{}-{tissue}-transverse", k + 1),
         };
         let chart = chart(k + 1, tissue, kind, &of_tissue);
-        let picture = draw(&chart).map_err(|error| output::refuse(folder, error))?;
+        let picture = draw(&chart).map_err(|error| output::input_error(folder, error))?;
         files.push(File::new(&folder.join(format!("{name}.svg")), picture));
         files.push(File::new(&folder.join(format!("{name}.csv")), table(&of_tissue)));
     }
-    let (csv, markdown) = poisson_errors(&pulled);
+    let (csv, markdown) = poisson_errors(&reports);
     files.push(File::new(&folder.join("poisson_error.csv"), csv));
     files.push(File::new(&folder.join("poisson_error.md"), markdown));
     output::write_all(&files)?;
-    Ok(Answer::Converged)
+    Ok(ExitStatus::Converged)
 }
 
-fn pull_all() -> Result<Vec<Pulled>, Refused> {
+fn run_tests() -> Result<Vec<TestReports>, InputError> {
     let mut tests = Vec::new();
     for (tissue, spec) in [("skin", CurveSpec::Skin {}), ("adipose", CurveSpec::Adipose {})] {
-        let curve = Curve::new(&spec).map_err(|error| output::refuse(Path::new(tissue), error))?;
+        let curve =
+            Curve::new(&spec).map_err(|error| output::input_error(Path::new(tissue), error))?;
         for springs in [Springs::Nikolaev, Springs::Coupled] {
             for poisson_ratio in POISSON_RATIOS {
                 let curve = curve.clone();
@@ -77,35 +70,35 @@ fn pull_all() -> Result<Vec<Pulled>, Refused> {
     }
     Ok(tests
         .into_par_iter()
-        .map(|(tissue, test)| Pulled {
+        .map(|(tissue, test)| TestReports {
             tissue,
-            equilibrium: pull(&test),
-            paper: pull(&Test { protocol: Protocol::Paper, ..test.clone() }),
+            equilibrium: run_tension(&test),
+            paper: run_tension(&Test { protocol: Protocol::Paper, ..test.clone() }),
             test,
         })
         .collect())
 }
 
-/// The rows of a chart's panels: the equilibrium, with the columns of `tension`.
-fn table(pulled: &[&Pulled]) -> String {
-    let rows = pulled.iter().map(|p| table_rows(&p.test, p.tissue, &p.equilibrium));
+/// The table of a chart: the equilibrium, with the columns of `tension`.
+fn table(reports: &[&TestReports]) -> String {
+    let rows = reports.iter().map(|p| table_rows(&p.test, p.tissue, &p.equilibrium));
     COLUMNS.to_owned() + &rows.collect::<String>()
 }
 
-fn chart(number: usize, tissue: &str, kind: Kind, pulled: &[&Pulled]) -> Chart {
+fn chart(number: usize, tissue: &str, kind: Kind, reports: &[&TestReports]) -> Chart {
     let quantity = match kind {
         Kind::Stress => "stress against elongation",
         Kind::Transverse => "contraction against elongation",
     };
     let panel = |springs: Springs| {
-        pulled
+        reports
             .iter()
             .filter(|p| p.test.springs == springs)
             .enumerate()
             .map(|(rank, p)| series(kind, rank, p))
             .collect()
     };
-    let curve = |p: &&Pulled| {
+    let curve = |p: &&TestReports| {
         let points = (0..=200).map(|k| 0.005 * f64::from(k));
         points.map(|strain| (strain, p.test.curve.stress(strain))).collect()
     };
@@ -113,7 +106,7 @@ fn chart(number: usize, tissue: &str, kind: Kind, pulled: &[&Pulled]) -> Chart {
         title: format!("Chart {number}: {tissue}, {quantity}"),
         tissue: tissue.to_owned(),
         kind,
-        curve: pulled.first().map(curve).unwrap_or_default(),
+        curve: reports.first().map(curve).unwrap_or_default(),
         panels: [
             ("The paper's springs".to_owned(), panel(Springs::Nikolaev)),
             ("Coupled springs".to_owned(), panel(Springs::Coupled)),
@@ -121,33 +114,34 @@ fn chart(number: usize, tissue: &str, kind: Kind, pulled: &[&Pulled]) -> Chart {
     }
 }
 
-/// Stable stretches as lines, the paper's protocol as points, the ends of stability as marks.
-fn series(kind: Kind, rank: usize, pulled: &Pulled) -> Series {
-    let mut series = Series::new(pulled.test.poisson_ratio);
-    let mut stretch = vec![(0.0, 0.0)];
-    for row in &pulled.equilibrium.rows {
+/// The series of a test: stable branches as lines, the paper's protocol as points, losses of stability as
+/// marks.
+fn series(kind: Kind, rank: usize, reports: &TestReports) -> Series {
+    let mut series = Series::new(reports.test.poisson_ratio);
+    let mut branch = vec![(0.0, 0.0)];
+    for row in &reports.equilibrium.rows {
         match row.measured {
-            Some(m) => stretch.push((m.strain, kind.value(row.load_kpa, m.transverse_strain))),
-            None if !stretch.is_empty() => {
-                // The first limit is known to 0.001, later ones to a row.
-                let at = match pulled.equilibrium.stability_lost_at {
+            Some(m) => branch.push((m.strain, kind.value(row.load_kpa, m.transverse_strain))),
+            None if !branch.is_empty() => {
+                // The first loss is known to 0.001, further losses to one row.
+                let at = match reports.equilibrium.stability_lost_at {
                     Some(strain) if series.lost.is_empty() => strain,
                     _ => row.strain_expected,
                 };
-                let stress = pulled.test.curve.stress(at);
-                let end = (at, kind.value(stress, -pulled.test.poisson_ratio * at));
-                stretch.push(end);
+                let stress = reports.test.curve.stress(at);
+                let end = (at, kind.value(stress, -reports.test.poisson_ratio * at));
+                branch.push(end);
                 series.lost.push(end);
-                series.branches.push(std::mem::take(&mut stretch));
+                series.branches.push(std::mem::take(&mut branch));
             }
             None => {}
         }
     }
-    if !stretch.is_empty() {
-        series.branches.push(stretch);
+    if !branch.is_empty() {
+        series.branches.push(branch);
     }
-    // One row in six, each Poisson ratio its own: where all lie on one curve all can be seen.
-    series.points = pulled
+    // One row in six, different for each Poisson ratio, so that coinciding series remain visible.
+    series.points = reports
         .paper
         .rows
         .iter()
@@ -161,8 +155,8 @@ fn series(kind: Kind, rank: usize, pulled: &Pulled) -> Series {
     series
 }
 
-/// The greatest relative error of the Poisson ratio per law, curve and ν: as CSV and as Markdown.
-fn poisson_errors(pulled: &[Pulled]) -> (String, String) {
+/// Greatest relative error of the Poisson ratio per law, curve and ν, as CSV and as Markdown.
+fn poisson_errors(reports: &[TestReports]) -> (String, String) {
     let mut csv = "springs,curve,poisson_ratio,greatest_error_equilibrium,greatest_error_paper_protocol,stability_lost_at,error_reported_in_paper\n".to_owned();
     let mut markdown = format!(
         "Greatest relative error of the measured Poisson ratio over the stable rows (strain 0 to 1); \
@@ -171,12 +165,9 @@ fn poisson_errors(pulled: &[Pulled]) -> (String, String) {
          | --- | --- | --- | --- | --- | --- |\n",
         100.0 * PAPER_ERROR
     );
-    for p in pulled {
+    for p in reports {
         let nu = p.test.poisson_ratio;
-        let springs = match p.test.springs {
-            Springs::Coupled => "coupled",
-            Springs::Nikolaev => "nikolaev",
-        };
+        let springs = springs_name(p.test.springs);
         let errors = [&p.equilibrium, &p.paper].map(|report| report.greatest_poisson_error(nu));
         let lost = p.equilibrium.stability_lost_at;
         // Writing to a String cannot fail.

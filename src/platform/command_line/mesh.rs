@@ -1,16 +1,16 @@
-//! The deformed tissue as one closed surface: the sheet (inner face), the skin (outer face), and
-//! the wall that joins them along the pocket's border.
+//! The deformed tissue as one closed surface: the sheet (inner face), the skin (outer face), and the
+//! lateral face along the pocket's border.
 
 use crate::measure::Surfaces;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// A part of the surface; its triangles use the vertices of [`Surface::vertices`].
+/// A part of the surface; its triangles refer to [`Surface::vertices`].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Part {
     /// `sheet`, `skin` or `border`.
     pub(super) name: &'static str,
-    /// Vertex numbers, counter-clockwise seen from outside the tissue.
+    /// Vertex indices, counter-clockwise seen from outside the tissue.
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
@@ -22,11 +22,12 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The surface around all layers. Vertices: the sheet's, then the skin's in the same order.
+    /// Creates the surface around all layers. Vertices: those of the sheet, then those of the skin in the
+    /// same order.
     pub(super) fn new(surfaces: &Surfaces) -> Self {
         let (inner, outer) =
             (&surfaces.positions[0], &surfaces.positions[surfaces.positions.len() - 1]);
-        // Nodes on the border that no triangle uses are left out.
+        // Border nodes without a triangle are omitted.
         let mut number = BTreeMap::new();
         for vertex in surfaces.triangles.iter().flatten() {
             let next = number.len() as u32;
@@ -64,7 +65,7 @@ impl Surface {
     }
 }
 
-/// Directed edges that only one triangle has.
+/// Directed edges of exactly one triangle.
 fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut edges = BTreeMap::new();
     for &[a, b, c] in triangles {

@@ -1,10 +1,10 @@
-//! The four mesh files: binary STL, Wavefront OBJ, binary PLY, binary glTF 2.0.
+//! The four mesh formats: binary STL, Wavefront OBJ, binary PLY, binary glTF 2.0.
 //!
-//! STL, OBJ and PLY have no unit: the numbers are mm. glTF is in metres with y up, as it demands.
+//! STL, OBJ and PLY have no unit; the lengths are in mm. glTF requires metres and y up.
 
-use super::Refused;
+use super::InputError;
 use super::mesh::Surface;
-use super::output::refuse;
+use super::output::input_error;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -17,15 +17,18 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// The format that a file's name asks for.
-    pub(super) fn of_file(path: &Path) -> Result<Self, Refused> {
+    /// The format of a file name, by its extension.
+    pub(super) fn of_file(path: &Path) -> Result<Self, InputError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match extension.as_str() {
             "stl" => Ok(Self::Stl),
             "obj" => Ok(Self::Obj),
             "ply" => Ok(Self::Ply),
             "glb" => Ok(Self::Glb),
-            _ => Err(refuse(path, "--mesh: allowed: a name ending in .stl, .obj, .ply or .glb")),
+            _ => Err(input_error(
+                path,
+                "--mesh: unknown format; allowed: a file name ending in .stl, .obj, .ply or .glb",
+            )),
         }
     }
 
@@ -89,9 +92,9 @@ fn ply(surface: &Surface) -> Vec<u8> {
     bytes
 }
 
-/// One mesh a part, all of them using one buffer of positions and normals.
+/// One mesh per part; all meshes share one buffer of positions.
 fn glb(surface: &Surface) -> Vec<u8> {
-    // From mm, z up, to m, y up: a rotation, so that the sense of the triangles stays.
+    // From mm with z up to m with y up: a rotation, which keeps the orientation of the triangles.
     let turned = |v: glam::Vec3| [v.x, v.z, -v.y];
     let positions: Vec<[f32; 3]> = surface.vertices.iter().map(|v| turned(*v * 0.001)).collect();
     let extreme = |pick: fn(f32, f32) -> f32, start: f32| {

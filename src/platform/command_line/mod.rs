@@ -1,10 +1,9 @@
 //! The command line: `simulate`, `tension`, `charts`, `stability`, `bench` and `stress`. Native only.
 //!
-//! Exit codes: 0 fine; 1 a defect of the program; 2 bad input (one line on standard error: file, field, what is allowed, and
-//! nothing is written); 3 no converged answer (the result is written, with its status).
+//! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
+//! values; no file is written); 3 no converged solution (the result is written with its status).
 //!
-//! Files are written under a temporary name beside their place and renamed, so that nobody ever
-//! meets half a file.
+//! Files are written under a temporary name and renamed, so that no reader meets an incomplete file.
 
 mod bench;
 mod charts;
@@ -22,16 +21,16 @@ use std::fmt::Display;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-/// What `main` does next.
+/// Next action of `main`.
 #[derive(Debug)]
 pub enum Next {
-    /// No command was given: open the window.
+    /// Open the window: no command was given.
     OpenApp,
-    /// A command has run: leave with this code.
+    /// Exit with the code of a command.
     Exit(ExitCode),
 }
 
-/// Preview how skin and adipose stretch over an implant. Without a command: opens the app.
+/// Preview how skin and adipose tissue stretch over an implant. Without a command, the app opens.
 #[derive(Parser)]
 #[command(name = "implant-preview", version, about)]
 struct Arguments {
@@ -43,21 +42,21 @@ struct Arguments {
 enum Command {
     /// Solve scenes and write their results.
     Simulate(simulate::Arguments),
-    /// Pull a square sample apart, as in the paper, and write a table.
+    /// Simulate the paper's tension test on a square sample and write a table.
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
-    Charts(charts::Arguments),
-    /// Map where an evenly stretched sheet is stable, over strain and Poisson ratio.
-    Stability(stability::Arguments),
-    /// Measure run time against error of the solvers and of what they are compared with.
+    Charts(output::OutputFolder),
+    /// Map the stability of a uniformly stretched sheet over strain and Poisson ratio.
+    Stability(output::OutputFolder),
+    /// Measure run time against error for the solvers and the reference methods.
     Bench(bench::Arguments),
-    /// Solve random scenes and sessions and check invariants.
+    /// Solve random scenes and check every result against invariants.
     Stress(stress::Arguments),
 }
 
-/// How a command that understood its input ended.
+/// Status of a command with valid input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Answer {
+enum ExitStatus {
     Converged,
     NotConverged,
 }
@@ -65,9 +64,9 @@ enum Answer {
 /// Bad input or an output that cannot be written: one line, exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-struct Refused(String);
+struct InputError(String);
 
-/// Reads a number in a range, ends included, for an option.
+/// Parses a number within a range, ends included.
 fn in_range<T>(text: &str, least: T, most: T) -> Result<T, String>
 where
     T: FromStr + PartialOrd + Display,
@@ -80,64 +79,67 @@ const DEFECT: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
 
-/// Runs the command given to this process, if any.
+/// Runs the command of this process, if there is one.
 #[must_use]
 pub fn run() -> Next {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => return Next::Exit(explain(&error)),
+        Err(error) => return Next::Exit(report_usage(&error)),
     };
     let Some(command) = arguments.command else {
         if cfg!(feature = "app") {
             return Next::OpenApp;
         }
-        output::complain("no command, and this build has no window; allowed: see --help");
+        output::error("no command given, and this build has no window; see --help");
         return Next::Exit(ExitCode::from(BAD_INPUT));
     };
-    Next::Exit(finish(guarded(|| match command {
+    Next::Exit(exit_code(catch_panic(|| match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
-        Command::Charts(arguments) => charts::run(&arguments),
-        Command::Stability(arguments) => stability::run(&arguments),
+        Command::Charts(folder) => charts::run(&folder),
+        Command::Stability(folder) => stability::run(&folder),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
     })))
 }
 
 /// Catches panics and reports them in one line.
-fn guarded(command: impl FnOnce() -> Result<Answer, Refused>) -> Option<Result<Answer, Refused>> {
+fn catch_panic(
+    command: impl FnOnce() -> Result<ExitStatus, InputError>,
+) -> Option<Result<ExitStatus, InputError>> {
     std::panic::set_hook(Box::new(|panic| {
-        let place = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::complain(&format!("a defect in the program at {place}; nothing was written"));
+        let location = panic.location().map(ToString::to_string).unwrap_or_default();
+        output::error(&format!("internal error at {location}; no file was written"));
     }));
-    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
     drop(std::panic::take_hook());
-    ended
+    outcome
 }
 
-fn finish(ended: Option<Result<Answer, Refused>>) -> ExitCode {
-    match ended {
-        Some(Ok(Answer::Converged)) => ExitCode::SUCCESS,
-        Some(Ok(Answer::NotConverged)) => ExitCode::from(NOT_CONVERGED),
+fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {
+    match outcome {
+        Some(Ok(ExitStatus::Converged)) => ExitCode::SUCCESS,
+        Some(Ok(ExitStatus::NotConverged)) => ExitCode::from(NOT_CONVERGED),
         None => ExitCode::from(DEFECT),
-        Some(Err(refused)) => {
-            output::complain(&refused.to_string());
+        Some(Err(error)) => {
+            output::error(&error.to_string());
             ExitCode::from(BAD_INPUT)
         }
     }
 }
 
-/// Help and version as they are; a wrong argument in one line.
-fn explain(error: &clap::Error) -> ExitCode {
+/// Prints help and version unchanged, and an invalid argument in one line.
+fn report_usage(error: &clap::Error) -> ExitCode {
     use clap::error::ErrorKind;
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        // A closed pipe is no reason to complain.
+        // A closed pipe is not an error.
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
     let text = error.to_string();
-    let said: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-    output::complain(said.join(" ").trim_start_matches("error: "));
+    let lines: Vec<&str> =
+        text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    output::error(lines.join(" ").trim_start_matches("error: "));
     ExitCode::from(BAD_INPUT)
 }
 
@@ -148,11 +150,11 @@ mod tests {
     #[test]
     fn a_defect_does_not_end_like_a_solve_that_has_not_converged() {
         let hook = std::panic::take_hook();
-        let ended = guarded(|| panic!("a defect"));
+        let outcome = catch_panic(|| panic!("a defect"));
         std::panic::set_hook(hook);
-        assert!(ended.is_none());
-        let code = |ended| format!("{:?}", finish(ended));
+        assert!(outcome.is_none());
+        let code = |outcome| format!("{:?}", exit_code(outcome));
         assert_eq!(code(None), format!("{:?}", ExitCode::from(1)));
-        assert_ne!(code(None), code(Some(Ok(Answer::NotConverged))));
+        assert_ne!(code(None), code(Some(Ok(ExitStatus::NotConverged))));
     }
 }

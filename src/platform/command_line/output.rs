@@ -1,14 +1,37 @@
-//! Writing: whole files or none, standard output, and the one line on standard error.
+//! Output: files written completely or not at all, standard output, and the line on standard error.
 
-use super::Refused;
+use super::InputError;
+use crate::springs::Springs;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// The name that stands for standard input or output.
+/// Argument of the commands that write several files.
+#[derive(clap::Args)]
+pub(super) struct OutputFolder {
+    /// Folder for the tables and charts; created if it is missing.
+    #[arg(long, value_name = "D")]
+    out_dir: PathBuf,
+}
+
+impl OutputFolder {
+    /// Creates the folder before any computation.
+    pub(super) fn create(&self) -> Result<&Path, InputError> {
+        let folder = self.out_dir.as_path();
+        if folder.exists() && !folder.is_dir() {
+            return Err(input_error(folder, "is a file; allowed: a folder"));
+        }
+        match fs::create_dir_all(folder) {
+            Ok(()) => Ok(folder),
+            Err(error) => Err(input_error(folder, format!("cannot be created: {error}"))),
+        }
+    }
+}
+
+/// The name of standard input and output.
 pub(super) const STANDARD: &str = "-";
 
-/// What is to be written, and where.
+/// A file to be written.
 #[derive(Debug)]
 pub(super) struct File {
     pub(super) path: PathBuf,
@@ -21,59 +44,51 @@ impl File {
     }
 }
 
-/// Says one line on standard error.
-#[allow(clippy::print_stderr)] // the command line is where the program speaks
-pub(super) fn complain(line: &str) {
+/// Prints an error on standard error, in one line.
+#[allow(clippy::print_stderr)] // the command line prints to the terminal
+pub(super) fn error(line: &str) {
     eprintln!("error: {line}");
 }
 
-/// Says a remark on standard error.
-#[allow(clippy::print_stderr)] // the command line is where the program speaks
-pub(super) fn remark(line: &str) {
+/// Prints a warning on standard error, in one line.
+#[allow(clippy::print_stderr)] // the command line prints to the terminal
+pub(super) fn warn(line: &str) {
     eprintln!("note: {line}");
 }
 
-pub(super) fn refuse(path: &Path, problem: impl std::fmt::Display) -> Refused {
+pub(super) fn input_error(path: &Path, error: impl std::fmt::Display) -> InputError {
     if is_standard(path) {
-        return Refused(format!("standard input: {problem}"));
+        return InputError(format!("standard input: {error}"));
     }
-    Refused(format!("{}: {problem}", path.display()))
+    InputError(format!("{}: {error}", path.display()))
 }
 
 pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
-/// Checks, before anything is computed, that a file can stand here.
-pub(super) fn check_place(path: &Path) -> Result<(), Refused> {
+/// Checks, before any computation, that a file can be written to this path.
+pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
     if is_standard(path) {
         return Ok(());
     }
     if path.is_dir() || path.file_name().is_none() {
-        return Err(refuse(path, "is a folder; allowed: the name of a file"));
+        return Err(input_error(path, "is a folder; allowed: a file name"));
     }
     let folder = folder_of(path);
     if !folder.is_dir() {
-        return Err(refuse(path, format!("the folder {} does not exist", folder.display())));
+        return Err(input_error(path, format!("the folder {} does not exist", folder.display())));
     }
     Ok(())
 }
 
-/// Makes a folder for outputs, before anything is computed.
-pub(super) fn make_folder(folder: &Path) -> Result<(), Refused> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(refuse(folder, "is a file; allowed: a folder"));
-    }
-    fs::create_dir_all(folder).map_err(|error| refuse(folder, format!("cannot be made: {error}")))
-}
-
-/// Do two names mean the same file, or both standard output?
-pub(super) fn is_same_place(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| match path.canonicalize() {
+/// Do two paths refer to the same file, or both to standard output?
+pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| match path.canonicalize() {
         Ok(found) => Some(found),
         Err(_) => Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?)),
     };
-    a == b || !is_standard(a) && !is_standard(b) && place(a) == place(b)
+    a == b || !is_standard(a) && !is_standard(b) && resolved(a) == resolved(b)
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -84,45 +99,45 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Writes all files or none: first under temporary names, then renamed. What is no regular file (a
-/// device, a pipe) cannot be replaced: it is written straight, after those. `-` is written last.
-pub(super) fn write_all(files: &[File]) -> Result<(), Refused> {
-    let mut waiting: Vec<(PathBuf, PathBuf)> = Vec::new();
-    let mut problem = None;
+/// Writes all files or none: first under temporary names, then renamed. Special files (devices, pipes)
+/// cannot be replaced and are written directly, after the regular files; `-` is written last.
+pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
+    let mut pending: Vec<(PathBuf, PathBuf)> = Vec::new();
+    let mut failure = None;
     let is_special = |file: &File| {
         !is_standard(&file.path) && fs::metadata(&file.path).is_ok_and(|found| !found.is_file())
     };
     let is_regular = |file: &File| !is_standard(&file.path) && !is_special(file);
     for (index, file) in files.iter().enumerate().filter(|(_, file)| is_regular(file)) {
-        // The file that a link leads to, not the link.
+        // The target of a link, not the link.
         let path = file.path.canonicalize().unwrap_or_else(|_| file.path.clone());
         let name = format!(".implant-preview-{}-{index}.part", std::process::id());
         let temporary = folder_of(&path).join(name);
-        waiting.push((temporary.clone(), path));
+        pending.push((temporary.clone(), path));
         if let Err(error) = write_durably(&temporary, &file.content) {
-            problem = Some(refuse(&file.path, format!("cannot be written: {error}")));
+            failure = Some(input_error(&file.path, format!("cannot be written: {error}")));
             break;
         }
     }
-    for (temporary, path) in &waiting {
-        if problem.is_none() {
-            problem = fs::rename(temporary, path)
+    for (temporary, path) in &pending {
+        if failure.is_none() {
+            failure = fs::rename(temporary, path)
                 .err()
-                .map(|error| refuse(path, format!("cannot be written: {error}")));
+                .map(|error| input_error(path, format!("cannot be written: {error}")));
         }
-        if problem.is_some() {
-            // Best effort: the complaint about the first problem is what matters.
+        if failure.is_some() {
+            // Removal is best effort: the first failure is the one to report.
             let _ = fs::remove_file(temporary);
         }
     }
-    if let Some(problem) = problem {
-        return Err(problem);
+    if let Some(failure) = failure {
+        return Err(failure);
     }
     for file in files.iter().filter(|file| is_special(file)) {
         let written = fs::OpenOptions::new().write(true).open(&file.path);
         written
-            .and_then(|mut place| place.write_all(&file.content))
-            .map_err(|error| refuse(&file.path, format!("cannot be written: {error}")))?;
+            .and_then(|mut special| special.write_all(&file.content))
+            .map_err(|error| input_error(&file.path, format!("cannot be written: {error}")))?;
     }
     files.iter().filter(|file| is_standard(&file.path)).try_for_each(|file| print(&file.content))
 }
@@ -133,18 +148,18 @@ fn write_durably(path: &Path, content: &[u8]) -> std::io::Result<()> {
     file.sync_all()
 }
 
-fn print(content: &[u8]) -> Result<(), Refused> {
+fn print(content: &[u8]) -> Result<(), InputError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(content).and_then(|()| out.flush()) {
-        // A reader that has seen enough (`| head`) is no error.
+        // A reader that closes the pipe early (`| head`) is not an error.
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Refused(format!("standard output: cannot be written: {error}")))
+            Err(InputError(format!("standard output: cannot be written: {error}")))
         }
         _ => Ok(()),
     }
 }
 
-/// A number for a table: ten significant digits, no trailing zeros.
+/// Formats a number for a table: ten significant digits, no trailing zeros.
 pub(super) fn number(value: f64) -> String {
     let digits = format!("{value:.9e}");
     digits
@@ -152,7 +167,15 @@ pub(super) fn number(value: f64) -> String {
         .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
 }
 
-/// A text for a table: quoted where a comma, a quote or a line end needs it.
+/// Name of a spring law in tables and arguments.
+pub(super) fn springs_name(springs: Springs) -> &'static str {
+    match springs {
+        Springs::Coupled => "coupled",
+        Springs::Nikolaev => "nikolaev",
+    }
+}
+
+/// Formats a text for a table: quoted if it contains a comma, a quote or a line break.
 pub(super) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

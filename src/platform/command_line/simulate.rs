@@ -1,9 +1,9 @@
-//! `simulate`: scenes in, results out.
+//! `simulate`: solves scenes and writes their results.
 
 use super::mesh::Surface;
 use super::mesh_formats::Format;
 use super::output::{self, File, number};
-use super::{Answer, Refused, input};
+use super::{ExitStatus, InputError, input};
 use crate::measure::{Outcome, Status, surfaces};
 use crate::scene::{CheckedScene, read};
 use crate::simulate::{self, Simulation};
@@ -17,39 +17,41 @@ pub(super) struct Arguments {
     /// Scene files, JSON or JSON lines; `-` is standard input.
     #[arg(required = true, value_name = "SCENE.json")]
     scenes: Vec<PathBuf>,
-    /// Where the result goes; `-` is standard output. Several scenes give JSON lines.
+    /// Output file for the result; `-` is standard output. Several scenes give JSON lines.
     #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
     out: PathBuf,
-    /// The deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
+    /// Output file for the deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
     #[arg(long, value_name = "M.stl|.obj|.ply|.glb")]
     mesh: Option<PathBuf>,
-    /// The profile as a table (one scene only); `-` is standard output.
+    /// Output file for the profile as a table (one scene only); `-` is standard output.
     #[arg(long, value_name = "P.csv")]
     profile: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let format = arguments.mesh.as_deref().map(Format::of_file).transpose()?;
-    check_places(arguments)?;
+    check_paths(arguments)?;
     let mut scenes = Vec::new();
     for path in &arguments.scenes {
         scenes.extend(read_scenes(path)?);
     }
     if scenes.len() != 1 && (arguments.mesh.is_some() || arguments.profile.is_some()) {
         let count = scenes.len();
-        return Err(Refused(format!("--mesh and --profile: {count} scenes; allowed: one scene")));
+        return Err(InputError(format!(
+            "--mesh and --profile: {count} scenes; allowed: one scene"
+        )));
     }
-    let wants_surface = format.is_some();
+    let needs_surface = format.is_some();
     let solved: Vec<(Outcome, Option<Surface>)> =
-        scenes.par_iter().map(|scene| solve(scene, wants_surface)).collect();
+        scenes.par_iter().map(|scene| solve(scene, needs_surface)).collect();
     let files = outputs(arguments, format, &solved)?;
     output::write_all(&files)?;
     let all_converged = solved.iter().all(|(outcome, _)| outcome.status == Status::Converged);
-    Ok(if all_converged { Answer::Converged } else { Answer::NotConverged })
+    Ok(if all_converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }
 
-/// Every output has its own place, none of them an input.
-fn check_places(arguments: &Arguments) -> Result<(), Refused> {
+/// Checks that all outputs are different files, and none of them an input.
+fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
     let outputs: Vec<&Path> =
         [Some(&arguments.out), arguments.mesh.as_ref(), arguments.profile.as_ref()]
             .into_iter()
@@ -57,50 +59,53 @@ fn check_places(arguments: &Arguments) -> Result<(), Refused> {
             .map(PathBuf::as_path)
             .collect();
     for (k, path) in outputs.iter().enumerate() {
-        output::check_place(path)?;
-        if outputs[..k].iter().any(|other| output::is_same_place(other, path)) {
-            let place = if output::is_standard(path) {
+        output::check_path(path)?;
+        if outputs[..k].iter().any(|other| output::is_same_file(other, path)) {
+            let name = if output::is_standard(path) {
                 "standard output".to_owned()
             } else {
                 path.display().to_string()
             };
-            return Err(Refused(format!("{place}: is named for two outputs; allowed: one each")));
+            return Err(InputError(format!(
+                "{name}: named for two outputs; allowed: one output per file"
+            )));
         }
         let is_input = |scene: &PathBuf| {
-            let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
-            same(scene, path) == Some(true)
+            let same_file =
+                |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+            same_file(scene, path) == Some(true)
         };
         if !output::is_standard(path) && arguments.scenes.iter().any(is_input) {
-            return Err(output::refuse(path, "is a scene to read; allowed: another file"));
+            return Err(output::input_error(path, "is an input scene; allowed: another file"));
         }
     }
     Ok(())
 }
 
-/// Reads a scene, or one scene a line.
-fn read_scenes(path: &Path) -> Result<Vec<CheckedScene>, Refused> {
+/// Reads the scenes of a file: one scene, or one scene per line.
+fn read_scenes(path: &Path) -> Result<Vec<CheckedScene>, InputError> {
     let bytes = input::read(path, read::MAX_LINES_BYTES)?;
-    // JSON lines by the file's name; `read` also knows them by their first line.
+    // JSON lines by the extension; `read` also detects them by the first line.
     let is_lines = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
     let format = if is_lines { read::Format::JsonLines } else { read::Format::Json };
-    read::scenes(&bytes, format).map_err(|error| output::refuse(path, error))
+    read::scenes(&bytes, format).map_err(|error| output::input_error(path, error))
 }
 
-fn solve(scene: &CheckedScene, wants_surface: bool) -> (Outcome, Option<Surface>) {
+fn solve(scene: &CheckedScene, needs_surface: bool) -> (Outcome, Option<Surface>) {
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64() * 1000.0;
     let Simulation { outcome, solution } = simulate::run(scene, Options::default(), Some(&clock));
     let has_shape = outcome.status != Status::Unstable;
-    let surface = (wants_surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
+    let surface = (needs_surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
     (outcome, surface)
 }
 
-/// All files of this run, ready to be written. A scene without a stable shape has no mesh.
+/// The output files of this run. A scene without a stable shape has no mesh.
 fn outputs(
     arguments: &Arguments,
     format: Option<Format>,
     solved: &[(Outcome, Option<Surface>)],
-) -> Result<Vec<File>, Refused> {
+) -> Result<Vec<File>, InputError> {
     let mut text = String::new();
     for (outcome, _) in solved {
         let json = if solved.len() == 1 {
@@ -108,7 +113,7 @@ fn outputs(
         } else {
             serde_json::to_string(outcome)
         };
-        text += &json.map_err(|error| Refused(format!("result: {error}")))?;
+        text += &json.map_err(|error| InputError(format!("result: {error}")))?;
         text.push('\n');
     }
     let mut files = vec![File::new(&arguments.out, text)];
@@ -116,10 +121,13 @@ fn outputs(
         if let (Some(path), Some(format)) = (&arguments.mesh, format) {
             match surface {
                 Some(surface) => files.push(File::new(path, format.encode(surface))),
-                None => output::remark(&format!(
+                None => output::warn(&format!(
                     "{}: not written: {}",
                     path.display(),
-                    outcome.warnings.first().map_or("there is no shape", String::as_str)
+                    outcome
+                        .warnings
+                        .first()
+                        .map_or("the scene has no stable shape", String::as_str)
                 )),
             }
         }

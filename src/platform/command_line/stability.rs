@@ -1,7 +1,7 @@
-//! `stability`: where an evenly stretched sheet is stable, as a table and a map for each curve.
+//! `stability`: stability of a uniformly stretched sheet, as a table and a map for each curve.
 
-use super::output::{self, File, number};
-use super::{Answer, Refused};
+use super::output::{self, File, OutputFolder, number, springs_name};
+use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
 use crate::experiment::charts::stability_map::{Map, draw};
 use crate::experiment::stability::{Point, row};
@@ -10,17 +10,17 @@ use crate::springs::Springs;
 use crate::springs::stability::Load;
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const COLUMNS: &str = "springs,curve,load,poisson_ratio,strain,transverse_strain,\
     least_eigenvalue_sheet,least_eigenvalue_waves,wave_x,wave_y,wave_angle_deg,polarisation_deg,\
     least_eigenvalue_out_of_plane,status\n";
 
-/// Steps of the strain from 0 to 1, and of the Poisson ratio from 0 to 0.5.
+/// Number of steps of the strain from 0 to 1, and of the Poisson ratio from 0 to 0.5.
 const STRAINS: u32 = 100;
 const POISSON_RATIOS: u32 = 50;
 
-/// The curves: both presets, a line, and an exponential that rises to 55 times its first slope.
+/// The curves: both presets, a line, and an exponential whose slope rises by a factor of 55.
 const CURVES: [(&str, CurveSpec); 4] = [
     ("skin", CurveSpec::Skin {}),
     ("adipose", CurveSpec::Adipose {}),
@@ -28,14 +28,7 @@ const CURVES: [(&str, CurveSpec); 4] = [
     ("exponential", CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 }),
 ];
 
-#[derive(clap::Args)]
-pub(super) struct Arguments {
-    /// The folder for `stability.csv` and the maps; made if it is missing.
-    #[arg(long, value_name = "D")]
-    out_dir: PathBuf,
-}
-
-/// The map of one curve, law and load: row by row, Poisson ratios rising.
+/// The map of a curve, law and load; rows with rising Poisson ratio.
 struct Mapped {
     springs: Springs,
     curve: &'static str,
@@ -43,15 +36,14 @@ struct Mapped {
     points: Vec<Point>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
-    let folder = &arguments.out_dir;
-    output::make_folder(folder)?;
+pub(super) fn run(folder: &OutputFolder) -> Result<ExitStatus, InputError> {
+    let folder = folder.create()?;
     let steps = |count: u32, end: f64| -> Vec<f64> {
         (0..=count).map(|k| end * f64::from(k) / f64::from(count)).collect()
     };
     let strains = steps(STRAINS, FULL_STRAIN);
     let mut poisson_ratios = steps(POISSON_RATIOS, limits::POISSON_RATIO.1);
-    // At ν = 0 every state is neutral, and close to it stiffnesses bend: one row more.
+    // At ν = 0 every state is neutral, and near ν = 0 the stiffness varies strongly: one more row.
     poisson_ratios.insert(1, 0.5 * poisson_ratios[1]);
     let mapped = map_all(&strains, &poisson_ratios)?;
     let mut files = vec![File::new(&folder.join("stability.csv"), table(&mapped))];
@@ -61,24 +53,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
             mapped.iter().filter(is_wanted).flat_map(|m| m.points.iter().copied()).collect()
         };
         let map = Map {
-            title: format!("Where the paper's springs are stable: {curve}"),
+            title: format!("Stability of the paper's springs: {curve}"),
             strains: &strains,
             poisson_ratios: &poisson_ratios,
             panels: Load::ALL.map(|load| (load, of(Springs::Nikolaev, load))),
             note: coupled_note(&Load::ALL.map(|load| of(Springs::Coupled, load)).concat()),
         };
-        let picture = draw(&map).map_err(|error| output::refuse(folder, error))?;
+        let picture = draw(&map).map_err(|error| output::input_error(folder, error))?;
         files.push(File::new(&folder.join(format!("stability-{curve}.svg")), picture));
     }
     output::write_all(&files)?;
-    Ok(Answer::Converged)
+    Ok(ExitStatus::Converged)
 }
 
-fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, Refused> {
+fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, InputError> {
     let mut maps = Vec::new();
     for springs in [Springs::Nikolaev, Springs::Coupled] {
         for (name, spec) in &CURVES {
-            let curve = Curve::new(spec).map_err(|error| output::refuse(Path::new(name), error))?;
+            let curve =
+                Curve::new(spec).map_err(|error| output::input_error(Path::new(name), error))?;
             maps.extend(Load::ALL.map(|load| (springs, *name, curve.clone(), load)));
         }
     }
@@ -90,7 +83,7 @@ fn map_all(strains: &[f64], poisson_ratios: &[f64]) -> Result<Vec<Mapped>, Refus
     Ok(maps.par_iter().map(map).collect())
 }
 
-/// What the coupled springs do where the paper's are shown.
+/// Summary of the coupled springs, for the chart of the paper's springs.
 fn coupled_note(points: &[Point]) -> String {
     let least = points.iter().map(|p| p.wave.stiffness).fold(f64::INFINITY, f64::min);
     let unstable = points.iter().filter(|p| p.wave.stiffness < 0.0).count();
@@ -111,10 +104,7 @@ fn table(mapped: &[Mapped]) -> String {
     let rounded = |value: f64, unit: f64| number((value / unit).round() * unit);
     let mut table = COLUMNS.to_owned();
     for Mapped { springs, curve, load, points } in mapped {
-        let springs = match springs {
-            Springs::Coupled => "coupled",
-            Springs::Nikolaev => "nikolaev",
-        };
+        let springs = springs_name(*springs);
         let load = load.name();
         for point in points {
             let status = match point.wave.stiffness {

@@ -1,22 +1,22 @@
-//! `tension`: the paper's stretching experiment as a table.
+//! `tension`: the paper's tension test as a table.
 
-use super::output::{self, File, number, quoted};
-use super::{Answer, Refused, in_range, input};
+use super::output::{self, File, number, quoted, springs_name};
+use super::{ExitStatus, InputError, in_range, input};
 use crate::curve::{Curve, CurveSpec};
-use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as pull};
+use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
 use crate::scene::read;
 use crate::springs::Springs;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
-/// The first line of every table of this experiment.
+/// Header of the table.
 pub(super) const COLUMNS: &str = "springs,curve,poisson_ratio,load_kpa,strain,strain_expected,transverse_strain,poisson_measured,status\n";
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// The spring law.
     #[arg(long, default_value = "coupled")]
-    springs: Law,
+    springs: SpringsArgument,
     /// `skin`, `adipose`, or a file with a curve as in a scene.
     #[arg(long, default_value = "skin", value_name = "skin|adipose|FILE.json")]
     curve: String,
@@ -26,25 +26,25 @@ pub(super) struct Arguments {
     /// Cells per side of the sample, 1 to 16.
     #[arg(long, default_value_t = 4, value_parser = cells, allow_negative_numbers = true)]
     cells: u8,
-    /// Angle of the pull to the grid [degrees], -360 to 360.
+    /// Angle between load and grid [degrees], -360 to 360.
     #[arg(long, default_value_t = 0.0, value_parser = angle, allow_negative_numbers = true)]
     angle: f64,
-    /// `paper`: 15 000 damped iterations a load; `equilibrium`: Newton's method.
+    /// `paper`: 15 000 damped iterations per load; `equilibrium`: Newton's method.
     #[arg(long, default_value = "equilibrium")]
-    protocol: How,
-    /// Where the table goes; `-` is standard output.
+    protocol: ProtocolArgument,
+    /// Output file for the table; `-` is standard output.
     #[arg(long, default_value = output::STANDARD, value_name = "T.csv")]
     out: PathBuf,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Law {
+enum SpringsArgument {
     Coupled,
     Nikolaev,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum How {
+enum ProtocolArgument {
     Paper,
     Equilibrium,
 }
@@ -61,53 +61,50 @@ fn angle(text: &str) -> Result<f64, String> {
     in_range(text, -360.0, 360.0)
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Refused> {
-    output::check_place(&arguments.out)?;
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
+    output::check_path(&arguments.out)?;
     let test = Test {
         springs: match arguments.springs {
-            Law::Coupled => Springs::Coupled,
-            Law::Nikolaev => Springs::Nikolaev,
+            SpringsArgument::Coupled => Springs::Coupled,
+            SpringsArgument::Nikolaev => Springs::Nikolaev,
         },
         curve: read_curve(&arguments.curve)?,
         poisson_ratio: arguments.poisson,
         cells: usize::from(arguments.cells),
         angle: arguments.angle.to_radians(),
         protocol: match arguments.protocol {
-            How::Paper => Protocol::Paper,
-            How::Equilibrium => Protocol::Equilibrium,
+            ProtocolArgument::Paper => Protocol::Paper,
+            ProtocolArgument::Equilibrium => Protocol::Equilibrium,
         },
     };
-    let report = pull(&test);
+    let report = run_tension(&test);
     let table = COLUMNS.to_owned() + &table_rows(&test, &arguments.curve, &report);
     output::write_all(&[File::new(&arguments.out, table)])?;
     if let Some(strain) = report.stability_lost_at {
-        output::remark(&format!("stability is lost at strain {}", number(strain)));
+        output::warn(&format!("stability is lost at strain {}", number(strain)));
     }
     let converged = report.rows.iter().any(|row| row.status == Status::Converged);
-    Ok(if converged { Answer::Converged } else { Answer::NotConverged })
+    Ok(if converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }
 
-fn read_curve(name: &str) -> Result<Curve, Refused> {
+fn read_curve(name: &str) -> Result<Curve, InputError> {
     let preset = match name {
         "skin" => CurveSpec::Skin {},
         "adipose" => CurveSpec::Adipose {},
         _ => {
             let path = Path::new(name);
-            let bytes = input::read(path, read::MAX_SCENE_BYTES).map_err(|refused| {
-                Refused(format!("{refused}; allowed: skin, adipose or a curve file"))
+            let bytes = input::read(path, read::MAX_SCENE_BYTES).map_err(|error| {
+                InputError(format!("{error}; allowed: skin, adipose or a curve file"))
             })?;
-            return read::curve(&bytes).map_err(|error| output::refuse(path, error));
+            return read::curve(&bytes).map_err(|error| output::input_error(path, error));
         }
     };
-    Curve::new(&preset).map_err(|error| output::refuse(Path::new(name), error))
+    Curve::new(&preset).map_err(|error| output::input_error(Path::new(name), error))
 }
 
-/// The rows of a report under [`COLUMNS`]; a row without a stable shape measures nothing.
+/// The rows of a report below [`COLUMNS`]; rows without a stable shape contain no measured values.
 pub(super) fn table_rows(test: &Test, curve: &str, report: &Report) -> String {
-    let springs = match test.springs {
-        Springs::Coupled => "coupled",
-        Springs::Nikolaev => "nikolaev",
-    };
+    let springs = springs_name(test.springs);
     let line = |row: &Row| {
         let [strain, across, poisson] = match row.measured {
             Some(m) => [m.strain, m.transverse_strain, m.poisson_ratio()].map(number),

@@ -1,0 +1,210 @@
+//! The logic of a frame: slices of solving, commands, edits of the panels, files.
+
+use super::files::FileEvent;
+use super::focus::Boundary;
+use super::messages::Notice;
+use super::readings::PreviousResults;
+use super::status::SliceOf;
+use super::{App, is_hemisphere, theme};
+use crate::measure::no_shape;
+use crate::scene::{Scene, SceneError};
+use crate::session::Command;
+use crate::solve::Progress;
+use eframe::egui::{self, Ui};
+use web_time::{Duration, Instant};
+
+/// Time limit of a slice of solving; the running step is finished.
+const SLICE: Duration = Duration::from_millis(10);
+/// Time of a solve after which the app shows its progress and hides the previous results.
+const LONG: Duration = Duration::from_millis(400);
+/// Upper limit of a slice of a long solve, for slow frames.
+const LONG_SLICE: Duration = Duration::from_millis(60);
+/// Time limit of the first slice, which solves most opening scenes.
+const FIRST_SLICE: Duration = Duration::from_millis(400);
+
+/// A solve in progress.
+#[derive(Clone, Copy)]
+pub(super) struct RunningSolve {
+    pub(super) start: Instant,
+    /// Completed fraction \[-\], 0 to 1.
+    pub(super) fraction: f64,
+}
+
+impl App {
+    /// Runs a frame: keys, one slice of solving, panels, edits. Independent of the surrounding window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let start = Instant::now();
+        let ctx = ui.ctx().clone();
+        self.poll_files(&ctx);
+        self.focus.begin_frame(&ctx);
+        self.handle_keys(&ctx);
+        let mut scene = self.draft.take().unwrap_or_default();
+        if scene != *self.session.scene() {
+            scene.clone_from(self.session.scene());
+        }
+        self.is_scene_replaced = false;
+        self.advance_playback(&ctx, &mut scene);
+        self.solve_slice(&ctx);
+        self.focus.boundary(ui, Boundary::First);
+        if ui.available_width() < theme::NARROW {
+            self.narrow(ui, &mut scene);
+        } else {
+            self.wide(ui, &mut scene);
+        }
+        self.about_window(&ctx);
+        self.focus.boundary(ui, Boundary::Last);
+        self.submit_edits(&ctx, &mut scene);
+        // An edit clears the previous notice, so a notice about this edit is stored after it.
+        self.notice = self.position_notice.take().or(self.notice.take());
+        self.focus.end_frame(&ctx, self.viewport.id());
+        self.draft = Some(scene);
+        self.was_paused = false;
+        if self.session.is_working() || self.is_playing {
+            ctx.request_repaint();
+        }
+        self.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
+    }
+
+    /// Solves for one slice.
+    fn solve_slice(&mut self, ctx: &egui::Context) {
+        if !self.session.is_working() {
+            self.solving = None;
+            return;
+        }
+        let now = Instant::now();
+        let running = self.solving.unwrap_or(RunningSolve { start: now, fraction: 0.0 });
+        // The app is of no use before its first shape.
+        let is_opening = self.session.outcome().is_none() && running.start == now;
+        let slice = if is_opening {
+            FIRST_SLICE
+        } else if running.start.elapsed() > LONG {
+            // Slow frames would prolong a long solve: the slice takes half of their time.
+            let frame = Duration::from_secs_f32(ctx.input(|input| input.stable_dt.clamp(0.0, 1.0)));
+            (frame / 2).clamp(SLICE, LONG_SLICE)
+        } else {
+            SLICE
+        };
+        let progress = self.session.solve(&mut || now.elapsed() >= slice);
+        let scene = if is_opening { SliceOf::OpeningScene } else { SliceOf::EditedScene };
+        self.timing.add_slice(1000.0 * now.elapsed().as_secs_f64(), scene);
+        self.session.conclude();
+        let fraction = running.fraction.max(self.session.fraction_done());
+        self.solving = Some(RunningSolve { fraction, ..running });
+        if let Some(fault) = self.session.taken_back() {
+            let reason = no_shape(Some(fault));
+            self.notice = Some(Notice::error(format!(
+                "The last change was undone. {reason} Redo repeats the change."
+            )));
+            self.is_playing = false;
+        }
+        if progress == Progress::Done && self.session.has_no_shape() {
+            self.is_playing = false;
+        }
+    }
+
+    /// Is a long solve in progress?
+    pub(super) fn is_long(&self) -> bool {
+        self.session.is_working()
+            && self.solving.is_some_and(|running| running.start.elapsed() > LONG)
+    }
+
+    /// Visibility of the results of the previous scene.
+    pub(super) fn previous_results(&self) -> PreviousResults {
+        if self.is_long() { PreviousResults::Hidden } else { PreviousResults::Shown }
+    }
+
+    /// Cancels the running solve and restores the previous scene, if there is one.
+    pub(super) fn cancel(&mut self) {
+        self.session.cancel();
+        self.is_scene_replaced = true;
+        self.is_playing = false;
+        self.solving = None;
+        self.timing.solve_ms = 0.0;
+        self.is_hemisphere = is_hemisphere(self.session.scene());
+        self.notice = (!self.session.is_stopped()).then(|| {
+            Notice::info(
+                "Cancelled. The previous scene is open; Redo computes the cancelled one again.",
+            )
+        });
+    }
+
+    /// Applies a command to the session.
+    pub(super) fn apply(&mut self, command: Command) -> Result<(), SceneError> {
+        let before = self.session.counters().solves;
+        self.session.apply(command)?;
+        self.notice = None;
+        self.is_scene_replaced = true;
+        if self.session.counters().solves != before {
+            self.timing.solve_ms = 0.0;
+            self.solving = None;
+        }
+        self.is_hemisphere = is_hemisphere(self.session.scene());
+        Ok(())
+    }
+
+    /// Executes a command and reports its error, if any.
+    pub(super) fn execute(&mut self, command: Command) {
+        if let Err(error) = self.apply(command) {
+            self.notice = Some(Notice::error(error.to_string()));
+        }
+    }
+
+    /// Turns the panels' changes of the draft into a command. After another command of this frame
+    /// (undo, say) the draft is outdated and dropped.
+    fn submit_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        let is_new = ctx.input(|input| {
+            let pointer = &input.pointer;
+            pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
+        });
+        if is_new {
+            // From press to release is one gesture; each key is its own.
+            self.gesture += u64::from(!self.is_playing);
+        }
+        let is_hemisphere = self.is_hemisphere;
+        let is_same = scene == self.session.scene()
+            && (!is_hemisphere || self::is_hemisphere(self.session.scene()));
+        if self.is_scene_replaced || is_same {
+            return;
+        }
+        if is_hemisphere {
+            scene.implant.projection_mm = scene.implant.base_radius_mm;
+        }
+        let repair = scene.repair();
+        self.execute(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
+        if let Some(repair) = repair {
+            self.notice = Some(Notice::caution(repair.to_string()));
+        }
+        self.is_hemisphere = is_hemisphere;
+        ctx.request_repaint();
+    }
+
+    /// Reads dropped files and reports finished dialogs.
+    fn poll_files(&mut self, ctx: &egui::Context) {
+        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
+            self.files.dropped(ctx, file);
+        }
+        while let Some(event) = self.files.next() {
+            self.notice = Some(match event {
+                FileEvent::Opened { name, text } => match self.open(text) {
+                    Ok(()) => {
+                        self.viewport.fit(&self.session);
+                        Notice::info(format!("Opened {name}."))
+                    }
+                    Err(error) => Notice::error(format!("{name}: {error}")),
+                },
+                FileEvent::Saved(name) => Notice::info(format!("Saved {name}.")),
+                FileEvent::Failed(error) => Notice::error(error),
+            });
+        }
+    }
+
+    pub(super) fn save_scene(&mut self, ctx: &egui::Context) {
+        self.files.save(ctx, "scene.json", self.session.scene().to_json());
+    }
+
+    pub(super) fn save_result(&mut self, ctx: &egui::Context) {
+        if let Some(text) = self.result_json() {
+            self.files.save(ctx, "result.json", text);
+        }
+    }
+}
