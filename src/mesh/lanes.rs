@@ -148,8 +148,6 @@ pub(crate) struct Layout {
     pub(crate) free: Vec<(u32, u32)>,
     /// Cells of each stored row with four free corners.
     pub(crate) regular: Vec<(u32, u32)>,
-    /// Triangles of the other cells.
-    pub(crate) border: Vec<BorderTriangle>,
     /// Nodes that are not free but within two cells of one, in the order in which they can be
     /// extrapolated; of grids alone that have a finer one.
     pub(crate) extrapolated: Vec<Extrapolated>,
@@ -158,7 +156,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    pub(crate) fn new(nodes_per_side: usize, mirrored: Mirrored) -> Self {
+    /// The layout of a grid, and the triangles of the cells that are not regular.
+    pub(crate) fn new(nodes_per_side: usize, mirrored: Mirrored) -> (Self, Vec<BorderTriangle>) {
         let half = nodes_per_side / 2;
         let sheet = Sheet::new(nodes_per_side, half as f64);
         let first = mirrored.map(|is_mirrored| if is_mirrored { half - 1 } else { 0 });
@@ -174,13 +173,13 @@ impl Layout {
             mirrored,
             free: Vec::with_capacity(rows),
             regular: Vec::with_capacity(rows - 1),
-            border: Vec::new(),
             extrapolated: Vec::new(),
             sources: Vec::new(),
         };
         let is_free = |i: usize, j: usize| {
             sheet.kinds()[(j + first[1]) * nodes_per_side + i + first[0]] == NodeKind::Free
         };
+        let mut border = Vec::new();
         let [ghost, _] = layout.ghost();
         for j in 0..rows {
             let from = (ghost..columns).find(|&i| is_free(i, j));
@@ -201,14 +200,14 @@ impl Layout {
             for i in (0..from).chain(to..columns - 1) {
                 let (i, j) = (i + first[0], j + first[1]);
                 if sheet.cell(i, j) != CellKind::Outside {
-                    layout.border.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
+                    border.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
                         let rest = nodes.map(|k| sheet.rest()[k]);
                         BorderTriangle { nodes: nodes.map(stored), rest, weight }
                     }));
                 }
             }
         }
-        layout
+        (layout, border)
     }
 
     /// Length of an array over the stored nodes.

@@ -7,7 +7,7 @@
 
 pub(crate) mod membrane;
 
-use crate::mesh::lanes::{Field, Layout, load, store};
+use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
 use crate::mesh::vec3::{Block, inverted};
 
 /// An elastic body over a grid, in four f32 lanes. Lengths are in grid spacings; the stiffness at small
@@ -19,8 +19,8 @@ pub(crate) trait ElasticModel {
     /// Nodes of a column through the thickness; the first one is on the inner face.
     const LAYERS: usize;
 
-    /// The scratch of a grid.
-    fn scratch(layout: &Layout) -> Self::Scratch;
+    /// The scratch of a grid with these triangles at the border.
+    fn scratch(layout: &Layout, border: &[BorderTriangle]) -> Self::Scratch;
 
     /// Sets `f` to −∂E/∂u; entries of ghost and clamped nodes are unspecified.
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Self::Scratch);

@@ -7,12 +7,13 @@ use crate::mesh::{Patch, Sheet, rounded_nodes_per_side};
 use crate::solve::Problem;
 use crate::springs::Material;
 use glam::DVec2;
+use std::sync::Arc;
 
 /// A scene that was parsed and checked once, with the curves that the check built.
 #[derive(Clone, Debug)]
 pub struct CheckedScene {
     scene: Scene,
-    materials: Vec<Material>,
+    materials: Arc<[Material]>,
 }
 
 impl CheckedScene {
@@ -21,7 +22,15 @@ impl CheckedScene {
     /// # Errors
     /// The first field that is out of its range.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        Self::like(scene, None)
+    }
+
+    /// Checks a scene; curves of an `earlier` scene with the same layers are shared.
+    pub(super) fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
         scene.check_limits()?;
+        if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {
+            return Ok(Self { scene, materials: Arc::clone(&earlier.materials) });
+        }
         let material = |(k, layer): (usize, &super::Layer)| {
             let curve = Curve::new(&layer.curve)
                 .map_err(|source| SceneError::Curve { layer: k, source })?;
@@ -37,7 +46,7 @@ impl CheckedScene {
     /// # Errors
     /// One line that names the field, what is wrong and what is allowed.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
-        read::checked_scene(json)
+        read::checked_scene(json, None)
     }
 
     /// The scene.
@@ -73,7 +82,7 @@ impl CheckedScene {
             sheet: Sheet::new(rounded_nodes_per_side(solver.nodes_per_side), patch.radius_mm),
             patch,
             obstacle: Obstacle::on_flat_wall(dome),
-            materials: self.materials.clone(),
+            materials: self.materials.to_vec(),
             springs: *springs,
             tolerance: solver.tolerance,
         }

@@ -33,7 +33,7 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
     }
     let text = utf8(bytes)?;
     if format == Format::Json && !starts_with_a_value(text) {
-        return Ok(vec![checked_scene(text)?]);
+        return Ok(vec![checked_scene(text, None)?]);
     }
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let mut scenes = Vec::new();
@@ -43,7 +43,7 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
             let allowed = format!("to {MAX_SCENES}");
             return Err(at_line(out_of_range("file", "one scene more".to_owned(), &allowed)));
         }
-        scenes.push(checked_scene(line).map_err(at_line)?);
+        scenes.push(checked_scene(line, scenes.last()).map_err(at_line)?);
     }
     if scenes.is_empty() {
         return Err(out_of_range("file", "empty".to_owned(), "one scene a line"));
@@ -72,8 +72,11 @@ fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
         .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
 }
 
-pub(super) fn checked_scene(text: &str) -> Result<CheckedScene, SceneError> {
-    CheckedScene::new(json::<SceneFile>(text, "scene")?.filled())
+pub(super) fn checked_scene(
+    text: &str,
+    earlier: Option<&CheckedScene>,
+) -> Result<CheckedScene, SceneError> {
+    CheckedScene::like(json::<SceneFile>(text, "scene")?.filled(), earlier)
 }
 
 /// Reads one JSON object; `whole` is what messages call it.

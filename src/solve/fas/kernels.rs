@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn restriction_is_the_transpose_of_interpolation() {
         for mirrored in [[false; 2], [true, false], [false, true], [true; 2]] {
-            let (coarse, fine) = (Layout::new(33, mirrored), Layout::new(65, mirrored));
+            let [(coarse, _), (fine, _)] = [33, 65].map(|n| Layout::new(n, mirrored));
             for seed in 1..4 {
                 let (r, c) = (noise(&fine, seed), noise(&coarse, seed + 10));
                 let mut down = Field::new(coarse.len(), 1);

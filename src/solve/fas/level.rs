@@ -37,7 +37,7 @@ pub(super) struct Level<M: ElasticModel> {
 
 impl<M: ElasticModel> Level<M> {
     pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored, is_finest: bool) -> Self {
-        let mut layout = Layout::new(nodes_per_side, mirrored);
+        let (mut layout, border) = Layout::new(nodes_per_side, mirrored);
         if !is_finest {
             layout.find_extrapolation();
         }
@@ -55,7 +55,7 @@ impl<M: ElasticModel> Level<M> {
             inverse: NodeBlocks::new(length),
             active: vec![0.0; length],
             contact_offset: vec![0.0; length],
-            scratch: M::scratch(&layout),
+            scratch: M::scratch(&layout, &border),
             layout,
         }
     }

@@ -10,7 +10,7 @@ mod paper;
 mod tension;
 
 use super::law::SheetLaw;
-use crate::mesh::lanes::{Field, Layout};
+use crate::mesh::lanes::{BorderTriangle, Field, Layout};
 use crate::model::{ElasticModel, NodeBlocks, Tension};
 use border::{Border, BorderScratch};
 use coupled::CoupledLanes;
@@ -47,8 +47,8 @@ impl ElasticModel for Membrane {
 
     const LAYERS: usize = 1;
 
-    fn scratch(layout: &Layout) -> Scratch {
-        let border = Border::new(&layout.border);
+    fn scratch(layout: &Layout, border: &[BorderTriangle]) -> Scratch {
+        let border = Border::new(border);
         Scratch {
             on_border: BorderScratch::new(&border),
             border,
