@@ -3,7 +3,7 @@
 //! The core: stress–strain curves, spring laws, the sheet, the dome, the equilibrium, and what a
 //! surgeon reads off it. Module order; imports point left only (`tests/modules.rs`):
 //!
-//! `curve` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
+//! `number` → `curve` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
 //! `session` → `experiment` → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
@@ -16,6 +16,7 @@ pub mod experiment;
 pub mod measure;
 pub mod mesh;
 mod model;
+mod number;
 pub mod platform;
 pub mod scene;
 pub mod session;

@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// From left to right, as in ARCHITECTURE.md.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
+    "number",
     "curve",
     "springs",
     "mesh",

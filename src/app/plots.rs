@@ -144,17 +144,9 @@ fn tissue_faces(session: &Session) -> [Polyline; 2] {
 /// Intersection of the dome with the plane y = 0, above the chest wall: an arc of an ellipse \[mm\].
 fn dome_outline(problem: &Problem) -> Polyline {
     let dome = problem.obstacle.dome;
-    let offset = dome.center.y / dome.base_radius;
-    let scale = (1.0 - offset * offset).max(0.0).sqrt();
     (0..=SAMPLES)
         .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
-        .map(|angle| {
-            let (sin, cos) = angle.sin_cos();
-            [
-                dome.center.x + scale * dome.base_radius * cos,
-                dome.base_height + scale * dome.projection * sin,
-            ]
-        })
+        .map(|angle| dome.outline(0.0, angle).to_array())
         .filter(|point| point[1] >= -1e-9)
         .collect()
 }

@@ -190,6 +190,36 @@ impl Dome {
         DVec2::new(self.base_radius * angle.sin(), self.base_height + self.projection * angle.cos())
     }
 
+    /// Height of the surface above the wall \[mm\] at a horizontal position, zero beside the dome.
+    #[must_use]
+    pub fn height(&self, position: DVec2) -> f64 {
+        let across = (position - self.center) / self.base_radius;
+        let upright = (1.0 - across.length_squared()).max(0.0).sqrt();
+        (self.base_height + self.projection * upright).max(0.0)
+    }
+
+    /// The dome's outline in the plane of a given y at a parameter from 0 (greatest x) to π: x and height above the
+    /// wall \[mm\].
+    #[must_use]
+    pub fn outline(&self, y: f64, angle: f64) -> DVec2 {
+        let offset = (y - self.center.y) / self.base_radius;
+        let scale = (1.0 - offset * offset).max(0.0).sqrt();
+        DVec2::new(
+            self.center.x + scale * self.base_radius * angle.cos(),
+            self.base_height + scale * self.projection * angle.sin(),
+        )
+    }
+
+    /// Distance along a ray to the surface \[lengths of `direction`\], negative behind the origin.
+    #[must_use]
+    pub fn ray_distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        let axes = DVec3::new(self.base_radius, self.base_radius, self.projection);
+        let (from, along) = ((origin - self.origin()) / axes, direction / axes);
+        let (a, b, c) = (along.length_squared(), from.dot(along), from.length_squared() - 1.0);
+        let discriminant = b * b - a * c;
+        (discriminant >= 0.0).then(|| (-b - discriminant.sqrt()) / a)
+    }
+
     /// The parameter of [`Self::meridian`] where the dome meets the wall \[rad\].
     #[must_use]
     pub fn wall_angle(&self) -> f64 {

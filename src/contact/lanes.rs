@@ -93,14 +93,14 @@ impl LaneObstacle {
         gradient.map(|g| (g * factor).fast_max(-most).fast_min(most))
     }
 
-    /// The move of a position inside onto the surface: along the ray from the centre or upright, whichever
+    /// The move of a position inside of the given gauge plus one onto it: along the ray from the centre or upright, whichever
     /// is shorter. On a flat dome the ray leads far aside.
     #[inline(always)]
-    fn outwards(&self, p: Vec3, length: f32x4) -> Vec3 {
+    fn outwards(&self, p: Vec3, length: f32x4, touching: f32x4) -> Vec3 {
         let zero = f32x4::ZERO;
-        let ray = ((f32x4::ONE - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(zero);
+        let ray = ((touching - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(zero);
         let s = self.scaled(p);
-        let height = (f32x4::ONE - s[0] * s[0] - s[1] * s[1]).fast_max(zero).sqrt();
+        let height = (touching * touching - s[0] * s[0] - s[1] * s[1]).fast_max(zero).sqrt();
         let upright = ((height - s[2]) / self.per_projection).fast_max(zero);
         let is_upright = (upright * upright).simd_lt(ray * ray * dot(p, p));
         let [x, y, z] = p.map(|p| p * ray);
@@ -142,12 +142,13 @@ impl LaneObstacle {
         [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
     }
 
-    /// The displacements of nodes inside the dome or below the wall, moved onto the surface.
+    /// The displacements of nodes below the wall or inside of the dome's given gauge plus one, moved onto the
+    /// surface.
     #[inline(always)]
-    pub(crate) fn projected(&self, rest: [f32x4; 2], at: Vec3) -> Vec3 {
+    pub(crate) fn projected(&self, rest: [f32x4; 2], at: Vec3, touching: f32x4) -> Vec3 {
         let at = self.wall.projected(at);
         let Nodes { position, length, .. } = self.nodes(rest, at);
-        add(at, self.outwards(position, length))
+        add(at, self.outwards(position, length, touching))
     }
 
     /// The displacements after a correction from a coarser grid: active nodes move along the dome, no node

@@ -26,4 +26,17 @@ impl Obstacle {
         let point = self.wall.project(point);
         if self.dome.gauge(point) < gauge { self.dome.project(point, gauge) } else { point }
     }
+
+    /// The obstacle in other units of length.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let Dome { center, base_radius, projection, base_height } = self.dome;
+        let dome = Dome {
+            center: center * factor,
+            base_radius: base_radius * factor,
+            projection: projection * factor,
+            base_height: base_height * factor,
+        };
+        Self { dome, wall: self.wall }
+    }
 }

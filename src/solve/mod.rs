@@ -13,8 +13,8 @@
 
 mod accessors;
 mod fas;
-mod initial_guess;
-mod linear;
+pub(crate) mod initial_guess;
+pub(crate) mod linear;
 mod newton;
 mod problem;
 mod reactions;

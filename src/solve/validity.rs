@@ -141,7 +141,7 @@ mod tests {
         let sheet = Sheet::new(33, 70.0);
         let n = 33;
         let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
-        let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+        let mut x = sheet.rest_positions();
         let invalid_of = |x: &[DVec3]| invalid(&sheet, &dome, 1e-4, [0; 2], |i, j| x[j * n + i]);
         x[16 * n + 16] = dome.apex();
         assert_eq!(invalid_of(&x), None);

@@ -11,10 +11,15 @@
 //! uniaxial tension gives the stress Ef(ε) and the transverse strain −νε exactly and in every
 //! direction; W is convex in E because Ef increases.
 //!
-//! Uses `curve`, `table`. Used by `solve`, `measure`, `experiment`.
+//! The reference: [`biot_stress`] and [`principal_response`], from the curve itself. [`CoupledLaw`]: a stack of layers
+//! with tables, by principal strains here, by invariants in `closed_form`.
+//!
+//! Uses `curve`, `number`. Used by `model`, `measure`, `experiment`.
 
-use super::table::{Table, Weight};
+use super::closed_form::{self, Group, GroupNumbers};
+use super::table::{Buckets, Table, Weight};
 use crate::curve::Curve;
+use crate::number::Real;
 
 /// Equivalent strain ē \[-\] of the principal Biot strains ε₁, ε₂ \[-\].
 #[inline]
@@ -42,28 +47,15 @@ pub fn principal_response(
     poisson_ratio: f64,
     strain: [f64; 2],
 ) -> PrincipalResponse {
-    let [a, b] = strain;
-    let nu = poisson_ratio;
-    let plane = 1.0 / (1.0 - nu * nu);
-    let equivalent = equivalent_strain(strain, nu);
+    let equivalent = equivalent_strain(strain, poisson_ratio);
     let secant = curve.secant(equivalent);
-    let t = [(a + nu * b) * plane, (b + nu * a) * plane];
-    // The secant's slope over ē; what it is multiplied with vanishes as ē².
+    // What the slope is multiplied with vanishes as ē².
     let bend = if equivalent > 1e-9 {
         (curve.slope(equivalent) - secant) / (equivalent * equivalent)
     } else {
         0.0
     };
-    PrincipalResponse {
-        energy: curve.energy(equivalent),
-        tension: t.map(|t| secant * t),
-        stiffness: [
-            secant * plane + bend * t[0] * t[0],
-            secant * plane * nu + bend * t[0] * t[1],
-            secant * plane + bend * t[1] * t[1],
-        ],
-        shear: secant / (1.0 + nu),
-    }
+    PrincipalResponse::of(strain, poisson_ratio, [secant, bend, curve.energy(equivalent)])
 }
 
 /// A layer as the law needs it.
@@ -81,20 +73,17 @@ pub struct LawLayer<'a> {
 /// they are merged into one table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledLaw {
-    groups: Vec<Group>,
+    layers: Vec<Merged>,
 }
 
 /// Layers of one Poisson ratio.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Group {
-    pub(crate) poisson_ratio: f64,
+struct Merged {
+    numbers: GroupNumbers,
     /// 1/(1 − ν²).
     plane: f64,
     /// Σ h·Ef(ē)/ē \[kPa·mm\] against ē, up to where every curve is a line.
-    pub(crate) secant: Table,
-    /// Beyond it Σ h·Ef = slope·ē + offset.
-    pub(crate) line_slope: f64,
-    pub(crate) line_offset: f64,
+    group: Group<f64, Table>,
 }
 
 /// Tensions of the sheet and their derivatives by the principal strains. All in kPa·mm.
@@ -110,6 +99,26 @@ pub struct PrincipalResponse {
     pub shear: f64,
 }
 
+impl PrincipalResponse {
+    /// Of layers with secant, its slope over ē and energy at these principal strains.
+    #[inline]
+    fn of([a, b]: [f64; 2], nu: f64, [secant, bend, energy]: [f64; 3]) -> Self {
+        let plane = 1.0 / (1.0 - nu * nu);
+        // ∂ē/∂ε = t/ē.
+        let t = [(a + nu * b) * plane, (b + nu * a) * plane];
+        Self {
+            energy,
+            tension: t.map(|t| secant * t),
+            stiffness: [
+                secant * plane + bend * t[0] * t[0],
+                secant * plane * nu + bend * t[0] * t[1],
+                secant * plane + bend * t[1] * t[1],
+            ],
+            shear: secant / (1.0 + nu),
+        }
+    }
+}
+
 impl CoupledLaw {
     /// The law of the given layers.
     #[must_use]
@@ -121,104 +130,84 @@ impl CoupledLaw {
                 None => groups.push((layer.poisson_ratio, vec![*layer])),
             }
         }
-        Self { groups: groups.into_iter().map(|(nu, members)| Group::new(nu, &members)).collect() }
+        Self { layers: groups.into_iter().map(|(nu, members)| Merged::new(nu, &members)).collect() }
     }
 
     /// Number of tables that one triangle reads: different Poisson ratios.
     #[must_use]
     pub fn groups(&self) -> usize {
-        self.groups.len()
+        self.layers.len()
     }
 
-    /// The tables, one a Poisson ratio.
-    pub(crate) fn tables(&self) -> impl Iterator<Item = &Group> {
-        self.groups.iter()
+    /// The closed form in other numbers, its tensions times `scale`.
+    pub(crate) fn closed_form<R: Real>(&self, scale: f64) -> Vec<Group<R, Buckets<R>>> {
+        let lanes =
+            |merged: &Merged| Group::new(merged.numbers, merged.group.secant.buckets(scale), scale);
+        self.layers.iter().map(lanes).collect()
     }
 
     /// The greatest error of a table's stress, relative to its peak stress.
     #[must_use]
     pub fn table_error(&self) -> f64 {
-        self.groups.iter().map(|g| g.secant.relative_error()).fold(0.0, f64::max)
+        self.layers.iter().map(|m| m.group.secant.relative_error()).fold(0.0, f64::max)
+    }
+
+    /// Tension per small strain \[kPa·mm\], stretched one way and held across: Σ h·Ef′(0)/(1−ν²).
+    #[must_use]
+    pub fn small_strain_stiffness(&self) -> f64 {
+        const STRAIN: f64 = 1e-6;
+        let tension = |m: &Merged| {
+            let equivalent = m.equivalent_strain([STRAIN, 0.0]);
+            m.group.secant_and_slope(equivalent).0 * m.plane * STRAIN
+        };
+        self.layers.iter().map(tension).sum::<f64>() * 1e6
     }
 
     /// Energy per reference area \[kPa·mm\] at principal Biot strains.
     #[inline]
     #[must_use]
     pub fn energy(&self, strain: [f64; 2]) -> f64 {
-        self.groups.iter().map(|g| g.energy(g.equivalent_strain(strain))).sum()
-    }
-
-    /// Principal tensions \[kPa·mm\] and energy per reference area at principal Biot strains.
-    #[inline]
-    #[must_use]
-    pub fn tension_and_energy(&self, strain: [f64; 2]) -> ([f64; 2], f64) {
-        let [a, b] = strain;
-        let (mut tension, mut energy) = ([0.0; 2], 0.0);
-        for group in &self.groups {
-            let nu = group.poisson_ratio;
-            let equivalent = group.equivalent_strain(strain);
-            let modulus = group.secant(equivalent).0 * group.plane;
-            tension[0] += modulus * (a + nu * b);
-            tension[1] += modulus * (b + nu * a);
-            energy += group.energy(equivalent);
-        }
-        (tension, energy)
+        self.layers.iter().map(|m| m.energy(m.equivalent_strain(strain))).sum()
     }
 
     /// Second Piola–Kirchhoff tension S = \[S₁₁, S₂₂, S₁₂\] \[kPa·mm\] of a metric C = FᵀF, given as
-    /// \[C₁₁, C₂₂, C₁₂\] \[-\]; F S is then the first Piola–Kirchhoff tension, which gives nodal forces.
-    ///
-    /// In closed form, without principal directions: with s = √det C, t = tr U = √(tr C + 2s),
-    /// E:E = tr C − 2t + 2 and tr E = t − 2 give ē, and with the secant modulus Ef(ē)/ē
-    ///
-    /// S = Σ h·Ef(ē)/ē · \[I/(1+ν) + (ν(t−1) − 1)/(1−ν²) · U⁻¹\],   U⁻¹ = (adj C + s I)/(t s).
+    /// \[C₁₁, C₂₂, C₁₂\] \[-\]; F S is then the first Piola–Kirchhoff tension, which gives nodal forces. In
+    /// closed form.
     #[inline]
     #[must_use]
     pub fn second_piola_kirchhoff(&self, [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
-        let trace = c11 + c22;
-        let s = (c11 * c22 - c12 * c12).max(1e-24).sqrt();
-        let t = (trace + 2.0 * s).sqrt();
-        let (squares, sum) = ((trace - 2.0 * t + 2.0).max(0.0), t - 2.0);
-        let (mut alpha, mut beta) = (0.0, 0.0);
-        for group in &self.groups {
-            let nu = group.poisson_ratio;
-            let squared = ((1.0 - nu) * squares + nu * sum * sum) * group.plane;
-            let secant = group.secant(squared.sqrt()).0;
-            alpha += secant / (1.0 + nu);
-            beta += secant * (nu * (t - 1.0) - 1.0) * group.plane;
+        let (i1, s) = (c11 + c22, closed_form::area_stretch(c11 * c22 - c12 * c12));
+        let t = closed_form::trace_of_stretch(i1, s);
+        let (mut p, mut q) = (0.0, 0.0);
+        for Merged { group, .. } in &self.layers {
+            let (one, two) = group.tension(i1, s, t);
+            (p, q) = (p + one, q + two);
         }
-        let along = alpha + beta / t;
-        let across = beta / (t * s);
-        [along + across * c22, along + across * c11, -across * c12]
+        [p + q * c22, p + q * c11, -q * c12]
     }
 
     /// Tensions and their derivatives at principal Biot strains.
     #[inline]
     #[must_use]
     pub fn response(&self, strain: [f64; 2]) -> PrincipalResponse {
-        let [a, b] = strain;
         let mut sum = PrincipalResponse::default();
-        for group in &self.groups {
-            let nu = group.poisson_ratio;
-            let plane = group.plane;
-            let equivalent = group.equivalent_strain(strain);
-            let (secant, slope) = group.secant(equivalent);
-            // ∂ē/∂ε = t/ē; the quotient stays finite as ē → 0 because t does.
-            let t = [(a + nu * b) * plane, (b + nu * a) * plane];
+        for m in &self.layers {
+            let equivalent = m.equivalent_strain(strain);
+            let (secant, slope) = m.group.secant_and_slope(equivalent);
+            // The quotient stays finite as ē → 0 because t does.
             let bend = if equivalent > 1e-12 { slope / equivalent } else { 0.0 };
-            sum.energy += group.energy(equivalent);
-            sum.tension[0] += secant * t[0];
-            sum.tension[1] += secant * t[1];
-            sum.stiffness[0] += secant * plane + bend * t[0] * t[0];
-            sum.stiffness[1] += secant * plane * nu + bend * t[0] * t[1];
-            sum.stiffness[2] += secant * plane + bend * t[1] * t[1];
-            sum.shear += secant / (1.0 + nu);
+            let nu = m.numbers.poisson_ratio;
+            let one = PrincipalResponse::of(strain, nu, [secant, bend, m.energy(equivalent)]);
+            sum.energy += one.energy;
+            sum.tension = [0, 1].map(|k| sum.tension[k] + one.tension[k]);
+            sum.stiffness = [0, 1, 2].map(|k| sum.stiffness[k] + one.stiffness[k]);
+            sum.shear += one.shear;
         }
         sum
     }
 }
 
-impl Group {
+impl Merged {
     fn new(poisson_ratio: f64, layers: &[LawLayer]) -> Self {
         let sum = |f: &dyn Fn(&Curve) -> f64| -> f64 {
             layers.iter().map(|layer| layer.thickness_mm * f(layer.curve)).sum()
@@ -231,35 +220,26 @@ impl Group {
             Table::new(|e| sum(&|curve| curve.secant(e)), (0.0, end), &breaks, Weight::Argument);
         let line_slope = sum(&|curve| curve.slope(end));
         let line_offset = sum(&|curve| curve.stress(end)) - line_slope * end;
+        let numbers = GroupNumbers { poisson_ratio, end, line_slope, line_offset };
         let plane = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
-        Self { poisson_ratio, plane, secant, line_slope, line_offset }
+        Self { numbers, plane, group: Group::new(numbers, secant, 1.0) }
     }
 
     #[inline]
     fn equivalent_strain(&self, [a, b]: [f64; 2]) -> f64 {
-        ((a * a + b * b + 2.0 * self.poisson_ratio * a * b) * self.plane).max(0.0).sqrt()
-    }
-
-    /// Secant Σ h·Ef(ē)/ē and its slope by ē.
-    #[inline]
-    fn secant(&self, equivalent: f64) -> (f64, f64) {
-        if equivalent > self.secant.end() {
-            let share = self.line_offset / equivalent;
-            (self.line_slope + share, -share / equivalent)
-        } else {
-            self.secant.value_and_slope(equivalent)
-        }
+        let nu = self.numbers.poisson_ratio;
+        ((a * a + b * b + 2.0 * nu * a * b) * self.plane).max(0.0).sqrt()
     }
 
     #[inline]
     fn energy(&self, equivalent: f64) -> f64 {
-        let end = self.secant.end();
+        let GroupNumbers { end, line_slope, line_offset, .. } = self.numbers;
+        let secant = &self.group.secant;
         if equivalent > end {
             let over = equivalent - end;
-            self.secant.integral(end)
-                + over * (self.line_offset + 0.5 * self.line_slope * (equivalent + end))
+            secant.integral(end) + over * (line_offset + 0.5 * line_slope * (equivalent + end))
         } else {
-            self.secant.integral(equivalent)
+            secant.integral(equivalent)
         }
     }
 }
@@ -307,7 +287,7 @@ mod tests {
                         continue;
                     }
                     let exact = biot_stress(curve, poisson_ratio, strain);
-                    let (table, _) = law.tension_and_energy(strain);
+                    let table = law.response(strain).tension;
                     for axis in 0..2 {
                         // ν raises a stress to at most 1/(1−ν) of Ef(ē).
                         let error = (table[axis] / 2.0 - exact[axis]).abs();
@@ -348,7 +328,7 @@ mod tests {
             let turned = |[a, b]: [f64; 2]| {
                 [a * cos * cos + b * sin * sin, a * sin * sin + b * cos * cos, (a - b) * sin * cos]
             };
-            let (tension, _) = law.tension_and_energy(stretch.map(|l| l - 1.0));
+            let tension = law.response(stretch.map(|l| l - 1.0)).tension;
             let expected = turned([tension[0] / stretch[0], tension[1] / stretch[1]]);
             let closed = law.second_piola_kirchhoff(turned(stretch.map(|l| l * l)));
             let scale = tension[0].abs() + tension[1].abs();
@@ -377,7 +357,7 @@ mod tests {
                 (energy(a + step, b) - energy(a - step, b)) / (2.0 * step),
                 (energy(a, b + step) - energy(a, b - step)) / (2.0 * step),
             ];
-            let tension = |a, b| law.tension_and_energy([a, b]).0;
+            let tension = |a, b| law.response([a, b]).tension;
             let scale = response.stiffness[0];
             for axis in 0..2 {
                 assert!((slopes[axis] - response.tension[axis]).abs() < 1e-6 * scale);

@@ -3,6 +3,7 @@
 //! Pure functions, each beside the equation it comes from. Uses `curve`; used by `solve`,
 //! `measure`, `scene` and `experiment`.
 
+pub(crate) mod closed_form;
 pub mod coupled;
 mod layer;
 pub mod paper;

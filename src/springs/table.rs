@@ -4,7 +4,9 @@
 //! a kink of the function inside a bucket is met exactly. The table is refined until its measured
 //! error is small enough, and states that error.
 //!
-//! Uses nothing of this crate. Used by the spring laws.
+//! Uses `number`. Used by the spring laws.
+
+use crate::number::Real;
 
 /// The greatest error of a table's stress, relative to the peak stress of the tabulated range.
 pub const TABLE_ERROR: f64 = 1e-5;
@@ -21,19 +23,61 @@ pub enum Weight {
     Argument,
 }
 
+/// Lines with one bend each, `a + b·x + c·max(x − k, 0)`, on buckets of equal width.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Buckets<R: Real> {
+    start: R,
+    buckets_per_unit: R,
+    last: R,
+    /// `[a, b, c, k]` each; a power of two of them.
+    rows: Vec<[R::Scalar; 4]>,
+}
+
+impl<R: Real> AsRef<Self> for Buckets<R> {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl<R: Real> Buckets<R> {
+    /// The value at `x`, not below the range; above the range that of the last line.
+    #[inline(always)]
+    pub(crate) fn value(&self, x: R) -> R {
+        let [a, b, c, k] = R::rows(&self.rows, self.index(x));
+        a + b * x + c * (x - k).max(R::default())
+    }
+
+    /// The value and the slope at `x`.
+    #[inline(always)]
+    pub(crate) fn value_and_slope(&self, x: R) -> (R, R) {
+        let [a, b, c, k] = R::rows(&self.rows, self.index(x));
+        let over = x - k;
+        let bend = R::select(over.is_above(R::default()), c, R::default());
+        (a + b * x + bend * over, b + bend)
+    }
+
+    #[inline(always)]
+    fn index(&self, x: R) -> R {
+        ((x - self.start) * self.buckets_per_unit).min(self.last)
+    }
+}
+
 /// A tabulated function on [start, end].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    start: f64,
     end: f64,
-    buckets_per_unit: f64,
-    /// `[a, b, c, k]` each.
-    buckets: Vec<[f64; 4]>,
+    buckets: Buckets<f64>,
     /// The weighted integral from `start` to each bucket's start.
     integrals: Vec<f64>,
     integral_at_zero: f64,
     weight: Weight,
     relative_error: f64,
+}
+
+impl AsRef<Buckets<f64>> for Table {
+    fn as_ref(&self) -> &Buckets<f64> {
+        &self.buckets
+    }
 }
 
 impl Table {
@@ -89,12 +133,11 @@ impl Table {
             buckets.push([value - before * low, before, after - before, bend]);
             value = at_high;
         }
+        let last = (count - 1) as f64;
         let mut table = Self {
-            start,
             end,
-            buckets_per_unit: 1.0 / width,
             integrals: Vec::with_capacity(count),
-            buckets,
+            buckets: Buckets { start, buckets_per_unit: 1.0 / width, last, rows: buckets },
             integral_at_zero: 0.0,
             weight,
             relative_error: 0.0,
@@ -111,9 +154,10 @@ impl Table {
 
     fn measure_error(&self, f: &impl Fn(f64) -> f64) -> f64 {
         let (mut error, mut peak) = (0.0_f64, 0.0_f64);
-        let samples = 8 * self.buckets.len();
+        let samples = 8 * self.buckets.rows.len();
         for k in 0..=samples {
-            let x = self.start + (self.end - self.start) * k as f64 / samples as f64;
+            let start = self.buckets.start;
+            let x = start + (self.end - start) * k as f64 / samples as f64;
             let scale = self.stress_scale(x);
             let exact = f(x);
             error = error.max((self.value(x) - exact).abs() * scale);
@@ -135,22 +179,18 @@ impl Table {
         self.end
     }
 
-    /// The range's start.
-    #[must_use]
-    pub fn start(&self) -> f64 {
-        self.start
-    }
-
-    /// The buckets of equal width, `a + b·x + c·max(x − k, 0)` as `[a, b, c, k]` each.
-    #[must_use]
-    pub fn buckets(&self) -> &[[f64; 4]] {
-        &self.buckets
-    }
-
-    /// Buckets per unit of the argument.
-    #[must_use]
-    pub fn buckets_per_unit(&self) -> f64 {
-        self.buckets_per_unit
+    /// The table in other numbers, its values times `scale`.
+    pub(crate) fn buckets<R: Real>(&self, scale: f64) -> Buckets<R> {
+        let Buckets { start, buckets_per_unit, last, rows } = &self.buckets;
+        let scaled = |&[a, b, c, k]: &[f64; 4]| {
+            [R::scalar(a * scale), R::scalar(b * scale), R::scalar(c * scale), R::scalar(k)]
+        };
+        Buckets {
+            start: R::splat(*start),
+            buckets_per_unit: R::splat(*buckets_per_unit),
+            last: R::splat(*last),
+            rows: rows.iter().map(scaled).collect(),
+        }
     }
 
     /// The measured error of the stress, relative to the peak stress.
@@ -159,35 +199,26 @@ impl Table {
         self.relative_error
     }
 
-    #[inline]
-    fn bucket(&self, x: f64) -> usize {
-        // A cast saturates: anything below the range reads the first bucket.
-        (((x - self.start) * self.buckets_per_unit) as usize).min(self.buckets.len() - 1)
-    }
-
     /// The value at `x`.
     #[inline]
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
-        let [a, b, c, k] = self.buckets[self.bucket(x)];
-        a + b * x + c * (x - k).max(0.0)
+        self.buckets.value(x)
     }
 
     /// The value and the slope at `x`.
     #[inline]
     #[must_use]
     pub fn value_and_slope(&self, x: f64) -> (f64, f64) {
-        let [a, b, c, k] = self.buckets[self.bucket(x)];
-        let over = x - k;
-        if over > 0.0 { (a + b * x + c * over, b + c) } else { (a + b * x, b) }
+        self.buckets.value_and_slope(x)
     }
 
     /// The weighted integral from the range's start to `x`, exact for the tabulated function.
     #[inline]
     #[must_use]
     pub fn integral(&self, x: f64) -> f64 {
-        let k = self.bucket(x);
-        let low = self.start + k as f64 / self.buckets_per_unit;
+        let k = self.buckets.index(x) as usize;
+        let low = self.buckets.start + k as f64 / self.buckets.buckets_per_unit;
         self.integrals[k] + self.integral_within(k, low, x)
     }
 
@@ -199,7 +230,7 @@ impl Table {
     }
 
     fn integral_within(&self, bucket: usize, low: f64, x: f64) -> f64 {
-        let [a, b, c, k] = self.buckets[bucket];
+        let [a, b, c, k] = self.buckets.rows[bucket];
         let over = (x - k).max(0.0);
         match self.weight {
             Weight::One => (a + 0.5 * b * (x + low)) * (x - low) + 0.5 * c * over * over,

@@ -168,21 +168,17 @@ pub fn implant(dome: &Dome) -> Mesh {
     const RINGS: usize = 48;
     const AROUND: usize = 128;
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
-    let last = (-dome.base_height / dome.projection).clamp(-1.0, 1.0).acos();
+    let last = dome.wall_angle();
     if dome.apex().z <= 1e-9 {
         return Mesh::default();
     }
     let around: [(f64, f64); AROUND + 1] =
         std::array::from_fn(|step| (std::f64::consts::TAU * step as f64 / AROUND as f64).sin_cos());
     for ring in 0..=RINGS {
-        let (sin, cos) = (last * ring as f64 / RINGS as f64).sin_cos();
+        let meridian = dome.meridian(last * ring as f64 / RINGS as f64);
         for (y, x) in around {
-            let from_origin = glam::DVec3::new(
-                dome.base_radius * sin * x,
-                dome.base_radius * sin * y,
-                dome.projection * cos,
-            );
-            let point = dome.origin() + from_origin;
+            let across = glam::DVec2::new(x, y) * meridian.x;
+            let point = (dome.center + across).extend(meridian.y);
             let normal = dome.normal(point + glam::DVec3::Z * 1e-9);
             vertices.push(vertex(point.as_vec3(), normal.as_vec3(), [-1.0; 2], NO_VALUE, IMPLANT));
         }

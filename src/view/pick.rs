@@ -1,6 +1,6 @@
 //! Picking: what lies under the pointer, and its values.
 
-use crate::contact::Dome;
+use crate::contact::Obstacle;
 use crate::view::body::Body;
 use crate::view::camera::Ray;
 use crate::view::section::{CapTriangle, Section};
@@ -48,7 +48,7 @@ pub fn pick(
     body: &Body,
     section: &Section,
     caps: &[CapTriangle],
-    dome: &Dome,
+    obstacle: &Obstacle,
     first_layer: usize,
 ) -> Option<Hit> {
     let mut nearest: Option<(f32, Target)> = None;
@@ -82,7 +82,7 @@ pub fn pick(
             offer(distance, Target::Cut(cap.layer));
         }
     }
-    if let Some(distance) = ray_dome(ray, dome) {
+    if let Some(distance) = ray_dome(ray, obstacle) {
         offer(distance, Target::Implant);
     }
     nearest.map(|(d, target)| Hit { point: ray.origin + ray.direction * d, target })
@@ -111,22 +111,11 @@ fn ray_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
 }
 
 /// Distance along the ray to the dome's surface above the wall.
-fn ray_dome(ray: &Ray, dome: &Dome) -> Option<f32> {
-    let radii = Vec3::new(
-        dome.base_radius as f32,
-        dome.base_radius as f32,
-        dome.projection.max(1e-6) as f32,
-    );
-    let from = (ray.origin - dome.origin().as_vec3()) / radii;
-    let direction = ray.direction / radii;
-    let (a, b, c) = (direction.length_squared(), from.dot(direction), from.length_squared() - 1.0);
-    let discriminant = b * b - a * c;
-    if discriminant < 0.0 {
-        return None;
-    }
-    let distance = (-b - discriminant.sqrt()) / a;
-    let above_wall = ray.origin.z + distance * ray.direction.z >= 0.0;
-    (distance > 0.0 && above_wall).then_some(distance)
+fn ray_dome(ray: &Ray, Obstacle { dome, wall }: &Obstacle) -> Option<f32> {
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let distance = dome.ray_distance(origin, direction)?;
+    let is_visible = distance > 0.0 && wall.gap(origin + direction * distance) >= 0.0;
+    is_visible.then_some(distance as f32)
 }
 
 #[cfg(test)]
@@ -139,10 +128,10 @@ mod tests {
     #[test]
     fn from_above_the_apex_is_picked_and_through_the_wedge_the_implant() {
         let (session, body) = small();
-        let dome = session.problem().obstacle.dome;
+        let obstacle = session.problem().obstacle;
         let mut section = Section { opening: Opening::Closed, angle: 0.0, axis: Vec2::ZERO };
         let down = Ray { origin: Vec3::new(20.0, 3.0, 400.0), direction: -Vec3::Z };
-        let hit = pick(&down, &body, &section, &[], &dome, 0).expect("tissue is there");
+        let hit = pick(&down, &body, &section, &[], &obstacle, 0).expect("tissue is there");
         assert!(matches!(hit.target, Target::Sheet(_)), "{hit:?}");
         let x: Vec<f32> = session.shape().iter().map(|p| p.x as f32).collect();
         let at = hit.target.value(&x).expect("a sheet point has values");
@@ -150,7 +139,7 @@ mod tests {
 
         section.opening = Opening::Wedge;
         let caps = section.caps(&body, 0);
-        let hit = pick(&down, &body, &section, &caps, &dome, 0).expect("the implant is there");
+        let hit = pick(&down, &body, &section, &caps, &obstacle, 0).expect("the implant is there");
         assert_eq!(hit.target, Target::Implant);
         assert!((hit.point.z - (55f32 * 55.0 - 409.0).sqrt()).abs() < 0.01);
     }
@@ -158,21 +147,21 @@ mod tests {
     #[test]
     fn a_cut_face_tells_its_layer_and_the_ring_has_no_values() {
         let (session, body) = small();
-        let dome = session.problem().obstacle.dome;
+        let obstacle = session.problem().obstacle;
         let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
         let caps = section.caps(&body, 0);
         let apex = |level: usize| body.levels[level][16 * 33 + 16].z;
         for layer in [0, 1] {
             let height = 0.5 * (apex(layer) + apex(layer + 1));
             let ray = Ray { origin: Vec3::new(300.0, 0.5, height), direction: -Vec3::X };
-            let hit = pick(&ray, &body, &section, &caps, &dome, 0).expect("a face is there");
+            let hit = pick(&ray, &body, &section, &caps, &obstacle, 0).expect("a face is there");
             assert_eq!(hit.target, Target::Cut(layer));
         }
         let down = Ray { origin: Vec3::new(-78.0, 0.0, 400.0), direction: -Vec3::Z };
-        let hit = pick(&down, &body, &section, &caps, &dome, 0).expect("the ring is there");
+        let hit = pick(&down, &body, &section, &caps, &obstacle, 0).expect("the ring is there");
         assert_eq!(hit.target, Target::Ring);
         assert_eq!(hit.target.value(&[0.0; 9]), None);
         let miss = Ray { origin: Vec3::new(500.0, 0.0, 400.0), direction: -Vec3::Z };
-        assert_eq!(pick(&miss, &body, &section, &caps, &dome, 0), None);
+        assert_eq!(pick(&miss, &body, &section, &caps, &obstacle, 0), None);
     }
 }

@@ -288,8 +288,8 @@ impl Viewport {
         let x = 2.0 * (pointer.x - area.left()) / area.width() - 1.0;
         let y = 1.0 - 2.0 * (pointer.y - area.top()) / area.height();
         let ray = self.camera.ray(Vec2::new(x, y), self.aspect);
-        let dome = &session.problem().obstacle.dome;
-        pick::pick(&ray, &self.picture.body, &section, &self.picture.caps, dome, 0)
+        let obstacle = &session.problem().obstacle;
+        pick::pick(&ray, &self.picture.body, &section, &self.picture.caps, obstacle, 0)
     }
 
     fn show_values(

@@ -4,7 +4,6 @@ use super::AxisymmetricError;
 use super::runge_kutta::{Steps, integrate};
 use crate::contact::Dome;
 use crate::springs::Material;
-use crate::springs::coupled::equivalent_strain;
 
 /// Local error of the final shots, relative to each variable's magnitude \[-\].
 pub(super) const FINE: f64 = 1e-12;
@@ -93,13 +92,13 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Principal tensions of the coupled law, from the curves.
+    /// Principal tensions of the coupled law, from the curves. A reference shares no formula with what it checks.
     fn response(&self, [a, b]: [f64; 2]) -> Response {
         let mut sum = Response { tension: [0.0; 2], stiffness: [0.0; 2] };
         for material in self.materials {
             let nu = material.poisson_ratio;
             let plane = 1.0 / (1.0 - nu * nu);
-            let equivalent = equivalent_strain([a, b], nu);
+            let equivalent = ((a * a + b * b + 2.0 * nu * a * b) * plane).max(0.0).sqrt();
             let slope = material.curve.slope(equivalent);
             let (secant, bend) = if equivalent > 1e-9 {
                 let secant = material.curve.stress(equivalent) / equivalent;

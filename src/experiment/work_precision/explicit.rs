@@ -4,13 +4,18 @@
 //! and a time step of Δt²λ = γ, stable up to γ = 2(1 + keep). Then the node is projected out of the dome
 //! and above the wall. The paper relaxes its springs by the same scheme.
 
-use super::initial_guess;
-use super::lanes::{Field, LaneSheet, Triangle, Vec3, add, dot, load, scale, sub};
 use super::law::Law;
 use super::watch::{End, Watch};
-use crate::contact::Dome;
-use crate::mesh::NodeKind;
-use crate::solve::Problem;
+use crate::contact::Obstacle;
+use crate::contact::lanes::LaneObstacle;
+use crate::mesh::lanes::{Field, Layout, load, store_first};
+use crate::mesh::vec3::{add, dot, scale, sub};
+use crate::mesh::{NodeKind, Sheet};
+use crate::model::ElasticModel;
+use crate::model::membrane::lanes::{Membrane, Scratch};
+use crate::model::membrane::law::SheetLaw;
+use crate::model::membrane::triangle::{Principal, Rest};
+use crate::solve::{Problem, initial_guess};
 use glam::DVec3;
 use wide::f32x4;
 
@@ -45,20 +50,18 @@ pub(super) enum Damping {
     Critical,
 }
 
-/// The dome in lanes \[spacings\].
-struct LaneDome {
-    center: Vec3,
-    squared_axes: Vec3,
-}
-
-/// Dynamic relaxation of a sheet.
+/// Dynamic relaxation of a sheet, with the forces of full multigrid.
 pub(super) struct Explicit<'a> {
     problem: &'a Problem,
     law: &'a Law,
-    sheet: LaneSheet,
-    dome: LaneDome,
-    triangles: Vec<Triangle>,
+    model: Membrane,
+    layout: Layout,
+    scratch: Scratch,
+    obstacle: LaneObstacle,
+    /// Nodes and shapes at rest \[spacings\].
+    triangles: Vec<([usize; 3], Rest)>,
     damping: Damping,
+    /// Displacements \[spacings\].
     u: Field,
     /// The last step.
     step: Field,
@@ -69,7 +72,7 @@ pub(super) struct Explicit<'a> {
     previous_f: Field,
     /// 1/k at free nodes, else 0.
     mobility: Vec<f32>,
-    /// Square of the dome's gauge plus 1 at contact of each node.
+    /// Gauge of the dome plus 1 at contact of each node.
     touch: Vec<f32>,
     keep: f64,
     /// Running sums of Rayleigh's quotient: stiffness and mass.
@@ -86,48 +89,63 @@ impl<'a> Explicit<'a> {
         touch: &[(usize, f64)],
         damping: Damping,
     ) -> Self {
-        let sheet = LaneSheet::new(&problem.sheet);
-        let field = || Field::new(sheet.len());
-        let triangles =
-            problem.sheet.triangles().map(|(t, w)| Triangle::new(&problem.sheet, t, w)).collect();
+        let Problem { sheet, obstacle, springs, materials, .. } = problem;
+        let (layout, border) = Layout::new(sheet.nodes_per_side(), [false; 2]);
+        let length = layout.len();
+        let field = || Field::new(length, Membrane::LAYERS);
+        let per_spacing = 1.0 / sheet.spacing_mm();
+        let rest = |(nodes, weight): ([usize; 3], f64)| {
+            (nodes, Rest::new(nodes.map(|k| sheet.rest()[k] * per_spacing), weight))
+        };
         let mut new = Self {
-            dome: LaneDome::new(&problem.obstacle.dome, problem.sheet.spacing_mm()),
+            model: Membrane::new(&SheetLaw::new(*springs, materials)),
+            scratch: Membrane::scratch(&layout, &border),
+            obstacle: LaneObstacle::new(&obstacle.scaled(per_spacing)),
+            triangles: sheet.triangles().map(rest).collect(),
             u: field(),
             step: field(),
             carry: field(),
             f: field(),
             previous_f: field(),
-            mobility: vec![0.0; sheet.len()],
-            touch: vec![1.0; sheet.len()],
+            mobility: vec![0.0; length],
+            touch: vec![1.0; length],
             keep: 0.0,
             quotient: [0.0; 2],
             least_frequency: f64::INFINITY,
-            sheet,
-            triangles,
+            layout,
             problem,
             law,
             damping,
         };
-        let side = problem.sheet.nodes_per_side();
-        for &(k, level) in touch {
-            new.touch[k / side * new.sheet.pitch + k % side] = (1.0 + level).powi(2) as f32;
+        for &(k, gauge) in touch {
+            let stored = new.stored(k);
+            new.touch[stored] = (1.0 + gauge) as f32;
         }
         new
     }
 
+    /// Where a node of the sheet is stored.
+    fn stored(&self, k: usize) -> usize {
+        let side = self.layout.nodes_per_side;
+        k / side * self.layout.pitch + k % side
+    }
+
     /// Runs until the watch ends the run or for the greatest number of steps.
     pub(super) fn run(&mut self, max_steps: u32, watch: &mut Watch) -> End {
-        let problem = self.problem;
+        let Problem { sheet, obstacle, .. } = self.problem;
         let first = match self.damping {
-            Damping::Paper => initial_guess::drape(&problem.sheet, &problem.obstacle.dome),
-            Damping::Critical => {
-                initial_guess::taut_profile(&problem.sheet, &problem.obstacle.dome)
-            }
+            Damping::Paper => drape(sheet, obstacle),
+            Damping::Critical => initial_guess::taut_profile(sheet, &obstacle.dome),
         };
-        self.sheet.read(&problem.sheet, &first, &mut self.u);
-        for field in [&mut self.step, &mut self.carry] {
-            field.parts.iter_mut().for_each(|part| part.fill(0.0));
+        for (k, x) in first.iter().enumerate() {
+            if sheet.kinds()[k] == NodeKind::Free {
+                let u = (*x - sheet.rest_position(k)) / sheet.spacing_mm();
+                let k = self.stored(k);
+                (self.u.x[k], self.u.y[k], self.u.z[k]) = u.as_vec3().into();
+            }
         }
+        self.step.fill_zero();
+        self.carry.fill_zero();
         self.keep = match self.damping {
             Damping::Paper => PAPER_VELOCITY_FACTOR,
             Damping::Critical => 0.0,
@@ -138,12 +156,11 @@ impl<'a> Explicit<'a> {
                 self.update_masses();
             }
             std::mem::swap(&mut self.f, &mut self.previous_f);
-            self.sheet.forces(self.law, &self.u, &mut self.f);
+            self.model.forces(&self.layout, &self.u, &mut self.f, &mut self.scratch);
             self.move_nodes(steps == 0);
             let steps = steps + 1;
             if watch.is_due(steps) || steps == max_steps {
-                let (sheet, u) = (&self.sheet, &self.u);
-                let write = |x: &mut [DVec3]| sheet.write(&problem.sheet, u, x);
+                let write = |x: &mut [DVec3]| self.write(x);
                 if let Some(end) = watch.sample(steps, f64::from(steps), write) {
                     return end;
                 }
@@ -152,30 +169,38 @@ impl<'a> Explicit<'a> {
         End::Finished
     }
 
+    /// Writes the positions of the free nodes \[mm\].
+    fn write(&self, x: &mut [DVec3]) {
+        let sheet = &self.problem.sheet;
+        for k in (0..x.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+            x[k] = sheet.rest_position(k) + self.displacement(k) * sheet.spacing_mm();
+        }
+    }
+
+    fn displacement(&self, k: usize) -> DVec3 {
+        DVec3::from(self.u.at(self.stored(k)).map(f64::from))
+    }
+
     /// Updates the mobilities from Gershgorin's bound on every node's row of the stiffness.
     fn update_masses(&mut self) {
-        let pitch = self.sheet.pitch;
-        let side = self.problem.sheet.nodes_per_side();
-        let index = |k: usize| k / side * pitch + k % side;
-        self.mobility.fill(0.0);
-        for triangle in &self.triangles {
-            let x = triangle.nodes.map(|k| {
-                let [a, b, c] = self.u.parts.each_ref().map(|part| f64::from(part[index(k)]));
-                DVec3::new((k % side) as f64 + a, (k / side) as f64 + b, c)
-            });
-            let [_, g1, g2] = triangle.gradients;
-            let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
-            let (f1, f2) = (e1 * g1.x + e2 * g2.x, e1 * g1.y + e2 * g2.y);
-            let metric = [f1.length_squared(), f2.length_squared(), f1.dot(f2)];
-            let stiffness = triangle.area * self.law.greatest_stiffness(metric);
-            for (k, g) in triangle.nodes.into_iter().zip(triangle.gradients) {
-                let row: f64 = triangle.gradients.iter().map(|other| g.dot(*other).abs()).sum();
-                self.mobility[index(k)] += (stiffness * row) as f32;
+        let sheet = &self.problem.sheet;
+        let per_spacing = 1.0 / sheet.spacing_mm();
+        let mut bounds = vec![0.0; sheet.len()];
+        for (nodes, rest) in &self.triangles {
+            let x = nodes.map(|k| sheet.rest_position(k) * per_spacing + self.displacement(k));
+            let [f1, f2] = Principal::columns(rest, x);
+            let stiffness = rest.area * self.law.greatest_stiffness(f1, f2);
+            for (k, g) in nodes.iter().zip(rest.gradients) {
+                let row: f64 = rest.gradients.iter().map(|other| g.dot(*other).abs()).sum();
+                bounds[*k] += stiffness * row;
             }
         }
-        for (k, kind) in self.problem.sheet.kinds().iter().enumerate() {
-            let mobility = &mut self.mobility[index(k)];
-            *mobility = if *kind == NodeKind::Free { 1.0 / *mobility } else { 0.0 };
+        self.mobility.fill(0.0);
+        for (k, bound) in bounds.into_iter().enumerate() {
+            if sheet.kinds()[k] == NodeKind::Free {
+                let stored = self.stored(k);
+                self.mobility[stored] = (1.0 / bound) as f32;
+            }
         }
     }
 
@@ -185,39 +210,32 @@ impl<'a> Explicit<'a> {
             Damping::Paper => PAPER_GAIN,
             Damping::Critical => SAFETY * 2.0 * (1.0 + self.keep),
         };
-        let (keep, gain_lanes) = (f32x4::splat(self.keep as f32), f32x4::splat(gain as f32));
-        let side = self.problem.sheet.nodes_per_side();
-        let half = (side / 2) as f32;
+        let (keep, gain) = (f32x4::splat(self.keep as f32), f32x4::splat(gain as f32));
         let (mut stiffness, mut mass) = (0.0, 0.0);
-        for j in 0..side {
-            let (from, to) = self.sheet.blocks[j];
-            let y = f32x4::splat(j as f32 - half);
-            let (mut row_stiffness, mut row_mass) = (f32x4::ZERO, f32x4::ZERO);
-            for block in from..to {
-                let k = j * self.sheet.pitch + 4 * block;
-                let mobility = load(&self.mobility, k);
-                let is_free = mobility.simd_gt(f32x4::ZERO);
-                let (u, f) = (self.u.load(k), self.f.load(k));
-                let last = self.step.load(k);
-                row_stiffness += dot(last, sub(self.previous_f.load(k), f));
-                row_mass += is_free.bitselect(dot(last, last) / mobility, f32x4::ZERO);
-                let step = add(scale(last, keep), scale(f, gain_lanes * mobility));
-                let first = 4.0 * block as f32 - half;
-                let grid =
-                    [f32x4::new([first, first + 1.0, first + 2.0, first + 3.0]), y, f32x4::ZERO];
-                let target = add(step, self.carry.load(k));
-                let (moved, is_projected) =
-                    self.dome.outside(grid, add(u, target), load(&self.touch, k), is_free);
-                self.u.store(k, moved);
-                let done = sub(moved, u);
-                let keep_step = |a: f32x4, b: f32x4| is_projected.bitselect(a, b);
-                self.step.store(k, [0, 1, 2].map(|axis| keep_step(done[axis], step[axis])));
-                let left = sub(target, done);
-                self.carry.store(k, left.map(|left| keep_step(f32x4::ZERO, left)));
-            }
-            stiffness += f64::from(row_stiffness.reduce_add());
-            mass += f64::from(row_mass.reduce_add());
-        }
+        let Self { layout, obstacle, u, f, previous_f, step, carry, mobility, touch, .. } = self;
+        layout.free_groups(|group| {
+            let (k, count) = (group.first, group.count);
+            let mobility = load(mobility, k);
+            let is_free = mobility.simd_gt(f32x4::ZERO);
+            let (at, force, last) = (u.load(k), f.load(k), step.load(k));
+            let work = dot(last, sub(previous_f.load(k), force));
+            stiffness += f64::from(is_free.bitselect(work, f32x4::ZERO).reduce_add());
+            let inertia = is_free.bitselect(dot(last, last) / mobility, f32x4::ZERO);
+            mass += f64::from(inertia.reduce_add());
+            let next = add(scale(last, keep), scale(force, gain * mobility));
+            let wanted = add(next, carry.load(k));
+            let target = add(at, wanted);
+            let moved = obstacle.projected(group.rest, target, load(touch, k));
+            let projection = sub(moved, target);
+            let is_projected = dot(projection, projection).simd_gt(f32x4::ZERO);
+            let done = sub(moved, at);
+            let left = sub(wanted, done);
+            store_first(u, k, count, moved);
+            let kept = [0, 1, 2].map(|a| is_projected.bitselect(done[a], next[a]));
+            store_first(step, k, count, kept);
+            let left = left.map(|left| is_projected.bitselect(f32x4::ZERO, left));
+            store_first(carry, k, count, left);
+        });
         if self.damping == Damping::Critical && !is_first {
             self.estimate_damping(stiffness, mass);
         }
@@ -238,29 +256,13 @@ impl<'a> Explicit<'a> {
     }
 }
 
-impl LaneDome {
-    fn new(dome: &Dome, spacing: f64) -> Self {
-        let origin = dome.origin() / spacing;
-        let axes = DVec3::new(dome.base_radius, dome.base_radius, dome.projection) / spacing;
-        let splat = |v: DVec3| v.to_array().map(|value| f32x4::splat(value as f32));
-        Self { center: splat(origin), squared_axes: splat(axes * axes) }
-    }
-
-    /// Projects the displacements `u` from the positions `grid` above the wall, then out of the dome along
-    /// the ray from the dome's centre (the closest point for a hemisphere); returns the mask of the
-    /// projected nodes as well.
-    #[inline(always)]
-    fn outside(&self, grid: Vec3, u: Vec3, touch: f32x4, is_free: f32x4) -> (Vec3, f32x4) {
-        let is_below = u[2].simd_lt(f32x4::ZERO) & is_free;
-        let u = [u[0], u[1], is_below.bitselect(f32x4::ZERO, u[2])];
-        let ray = sub(add(grid, u), self.center);
-        let [a, b, c] = self.squared_axes;
-        let level = ray[0] * ray[0] / a + ray[1] * ray[1] / b + ray[2] * ray[2] / c;
-        let is_inside = level.simd_lt(touch) & is_free;
-        if !is_inside.any() {
-            return (u, is_below);
+/// The sheet at rest projected vertically onto the dome: positions \[mm\], shape (nodes_per_side², ).
+fn drape(sheet: &Sheet, obstacle: &Obstacle) -> Vec<DVec3> {
+    let mut x = sheet.rest_positions();
+    for (k, x) in x.iter_mut().enumerate() {
+        if sheet.kinds()[k] == NodeKind::Free {
+            x.z = obstacle.dome.height(sheet.rest()[k]);
         }
-        let out = sub(add(scale(ray, (touch / level).sqrt()), self.center), grid);
-        ([0, 1, 2].map(|axis| is_inside.bitselect(out[axis], u[axis])), is_below | is_inside)
     }
+    x
 }

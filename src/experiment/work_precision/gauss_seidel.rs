@@ -2,14 +2,15 @@
 //! three coordinates of a node (vertex block descent, A. Chen et al., ACM TOG 43(4), 2024), with contact
 //! inside the nodal solve. Coarser grids provide the initial guess.
 
-use super::initial_guess;
-use super::lanes::Triangle;
-use super::law::{Corner, Law, Symmetric};
+use super::law::{Corner, Law};
 use super::watch::{End, Watch};
-use crate::contact::Dome;
+use crate::contact::Obstacle;
+use crate::contact::active_set::{Constraint, ON_DOME};
 use crate::mesh::{NodeKind, Sheet};
-use crate::solve::Problem;
-use glam::{DVec2, DVec3};
+use crate::model::membrane::triangle::Rest;
+use crate::solve::linear::galerkin::safe_inverse;
+use crate::solve::{Problem, initial_guess};
+use glam::{DMat3, DVec3};
 
 /// Greatest nodal step of the last sweep on a coarser grid \[fraction of the base radius\].
 const COARSE_STEP: f64 = 2e-5;
@@ -32,8 +33,8 @@ struct Visit {
 /// One grid.
 struct Level {
     sheet: Sheet,
-    /// The dome \[spacings\].
-    dome: Dome,
+    /// Dome and wall \[spacings\].
+    obstacle: Obstacle,
     free: Vec<u32>,
     /// Index of the first visit of each free node, shape (free + 1, ).
     starts: Vec<u32>,
@@ -63,11 +64,8 @@ impl<'a> GaussSeidel<'a> {
         while let Some(coarser) = sheets.last().and_then(Sheet::coarser) {
             sheets.push(coarser);
         }
-        let mut levels: Vec<Level> = sheets
-            .into_iter()
-            .rev()
-            .map(|sheet| Level::new(sheet, &problem.obstacle.dome))
-            .collect();
+        let mut levels: Vec<Level> =
+            sheets.into_iter().rev().map(|sheet| Level::new(sheet, &problem.obstacle)).collect();
         if let Some(finest) = levels.last_mut() {
             touch.iter().for_each(|&(k, gauge)| finest.touch[k] = gauge);
         }
@@ -88,7 +86,9 @@ impl<'a> GaussSeidel<'a> {
             for sweep in 0..MAX_COARSE_SWEEPS {
                 work_units += SWEEP_UNITS * level.sheet.len() as f64 / finest_nodes;
                 let greatest = level.sweep(self.law, sweep % 2 == 1);
-                if greatest <= COARSE_STEP * level.dome.base_radius || watch.is_out_of_time() {
+                if greatest <= COARSE_STEP * level.obstacle.dome.base_radius
+                    || watch.is_out_of_time()
+                {
                     break;
                 }
             }
@@ -117,24 +117,27 @@ impl<'a> GaussSeidel<'a> {
 }
 
 impl Level {
-    fn new(sheet: Sheet, dome: &Dome) -> Self {
+    fn new(sheet: Sheet, obstacle: &Obstacle) -> Self {
         let spacing = sheet.spacing_mm();
         let free: Vec<u32> = (0..sheet.len() as u32)
             .filter(|k| sheet.kinds()[*k as usize] == NodeKind::Free)
             .collect();
-        let guess: Vec<DVec3> =
-            initial_guess::taut_profile(&sheet, dome).into_iter().map(|x| x / spacing).collect();
+        let guess: Vec<DVec3> = initial_guess::taut_profile(&sheet, &obstacle.dome)
+            .into_iter()
+            .map(|x| x / spacing)
+            .collect();
         // Whole cells share the twelve corners of the middle cell.
         let half = sheet.nodes_per_side() / 2;
-        let mut corners: Vec<Corner> = sheet
-            .cell_triangles(half, half)
-            .flat_map(|(nodes, weight)| Corner::all(&Triangle::new(&sheet, nodes, weight)))
-            .collect();
+        let rest = |(nodes, weight): ([usize; 3], f64)| {
+            Rest::new(nodes.map(|k| sheet.rest()[k] / spacing), weight)
+        };
+        let middle = sheet.cell_triangles(half, half).map(rest);
+        let mut corners: Vec<Corner> = middle.flat_map(|rest| Corner::all(&rest)).collect();
         let shared = corners.len();
         let mut of_node: Vec<Vec<Visit>> = (0..sheet.len()).map(|_| Vec::new()).collect();
         for (nodes, weight) in sheet.triangles() {
-            let triangle = Triangle::new(&sheet, nodes, weight);
-            for (c, corner) in Corner::all(&triangle).into_iter().enumerate() {
+            let corners_of_triangle = Corner::all(&rest((nodes, weight)));
+            for (c, corner) in corners_of_triangle.into_iter().enumerate() {
                 let known = corners[..shared].iter().position(|known| known.is_like(&corner));
                 let index = known.unwrap_or_else(|| {
                     corners.push(corner);
@@ -149,17 +152,11 @@ impl Level {
             visits.append(&mut of_node[*k as usize]);
             starts.push(visits.len() as u32);
         }
-        let dome = Dome {
-            center: dome.center / spacing,
-            base_radius: dome.base_radius / spacing,
-            projection: dome.projection / spacing,
-            base_height: dome.base_height / spacing,
-        };
         Self {
             x: guess.clone(),
             touch: vec![0.0; sheet.len()],
+            obstacle: obstacle.scaled(1.0 / spacing),
             sheet,
-            dome,
             free,
             starts,
             visits,
@@ -180,7 +177,7 @@ impl Level {
             let index = if is_backward { count - 1 - index } else { index };
             let k = self.free[index] as usize;
             let at = self.x[k];
-            let (mut force, mut hessian) = (DVec3::ZERO, Symmetric::default());
+            let (mut force, mut hessian) = (DVec3::ZERO, DMat3::ZERO);
             let visits = self.starts[index] as usize..self.starts[index + 1] as usize;
             for visit in &self.visits[visits] {
                 let edges = visit.others.map(|other| self.x[other as usize] - at);
@@ -200,25 +197,14 @@ impl Level {
 
     /// Minimiser of the quadratic model of a node's energy outside of the dome and above the wall.
     #[inline]
-    fn relaxed(&self, at: DVec3, touch: f64, force: DVec3, hessian: &Symmetric) -> DVec3 {
-        let inverse = inverted(hessian);
-        let mut step = product(&inverse, force) * OVER_RELAXATION;
-        let z = product(&inverse, DVec3::Z);
-        let above = |step: DVec3| {
-            let depth = -at.z - step.z;
-            if depth > 0.0 { step + z * (depth / z.z) } else { step }
-        };
-        step = above(step).clamp_length_max(MAX_STEP);
-        if self.dome.gauge(at + step) >= touch {
-            return at + step;
-        }
-        let normal = self.dome.normal(at);
-        let (gap, across) =
-            ((self.dome.gauge(at) - touch) * self.dome.base_radius, product(&inverse, normal));
-        let held = step - across * ((normal.dot(step) + gap) / normal.dot(across));
-        let mut moved = at + held.clamp_length_max(MAX_STEP);
-        moved.z = moved.z.max(0.0);
-        self.dome.project(moved, touch)
+    fn relaxed(&self, at: DVec3, touch: f64, force: DVec3, hessian: &DMat3) -> DVec3 {
+        let constraint = Constraint::new(&self.obstacle, at, touch);
+        let inverse = safe_inverse(*hessian);
+        let (step, active) = constraint.step(force * OVER_RELAXATION, hessian, &inverse);
+        let moved = at + step.clamp_length_max(MAX_STEP);
+        let is_on_dome = active & ON_DOME != 0;
+        let moved = if is_on_dome { self.obstacle.dome.project(moved, touch) } else { moved };
+        self.obstacle.project(moved, touch)
     }
 
     /// Prolongates the solution of the next coarser grid: linear interpolation of the difference from the
@@ -234,46 +220,7 @@ impl Level {
                     + difference(low + right)
                     + difference(low + up)
                     + difference(low + up + right));
-            let mut x = self.guess[k] + mean;
-            x.z = x.z.max(0.0);
-            self.x[k] = if self.dome.gauge(x) < 0.0 { self.dome.onto_surface(x) } else { x };
+            self.x[k] = self.obstacle.project(self.guess[k] + mean, 0.0);
         }
     }
-}
-
-impl Corner {
-    /// Corners of a triangle, in the order of its nodes.
-    fn all(triangle: &Triangle) -> [Self; 3] {
-        let [a, b, c] = triangle.gradients;
-        [[b, c], [c, a], [a, b]].map(|gradients| Self { area: triangle.area, gradients })
-    }
-
-    fn is_like(&self, other: &Self) -> bool {
-        let near = |a: DVec2, b: DVec2| a.distance_squared(b) < 1e-24;
-        (self.area - other.area).abs() < 1e-12
-            && near(self.gradients[0], other.gradients[0])
-            && near(self.gradients[1], other.gradients[1])
-    }
-}
-
-/// Inverse of a symmetric positive definite matrix; for a singular matrix the inverse of the trace.
-#[inline]
-fn inverted([xx, yy, zz, xy, xz, yz]: &Symmetric) -> Symmetric {
-    let (a, b, c) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
-    let determinant = xx * a + xy * b + xz * c;
-    let trace = xx + yy + zz;
-    if determinant <= 1e-15 * trace.powi(3) {
-        let mobility = 1.0 / trace.max(f64::MIN_POSITIVE);
-        return [mobility, mobility, mobility, 0.0, 0.0, 0.0];
-    }
-    [a, xx * zz - xz * xz, xx * yy - xy * xy, b, c, xy * xz - xx * yz].map(|m| m / determinant)
-}
-
-#[inline]
-fn product([xx, yy, zz, xy, xz, yz]: &Symmetric, v: DVec3) -> DVec3 {
-    DVec3::new(
-        xx * v.x + xy * v.y + xz * v.z,
-        xy * v.x + yy * v.y + yz * v.z,
-        xz * v.x + yz * v.y + zz * v.z,
-    )
 }

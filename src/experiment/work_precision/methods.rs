@@ -164,7 +164,7 @@ fn baseline(
         ground.lower(&mut shown);
         ground.errors(&shown)
     };
-    let rest: Vec<DVec3> = problem.sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+    let rest = problem.sheet.rest_positions();
     let once = |clock: &mut dyn FnMut() -> f64| {
         let watched = |run: &mut dyn FnMut(&mut Watch) -> End, clock: &mut dyn FnMut() -> f64| {
             let mut watch = Watch::start(clock, errors, schedule, rest.clone());

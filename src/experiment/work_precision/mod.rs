@@ -18,8 +18,6 @@ mod cases;
 mod choice;
 mod explicit;
 mod gauss_seidel;
-mod initial_guess;
-mod lanes;
 mod law;
 mod methods;
 mod table;

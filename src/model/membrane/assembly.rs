@@ -151,12 +151,11 @@ fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool])
             if !is_square(sheet, corners) {
                 for (triangle, weight) in sheet.cell_triangles(i, j) {
                     let (gradients, twice) = hat_gradients(triangle.map(|k| sheet.rest()[k]));
-                    let [p1, p2] = tensions(law, gradient(triangle.map(|k| x[k]), gradients));
-                    // −∂W/∂x = −A·P ∇φ.
-                    let [a, b] = gradients.map(|g| (p1 * g.x + p2 * g.y) * (-0.5 * twice * weight));
-                    forces[triangle[0]] -= a + b;
-                    forces[triangle[1]] += a;
-                    forces[triangle[2]] += b;
+                    let columns = gradient(triangle.map(|k| x[k]), gradients);
+                    let pulls = triangle_forces(law, columns, gradients, 0.5 * twice * weight);
+                    for (k, pull) in triangle.into_iter().zip(pulls) {
+                        forces[k] += pull;
+                    }
                 }
                 continue;
             }
@@ -176,6 +175,20 @@ fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool])
         }
     }
     forces
+}
+
+/// Forces of a triangle with the columns of F on its nodes, −∂W/∂x = −A·P ∇φ; `gradients` are those of the second and
+/// the third node.
+#[inline]
+fn triangle_forces(
+    law: &CoupledLaw,
+    columns: [DVec3; 2],
+    gradients: [DVec2; 2],
+    area: f64,
+) -> [DVec3; 3] {
+    let [p1, p2] = tensions(law, columns);
+    let [a, b] = gradients.map(|g| (p1 * g.x + p2 * g.y) * -area);
+    [-(a + b), a, b]
 }
 
 /// Columns of the first Piola–Kirchhoff tension P = F S \[kPa·mm\].
@@ -265,19 +278,18 @@ struct Triangle<'a> {
 impl Triangle<'_> {
     fn add_coupled(&mut self, law: &CoupledLaw) -> f64 {
         let area = self.rest.area;
-        let principal = Principal::new(Principal::columns(&self.rest, self.x));
+        let columns = Principal::columns(&self.rest, self.x);
+        let Some((kind, local, blocks)) = &mut self.blocks else {
+            let [_, g1, g2] = self.rest.gradients;
+            self.forces = triangle_forces(law, columns, [g1, g2], area);
+            return area * law.energy(Principal::stretches(columns).map(|l| l - 1.0));
+        };
+        let principal = Principal::new(columns);
         let [l1, l2] = principal.stretch;
         let strain = [l1 - 1.0, l2 - 1.0];
         let [n1, n2] = principal.rest;
         let [u1, u2] = principal.deformed;
         let along = self.rest.gradients.map(|g| (g.dot(n1), g.dot(n2)));
-        let Some((kind, local, blocks)) = &mut self.blocks else {
-            let ([t1, t2], energy) = law.tension_and_energy(strain);
-            for (force, (p, q)) in self.forces.iter_mut().zip(along) {
-                *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
-            }
-            return area * energy;
-        };
         let response = law.response(strain);
         let [t1, t2] = response.tension;
         self.push = t1.min(t2).min(0.0).powi(2) * area;

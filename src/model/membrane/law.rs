@@ -54,7 +54,7 @@ impl SheetLaw {
     /// held across, Σ h·Ef′(0)/(1−ν²); of the paper's edge springs, Σ h·Ef′(0).
     pub(crate) fn stiffness(&self) -> f64 {
         match self {
-            Self::Coupled(law) => law.tension_and_energy([1e-6, 0.0]).0[0] * 1e6,
+            Self::Coupled(law) => law.small_strain_stiffness(),
             Self::Paper(law) => law.edge.value_and_slope(-1e-6).1,
         }
     }

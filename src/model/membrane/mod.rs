@@ -1,11 +1,12 @@
 //! A sheet of bonded layers without bending stiffness.
 //!
-//! `law` (a stack of layers as tables) | `triangle` (principal stretches) | `assembly` (energy, forces and
+//! `law` (a stack of layers as tables) | `triangle` (principal stretches) | `node_stiffness` | `assembly` (energy, forces and
 //! Hessian in f64) | `lanes` (forces and diagonal blocks for four f32 at a time).
 
 pub(crate) mod assembly;
 pub(crate) mod deformation;
 pub(crate) mod lanes;
 pub(crate) mod law;
+pub(crate) mod node_stiffness;
 pub(crate) mod stack;
-mod triangle;
+pub(crate) mod triangle;

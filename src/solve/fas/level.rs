@@ -233,7 +233,7 @@ mod tests {
                     DVec3::new(0.02 * p.x * (p.y * 0.5).cos(), -0.03 * p.y * (1.0 - r), z)
                 };
                 let Level { layout, u, .. } = &mut level;
-                let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+                let mut x = sheet.rest_positions();
                 layout.free_rows(|j, from, to| {
                     for i in from..to {
                         let k = (j + first[1]) * n + i + first[0];

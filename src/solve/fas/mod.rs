@@ -22,7 +22,6 @@ mod transfer;
 
 use super::Problem;
 use super::initial_guess;
-use crate::contact::{Dome, Obstacle};
 use crate::mesh::Sheet;
 use crate::mesh::lanes::{Field, Mirrored};
 use crate::model::ElasticModel;
@@ -172,7 +171,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
             let per_spacing = 1.0 / (self.spacing * f64::from(1 << (finest - l)));
-            level.place(scaled(obstacle, per_spacing));
+            level.place(obstacle.scaled(per_spacing));
         }
         self.levels[0].start_from_geometry(problem);
         self.work_units = 0.0;
@@ -239,16 +238,4 @@ impl<M: ElasticModel> Level<M> {
         }
         layout.mirror(u);
     }
-}
-
-/// The obstacle in other units of length.
-fn scaled(Obstacle { dome, wall }: &Obstacle, factor: f64) -> Obstacle {
-    let Dome { center, base_radius, projection, base_height } = *dome;
-    let dome = Dome {
-        center: center * factor,
-        base_radius: base_radius * factor,
-        projection: projection * factor,
-        base_height: base_height * factor,
-    };
-    Obstacle { dome, wall: *wall }
 }

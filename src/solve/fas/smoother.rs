@@ -80,7 +80,7 @@ fn hardened(r: Vec3, newton_step: Vec3, omega: f32) -> Vec3 {
 /// Moves every node that is inside the dome or below the wall onto the surface.
 pub(super) fn project_feasible(layout: &Layout, obstacle: &LaneObstacle, u: &mut Field) {
     layout.free_groups(|group| {
-        let moved = obstacle.projected(group.rest, u.load(group.first));
+        let moved = obstacle.projected(group.rest, u.load(group.first), f32x4::ONE);
         store_first(u, group.first, group.count, moved);
     });
     layout.mirror(u);

@@ -2,6 +2,7 @@
 
 use super::convergence::Offsets;
 use super::*;
+use crate::contact::{Dome, Obstacle};
 use crate::curve::{Curve, CurveSpec};
 use crate::mesh::Patch;
 use crate::model::membrane::assembly;

@@ -3,10 +3,12 @@
 //! They are few but scattered: their nodes are first brought together, one vector each, so that four
 //! triangles read and write whole vectors.
 
-use super::coupled::{CoupledLanes, LEAST_AREA, Law, add_stretch};
+use super::coupled::{CoupledLanes, Law};
 use crate::mesh::lanes::{BorderTriangle, Field};
-use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
+use crate::mesh::vec3::{Block, Vec3, add, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
+use crate::model::membrane::node_stiffness::node_stiffness;
+use crate::springs::closed_form::{area_stretch, trace_of_stretch};
 use wide::f32x4;
 
 /// All triangles at the border.
@@ -125,8 +127,8 @@ impl Four {
         let [i11, i12, i22] = self.inverse_metric;
         let det = (g11 * g22 - g12 * g12) * self.inverse_det;
         let i1 = i11 * g11 + i12 * g12 * 2.0 + i22 * g22;
-        let s = det.fast_max(f32x4::splat(LEAST_AREA)).sqrt();
-        Stretched { e1, e2, g11, g12, g22, i1, s, t: (i1 + s + s).sqrt() }
+        let s = area_stretch(det);
+        Stretched { e1, e2, g11, g12, g22, i1, s, t: trace_of_stretch(i1, s) }
     }
 }
 
@@ -232,14 +234,7 @@ impl Border {
                     four.inverse_det,
                 );
                 let tau = scale(add(v, scale(w, per_s)), per_t);
-                let isotropic = k.p * rest;
-                let across = (k.beta_t * area * per_s).fast_max(k.least_normal * rest - isotropic);
-                let mut block: Block = [f32x4::ZERO; 6];
-                add_outer(&mut block, scale(n, across), n);
-                add_stretch(&mut block, &k, v, tau);
-                block[0] += isotropic;
-                block[3] += isotropic;
-                block[5] += isotropic;
+                let block = node_stiffness(&k, [rest, area, per_s], [v, tau, n]);
                 self.scatter_block(places, block.map(|part| part * four.weight), blocks);
             }
         }

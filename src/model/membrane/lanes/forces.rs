@@ -2,13 +2,15 @@
 //!
 //! A regular cell has four right-angled triangles on the edges B (bottom), T (top), L (left) and R
 //! (right); a triangle pulls at its edges e₁, e₂ with M₁₁e₁ + M₁₂e₂ and M₁₂e₁ + M₂₂e₂ (see
-//! [`super::law`]). Cells at the border, whose rest shapes differ, are in [`super::border`].
+//! [`crate::springs::closed_form`]). Cells at the border, whose rest shapes differ, are in [`super::border`].
 
 use super::Scratch;
-use super::coupled::{CoupledLanes, LEAST_AREA, Law, add_stretch};
+use super::coupled::{CoupledLanes, Law};
 use crate::mesh::lanes::{Field, Layout, in_range};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
+use crate::model::membrane::node_stiffness::add_stretch;
+use crate::springs::closed_form::{area_stretch, trace_of_stretch};
 use wide::f32x4;
 
 /// Lanes one place to the left; the last comes from the following four.
@@ -173,9 +175,9 @@ pub(super) fn measure_row(lower: Row, upper: Row, row: &mut [CellLanes]) {
         let (bl, br) = (dot(bottom, left), dot(bottom, right));
         let (tl, tr) = (dot(top, left), dot(top, right));
         let invariants = |g11: f32x4, g22: f32x4, g12: f32x4| {
-            let s = (g11 * g22 - g12 * g12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+            let s = area_stretch(g11 * g22 - g12 * g12);
             let i1 = g11 + g22;
-            [i1, s, (i1 + s + s).sqrt()]
+            [i1, s, trace_of_stretch(i1, s)]
         };
         *out = CellLanes {
             dots: [bb, tt, ll, rr, bl, br, tl, tr],
@@ -291,14 +293,14 @@ fn cell_block(law: &CoupledLanes, cells: &Cells) -> Block {
     let e1 = scale(add(cells.bottom, cells.top), half);
     let e2 = scale(add(cells.left, cells.right), half);
     let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
-    let s = (g11 * g22 - g12 * g12).fast_max(f32x4::splat(LEAST_AREA)).sqrt();
+    let s = area_stretch(g11 * g22 - g12 * g12);
     let i1 = g11 + g22;
     let k = law.stiffness(i1, s);
     let per_s = f32x4::ONE / s;
     let per_t = f32x4::ONE / k.t;
     let n = scale(cross(e1, e2), per_s);
     let all = k.p + k.p;
-    let across = (k.beta_t * i1 * per_s).fast_max(k.least_normal - all);
+    let across = (k.beta_t * i1 * per_s).fast_max(k.min_normal - all);
     let mut block = [f32x4::ZERO; 6];
     add_outer(&mut block, scale(n, across), n);
     let tau1 = scale(add(e1, scale(sub(scale(e1, g22), scale(e2, g12)), per_s)), per_t);

@@ -8,7 +8,7 @@ use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale, sub};
 use crate::model::membrane::law::PaperLaw;
 use crate::model::{NodeBlocks, Tension};
 use crate::springs::paper::Spring;
-use crate::springs::table::Table;
+use crate::springs::table::Buckets;
 use wide::f32x4;
 
 /// Stiffness along and across a spring is kept above this share of their size.
@@ -17,17 +17,9 @@ const LEAST_STIFFNESS: f32 = 1e-4;
 /// The springs, scaled so that the sheet's stiffness at small strain is 1.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneSprings {
-    edge: LaneTable,
-    diagonal: LaneTable,
-}
-
-/// Tension against strain.
-#[derive(Clone, Debug)]
-struct LaneTable {
-    /// `a + b·ε + c·max(ε − k, 0)` each; a power of two of them.
-    buckets: Vec<[f32; 4]>,
-    start: f32,
-    buckets_per_unit: f32,
+    /// Tension against strain.
+    edge: Buckets<f32x4>,
+    diagonal: Buckets<f32x4>,
 }
 
 /// Four springs at rest.
@@ -59,42 +51,14 @@ impl Rest {
     }
 }
 
-impl LaneTable {
-    fn new(table: &Table, scale: f64) -> Self {
-        let scaled = |&[a, b, c, k]: &[f64; 4]| {
-            [(a * scale) as f32, (b * scale) as f32, (c * scale) as f32, k as f32]
-        };
-        Self {
-            buckets: table.buckets().iter().map(scaled).collect(),
-            start: table.start() as f32,
-            buckets_per_unit: table.buckets_per_unit() as f32,
-        }
-    }
-
-    #[inline(always)]
-    fn value_and_slope(&self, strain: f32x4) -> (f32x4, f32x4) {
-        // What is not a number may become any place: the mask keeps it in the table.
-        let mask = self.buckets.len() - 1;
-        let place = ((strain - self.start) * self.buckets_per_unit)
-            .fast_max(f32x4::ZERO)
-            .fast_min(f32x4::splat(mask as f32));
-        let places = place.fast_trunc_int().to_array();
-        let [a, b, c, k] =
-            f32x4::transpose(places.map(|k| f32x4::new(self.buckets[k as usize & mask])));
-        let over = strain - k;
-        let bend = over.simd_gt(f32x4::ZERO).bitselect(c, f32x4::ZERO);
-        (a + b * strain + bend * over, b + bend)
-    }
-}
-
 impl LaneSprings {
     /// The lanes of a law whose stiffness at small strain is `stiffness` \[kPa·mm\].
     pub(super) fn new(law: &PaperLaw, stiffness: f64) -> Self {
-        let lanes = |table: &Table| LaneTable::new(table, 1.0 / stiffness);
-        Self { edge: lanes(&law.edge), diagonal: lanes(&law.diagonal) }
+        let scale = 1.0 / stiffness;
+        Self { edge: law.edge.buckets(scale), diagonal: law.diagonal.buckets(scale) }
     }
 
-    fn table(&self, spring: Spring) -> &LaneTable {
+    fn table(&self, spring: Spring) -> &Buckets<f32x4> {
         match spring {
             Spring::Edge => &self.edge,
             Spring::Diagonal => &self.diagonal,
