@@ -1,9 +1,10 @@
-//! The order of the modules: imports point to modules further left only.
+//! The order of the modules: imports point to modules further left only, and no files import each other in a
+//! circle.
 
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// From left to right, as in ARCHITECTURE.md.
@@ -86,6 +87,116 @@ fn imports_point_to_modules_further_left() {
     assert!(sources.len() > 100, "{} files", sources.len());
     let found = against_the_order(&sources);
     assert!(found.is_empty(), "{found:#?}");
+}
+
+/// The module path of a file, as "solve::fas::level".
+fn module_path(path: &Path) -> String {
+    let inside = path.strip_prefix(source()).unwrap().with_extension("");
+    let parts: Vec<_> = inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    parts.into_iter().filter(|part| part != "mod").collect::<Vec<_>>().join("::")
+}
+
+/// The files that a file imports from, by their module paths. Imports between a folder's own `mod.rs` and the
+/// files of the folder are left out: they are one module in parts.
+fn imported_files(module: &str, text: &str, modules: &BTreeSet<String>) -> BTreeSet<String> {
+    let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let code: String = lines.collect::<Vec<_>>().join(" ");
+    let mut found = BTreeSet::new();
+    let parent = |path: &str| path.rsplit_once("::").map_or("", |(parent, _)| parent).to_owned();
+    for (keyword, base) in [
+        ("crate::", String::new()),
+        ("super::super::", parent(&parent(module))),
+        (" super::", parent(module)),
+    ] {
+        for rest in code.split(keyword).skip(1) {
+            let is_path = |c: &char| c.is_alphanumeric() || "_:".contains(*c);
+            let stem: String = rest.chars().take_while(is_path).collect();
+            // `a::{b, c::d}` names a::b and a::c::d.
+            let list = rest[stem.len()..].strip_prefix('{').and_then(|list| list.split('}').next());
+            for item in list.unwrap_or_default().split(',') {
+                let item: String = item.trim().chars().take_while(is_path).collect();
+                let path = format!("{stem}{item}");
+                let mut target = if base.is_empty() { path } else { format!("{base}::{path}") };
+                while !target.is_empty() && !modules.contains(&target) {
+                    target = parent(&target);
+                }
+                let is_own = module.starts_with(&format!("{target}::"))
+                    || target.starts_with(&format!("{module}::"));
+                if !target.is_empty() && target != module && !is_own {
+                    found.insert(target);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// A circle of imports, if there is one.
+fn circle(imports: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
+    fn walk(
+        file: &str,
+        imports: &BTreeMap<String, BTreeSet<String>>,
+        path: &mut Vec<String>,
+        done: &mut BTreeSet<String>,
+    ) -> Option<Vec<String>> {
+        if let Some(start) = path.iter().position(|seen| seen == file) {
+            return Some(path[start..].to_vec());
+        }
+        if !done.insert(file.to_owned()) {
+            return None;
+        }
+        path.push(file.to_owned());
+        let found = imports[file].iter().find_map(|next| walk(next, imports, path, done));
+        path.pop();
+        found
+    }
+    let mut done = BTreeSet::new();
+    imports.keys().find_map(|file| walk(file, imports, &mut Vec::new(), &mut done))
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let mut paths = Vec::new();
+    files(&source(), &mut paths);
+    let modules: BTreeSet<String> = paths.iter().map(|path| module_path(path)).collect();
+    let imports: BTreeMap<_, _> = paths
+        .iter()
+        .map(|path| {
+            let (module, text) = (module_path(path), std::fs::read_to_string(path).unwrap());
+            let imports = imported_files(&module, &text, &modules);
+            (module, imports)
+        })
+        .collect();
+    assert!(imports.values().map(BTreeSet::len).sum::<usize>() > 300);
+    assert_eq!(circle(&imports), None);
+}
+
+#[test]
+fn a_circle_of_imports_is_found() {
+    let modules: BTreeSet<String> =
+        ["a", "a::b", "a::c", "d"].map(str::to_owned).into_iter().collect();
+    let imports = |texts: [(&str, &str); 4]| {
+        let of = |(module, text): (&str, &str)| {
+            (module.to_owned(), imported_files(module, text, &modules))
+        };
+        texts.into_iter().map(of).collect::<BTreeMap<_, _>>()
+    };
+    let one_way = imports([
+        ("a", "mod b; use b::B;"),
+        ("a::b", "use super::A; use super::c::C;"),
+        ("a::c", "use crate::d::D;\n// use crate::a::b::B"),
+        ("d", ""),
+    ]);
+    assert!(one_way["a::b"].contains("a::c") && one_way["a::c"].contains("d"));
+    assert_eq!(circle(&one_way), None);
+    let around = imports([
+        ("a", ""),
+        ("a::b", "use super::{A, c::C};"),
+        ("a::c", "use crate::d::D;"),
+        ("d", "use crate::a::b::B;"),
+    ]);
+    assert_eq!(circle(&around).unwrap().len(), 3);
 }
 
 #[test]
