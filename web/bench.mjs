@@ -2,6 +2,8 @@
 // Query of the address, all parts optional:
 // ?nodes_per_side=17,33&cases=default&methods=newton,multigrid_1.
 
+import { Runner } from "./runner.mjs";
+
 const element = (id) => document.getElementById(id);
 
 // In order of speed, the fastest first.
@@ -16,7 +18,9 @@ const METHODS = {
   explicit_paper: "explicit, damped as in the paper",
 };
 
-let worker = null;
+// One worker: the study measures one thread.
+const runner = new Runner(1);
+let isRunning = false;
 let startedAt = 0;
 let clockStep = 0;
 let progress = null;
@@ -104,10 +108,10 @@ function showPiece({ scene, svg, times, csv: table }) {
   if (shown === null || shown === scene) showScene(scene);
 }
 
-/** Terminates the worker, if there is one, and shows its final state. */
+/** Terminates the worker, if there is one, and shows the final state of the study. */
 function end(text) {
-  worker?.terminate();
-  worker = null;
+  isRunning = false;
+  runner.terminate();
   element("choices").disabled = false;
   element("run").textContent = "Start";
   element("running").hidden = true;
@@ -120,8 +124,7 @@ function fail(message) {
   element("error").hidden = false;
 }
 
-function onMessage({ data }) {
-  if (!worker) return; // the study was stopped
+function onPiece(data) {
   if (data.progress) {
     progress = data.progress;
     showProgress();
@@ -137,12 +140,6 @@ function onMessage({ data }) {
       break;
     case "piece":
       showPiece(data);
-      break;
-    case "done":
-      end(`Done in ${timeText(performance.now() - startedAt)}.`);
-      break;
-    case "failed":
-      fail(data.message);
       break;
   }
 }
@@ -162,11 +159,13 @@ function start() {
   element("now").textContent = "";
   element("state").textContent = "Loading…";
   startedAt = performance.now();
-  worker = new Worker(new URL("bench_worker.mjs", import.meta.url), { type: "module" });
-  worker.onmessage = onMessage;
-  // A script that cannot be loaded sends no message.
-  worker.onerror = (event) => fail(event.message ?? "the program could not be loaded");
-  worker.postMessage(JSON.stringify(options));
+  isRunning = true;
+  runner.submit({ kind: "benchmark", options: JSON.stringify(options) }, onPiece).result.then(
+    () => end(`Done in ${timeText(performance.now() - startedAt)}.`),
+    (error) => {
+      if (error.name !== "AbortError") fail(error.message);
+    },
+  );
 }
 
 function save(text, type, name) {
@@ -177,7 +176,7 @@ function save(text, type, name) {
 
 element("form").onsubmit = (event) => {
   event.preventDefault();
-  if (!worker) return start();
+  if (!isRunning) return start();
   const done = progress ? `${progress.done} of ${progress.all}` : "none";
   end(`Stopped. Measured: ${done}.`);
 };

@@ -8,6 +8,9 @@ pub mod js;
 #[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 pub mod command_line;
 
+#[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
+pub mod runner;
+
 #[cfg(all(feature = "app", not(target_arch = "wasm32")))]
 pub mod native;
 

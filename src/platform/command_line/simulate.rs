@@ -5,10 +5,11 @@ use super::mesh_formats::Format;
 use super::output::{self, File, number};
 use super::{ExitStatus, InputError, input};
 use crate::measure::{Outcome, Status, surfaces};
+use crate::platform::runner::{Runner, Threads};
 use crate::scene::{CheckedScene, read};
 use crate::simulate::{self, Simulation};
 use crate::solve::Options;
-use rayon::prelude::*;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -41,12 +42,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
             "--mesh and --profile: {count} scenes; allowed: one scene"
         )));
     }
-    let needs_surface = format.is_some();
-    let solved: Vec<(Outcome, Option<Surface>)> =
-        scenes.par_iter().map(|scene| solve(scene, needs_surface)).collect();
-    let files = outputs(arguments, format, &solved)?;
-    output::write_all(&files)?;
-    let all_converged = solved.iter().all(|(outcome, _)| outcome.status == Status::Converged);
+    let (needs_surface, is_single) = (format.is_some(), scenes.len() == 1);
+    let runner = Threads::new(move |scene| solve(&scene, needs_surface, is_single));
+    // The hook has reported the panic.
+    let solved = runner.run_all(scenes).unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
+    let solved = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let all_converged = solved.iter().all(|scene| scene.status == Status::Converged);
+    output::write_all(&outputs(arguments, format, solved))?;
     Ok(if all_converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }
 
@@ -91,35 +93,38 @@ fn read_scenes(path: &Path) -> Result<Vec<CheckedScene>, InputError> {
     read::scenes(&bytes, format).map_err(|error| output::input_error(path, error))
 }
 
-fn solve(scene: &CheckedScene, needs_surface: bool) -> (Outcome, Option<Surface>) {
+/// Result of a scene as JSON text; for a single scene also the content of the other outputs.
+struct Solved {
+    json: String,
+    status: Status,
+    outcome: Option<Outcome>,
+    surface: Option<Surface>,
+}
+
+fn solve(scene: &CheckedScene, needs_surface: bool, is_single: bool) -> Result<Solved, InputError> {
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64() * 1000.0;
     let Simulation { outcome, solution } = simulate::run(scene, Options::default(), Some(&clock));
-    let has_shape = outcome.status != Status::Unstable;
+    let status = outcome.status;
+    let has_shape = status != Status::Unstable;
     let surface = (needs_surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
-    (outcome, surface)
+    let json = if is_single {
+        serde_json::to_string_pretty(&outcome)
+    } else {
+        serde_json::to_string(&outcome)
+    };
+    let json = json.map_err(|error| InputError(format!("result: {error}")))? + "\n";
+    Ok(Solved { json, status, outcome: is_single.then_some(outcome), surface })
 }
 
 /// The output files of this run. A scene without a stable shape has no mesh.
-fn outputs(
-    arguments: &Arguments,
-    format: Option<Format>,
-    solved: &[(Outcome, Option<Surface>)],
-) -> Result<Vec<File>, InputError> {
-    let mut text = String::new();
-    for (outcome, _) in solved {
-        let json = if solved.len() == 1 {
-            serde_json::to_string_pretty(outcome)
-        } else {
-            serde_json::to_string(outcome)
-        };
-        text += &json.map_err(|error| InputError(format!("result: {error}")))?;
-        text.push('\n');
-    }
-    let mut files = vec![File::new(&arguments.out, text)];
-    if let [(outcome, surface)] = solved {
+fn outputs(arguments: &Arguments, format: Option<Format>, solved: Vec<Solved>) -> Vec<File> {
+    let (mut text, mut files) = (String::new(), Vec::new());
+    for Solved { json, outcome, surface, .. } in solved {
+        text += &json;
+        let Some(outcome) = outcome else { continue };
         if let (Some(path), Some(format)) = (&arguments.mesh, format) {
-            match surface {
+            match &surface {
                 Some(surface) => files.push(File::new(path, format.encode(surface))),
                 None => output::warn(&format!(
                     "{}: not written: {}",
@@ -132,10 +137,11 @@ fn outputs(
             }
         }
         if let Some(path) = &arguments.profile {
-            files.push(File::new(path, profile(outcome)));
+            files.push(File::new(path, profile(&outcome)));
         }
     }
-    Ok(files)
+    files.insert(0, File::new(&arguments.out, text));
+    files
 }
 
 fn profile(outcome: &Outcome) -> String {
