@@ -4,9 +4,9 @@
 //! (at rest), u = F N/λ (deformed). Coupled springs: P = Σ T u ⊗ N, and the second derivative has
 //! closed-form modes (stretch, shear, twist, out of plane; cf. B. Smith et al., "Analytic
 //! eigensystems for isotropic distortion energies", ACM TOG 38(1), 2019), so that negative
-//! stiffness can be left out of the Hessian mode by mode. Forces are never changed.
+//! stiffness can be left out of the Hessian mode by mode. Forces are exact.
 
-use super::deformation::{gradient, hat_gradients, is_square, square_edges};
+use super::deformation::{is_square, square_edges};
 use super::law::{PaperLaw, SheetLaw};
 use super::triangle::{Principal, Rest};
 use crate::mesh::stencil::{BlockStencil9, outer};
@@ -33,25 +33,24 @@ pub(crate) struct Totals {
     /// Sum of the squared forces that triangles exert on their nodes \[(kPa·mm²)²\].
     squared_forces: f64,
     triangles: u32,
-    /// The strongest push of a triangle, as its tension² × area \[(kPa·mm²)²\]; of coupled springs alone.
-    greatest_push: f64,
-    /// Is a spring outside of the range where its law has a meaning?
+    /// The greatest compression of a triangle, as tension² × area \[(kPa·mm²)²\]; of coupled springs alone.
+    greatest_compression: f64,
+    /// Is a spring outside of the domain of its law?
     pub(crate) outside_law: bool,
 }
 
 impl Totals {
-    /// Root of the sum of the squared forces of all triangles \[kPa·mm²\]: what the residual is
-    /// measured against.
+    /// Root of the sum of the squared forces of all triangles \[kPa·mm²\]: the scale of residuals.
     pub(crate) fn force_scale(&self) -> f64 {
         self.squared_forces.sqrt()
     }
 
-    /// Does a triangle push by more than a share of the mean pull? There the sheet is slack, and may fold.
-    /// `force_scale` is [`Self::force_scale`], or more where that is nothing but rounding.
+    /// Is the compression of a triangle more than a fraction of the mean tension? The sheet may wrinkle there.
+    /// `force_scale` is [`Self::force_scale`], or more where that scale is rounding.
     pub(crate) fn is_compressive(&self, force_scale: f64) -> bool {
         // Of a triangle in tension t along one direction, the forces' squares sum to t² × area.
-        let mean_pull = force_scale.powi(2) / f64::from(self.triangles.max(1));
-        self.greatest_push > COMPRESSIVE * COMPRESSIVE * mean_pull
+        let mean_tension = force_scale.powi(2) / f64::from(self.triangles.max(1));
+        self.greatest_compression > COMPRESSIVE * COMPRESSIVE * mean_tension
     }
 }
 
@@ -150,9 +149,8 @@ fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool])
             }
             if !is_square(sheet, corners) {
                 for (triangle, weight) in sheet.cell_triangles(i, j) {
-                    let (gradients, twice) = hat_gradients(triangle.map(|k| sheet.rest()[k]));
-                    let columns = gradient(triangle.map(|k| x[k]), gradients);
-                    let pulls = triangle_forces(law, columns, gradients, 0.5 * twice * weight);
+                    let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
+                    let pulls = triangle_forces(law, &rest, triangle.map(|k| x[k]));
                     for (k, pull) in triangle.into_iter().zip(pulls) {
                         forces[k] += pull;
                     }
@@ -177,18 +175,11 @@ fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool])
     forces
 }
 
-/// Forces of a triangle with the columns of F on its nodes, −∂W/∂x = −A·P ∇φ; `gradients` are those of the second and
-/// the third node.
+/// Forces of a triangle on its nodes, −∂W/∂x = −A·P ∇φ.
 #[inline]
-fn triangle_forces(
-    law: &CoupledLaw,
-    columns: [DVec3; 2],
-    gradients: [DVec2; 2],
-    area: f64,
-) -> [DVec3; 3] {
-    let [p1, p2] = tensions(law, columns);
-    let [a, b] = gradients.map(|g| (p1 * g.x + p2 * g.y) * -area);
-    [-(a + b), a, b]
+fn triangle_forces(law: &CoupledLaw, rest: &Rest, x: [DVec3; 3]) -> [DVec3; 3] {
+    let [p1, p2] = tensions(law, Principal::columns(rest, x));
+    rest.gradients.map(|g| (p1 * g.x + p2 * g.y) * -rest.area)
 }
 
 /// Columns of the first Piola–Kirchhoff tension P = F S \[kPa·mm\].
@@ -227,7 +218,7 @@ fn accumulate(
                     x: nodes.map(|k| x[k]),
                     forces: [DVec3::ZERO; 3],
                     blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),
-                    push: 0.0,
+                    compression: 0.0,
                 };
                 match law {
                     SheetLaw::Coupled(law) => totals.energy += triangle.add_coupled(law),
@@ -238,7 +229,7 @@ fn accumulate(
                     }
                 }
                 totals.triangles += 1;
-                totals.greatest_push = totals.greatest_push.max(triangle.push);
+                totals.greatest_compression = totals.greatest_compression.max(triangle.compression);
                 for (k, force) in nodes.into_iter().zip(triangle.forces) {
                     forces[k] += force;
                     totals.squared_forces += force.length_squared();
@@ -271,8 +262,8 @@ struct Triangle<'a> {
     forces: [DVec3; 3],
     /// Which Hessian, the triangle's corners in its cell, the cell's blocks.
     blocks: Option<(Stiffness, &'a [usize; 3], &'a mut [DMat3; 10])>,
-    /// Where it pushes, tension² × area \[(kPa·mm²)²\].
-    push: f64,
+    /// Its compression, tension² × area \[(kPa·mm²)²\].
+    compression: f64,
 }
 
 impl Triangle<'_> {
@@ -280,8 +271,7 @@ impl Triangle<'_> {
         let area = self.rest.area;
         let columns = Principal::columns(&self.rest, self.x);
         let Some((kind, local, blocks)) = &mut self.blocks else {
-            let [_, g1, g2] = self.rest.gradients;
-            self.forces = triangle_forces(law, columns, [g1, g2], area);
+            self.forces = triangle_forces(law, &self.rest, self.x);
             return area * law.energy(Principal::stretches(columns).map(|l| l - 1.0));
         };
         let principal = Principal::new(columns);
@@ -292,7 +282,7 @@ impl Triangle<'_> {
         let along = self.rest.gradients.map(|g| (g.dot(n1), g.dot(n2)));
         let response = law.response(strain);
         let [t1, t2] = response.tension;
-        self.push = t1.min(t2).min(0.0).powi(2) * area;
+        self.compression = t1.min(t2).min(0.0).powi(2) * area;
         for (force, (p, q)) in self.forces.iter_mut().zip(along) {
             *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
         }

@@ -4,6 +4,7 @@
 //! F is two edges of its cell over the spacing; only the cells at the fitted border need their own
 //! gradients.
 
+use super::triangle::{Principal, Rest};
 use crate::contact::Dome;
 use crate::mesh::{CellKind, NodeKind, Sheet};
 use glam::{DVec2, DVec3};
@@ -111,22 +112,6 @@ fn share([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
     }
 }
 
-/// Gradients ∇φ of the hat functions of a triangle's second and third node \[1/mm\], and twice its
-/// rest area \[mm²\]. The first node's gradient is minus their sum.
-#[inline]
-pub(crate) fn hat_gradients([o, a, b]: [DVec2; 3]) -> ([DVec2; 2], f64) {
-    let (a, b) = (a - o, b - o);
-    let twice_area = a.perp_dot(b);
-    ([DVec2::new(b.y, -b.x) / twice_area, DVec2::new(-a.y, a.x) / twice_area], twice_area)
-}
-
-/// Columns ∂x/∂X and ∂x/∂Y of a triangle's deformation gradient F \[-\].
-#[inline]
-pub(crate) fn gradient([o, a, b]: [DVec3; 3], [g1, g2]: [DVec2; 2]) -> [DVec3; 2] {
-    let (a, b) = (a - o, b - o);
-    [a * g1.x + b * g2.x, a * g1.y + b * g2.y]
-}
-
 /// Is the cell with these corners a square of the grid, no corner moved onto the border?
 #[inline]
 pub(crate) fn is_square(sheet: &Sheet, corners: [usize; 4]) -> bool {
@@ -168,9 +153,9 @@ impl Deformation {
                 let corners = sheet.corners(i, j);
                 if !is_square(sheet, corners) {
                     for (triangle, weight) in sheet.cell_triangles(i, j) {
-                        let (gradients, twice) = hat_gradients(triangle.map(|k| sheet.rest()[k]));
-                        let columns = gradient(triangle.map(|k| x[k]), gradients);
-                        let share = share(columns, 0.5 * twice * weight);
+                        let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
+                        let columns = Principal::columns(&rest, triangle.map(|k| x[k]));
+                        let share = share(columns, rest.area);
                         triangle.into_iter().for_each(|k| nodes[k] += share);
                     }
                     continue;

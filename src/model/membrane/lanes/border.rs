@@ -1,7 +1,7 @@
 //! Triangles at the border, whose rest shapes are not those of the grid, four at a time.
 //!
-//! They are few but scattered: their nodes are first brought together, one vector each, so that four
-//! triangles read and write whole vectors.
+//! Such triangles are few but scattered: their nodes are gathered first, one vector each, so that four triangles
+//! read and write whole vectors.
 
 use super::coupled::{CoupledLanes, Law};
 use crate::mesh::lanes::{BorderTriangle, Field};
@@ -14,7 +14,7 @@ use wide::f32x4;
 /// All triangles at the border.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Border {
-    /// The stored nodes that they have.
+    /// Their stored nodes.
     nodes: Vec<u32>,
     pub(super) fours: Vec<Four>,
 }
@@ -34,10 +34,10 @@ pub(super) struct Four {
     pub(super) weight: f32x4,
 }
 
-/// Fours on their way through the law together: one after the other would wait for square roots.
+/// Fours that are evaluated together: single ones would wait for square roots.
 const AT_ONCE: usize = 32;
 
-/// Displacements and forces of the border's nodes, and fours on their way.
+/// Displacements and forces of the border's nodes, and the fours under evaluation.
 #[derive(Clone, Debug)]
 pub(super) struct BorderScratch {
     pub(super) u: Vec<f32x4>,
@@ -149,7 +149,7 @@ impl Border {
         }
     }
 
-    /// Adds what the triangles pull at their nodes.
+    /// Adds the forces of the triangles.
     #[inline(always)]
     pub(super) fn add_forces<L: Law + ?Sized>(
         &self,
@@ -204,7 +204,7 @@ impl Border {
         }
     }
 
-    /// Adds the triangles' shares of their nodes' blocks.
+    /// Adds the blocks of the triangles.
     pub(super) fn add_blocks(
         &self,
         law: &CoupledLanes,

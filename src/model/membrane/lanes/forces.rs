@@ -1,7 +1,7 @@
 //! Forces of the sheet and the diagonal blocks of its stiffness, four cells at a time.
 //!
 //! A regular cell has four right-angled triangles on the edges B (bottom), T (top), L (left) and R
-//! (right); a triangle pulls at its edges e₁, e₂ with M₁₁e₁ + M₁₂e₂ and M₁₂e₁ + M₂₂e₂ (see
+//! (right); the tension along its edges e₁, e₂ is M₁₁e₁ + M₁₂e₂ and M₁₂e₁ + M₂₂e₂ (see
 //! [`crate::springs::closed_form`]). Cells at the border, whose rest shapes differ, are in [`super::border`].
 
 use super::Scratch;
@@ -13,14 +13,14 @@ use crate::model::membrane::node_stiffness::add_stretch;
 use crate::springs::closed_form::{area_stretch, trace_of_stretch};
 use wide::f32x4;
 
-/// Lanes one place to the left; the last comes from the following four.
+/// Lanes shifted to the left; the last one is the first of the following four.
 #[inline(always)]
 fn shifted_left(now: f32x4, next: f32x4) -> f32x4 {
     let (a, b) = (now.to_array(), next.to_array());
     f32x4::new([a[1], a[2], a[3], b[0]])
 }
 
-/// Lanes one place to the right; the first comes from the four before.
+/// Lanes shifted to the right; the first one is the last of the four before.
 #[inline(always)]
 fn shifted_right(before: f32x4, now: f32x4) -> f32x4 {
     let (a, b) = (before.to_array(), now.to_array());
@@ -49,7 +49,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// The same to be added to.
+/// The same, to be added to.
 struct Sums<'a> {
     x: &'a mut [[f32; 4]],
     y: &'a mut [[f32; 4]],
@@ -153,7 +153,7 @@ fn all_forces<L: Law + ?Sized>(
     border.add_forces(law, u, f, on_border);
 }
 
-/// Four neighbouring cells on their way through the law.
+/// Four neighbouring cells under evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellLanes {
     /// B·B, T·T, L·L, R·R, B·L, B·R, T·L, T·R.
@@ -191,8 +191,8 @@ pub(super) fn measure_row(lower: Row, upper: Row, row: &mut [CellLanes]) {
     }
 }
 
-/// Adds what a row of cells pulls at the two rows of nodes below and above; cells outside of the
-/// half-open range do not count.
+/// Adds the forces of a row of cells on the rows of nodes below and above; cells outside of the half-open range do
+/// not count.
 #[inline(always)]
 fn pull_row(
     lower: Row,
@@ -286,7 +286,7 @@ fn block_row(
     }
 }
 
-/// What four neighbouring cells add to the blocks of each of their corners.
+/// The block that each of four neighbouring cells adds to each of its corners.
 #[inline(always)]
 fn cell_block(law: &CoupledLanes, cells: &Cells) -> Block {
     let half = f32x4::HALF;

@@ -1,5 +1,5 @@
-//! The paper's springs in lanes of four f32: the edges and both diagonals of every cell, each pulling
-//! by its own strain alone, through the same tables as in f64.
+//! The paper's springs in lanes of four f32: the edges and both diagonals of every cell. The tension of a spring
+//! depends on its own strain alone.
 
 use super::Scratch;
 use super::border::{Border, BorderScratch, gathered};
@@ -11,8 +11,8 @@ use crate::springs::paper::Spring;
 use crate::springs::table::Buckets;
 use wide::f32x4;
 
-/// Stiffness along and across a spring is kept above this share of their size.
-const LEAST_STIFFNESS: f32 = 1e-4;
+/// Lower bound of the stiffness along and across a spring, relative to the greater of them \[-\].
+const MIN_STIFFNESS: f32 = 1e-4;
 
 /// The springs, scaled so that the sheet's stiffness at small strain is 1.
 #[derive(Clone, Debug)]
@@ -39,8 +39,8 @@ impl Rest {
         Self { length: f32x4::splat(length), width: f32x4::HALF }
     }
 
-    /// Of triangles with the given area times weight, in those of a regular triangle of half weight;
-    /// what makes up its width is in [`crate::solve`]'s assembly in f64.
+    /// Of triangles with the given area times weight, relative to a regular triangle of half weight; the rule of the
+    /// width is that of the assembly in f64.
     fn of_triangle(spring: Spring, [x, y]: [f32x4; 2], weight: f32x4) -> Self {
         let length = (x * x + y * y).sqrt();
         let area = match spring {
@@ -73,7 +73,7 @@ impl LaneSprings {
         (length, tension, slope)
     }
 
-    /// What four springs pull at their first ends.
+    /// The forces of four springs on their first ends.
     #[inline(always)]
     fn pull(&self, spring: Spring, rest: Rest, now: Vec3) -> Vec3 {
         let (length, tension, _) = self.response(spring, rest, now);
@@ -84,7 +84,7 @@ impl LaneSprings {
     #[inline(always)]
     fn block(&self, spring: Spring, rest: Rest, now: Vec3) -> Block {
         let (length, tension, slope) = self.response(spring, rest, now);
-        let least = (slope.abs() + tension.abs()) * rest.width / rest.length * LEAST_STIFFNESS;
+        let least = (slope.abs() + tension.abs()) * rest.width / rest.length * MIN_STIFFNESS;
         let along = (slope * rest.width / rest.length).fast_max(least);
         let across = (tension * rest.width / length).fast_max(least);
         let direction = scale(now, f32x4::ONE / length);
@@ -149,7 +149,7 @@ impl Border {
         }
     }
 
-    /// Adds what the paper's springs of the triangles pull at their nodes.
+    /// Adds the forces of the paper's springs of the triangles.
     fn add_spring_forces(
         &self,
         law: &LaneSprings,
@@ -171,7 +171,7 @@ impl Border {
         self.scatter(pulls, f);
     }
 
-    /// Adds the springs' shares of their nodes' blocks.
+    /// Adds the blocks of the paper's springs of the triangles.
     fn add_spring_blocks(
         &self,
         law: &LaneSprings,
@@ -226,7 +226,7 @@ pub(super) fn blocks(
     border.add_spring_blocks(law, u, blocks, on_border);
 }
 
-/// The tension of the springs of whole cells: the sum of squares of what they pull.
+/// The tension of the springs of whole cells: the sum of squares of their forces.
 pub(super) fn tension(layout: &Layout, law: &LaneSprings, u: &Field) -> Tension {
     let mut sum = 0.0;
     springs(layout, u, |_, spring, now, counts| {
