@@ -168,7 +168,7 @@ const ONCE_FAILED: [(&str, &str, Ending); 33] = [
 ];
 
 #[test]
-fn scenes_that_once_failed_end_as_they_should() {
+fn scenes_that_once_failed_have_their_expected_outcome() {
     for (name, json, ending) in ONCE_FAILED {
         let case = examine(Scene::from_json(json).unwrap());
         assert_eq!(case.ending, ending, "{name}: {:?}", case.findings);
