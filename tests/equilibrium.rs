@@ -505,7 +505,7 @@ fn a_cap_between_nodes_is_no_equilibrium() {
             "projection_mm": projection, "center_mm": center }, "pocket_radius_mm": 200,
             "insertion": insertion, "solver": { "nodes_per_side": nodes } }));
         assert_eq!(outcome.status, Status::Unstable);
-        assert!(outcome.warnings[0].contains("sticks out"), "{:?}", outcome.warnings);
+        assert!(outcome.warnings[0].contains("protrudes"), "{:?}", outcome.warnings);
     }
 }
 
@@ -517,7 +517,7 @@ fn a_result_tells_that_the_sheet_was_left_at_rest() {
         let outcome =
             outcome_of(&json!({ "implant": { "base_radius_mm": 50 }, "insertion": insertion,
             "solver": { "nodes_per_side": 33, "tolerance": tolerance } }));
-        let found = outcome.warnings.iter().any(|warning| warning.contains("left as it lies"));
+        let found = outcome.warnings.iter().any(|warning| warning.contains("left undeformed"));
         assert_eq!(found, is_told, "{insertion} {tolerance}: {:?}", outcome.warnings);
         assert_eq!(outcome.solver.work_units <= 0.0, insertion <= 0.0 || is_told);
     }
@@ -538,12 +538,12 @@ fn what_has_no_estimate_is_null() {
 fn a_result_warns_where_the_grid_is_coarse() {
     let beside = json!({ "base_radius_mm": 12.6, "center_mm": [-15.8, -21.9] });
     for (implant, pocket, insertion, part) in [
-        (beside, 43, 0.05, Some("small part of the sheet that touches")),
+        (beside, 43, 0.05, Some("small contact area")),
         (json!({ "base_radius_mm": 55 }), 70, 1.0, None),
         (json!({ "base_radius_mm": 10, "projection_mm": 120 }), 200, 1.0, Some("tip")),
         (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 120, 1.0, Some("rim")),
         (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 200, 1.0, None),
-        (json!({ "base_radius_mm": 55 }), 70, 1e-3, Some("part of the implant that is in")),
+        (json!({ "base_radius_mm": 55 }), 70, 1e-3, Some("inserted part of the implant")),
     ] {
         let outcome = outcome_of(&json!({ "implant": implant, "pocket_radius_mm": pocket,
             "insertion": insertion, "solver": { "nodes_per_side": 65, "tolerance": 1e-3 } }));

@@ -772,8 +772,9 @@ fn the_state_of_the_computation_is_quiet_and_limits_are_said_in_words() {
     harness.get_by_label("Up to date");
     harness.get_by_label("beyond what excised skin withstood");
     // What a reader must know of stands where the numbers stand.
-    let warning =
-        harness.get_by_label_contains("skin: strains lie beyond the data of its curve").rect();
+    let warning = harness
+        .get_by_label_contains("skin: strains exceed the data of the stress–strain curve")
+        .rect();
     let numbers = harness.get_by_label("Projection of the skin").rect();
     assert!(
         (warning.left() - numbers.left()).abs() < 40.0 && warning.bottom() <= numbers.top() + 1.0

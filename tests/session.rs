@@ -454,7 +454,10 @@ fn refused_input_changes_nothing_and_says_why_in_one_line() {
         (r#"{"implant":{"base_radius_mm":50,"x":1}}"#, "`x`"),
         (r#"{"implant":{"base_radius_mm":1e308}}"#, "is 1e308; allowed: 10 to 120 mm"),
         (r#"{"implant":[50]}"#, "expected one JSON object"),
-        (r#"{"implant":{"base_radius_mm":50},"layers":[]}"#, "layers is 0 layers; allowed: 1 to 8"),
+        (
+            r#"{"implant":{"base_radius_mm":50},"layers":[]}"#,
+            "layers is a list of 0; allowed: 1 to 8 layers",
+        ),
         (
             r#"{"implant":{"base_radius_mm":50},"layers":[{"poisson_ratio":0.6}]}"#,
             "layers[0].poisson_ratio is 0.6; allowed: 0 to 0.5",

@@ -16,7 +16,7 @@ const LEAST_FRACTION: f64 = 0.2;
 /// grid does not resolve there how the gap opens.
 const TRUSTED: (f64, f64) = (5e-4, 1e-3);
 /// Error of the node-wise solution, as a fraction of the greatest offset, up to which the active set is clear
-/// \[-\]. Fixed by `node-that-just-touches`.
+/// \[-\]. Fixed by `free-node-counted-as-active`.
 const CLEAR_FRACTION: f64 = 0.03;
 
 /// Is the error of the node-wise solution so small that the active set is clear? One node more or less changes

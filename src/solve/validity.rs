@@ -21,9 +21,9 @@ pub enum Invalid {
 /// a sphere are this deep where they are 0.6 radii long.
 const MAX_CHORD_DEPTH: f64 = 0.05;
 /// Height of the dome's tip above the highest node that is tolerated \[lesser half axis, base radius\]: a tip
-/// between nodes 0.6 radii apart is 0.09 radii above them. Fixed by `slides-off-a-needle`.
+/// between nodes 0.6 radii apart is 0.09 radii above them. Fixed by `sheet-sliding-off-needle`.
 const MAX_TIP_HEIGHT: (f64, f64) = (0.1, 0.01);
-/// Height of a cap that may lie between nodes \[base radius\]. Fixed by `cap-between-nodes`.
+/// Height of a cap that may lie between nodes \[base radius\]. Fixed by `penetration-between-nodes`.
 const MIN_CAP_HEIGHT: f64 = 1e-3;
 /// Cosine between a cell's normal and the line of sight below which the cell is inverted \[-\].
 const MAX_FACING_AWAY: f64 = 0.3;
@@ -44,7 +44,7 @@ fn is_inverted(normal: DVec3, sight: DVec3) -> bool {
 }
 
 /// Is a triangle inverted? A finer test than [`invalid`], for compressive springs: the corner of a cell can be
-/// inverted although the cell is not. Fixed by `corner-folded`.
+/// inverted although the cell is not. Fixed by `inverted-cell-corner`.
 pub(crate) fn has_inverted_triangle(sheet: &Sheet, x: &[DVec3]) -> bool {
     let viewpoint = viewpoint(sheet);
     sheet.triangles().any(|(nodes, _)| {

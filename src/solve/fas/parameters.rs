@@ -21,7 +21,7 @@ pub(super) struct Parameters {
     /// to be so \[-\].
     pub(super) coarse_active_weight: f32,
     /// The same in robust mode: more coarse nodes are active, so that the correction does not lift the sheet off
-    /// a small contact. Fixed by `cap-between-nodes`, `dome-as-wide-as-a-cell`.
+    /// a small contact. Fixed by `penetration-between-nodes`, `lost-contact-on-narrow-dome`.
     pub(super) robust_active_weight: f32,
 
     /// The most V-cycles of the finest grid.
@@ -31,7 +31,7 @@ pub(super) struct Parameters {
     /// The error of a coarser grid that is enough for a start \[base radius\].
     pub(super) start_tolerance: f64,
     /// The most cycles on the coarsest grid; the scheme fails if the error there is above
-    /// [`Self::start_tolerance`] then. Fixed by `soft-on-a-steep-dome`.
+    /// [`Self::start_tolerance`] then. Fixed by `underestimated-error-on-steep-dome`.
     pub(super) max_coarsest_cycles: u32,
 
     /// Lower bound of the assumed convergence factor \[-\]: the first cycles remove high frequencies and overstate
@@ -50,7 +50,7 @@ pub(super) struct Parameters {
     pub(super) oscillation: f64,
 
     /// Bounds of the relative residual of a solution \[-\]; between them it is the tolerance. Up to the greater
-    /// one the residual may be rounding of f32. Fixed by `flat-dome`.
+    /// one the residual may be rounding of f32. Fixed by `slow-fallback-on-flat-dome`.
     pub(super) residual_bounds: (f64, f64),
     /// Position error \[base radius\] per relative residual \[-\], at least.
     pub(super) error_per_residual: f64,
@@ -61,7 +61,7 @@ pub(super) struct Parameters {
     /// Fraction of the residual of the last stagnation above which the residual stagnates again \[-\].
     pub(super) stagnation_factor: f64,
     /// The greatest contact offset \[tolerances\] that f32 decides: an active node more or less changes the shape
-    /// by about as much. Fixed by `node-that-just-touches`.
+    /// by about as much. Fixed by `free-node-counted-as-active`.
     pub(super) max_contact_offset: f64,
 }
 

@@ -29,17 +29,17 @@ pub(super) struct Parameters {
     pub(super) max_halvings: u32,
     /// Armijo's constant c₁: fraction of the predicted decrease of the energy that a step has to reach \[-\].
     pub(super) sufficient_decrease: f64,
-    /// Rounding of an energy, relative to the energy \[-\]. Fixed by `hardly-in`, `shallow-dome-stiff-toe`.
+    /// Rounding of an energy, relative to the energy \[-\]. Fixed by `no-convergence-at-small-insertion`, `rounding-on-shallow-dome`.
     pub(super) energy_rounding: f64,
 
     /// Upper bound of the assumed ratio of a step to the one before \[-\]; the ratio itself under compression.
-    /// Fixed by `valley-behind-a-quick-step`, `slack-at-the-rim`.
+    /// Fixed by `near-zero-stiffness-after-small-step`, `premature-convergence-at-rim`.
     pub(super) max_convergence_factor: f64,
-    /// Greatest relative residual before the last step \[-\]. Fixed by `small-steps-out-of-balance`.
+    /// Greatest relative residual before the last step \[-\]. Fixed by `small-steps-with-large-residual`.
     pub(super) max_residual_before_step: f64,
     /// The same under compression: small steps may precede a wrinkle.
     pub(super) max_compressive_residual: f64,
-    /// Greatest relative residual of a solution \[-\]. Fixed by `slow-steps-at-last`.
+    /// Greatest relative residual of a solution \[-\]. Fixed by `slow-final-steps`.
     pub(super) max_residual: f64,
 }
 

@@ -2,9 +2,9 @@
 //!
 //! Symptom: steps of a sheet over a needle lead uphill, or one node slides back and forth over the tip. Cause: the
 //! curvature makes the model indefinite. Remedy: iterations without curvature for a while; each of their steps
-//! leads downhill. Without curvature the model may be far too stiff (`stiff-model-on-a-needle`), so that a solution
+//! leads downhill. Without curvature the model may be far too stiff (`overstiff-model-on-needle`), so that a solution
 //! found so is tried with curvature again. A block that is indefinite at the solution itself is a saddle point: the
-//! node would slide off (`held-on-a-needles-tip`, `node-that-would-slide-off`).
+//! node would slide off (`active-node-on-needle-tip`, `unstable-node-on-needle-tip`).
 
 use super::{Newton, Robust, State};
 

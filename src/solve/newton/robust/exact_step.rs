@@ -1,10 +1,10 @@
 //! The step of the exact Hessian, before a solution is accepted.
 //!
-//! Symptom: estimates up to a thousand times too small under compression (`soft-valley-before-a-fold`,
-//! `still-on-the-way-to-a-fold`). Cause: the positive semidefinite model is far too stiff in a soft valley and at a
+//! Symptom: estimates up to a thousand times too small under compression (`near-zero-stiffness-before-wrinkling`,
+//! `premature-stall-before-wrinkling`). Cause: the positive semidefinite model is far too stiff in a soft valley and at a
 //! saddle point. Remedy: conjugate gradients on the exact Hessian give the length of its step, or a direction of
 //! negative curvature. Where contact blocks that step, the iteration continues, and ends after several blocked
-//! steps in a row (`way-blocked-before-a-fold`).
+//! steps in a row (`path-blocked-before-wrinkling`).
 
 use super::super::conjugate_gradients::dot;
 use super::super::{CgState, Phase};

@@ -1,6 +1,6 @@
 //! Acceleration by parallel tangents.
 //!
-//! Symptom: steps zigzag in a narrow valley of the energy (`valley-of-slack`). Cause: the model is too stiff along the
+//! Symptom: steps zigzag in a narrow valley of the energy (`slow-convergence-under-compression`). Cause: the model is too stiff along the
 //! valley. Remedy: the sum of the last two steps, in which the parts across the valley cancel, is extended (B. V. Shah,
 //! R. J. Buehler and O. Kempthorne, "Some algorithms for minimizing a function of several variables", J. SIAM 12(1),
 //! 1964).

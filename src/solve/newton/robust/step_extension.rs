@@ -1,7 +1,7 @@
 //! Steps longer than the model's.
 //!
-//! Symptom: many small steps beside a dome at the pocket's rim (`slack-beside-the-dome`,
-//! `slack-beside-a-dome-at-the-rim`). Cause: the sheet has almost no tension there, and the positive semidefinite
+//! Symptom: many small steps beside a dome at the pocket's rim (`slow-convergence-beside-dome`,
+//! `slow-convergence-beside-dome-at-rim`). Cause: the sheet has almost no tension there, and the positive semidefinite
 //! model is too stiff. Remedy: a step that lowers the energy by nearly the whole first-order prediction is extended,
 //! by doubling, as long as the energy falls.
 

@@ -1,6 +1,6 @@
 //! Iterations by sweeps alone.
 //!
-//! Symptom: no length of a step lowers the energy (`steps-that-lead-uphill`). Cause: contact changes at many nodes in
+//! Symptom: no length of a step lowers the energy (`steps-that-raise-the-energy`). Cause: contact changes at many nodes in
 //! one step. Remedy: one iteration by projected sweeps alone, whose steps lead downhill.
 
 use super::{Newton, StepMethod};

@@ -1,6 +1,6 @@
 //! Symmetric scenes have symmetric solutions.
 //!
-//! Symptom: a centred scene has an asymmetric solution (`lopsided-on-a-needle`). Cause: rounding and truncated
+//! Symptom: a centred scene has an asymmetric solution (`asymmetric-shape-on-needle`). Cause: rounding and truncated
 //! iterations grow where a node stands on a steep dome. Remedy: steps are symmetrised, mirrored nodes have the
 //! same active constraints. A convex model of a symmetric shape has a symmetric minimum.
 
