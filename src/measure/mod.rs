@@ -311,11 +311,13 @@ impl Outcome {
         self.area_ratio = Some(ratio);
         self.area_after_cm2 = Some(area_before * ratio / 100.0);
         self.area_gain_cm2 = Some(area_before * (ratio - 1.0) / 100.0);
-        let shares = STRAIN_BANDS.iter().zip(summary.share_above);
+        let fractions = STRAIN_BANDS.iter().zip(summary.fraction_above);
         self.strain = Some(Strains {
             max_principal: summary.greatest,
             mean_area: ratio - 1.0,
-            fraction_above: shares.map(|(limit, share)| (format!("{limit:.2}"), share)).collect(),
+            fraction_above: fractions
+                .map(|(limit, fraction)| (format!("{limit:.2}"), fraction))
+                .collect(),
         });
         for (layer, load) in
             self.layers.iter_mut().zip(layers::loads(&problem.materials, deformation))

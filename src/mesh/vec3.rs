@@ -52,7 +52,7 @@ pub(crate) fn times([xx, xy, xz, yy, yz, zz]: [f32x4; 6], v: Vec3) -> Vec3 {
     ]
 }
 
-/// The inverse; where the block is not positive definite, that of its trace.
+/// The inverse; for an indefinite block the inverse of trace × identity.
 #[inline(always)]
 pub(crate) fn inverted([xx, xy, xz, yy, yz, zz]: Block) -> Block {
     let (axx, axy, axz) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);

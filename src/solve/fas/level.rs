@@ -79,7 +79,7 @@ impl<M: ElasticModel> Level<M> {
                     continue;
                 }
                 let gap = |di: isize, dj: isize| {
-                    let (i, j) = layout.place(i as isize + di, j as isize + dj)?;
+                    let (i, j) = layout.free_node(i as isize + di, j as isize + dj)?;
                     let k = j * layout.pitch + i;
                     let [x, y, z] = u.at(k).map(f64::from);
                     let [rest_x, rest_y] = layout.rest(i, j).map(f64::from);
