@@ -10,7 +10,7 @@ use super::{Newton, Robust, State};
 
 /// Number of iterations without curvature.
 const ITERATIONS_OFF: u32 = 4;
-/// Greatest number of iterations with curvature from a solution without curvature.
+/// Greatest number of returns to curvature from a solution without curvature.
 const MAX_RETRIES: u32 = 2;
 
 /// State of the curvature in the model.
