@@ -67,7 +67,7 @@ fn strain_energy(scene: &Scene, membrane: &Solution) -> f64 {
 }
 
 #[test]
-fn the_independent_reference_is_met_in_every_figure_and_point() {
+fn the_solution_agrees_with_an_independent_reference_in_every_figure_and_point() {
     for case in membrane::cases() {
         let membrane = solve(&membrane::scene_of(&case)).unwrap();
         let radius = case["dome_radius_mm"].as_f64().unwrap();
@@ -192,7 +192,7 @@ fn the_shape_is_continuous_clamped_and_tangent_to_the_dome() {
 }
 
 #[test]
-fn a_pocket_as_wide_as_the_dome_is_touched_all_over() {
+fn a_pocket_as_wide_as_the_dome_is_in_contact_everywhere() {
     let at = |pocket: f64| {
         solved(&json!({ "implant": { "base_radius_mm": 50, "projection_mm": 35 },
                         "pocket_radius_mm": pocket }))
@@ -279,7 +279,7 @@ fn the_grid_solver_agrees_on_an_ellipsoid() {
 }
 
 #[test]
-fn what_is_not_axisymmetric_is_refused_in_one_line() {
+fn scenes_that_are_not_axisymmetric_are_rejected_in_one_line() {
     let Problem { obstacle, patch, materials, .. } = Scene::default().problem().unwrap();
     let dome = obstacle.dome;
     let refused = |dome: Dome, materials: &[Material]| {
@@ -297,7 +297,7 @@ fn what_is_not_axisymmetric_is_refused_in_one_line() {
 }
 
 #[test]
-fn a_sheet_that_nothing_lifts_stays_flat() {
+fn a_sheet_at_zero_insertion_stays_flat() {
     let flat = solved(&json!({ "implant": { "base_radius_mm": 50 }, "insertion": 0.0 }));
     assert_eq!((flat.apex_stretch, flat.contact_force_n, flat.area_ratio), (1.0, 0.0, 1.0));
     assert_eq!(position(&flat, 20.0), (20.0, 0.0));

@@ -61,7 +61,7 @@ fn the_shape_converges_to_the_axisymmetric_reference_at_second_order() {
 }
 
 #[test]
-fn every_figure_of_the_reference_is_met() {
+fn every_figure_agrees_with_the_reference() {
     for case in cases() {
         let outcome = simulate(&scene_of(&case, 129)).unwrap();
         let result = &case["result"];
@@ -185,7 +185,7 @@ fn contact_forces_are_the_reaction_of_the_border() {
 }
 
 #[test]
-fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_dome() {
+fn no_node_is_inside_the_dome_or_below_the_wall_and_no_contact_force_is_tensile() {
     for scene in odd_scenes() {
         let solver = solved(&scene, 65, 1e-6);
         let (problem, forces) = (solver.problem(), solver.forces_and_scale().0);
@@ -211,7 +211,7 @@ fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_d
 }
 
 #[test]
-fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
+fn the_estimated_error_bounds_the_error_against_the_grids_own_equilibrium() {
     let mut scenes = odd_scenes();
     scenes.extend(cases().iter().map(|case| scene_of(case, 65)));
     for scene in scenes {
@@ -232,7 +232,7 @@ fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
 
 /// Small changes before the fold had been taken for the end, by both methods.
 #[test]
-fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
+fn compressive_sheets_off_centre_are_solved_to_their_wrinkled_equilibrium() {
     let skin = |thickness, poisson_ratio, curve| json!([{ "tissue": "skin", "thickness_mm": thickness, "poisson_ratio": poisson_ratio, "curve": curve }]);
     let dome = |radius, projection, center: [f64; 2]| json!({ "base_radius_mm": radius, "projection_mm": projection, "center_mm": center });
     let points = json!({ "kind": "points", "points": [[0, 0], [0.2, 12], [0.5, 60], [0.8, 240]],
@@ -262,7 +262,7 @@ fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
 
 /// The iteration's model is made positive; where the paper's springs push, its steps had been far too small.
 #[test]
-fn the_papers_springs_are_asked_for_their_true_step() {
+fn the_exact_step_is_evaluated_for_the_papers_springs() {
     let scene = json!({ "schema": "implant-preview/scene/1", "springs": "nikolaev",
         "implant": { "base_radius_mm": 13.9, "projection_mm": 15.8, "center_mm": [0.0, 17.6] },
         "pocket_radius_mm": 31.52, "insertion": 0.8, "layers": [{ "tissue": "skin",
@@ -280,7 +280,7 @@ fn the_papers_springs_are_asked_for_their_true_step() {
 /// Lifts found from a shape in which a node too many or too few touched had left ten tolerances of error; a
 /// node that only just does not had counted as one that does.
 #[test]
-fn lifts_are_those_of_the_equilibrium() {
+fn contact_offsets_are_computed_from_the_equilibrium() {
     let shell = |thickness, poisson_ratio, curve| {
         json!([{ "tissue": "skin", "thickness_mm": thickness,
         "poisson_ratio": poisson_ratio, "curve": curve }])
@@ -322,7 +322,7 @@ fn lifts_are_those_of_the_equilibrium() {
 
 /// Rounding of positions had been taken for a gain of energy, and no step was left.
 #[test]
-fn a_dome_that_is_hardly_in_is_solved_to_the_least_tolerance() {
+fn a_small_insertion_is_solved_to_the_least_tolerance() {
     let scene = json!({ "schema": "implant-preview/scene/1",
         "implant": { "base_radius_mm": 22, "projection_mm": 2, "center_mm": [6.4, 11.3] },
         "pocket_radius_mm": 54, "insertion": 0.0165,
@@ -334,7 +334,7 @@ fn a_dome_that_is_hardly_in_is_solved_to_the_least_tolerance() {
 
 /// What the tolerance would let lie at rest is solved where the dome would stick out of it.
 #[test]
-fn a_flat_dome_that_is_hardly_in_has_a_shape_at_every_tolerance() {
+fn a_flat_dome_at_small_insertion_has_a_shape_at_every_tolerance() {
     let scene = json!({ "schema": "implant-preview/scene/1",
         "implant": { "base_radius_mm": 50, "projection_mm": 2 }, "insertion": 0.1 });
     let scene = Scene::from_json(&scene.to_string()).unwrap();
@@ -428,7 +428,7 @@ fn the_papers_springs_over_a_dome_are_solved_by_the_same_cycles() {
 }
 
 #[test]
-fn where_the_papers_springs_have_no_stable_shape_it_is_said_soon() {
+fn the_papers_springs_without_a_stable_shape_end_soon() {
     let scene = paper_scene(&json!({ "kind": "adipose" }), 0.45, 1.0, [0.0, 0.0]);
     for nodes in [33, 65] {
         let solver = solved(&scene, nodes, 1e-4);
@@ -439,7 +439,7 @@ fn where_the_papers_springs_have_no_stable_shape_it_is_said_soon() {
 
 /// A dome for which the sheet swung about the edge of contact, cycle after cycle.
 #[test]
-fn a_swinging_contact_edge_is_calmed() {
+fn aitken_relaxation_damps_an_oscillating_contact_edge() {
     let scene = json!({
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
@@ -454,7 +454,7 @@ fn a_swinging_contact_edge_is_calmed() {
 
 /// Steep domes under coarse grids, on which steps that were too long ran away.
 #[test]
-fn domes_off_the_centre_need_few_cycles() {
+fn domes_off_centre_need_few_cycles() {
     for base_radius_mm in [45.0, 50.0, 51.0, 53.0, 55.0] {
         for distance in [0.01, 2.0, 6.0] {
             let mut scene = Scene::default();
@@ -497,7 +497,7 @@ fn the_contact_angle_of_a_coarse_grid_lies_between_its_nodes() {
 }
 
 #[test]
-fn a_cap_between_nodes_is_no_equilibrium() {
+fn a_cap_between_nodes_is_a_penetration() {
     for (base_radius, projection, center, insertion, nodes) in
         [(10, 10, [12.5, 0.0], 1.0, 17), (10, 120, [1.5625, 0.0], 0.012, 129)]
     {
@@ -510,7 +510,7 @@ fn a_cap_between_nodes_is_no_equilibrium() {
 }
 
 #[test]
-fn a_result_tells_that_the_sheet_was_left_at_rest() {
+fn a_result_reports_a_sheet_left_at_rest() {
     for (insertion, tolerance, is_told) in
         [(0.0, 1e-2, false), (1e-3, 1e-2, true), (1e-3, 1e-5, false)]
     {
@@ -524,7 +524,7 @@ fn a_result_tells_that_the_sheet_was_left_at_rest() {
 }
 
 #[test]
-fn what_has_no_estimate_is_null() {
+fn missing_estimates_are_null() {
     let scene =
         Scene::from_json(include_str!("stress/needle-penetrating-soft-tissue.json")).unwrap();
     let outcome = simulate(&scene).unwrap();
@@ -535,7 +535,7 @@ fn what_has_no_estimate_is_null() {
 }
 
 #[test]
-fn a_result_warns_where_the_grid_is_coarse() {
+fn a_result_warns_of_a_coarse_grid() {
     let beside = json!({ "base_radius_mm": 12.6, "center_mm": [-15.8, -21.9] });
     for (implant, pocket, insertion, part) in [
         (beside, 43, 0.05, Some("small contact area")),

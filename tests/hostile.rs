@@ -51,7 +51,7 @@ fn fixed() -> proptest::test_runner::TestRng {
 }
 
 #[test]
-fn curves_of_any_numbers_are_sound_or_refused() {
+fn curves_of_any_numbers_are_valid_or_rejected() {
     let accepted = std::cell::Cell::new(0);
     check(20_000, &bytes(), |bytes| {
         let is_accepted = hostile::check_spec(&Choices(&bytes).curve());
@@ -61,7 +61,7 @@ fn curves_of_any_numbers_are_sound_or_refused() {
 }
 
 #[test]
-fn scenes_of_any_numbers_are_sound_or_refused() {
+fn scenes_of_any_numbers_are_valid_or_rejected() {
     let accepted = std::cell::Cell::new(0);
     check(8000, &bytes(), |bytes| {
         let read = Scene::from_json(&Choices(&bytes).scene());
@@ -72,7 +72,7 @@ fn scenes_of_any_numbers_are_sound_or_refused() {
 }
 
 #[test]
-fn broken_texts_are_sound_or_refused() {
+fn broken_texts_are_valid_or_rejected() {
     let place = any::<prop::sample::Index>;
     let edits = vec((place(), place(), any::<u8>(), 0_u8..4), 1..5);
     check(12_000, &(bytes(), edits), |(bytes, edits)| {
@@ -98,7 +98,7 @@ fn broken_texts_are_sound_or_refused() {
 }
 
 #[test]
-fn any_bytes_are_refused() {
+fn any_bytes_are_rejected() {
     check(10_000, &vec(any::<u8>(), 0..100), |bytes| {
         hostile::check_lines(&bytes);
         hostile::check_curve_file(&bytes);
@@ -133,7 +133,7 @@ fn with_curve(curve: &str) -> String {
 }
 
 #[test]
-fn hostile_scenes_are_refused_in_one_line_that_names_the_field() {
+fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
     let _alone = ALONE.lock();
     let deep = |open: &str, close: &str| open.repeat(1000) + &close.repeat(1000);
     let long = "x".repeat(1_000_000);
@@ -228,7 +228,7 @@ fn hostile_scenes_are_refused_in_one_line_that_names_the_field() {
 }
 
 #[test]
-fn hostile_curves_are_refused_in_one_line_that_names_the_place() {
+fn hostile_curves_are_rejected_in_one_line_with_the_entry() {
     let _alone = ALONE.lock();
     for (json, wanted) in [
         (r#"{}"#, "missing field `kind`"),
@@ -275,7 +275,7 @@ fn hostile_curves_are_refused_in_one_line_that_names_the_place() {
 }
 
 #[test]
-fn other_encodings_are_text_or_refused() {
+fn other_encodings_are_text_or_rejected() {
     let _alone = ALONE.lock();
     let scene = Scene::default().to_json();
     let same = |bytes: &[u8]| {
@@ -314,7 +314,7 @@ fn other_encodings_are_text_or_refused() {
 }
 
 #[test]
-fn long_inputs_are_read_or_refused_soon_and_in_little_memory() {
+fn long_inputs_are_read_or_rejected_soon_and_in_little_memory() {
     let _alone = ALONE.lock();
     // 10 MB are read, a byte more is not.
     let scene = with(r#""insertion":0.5"#);
@@ -372,7 +372,7 @@ fn long_inputs_are_read_or_refused_soon_and_in_little_memory() {
 }
 
 #[test]
-fn files_of_very_many_scenes_are_refused() {
+fn files_of_too_many_scenes_are_rejected() {
     let _alone = ALONE.lock();
     let line = "{\"implant\":{\"base_radius_mm\":50}}\n";
     let many = line.repeat(read::MAX_SCENES + 1);
@@ -387,7 +387,7 @@ fn files_of_very_many_scenes_are_refused() {
 
 /// What is accepted is solved, or the result says that it is not: with numbers, and with an end to it.
 #[test]
-fn accepted_scenes_of_any_numbers_come_to_an_end() {
+fn the_solve_of_every_accepted_scene_ends() {
     let counts = std::cell::RefCell::new([0_u32; 3]);
     check(4000, &vec(any::<u8>(), 20..200), |bytes| {
         let Ok(mut scene) = Scene::from_json(&Choices(&bytes).scene()) else { return };

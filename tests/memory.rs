@@ -87,7 +87,7 @@ fn draw_in_the_room_of_an_older_picture() {
 }
 
 #[test]
-fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_share_their_room() {
+fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memory() {
     let _profiler = dhat::Profiler::builder().testing().build();
     draw_in_the_room_of_an_older_picture();
     let tables = measured(17).bytes;

@@ -21,7 +21,7 @@ fn profiles() -> Value {
 }
 
 #[test]
-fn the_fixture_is_what_the_native_solver_computes() {
+fn the_fixture_equals_the_native_solutions() {
     let fixture: Value = serde_json::from_str(include_str!("fixtures/profiles.json")).unwrap();
     for (name, profile) in profiles().as_object().unwrap() {
         for (a, b) in profile.as_array().unwrap().iter().zip(fixture[name].as_array().unwrap()) {

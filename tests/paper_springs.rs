@@ -59,7 +59,7 @@ fn compressed_springs_follow_ef_itself() {
 }
 
 #[test]
-fn j_is_the_formula_of_the_paper_and_undoes_the_diagonal_strain() {
+fn j_is_the_papers_formula_and_inverts_the_diagonal_strain() {
     for nu in POISSON_RATIOS {
         for k in 0..=100 {
             let edge = 0.01 * f64::from(k);
@@ -121,7 +121,7 @@ fn dj_is_the_derivative_of_j() {
 }
 
 #[test]
-fn tension_stays_finite_and_continuous_beyond_the_domain_and_says_so() {
+fn tension_stays_finite_and_continuous_beyond_the_domain_and_is_marked() {
     for curve in curves() {
         for nu in [0.1, 0.3, 0.5] {
             let limit = paper::edge_strain_limit(nu);

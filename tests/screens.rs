@@ -111,7 +111,7 @@ fn every_control_and_reading_has_its_name() {
 }
 
 #[test]
-fn a_dragged_slider_changes_the_scene_and_undo_takes_it_back() {
+fn a_dragged_slider_changes_the_scene_and_undo_reverts_the_change() {
     let mut harness = app(WIDE, |_| {});
     let before = harness.state().session().scene().clone();
     let solves = harness.state().session().counters().solves;
@@ -166,7 +166,7 @@ fn each_press_of_a_slow_frame_counts() {
 }
 
 #[test]
-fn play_goes_on_after_a_rest_without_a_jump() {
+fn playback_continues_after_an_idle_time_without_a_jump() {
     let insertion = |harness: &Harness<'static, App>| harness.state().session().scene().insertion;
     // The step of the first frame after five seconds without any.
     let step = |is_rested: bool| {
@@ -193,7 +193,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
 }
 
 #[test]
-fn a_message_is_there_until_it_is_closed() {
+fn a_message_stays_until_closed() {
     let mut harness = app(WIDE, |_| {});
     harness.state_mut().notify("This is the scene that was open.");
     harness.run();
@@ -219,7 +219,7 @@ fn the_picture_keeps_its_width_while_panels_are_folded_and_unfolded() {
 }
 
 #[test]
-fn a_long_name_does_not_take_the_place_of_the_picture() {
+fn a_long_name_does_not_displace_the_picture() {
     let mut harness = app(WIDE, |_| {});
     let left = |harness: &Harness<'static, App>| {
         harness.get_by_role_and_label(Role::Canvas, "3-D view").rect().width()
@@ -252,7 +252,7 @@ fn layers_are_added_exchanged_and_removed() {
 }
 
 #[test]
-fn at_rest_nothing_is_solved_and_no_repaint_is_asked_for() {
+fn an_idle_app_solves_nothing_and_requests_no_repaint() {
     let mut harness = app(WIDE, |_| {});
     let counters = harness.state().session().counters();
     let revision = harness.state().session().revision();
@@ -286,7 +286,7 @@ fn a_colour_the_section_and_the_theme_solve_nothing() {
 }
 
 #[test]
-fn a_refused_scene_changes_nothing_and_says_why() {
+fn a_rejected_scene_changes_nothing_and_shows_the_reason() {
     let mut harness = app(WIDE, |_| {});
     let before = harness.state().session().scene().clone();
     let error = harness
@@ -300,7 +300,7 @@ fn a_refused_scene_changes_nothing_and_says_why() {
 }
 
 #[test]
-fn springs_without_a_stable_shape_are_said_so_and_coupled_ones_offered() {
+fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
     let mut harness = app(WIDE, |scene| {
         scene.springs = Springs::Nikolaev;
         scene.layers = vec![implant_preview::scene::Layer::adipose()];
@@ -314,7 +314,7 @@ fn springs_without_a_stable_shape_are_said_so_and_coupled_ones_offered() {
 }
 
 #[test]
-fn the_papers_springs_are_marked_before_they_are_solved() {
+fn the_papers_springs_are_marked_before_the_solve() {
     // A grid too fine for the first frame: nothing is solved when it is drawn.
     let mut scene = Scene { springs: Springs::Nikolaev, ..Scene::default() };
     scene.solver.nodes_per_side = 1025;
@@ -336,7 +336,7 @@ fn the_papers_springs_are_marked_before_they_are_solved() {
 }
 
 #[test]
-fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
+fn the_mark_of_the_papers_springs_is_computed_once_per_stack_of_layers() {
     let mut harness = app(WIDE, |scene| scene.springs = Springs::Nikolaev);
     let asked =
         |harness: &Harness<'static, App>| harness.state().session().counters().stability_limits;
@@ -352,7 +352,7 @@ fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
 }
 
 #[test]
-fn layers_that_stay_stable_under_the_papers_springs_are_said_so() {
+fn layers_that_stay_stable_under_the_papers_springs_are_reported() {
     let harness = app(WIDE, |scene| {
         scene.springs = Springs::Nikolaev;
         scene.insertion = 0.2;
@@ -365,7 +365,7 @@ fn layers_that_stay_stable_under_the_papers_springs_are_said_so() {
 }
 
 #[test]
-fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
+fn on_a_phone_the_panels_are_tabs_and_the_picture_keeps_half() {
     let mut harness = app(PHONE, |_| {});
     harness.get_by_role_and_label(Role::Slider, "Insertion (%)");
     let tab = |harness: &Harness<'static, App>, name: &'static str| {
@@ -385,7 +385,7 @@ fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
 }
 
 #[test]
-fn the_summary_says_what_the_picture_shows() {
+fn the_summary_describes_the_picture() {
     let harness = app(WIDE, |_| {});
     let summary = harness.state().summary();
     assert!(summary.starts_with("Up to date. Skin projection 62."), "{summary}");
@@ -447,7 +447,7 @@ fn choosing_measured_points_moves_no_point_of_a_preset() {
 }
 
 #[test]
-fn what_is_typed_is_stored_exactly_or_refused_in_words() {
+fn typed_numbers_are_stored_exactly_or_rejected_with_a_message() {
     let mut harness = app(WIDE, |_| {});
     let radius =
         |harness: &Harness<'static, App>| harness.state().session().scene().implant.base_radius_mm;
@@ -483,7 +483,7 @@ fn what_is_typed_is_stored_exactly_or_refused_in_words() {
 }
 
 #[test]
-fn digits_colour_nothing_unless_the_picture_has_the_focus() {
+fn digits_change_the_colouring_only_with_the_focus_on_the_picture() {
     let mut harness = app(WIDE, |_| {});
     let drawn = |harness: &Harness<'static, App>| harness.state().session().counters().fields;
     let before = drawn(&harness);
@@ -498,7 +498,7 @@ fn digits_colour_nothing_unless_the_picture_has_the_focus() {
 }
 
 #[test]
-fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
+fn a_shifted_implant_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
     let mut harness = app(WIDE, |_| {});
     let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
     let before = scene(&harness);
@@ -529,7 +529,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
 }
 
 #[test]
-fn a_slider_answers_the_keys_of_its_kind() {
+fn a_slider_responds_to_the_keys_of_its_role() {
     let mut harness = app(WIDE, |_| {});
     let pocket =
         |harness: &Harness<'static, App>| harness.state().session().scene().pocket_radius_mm;
@@ -669,7 +669,7 @@ fn the_tab_key_goes_through_all_controls_and_back() {
 }
 
 #[test]
-fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
+fn a_control_focused_by_a_key_is_scrolled_into_view() {
     for size in [egui::vec2(1000.0, 500.0), egui::vec2(1000.0, 700.0), PHONE] {
         for is_page in [false, true] {
             let mut harness = app(size, |_| {});
@@ -694,7 +694,7 @@ fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
 }
 
 #[test]
-fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
+fn escape_and_a_choice_return_the_focus() {
     let mut harness = app(WIDE, |_| {});
     let about = |harness: &Harness<'static, App>| {
         harness.query_all_by_label("A preview, not a medical device.").count()
@@ -728,7 +728,7 @@ fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
 }
 
 #[test]
-fn a_result_is_saved_only_with_the_scene_that_it_is_of() {
+fn a_result_is_saved_only_with_its_own_scene() {
     let mut harness = app(WIDE, |scene| scene.solver.nodes_per_side = 33);
     let record: serde_json::Value =
         serde_json::from_str(&harness.state().result_json().unwrap()).unwrap();
@@ -755,7 +755,7 @@ fn a_result_is_saved_only_with_the_scene_that_it_is_of() {
 }
 
 #[test]
-fn the_state_of_the_computation_is_quiet_and_limits_are_said_in_words() {
+fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
     harness.get_by_label("Up to date");
     let mut scene = harness.state().session().scene().clone();

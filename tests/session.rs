@@ -77,7 +77,7 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
 }
 
 #[test]
-fn stability_is_asked_once_for_each_stack_of_layers_and_only_for_the_papers_springs() {
+fn stability_limits_are_computed_once_per_stack_of_layers_and_only_for_the_papers_springs() {
     let mut session = Session::new(small()).unwrap();
     let asked = |session: &Session| {
         (session.stability_limits().is_some(), session.counters().stability_limits)
@@ -150,7 +150,7 @@ fn another_quantity_computes_its_own_field_and_only_once() {
 }
 
 #[test]
-fn a_turned_cut_makes_its_faces_and_a_renamed_layer_its_colours() {
+fn a_turned_cut_updates_its_faces_and_a_renamed_layer_its_colours() {
     let mut session = Session::new(small()).unwrap();
     let mut picture = Picture::default();
     settle(&mut session);
@@ -177,7 +177,7 @@ fn a_turned_cut_makes_its_faces_and_a_renamed_layer_its_colours() {
 }
 
 #[test]
-fn a_scene_equal_to_the_one_before_re_uses_everything() {
+fn a_scene_equal_to_the_previous_scene_reuses_everything() {
     let mut session = Session::new(small()).unwrap();
     let mut picture = Picture::default();
     settle(&mut session);
@@ -206,7 +206,7 @@ fn a_scene_equal_to_the_one_before_re_uses_everything() {
 }
 
 #[test]
-fn a_new_shape_keeps_the_triangulation_and_what_the_dome_does_not_move() {
+fn a_new_shape_keeps_the_triangulation_and_unchanged_meshes() {
     let mut session = Session::new(small()).unwrap();
     let mut picture = Picture::default();
     settle(&mut session);
@@ -228,7 +228,7 @@ fn a_new_shape_keeps_the_triangulation_and_what_the_dome_does_not_move() {
 }
 
 #[test]
-fn a_shape_that_nobody_looks_at_is_recovered_only_to_be_measured() {
+fn an_undisplayed_shape_is_recovered_only_for_its_results() {
     let mut session = Session::new(small()).unwrap();
     while session.advance(&mut || true) == Progress::Working {
         let drafts = u64::from(session.solver().displayed() == Displayed::Draft);
@@ -239,7 +239,7 @@ fn a_shape_that_nobody_looks_at_is_recovered_only_to_be_measured() {
 }
 
 #[test]
-fn the_shape_does_not_depend_on_the_way_to_it() {
+fn the_shape_is_path_independent() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     for insertion in [0.3, 0.97] {
@@ -314,7 +314,7 @@ fn symmetric_scenes_take_a_quarter_or_half_of_the_sheet_and_give_the_same_shape(
 }
 
 #[test]
-fn a_scene_without_a_stable_shape_shows_none_until_another_has_one() {
+fn a_scene_without_a_stable_shape_has_no_shape_until_the_next_stable_scene() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     assert!(!session.has_no_shape());
@@ -332,7 +332,7 @@ fn a_scene_without_a_stable_shape_shows_none_until_another_has_one() {
 }
 
 #[test]
-fn a_law_that_was_changed_while_the_sheet_lay_at_rest_is_the_one_that_is_solved() {
+fn a_law_changed_at_zero_insertion_is_used_by_the_next_solve() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     edit(&mut session, 1, |scene| scene.insertion = 0.0);
@@ -377,7 +377,7 @@ fn layers_of_equal_poisson_ratio_cost_as_much_as_one() {
 }
 
 #[test]
-fn a_moving_control_is_answered_within_a_thousandth_and_then_to_the_tolerance() {
+fn a_drag_displays_a_draft_within_a_thousandth_and_then_the_final_shape() {
     let mut scene = small();
     scene.solver.nodes_per_side = 129;
     scene.solver.tolerance = 1e-5;
@@ -400,7 +400,7 @@ fn a_moving_control_is_answered_within_a_thousandth_and_then_to_the_tolerance() 
 }
 
 #[test]
-fn a_short_slice_shows_what_a_coarser_grid_has() {
+fn a_short_slice_displays_the_solution_of_a_coarser_grid() {
     let mut scene = small();
     scene.solver.nodes_per_side = 129;
     let mut session = Session::new(scene).unwrap();
@@ -443,7 +443,7 @@ fn a_gesture_is_one_step_of_undo() {
 }
 
 #[test]
-fn refused_input_changes_nothing_and_says_why_in_one_line() {
+fn rejected_input_changes_nothing_and_is_reported_in_one_line() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     let (scene, revision) = (session.scene().clone(), session.revision());
@@ -489,7 +489,7 @@ fn refused_input_changes_nothing_and_says_why_in_one_line() {
 }
 
 #[test]
-fn a_saved_scene_opens_as_itself() {
+fn a_saved_scene_is_read_back_unchanged() {
     let mut scene = small();
     scene.implant.center_mm = [3.0, -4.0];
     scene.layers.push(Layer::skin());
@@ -535,7 +535,7 @@ fn the_schema_names_every_field_of_the_scene() {
 }
 
 #[test]
-fn the_pressure_that_is_drawn_is_the_one_that_is_read() {
+fn the_displayed_pressure_is_the_reported_pressure() {
     type Change = fn(&mut Scene);
     let changes: [Change; 5] = [
         |_| {},

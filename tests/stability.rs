@@ -47,7 +47,7 @@ fn lattice(springs: Springs, l: &Material, load: Load, strain: f64) -> (Lattice,
 }
 
 #[test]
-fn waves_meet_the_forces_that_a_sheet_puts_up_against_them() {
+fn wave_stiffness_equals_the_restoring_forces_of_a_sheet() {
     // The middle node of 2 × 2 cells has all the neighbours that a node of the infinite sheet has:
     // moved by U cos(k·X), it is pulled back by D(k) U.
     let step = 1e-6;
@@ -84,7 +84,7 @@ fn waves_meet_the_forces_that_a_sheet_puts_up_against_them() {
 }
 
 #[test]
-fn waves_out_of_the_plane_meet_the_tensions_of_the_springs() {
+fn out_of_plane_wave_stiffness_follows_from_the_spring_tensions() {
     // Neighbours of a node: steps along x and y, rest length, width.
     let edge = |x, y| (x, y, 1.0, 1.0, Spring::Edge);
     let diagonal = |x, y| (x, y, SQRT_2, 0.5, Spring::Diagonal);
@@ -132,7 +132,7 @@ fn waves_out_of_the_plane_meet_the_tensions_of_the_springs() {
 }
 
 #[test]
-fn long_waves_feel_the_acoustic_tensor_of_the_even_sheet() {
+fn long_waves_have_the_acoustic_tensor_of_the_homogeneous_sheet() {
     // u·Q(n)·u is the second derivative of the energy of one cell along u ⊗ n.
     let step = 1e-4;
     for springs in LAWS {
@@ -172,7 +172,7 @@ fn long_waves_feel_the_acoustic_tensor_of_the_even_sheet() {
 }
 
 #[test]
-fn no_wave_is_weaker_than_the_weakest() {
+fn the_least_stiffness_bounds_the_stiffness_of_all_waves() {
     for springs in LAWS {
         for name in CURVES {
             for nu in [0.02, 0.25, 0.4, 0.5] {
@@ -245,7 +245,7 @@ fn the_papers_springs_lose_stability_at_the_known_strains() {
 }
 
 #[test]
-fn what_fails_is_a_zigzag_along_the_pull_that_only_the_edges_resist() {
+fn the_unstable_mode_is_a_zigzag_along_the_tension_resisted_by_edges_only() {
     // Against k = (π, π) along x stand f′(ε) of the edges along x and f/(1 − νε) of those across.
     for (name, nu) in [("linear", 0.3), ("skin", 0.45), ("adipose", 0.1), ("adipose", 0.49)] {
         let l = layer(name, nu, 1.0);
@@ -306,7 +306,7 @@ fn coupled_springs_are_stable_at_every_point_of_the_maps() {
 }
 
 #[test]
-fn a_growing_sheet_comes_to_the_infinite_one_from_above() {
+fn eigenvalues_of_growing_sheets_decrease_to_the_infinite_sheets_value() {
     // Adipose, ν = 0.3, far beyond its limit: the free sheet's least eigenvalue against D's.
     let layer = layer("adipose", 0.3, 1.0);
     let (lattice, _, stretch) = lattice(Springs::Nikolaev, &layer, Load::Uniaxial, 0.6);
@@ -323,7 +323,7 @@ fn a_growing_sheet_comes_to_the_infinite_one_from_above() {
 }
 
 #[test]
-fn the_finite_sheet_says_unstable_where_its_least_eigenvalue_does() {
+fn the_finite_sheet_is_unstable_where_its_least_eigenvalue_is_negative() {
     let strains: Vec<f64> = (1..=25).map(|k| 0.04 * f64::from(k)).collect();
     let mut seen = [0; 2];
     for (name, nu) in [("skin", 0.45), ("adipose", 0.05), ("linear", 0.3)] {
@@ -343,7 +343,7 @@ fn the_finite_sheet_says_unstable_where_its_least_eigenvalue_does() {
 }
 
 #[test]
-fn bonded_layers_add_and_agree_on_their_width() {
+fn bonded_layers_add_and_share_their_transverse_strain() {
     let layers = [layer("skin", 0.45, 1.5), layer("adipose", 0.3, 10.0), layer("linear", 0.1, 0.4)];
     for springs in LAWS {
         let stack = Stack::new(springs, &layers);
@@ -384,7 +384,7 @@ fn bonded_layers_add_and_agree_on_their_width() {
 }
 
 #[test]
-fn coupled_waves_out_of_the_plane_feel_the_tension() {
+fn out_of_plane_stiffness_of_coupled_springs_is_the_tension() {
     let l = layer("skin", 0.45, 1.0);
     let (lattice, _, stretch) = lattice(Springs::Coupled, &l, Load::Equibiaxial, 0.3);
     let law = LawLayer { curve: &l.curve, poisson_ratio: 0.45, thickness_mm: 1.0 };
@@ -397,7 +397,7 @@ fn coupled_waves_out_of_the_plane_feel_the_tension() {
 }
 
 #[test]
-fn limits_cost_a_few_hundred_states() {
+fn limits_need_a_few_hundred_states() {
     let layers = [layer("skin", 0.45, 1.5), layer("adipose", 0.45, 10.0)];
     let limits = Limits::new(Springs::Nikolaev, &layers);
     assert!(limits.states < 300, "{} states", limits.states);

@@ -176,7 +176,7 @@ fn scenes_that_once_failed_have_their_expected_outcome() {
 }
 
 #[test]
-fn random_scenes_and_sessions_end_soundly() {
+fn random_scenes_and_sessions_satisfy_all_invariants() {
     let cases: Vec<_> = (0..100).map(|case| run(11, case, 33)).collect();
     let summary = Summary::new(11, &cases);
     assert_eq!(summary.failures, []);
@@ -188,7 +188,7 @@ fn random_scenes_and_sessions_end_soundly() {
 }
 
 #[test]
-fn the_checks_see_what_is_wrong() {
+fn the_checks_detect_invalid_shapes() {
     let mut scene = Scene::default();
     scene.solver.nodes_per_side = 33;
     let solver = Solver::new(scene.problem().unwrap());

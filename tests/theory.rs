@@ -96,7 +96,7 @@ fn the_papers_lattice_has_its_small_strain_stiffness_along_edges_and_diagonals()
 
 /// Second order: (4·fine − coarse)/3 leaves what is of higher order.
 #[test]
-fn shapes_extrapolated_to_no_spacing_meet_the_axisymmetric_reference() {
+fn shapes_extrapolated_to_zero_spacing_agree_with_the_axisymmetric_reference() {
     let layer = |kind: &str| json!([{ "thickness_mm": 2, "curve": { "kind": kind } }]);
     for (pocket, projection, insertion, layers) in [
         (70.0, 50.0, 1.0, layer("skin")),

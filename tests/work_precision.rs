@@ -18,7 +18,7 @@ fn coarse() -> Plan {
 }
 
 #[test]
-fn every_method_comes_to_the_same_equilibrium() {
+fn every_method_converges_to_the_same_equilibrium() {
     let rows = rows(&coarse());
     for nodes in [17, 33] {
         let of = |method: Method| -> Vec<Row> {
@@ -50,7 +50,7 @@ fn every_method_comes_to_the_same_equilibrium() {
 }
 
 #[test]
-fn a_run_that_is_out_of_time_says_so_and_spares_finer_grids() {
+fn a_run_out_of_time_is_marked_and_skips_finer_grids() {
     let plan = Plan { methods: vec![Method::ExplicitPaper], budget_ms: 5.0, ..coarse() };
     // Every look at this clock takes a millisecond.
     let mut now = 0.0;
@@ -66,7 +66,7 @@ fn a_run_that_is_out_of_time_says_so_and_spares_finer_grids() {
 }
 
 #[test]
-fn the_clock_stands_still_while_errors_are_measured() {
+fn the_clock_stops_while_errors_are_measured() {
     // A reference is asked for nothing but errors: what it costs must not be seen.
     let reference = |scene: &Scene| -> Option<Profile> {
         let scale = scene.pocket_radius_mm;
@@ -107,7 +107,7 @@ fn the_table_has_every_column_in_every_row() {
 }
 
 #[test]
-fn a_plan_is_read_from_json_or_refused_in_one_line() {
+fn a_plan_is_read_from_json_or_rejected_in_one_line() {
     let read = |json: &str| Plan::from_json(json).map_err(|error| error.to_string());
     assert_eq!(read("{}"), Ok(Plan::full()));
     assert_eq!(read(r#"{"quick": true}"#), Ok(Plan::quick()));

@@ -208,7 +208,7 @@ mod tests {
 
     /// Forces in lanes of f32 equal the forces of the assembly in f64.
     #[test]
-    fn lanes_pull_as_the_assembly_does() {
+    fn lane_forces_equal_the_forces_of_the_assembly() {
         let material = |spec: &CurveSpec, poisson_ratio| Material {
             curve: Curve::new(spec).unwrap(),
             poisson_ratio,

@@ -11,7 +11,7 @@ pub(super) struct Parameters {
     /// The same in the first cycle of a grid, whose start is smooth: interpolated from a coarser grid \[-\].
     pub(super) first_smoothing: &'static [f32],
     /// Damping factors on the coarsest grid, for its whole spectrum \[-\]. The interval is wider than the
-    /// spectrum at a small insertion: over a steep dome the spectrum is wider (test `domes_off_the_centre_need_few_cycles`).
+    /// spectrum at a small insertion: over a steep dome the spectrum is wider (test `domes_off_centre_need_few_cycles`).
     pub(super) coarsest_smoothing: &'static [f32],
     /// Repetitions of [`Self::coarsest_smoothing`] in one solve on the coarsest grid.
     pub(super) coarsest_rounds: usize,
