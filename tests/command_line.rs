@@ -1,4 +1,4 @@
-//! The command line as a user meets it: the binary itself, its files, lines and exit codes.
+//! The command line: the binary, its files, lines and exit codes.
 #![cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// A folder of its own for each test, empty at the start.
+/// A separate empty folder for each test.
 fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("command-line-{test}"));
     let _ = fs::remove_dir_all(&folder);
@@ -25,7 +25,7 @@ fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the binary runs");
-    // A command that refuses its arguments closes its input early.
+    // A command with invalid arguments closes its input early.
     let _ = child.stdin.take().expect("standard input").write_all(input.as_bytes());
     child.wait_with_output().expect("the binary ends")
 }
@@ -49,7 +49,7 @@ fn scene(radius: f64, springs: &str) -> String {
     )
 }
 
-/// Exit code 2, one line that holds all of `wanted`, and no new file.
+/// Checks exit code 2, one line that contains all of `wanted`, and no new file.
 fn assert_refused(folder: &Path, arguments: &[&str], input: &str, wanted: &[&str]) {
     let before = names_in(folder);
     let output = run_in(folder, arguments, input);
@@ -91,7 +91,7 @@ fn simulate_writes_result_mesh_and_profile() {
     assert_meshes_agree(&folder);
 }
 
-/// All formats hold the same number of triangles, and the top of the skin is where it is measured.
+/// Checks that all formats contain the same number of triangles, and the skin's height of the result.
 fn assert_meshes_agree(folder: &Path) {
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
     let number = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().unwrap()) as usize;
@@ -168,7 +168,7 @@ fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
     ] {
         let outputs = ["simulate", name, "--out", "r.json", "--profile", "p.csv"];
         assert_refused(&folder, &outputs, "", wanted);
-        // A good scene beside a bad one does not get through either.
+        // A valid scene beside an invalid scene is not solved either.
         assert_refused(&folder, &["simulate", "good.json", name, "--out", "r.json"], "", wanted);
     }
     assert_refused(&folder, &["simulate", "-"], "[1]", &["standard input"]);
@@ -392,7 +392,7 @@ fn stability_maps_every_curve_and_distinguishes_both_laws() {
         match status {
             "stable" => assert!(least >= 0.0, "{row:?}"),
             "neutral" => assert!(least.abs() < 1e-9 && row[3] == "0", "{row:?}"),
-            // What fails is always the zigzag along the pull.
+            // The unstable mode is always the zigzag along the tension.
             _ => assert!(least <= 0.0 && row[8..12] == ["3.1416", "3.1416", "45", "0"], "{row:?}"),
         }
     }

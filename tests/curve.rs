@@ -1,4 +1,4 @@
-//! The stress–strain curves: values, the odd extension, smoothness, energy, and what is refused.
+//! The stress–strain curves: values, odd extension, smoothness, energy, rejected input.
 
 #![allow(clippy::float_cmp)] // odd and even symmetry and stated ends hold to the last bit
 
@@ -8,13 +8,13 @@ fn curve(spec: &CurveSpec) -> Curve {
     Curve::new(spec).expect("a good curve")
 }
 
-/// Builds a curve from the JSON that stands in a scene file.
+/// Builds a curve from the JSON of a scene file.
 fn from_json(text: &str) -> Result<Curve, String> {
     let spec: CurveSpec = serde_json::from_str(text).map_err(|error| error.to_string())?;
     Curve::new(&spec).map_err(|error| error.to_string())
 }
 
-/// One of every kind, with the strains where its slope jumps.
+/// A curve of every kind, with its kinks.
 fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
     let points = |interpolation| CurveSpec::Points {
         points: vec![[0.0, 0.0], [0.1, 1.0], [0.3, 1.5], [0.35, 9.0], [0.8, 9.5], [1.2, 30.0]],
@@ -42,7 +42,7 @@ fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
     ]
 }
 
-/// Strains over the data, over its end and in compression, none of them on a break.
+/// Strains within the data, beyond the data and in compression, none on a break.
 fn strains() -> impl Iterator<Item = f64> {
     (-150..=150).map(|k| 0.01 * f64::from(k) + 0.0037)
 }

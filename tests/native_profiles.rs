@@ -1,6 +1,6 @@
-//! `fixtures/profiles.json` holds what the native solver makes of the shared scenes; the wasm tests
-//! compare with it. This test keeps it true: after a change of the physics, run
-//! `cargo test --release --test native_profiles -- --ignored` to write it anew.
+//! `fixtures/profiles.json` contains the native solutions of the shared scenes for the wasm tests. This test compares
+//! the file with the solver: after a change of the physics, run
+//! `cargo test --release --test native_profiles -- --ignored` to rewrite the file.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 

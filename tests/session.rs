@@ -1,4 +1,4 @@
-//! A user's work: edits, undo, refused input, and no work where nothing changed.
+//! The session: edits, undo, rejected input, and no work without a change.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
@@ -55,7 +55,7 @@ fn a_name_or_a_colour_solves_nothing() {
     assert!(session.can_undo());
 }
 
-/// The work of a step, as a difference of counters.
+/// The work of a step: difference of the counters.
 fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
     let before = session.counters();
     step(session);
@@ -97,14 +97,14 @@ fn stability_limits_are_computed_once_per_stack_of_layers_and_only_for_the_paper
     assert_ne!(session.stability_limits().cloned(), before);
 }
 
-/// Meshes that the picture makes in a step.
+/// Number of meshes of the picture in a step.
 fn meshes(picture: &mut Picture, step: impl FnOnce(&mut Picture)) -> u64 {
     let before = picture.meshes_made;
     step(picture);
     picture.meshes_made - before
 }
 
-/// What a frame does: the picture brought up to date.
+/// The work of a frame: an update of the picture.
 fn draw(picture: &mut Picture, session: &Session, quantity: Quantity, angle: f32) {
     let section = Section { opening: Opening::Wedge, angle, axis: glam::Vec2::ZERO };
     assert!(picture.update(session, quantity, section, &|| 0.0));
@@ -120,7 +120,7 @@ fn a_finished_shape_is_recovered_and_measured_once_for_results_and_picture() {
         draw(&mut picture, session, Quantity::Strain, 0.0);
     });
     assert_eq!((done.recoveries, done.measurements), (1, 1));
-    // Tissue, cut faces, implant, wall; of the fields the one that is shown.
+    // Tissue, cut faces, implant, wall; only the displayed field.
     assert_eq!((done.fields, picture.meshes_made), (1, 4));
     assert_eq!(session.values(Field::PrincipalStrain).len(), 33 * 33);
     assert_eq!(session.counters().fields, 1);
@@ -192,7 +192,7 @@ fn a_scene_equal_to_the_previous_scene_reuses_everything() {
     assert_eq!(same, nothing);
     edit(&mut session, 2, |scene| "capsule".clone_into(&mut scene.layers[1].tissue));
     draw(&mut picture, &session, Quantity::Strain, 0.0);
-    // Back to the name before: the shape is equal, the colours are not.
+    // With the previous name the shape is equal, the colours differ.
     let made = meshes(&mut picture, |picture| {
         let undone = work(&mut session, |session| {
             session.apply(Command::Undo).unwrap();
@@ -257,7 +257,7 @@ fn the_shape_is_path_independent() {
     assert_eq!(session.shape(), other.shape());
 }
 
-/// Advances to the end and gives what that took.
+/// Advances to the end; returns the work.
 fn solving(session: &mut Session, change: impl FnOnce(&mut Scene)) -> Counters {
     work(session, |session| {
         edit(session, 7, change);
@@ -279,7 +279,7 @@ fn only_a_change_of_the_law_makes_tables_and_only_a_change_of_the_grid_makes_gri
     assert_eq!((softer.solves, softer.tables, softer.grids), (1, 1, 0));
     let finer = solving(&mut session, |scene| scene.solver.nodes_per_side = 65);
     assert_eq!((finer.solves, finer.tables, finer.grids), (1, 0, 1));
-    // Off the centre the whole sheet is needed.
+    // Off centre the whole sheet is solved.
     let aside = solving(&mut session, |scene| scene.implant.center_mm = [1.0, 2.0]);
     assert_eq!((aside.solves, aside.tables, aside.grids), (1, 0, 1));
 }
@@ -542,7 +542,7 @@ fn the_displayed_pressure_is_the_reported_pressure() {
         |scene| scene.implant.center_mm = [8.0, 5.0],
         |scene| scene.implant.projection_mm = 25.0,
         |scene| scene.insertion = 0.3,
-        // So few nodes touch that none is inside of the contact.
+        // No node of this small contact is an interior node.
         |scene| scene.insertion = 0.02,
     ];
     for (case, change) in changes.into_iter().enumerate() {
@@ -557,7 +557,7 @@ fn the_displayed_pressure_is_the_reported_pressure() {
             let greatest = f64::from(drawn.iter().copied().fold(0.0, f32::max));
             let ratio = greatest / read.max;
             assert!((ratio - 1.0).abs() < 1e-6, "scene {case}, {nodes} nodes: {ratio}");
-            // No speckles: beside each other, nodes that touch differ by little.
+            // Adjacent nodes in contact have similar pressures.
             let least = drawn.iter().copied().filter(|p| *p > 0.0).fold(f32::MAX, f32::min);
             assert!(f64::from(least) > 0.3 * read.mean, "scene {case}, {nodes} nodes: {least}");
         }

@@ -1,5 +1,5 @@
-//! Where an evenly stretched sheet is stable: the waves against forces of a finite sheet and against
-//! the energy, the strains at which the paper's springs fail, and that coupled springs do not.
+//! Stability of a homogeneously stretched sheet: wave stiffness compared with forces and energy of a finite sheet,
+//! limits of the paper's springs, stability of coupled springs.
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec};
@@ -30,7 +30,7 @@ fn stiffness(layers: &[Material]) -> f64 {
     layers.iter().map(|l| l.thickness_mm * l.curve.slope(0.0)).sum()
 }
 
-/// The weakest wave of one layer.
+/// The wave of least stiffness of one layer.
 fn weakest(springs: Springs, layer: &Material, load: Load, strain: f64) -> Wave {
     let layers = [layer.clone()];
     let stack = Stack::new(springs, &layers);
@@ -48,8 +48,8 @@ fn lattice(springs: Springs, l: &Material, load: Load, strain: f64) -> (Lattice,
 
 #[test]
 fn wave_stiffness_equals_the_restoring_forces_of_a_sheet() {
-    // The middle node of 2 × 2 cells has all the neighbours that a node of the infinite sheet has:
-    // moved by U cos(k·X), it is pulled back by D(k) U.
+    // The middle node of 2 × 2 cells has all neighbours of a node of the infinite sheet: a displacement
+    // U cos(k·X) has the restoring force D(k) U.
     let step = 1e-6;
     for springs in LAWS {
         for (name, nu) in [("skin", 0.45), ("adipose", 0.3), ("linear", 0.1)] {
@@ -103,7 +103,7 @@ fn out_of_plane_wave_stiffness_follows_from_the_spring_tensions() {
         for (load, strain) in [(Load::Uniaxial, 0.3), (Load::Equibiaxial, 0.7)] {
             let (lattice, _, stretch) = lattice(Springs::Nikolaev, &layer, load, strain);
             for wave in [[0.3, 0.2], [PI, 0.0], [0.0, 2.0], [PI, PI], [2.5, 1.0]] {
-                // Heights are cos(k·X); each spring pulls its node to the height of the other end.
+                // Heights are cos(k·X); the force of a spring points to the height of the other end.
                 let pull = |&(x, y, rest, width, kind): &(f64, f64, f64, f64, Spring)| {
                     let length = DVec2::new(x, y).mul_add(stretch, DVec2::ZERO).length();
                     let tension = paper::tension(
@@ -196,7 +196,7 @@ fn the_least_stiffness_bounds_the_stiffness_of_all_waves() {
                     let at = format!("{springs:?} {name} {nu} {load:?} {strain}");
                     assert!(weakest.stiffness <= least + 1e-10, "{at}: {weakest:?} {least}");
                     if weakest.vector.iter().any(|k| *k > 0.0) {
-                        // The wave that is named has the stiffness that is named, and moves so.
+                        // Wave vector, stiffness and polarisation belong together.
                         let size = weakest.stiffness - stiffness(weakest.vector);
                         assert!(size.abs() < 1e-6, "{at}: {weakest:?}");
                         let [xx, yy, xy, _] = lattice.dynamical_matrix(weakest.vector);
@@ -214,7 +214,7 @@ fn the_least_stiffness_bounds_the_stiffness_of_all_waves() {
 
 #[test]
 fn the_papers_springs_lose_stability_at_the_known_strains() {
-    // Found on the finite sheet, on a grid of strains of 0.02.
+    // Limits of the finite sheet, in strain steps of 0.02.
     let end = 1.0;
     let table: [(&str, f64, &[[f64; 2]]); 15] = [
         ("linear", 0.05, &[]),
@@ -246,7 +246,7 @@ fn the_papers_springs_lose_stability_at_the_known_strains() {
 
 #[test]
 fn the_unstable_mode_is_a_zigzag_along_the_tension_resisted_by_edges_only() {
-    // Against k = (π, π) along x stand f′(ε) of the edges along x and f/(1 − νε) of those across.
+    // The stiffness of k = (π, π) along x consists of f′(ε) of the edges along x and f/(1 − νε) of the edges across.
     for (name, nu) in [("linear", 0.3), ("skin", 0.45), ("adipose", 0.1), ("adipose", 0.49)] {
         let l = layer(name, nu, 1.0);
         let lost = Limits::new(Springs::Nikolaev, std::slice::from_ref(&l))
@@ -275,7 +275,7 @@ fn at_small_strain_the_papers_springs_are_stable_and_without_poisson_ratio_neutr
                 assert!(stiffness > 0.9 * nu.min(0.25), "{name} {nu} {load:?}: {stiffness}");
             }
         }
-        // ν = 0: no diagonals. Pulled one way, rows slide past each other; nothing is lost by that.
+        // ν = 0: no diagonals. Under uniaxial tension rows slide without a change of energy.
         let layer = layer(name, 0.0, 1.0);
         for strain in [0.0, 0.3, 1.0] {
             let wave = weakest(Springs::Nikolaev, &layer, Load::Uniaxial, strain);
@@ -296,7 +296,7 @@ fn coupled_springs_are_stable_at_every_point_of_the_maps() {
                 {
                     let at = format!("{name} {point:?}");
                     assert!(point.wave.stiffness > 0.01 && point.sheet > 1e-3, "{at}");
-                    // Pulled one way nothing pulls across: neutral, and so at rest.
+                    // Without transverse tension out-of-plane waves are neutral, as at rest.
                     assert!(point.least_out_of_plane() > -1e-9, "{at}");
                 }
             }
@@ -348,7 +348,7 @@ fn bonded_layers_add_and_share_their_transverse_strain() {
     for springs in LAWS {
         let stack = Stack::new(springs, &layers);
         for strain in [0.1, 0.5, 0.9] {
-            // Nothing pulls across: forces on the upper side of one cell of each layer add up to zero.
+            // No transverse load: forces on the upper side of one cell sum to zero over the layers.
             let strains = stack.strains(Load::Uniaxial, strain);
             assert!(strains[1] < -0.1 * strain && strains[1] > -0.45 * strain);
             let stretch = 1.0 + DVec2::from(strains);
@@ -360,7 +360,7 @@ fn bonded_layers_add_and_share_their_transverse_strain() {
                 (sum, size) = (sum + force, size + force.abs());
             }
             assert!(sum.abs() < 1e-6 * size, "{springs:?} {strain}: {sum} of {size}");
-            // The whole is the sum of its layers.
+            // The stack is the sum of its layers.
             let wave = [1.1, 2.0];
             let whole = stack.lattice(strains).dynamical_matrix(wave);
             for entry in 0..4 {
@@ -377,7 +377,7 @@ fn bonded_layers_add_and_share_their_transverse_strain() {
             }
         }
     }
-    // Thickness alone changes nothing.
+    // A factor on all thicknesses changes no limit.
     let [thin, thick] =
         [0.5, 20.0].map(|h| Limits::new(Springs::Nikolaev, &[layer("skin", 0.49, h)]));
     assert_eq!(thin, thick);
@@ -401,7 +401,7 @@ fn limits_need_a_few_hundred_states() {
     let layers = [layer("skin", 0.45, 1.5), layer("adipose", 0.45, 10.0)];
     let limits = Limits::new(Springs::Nikolaev, &layers);
     assert!(limits.states < 300, "{} states", limits.states);
-    // The stack of the opening scene: its skin fails before the curve stiffens, its adipose is held.
+    // The default scene's stack: skin is unstable below the stiffening of its curve, adipose is stabilised.
     assert_eq!((limits.uniaxial.len(), limits.equibiaxial.len()), (1, 1), "{limits:?}");
     for load in Load::ALL {
         let stack = Stack::new(Springs::Nikolaev, &layers);

@@ -193,12 +193,12 @@ fn the_checks_detect_invalid_shapes() {
     scene.solver.nodes_per_side = 33;
     let solver = Solver::new(scene.problem().unwrap());
     let (sheet, dome) = (&solver.problem().sheet, &solver.problem().obstacle.dome);
-    // A sheet over the dome faces outwards, one turned over does not.
+    // A sheet over the dome faces outwards, an inverted sheet inwards.
     let mut x = solver.start_shape();
     assert!(check::inward_cosine(sheet, &x) < 0.0);
     x.iter_mut().for_each(|x| x.x = -x.x);
     assert!(check::inward_cosine(sheet, &x) > 0.5);
-    // A solve that has not begun: its flat sheet lies in the dome.
+    // Before the first slice the flat sheet lies in the dome.
     assert!(solver.positions().iter().any(|x| dome.contains(*x)));
     let names: Vec<_> = check::check(&solver).iter().map(|finding| finding.check).collect();
     assert_eq!(names, ["depth in the dome, mm"]);

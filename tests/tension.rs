@@ -1,4 +1,4 @@
-//! The paper's experiment: what the springs show when a sample is pulled, and where they fail.
+//! The paper's tension test: measured curves and Poisson ratios, loss of stability.
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
@@ -106,7 +106,7 @@ fn coupled_springs_reproduce_the_curve_and_the_poisson_ratio_in_every_direction(
     }
 }
 
-/// Newton's method does not get past some kinks, which had been told as a loss of stability.
+/// Newton's method stalls at some kinks; the experiment had reported a loss of stability there.
 #[test]
 fn coupled_springs_follow_a_curve_past_kinks() {
     let points = vec![[0.0, 0.0], [0.12, 4.0], [0.14, 30.0], [0.5, 31.0], [1.0, 31.5]];
@@ -209,7 +209,7 @@ fn papers_protocol_agrees_with_the_equilibrium_where_stable() {
 
 #[test]
 fn papers_protocol_measures_a_low_poisson_ratio_where_the_homogeneous_state_is_unstable() {
-    // Skin at ν = 0.4 between 0.34 and 0.40: the sample settles in an uneven, stable shape.
+    // Skin at ν = 0.4 between 0.34 and 0.40: the sample reaches an inhomogeneous, stable shape.
     let report = pull(Springs::Nikolaev, "skin", 0.4, 0.0, Protocol::Paper);
     for row in &report.rows {
         let measured = row.measured.unwrap().poisson_ratio();

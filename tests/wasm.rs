@@ -1,4 +1,4 @@
-//! The JavaScript API in a real browser, and the same physics there as natively.
+//! The JavaScript API in a browser: equal results as natively.
 
 #![cfg(target_arch = "wasm32")]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -58,7 +58,7 @@ fn invalid_input_throws_an_error_of_one_line() {
     }
 }
 
-/// These had ended in "memory access out of bounds".
+/// These inputs had ended in "memory access out of bounds".
 #[wasm_bindgen_test]
 fn input_other_than_text_is_rejected_with_a_message() {
     for value in [5.into(), JsValue::NULL, JsValue::TRUE, js_sys::Object::new().into()] {
@@ -103,7 +103,7 @@ fn the_benchmark_runs_piece_by_piece() {
     assert!(text.starts_with("options: ") && !text.contains('\n'), "{text}");
 }
 
-/// Lets the browser do something else: it would take a page for dead that answers nothing for long.
+/// Yields to the browser, which stops a page without response.
 async fn rest() {
     let soon = js_sys::Promise::new(&mut |resolve, _| {
         let timer = js_sys::Reflect::get(&js_sys::global(), &"setTimeout".into()).unwrap();
