@@ -1,7 +1,7 @@
 //! Preview how skin and adipose stretch over an implant or a tissue expander.
 //!
-//! The core: stress–strain curves, spring laws, the sheet, the dome, the equilibrium, and what a
-//! surgeon reads off it. Module order; imports point left only (`tests/modules.rs`):
+//! The core: stress–strain curves, spring laws, grids, contact, elastic model, equilibrium and its measured
+//! quantities. Module order; imports point left only (`tests/modules.rs`):
 //!
 //! `number` → `curve` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
 //! `session` → `experiment` → `view` → `app` → `platform`

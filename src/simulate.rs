@@ -1,6 +1,6 @@
-//! The unit of work: a scene in, its result and its solution out.
+//! The unit of work: from a scene to its result and its solution.
 //!
-//! Command line, JavaScript API, runners and studies all compute by [`run`].
+//! Command line, JavaScript API and studies compute by [`run`].
 //!
 //! Uses `scene` and all to its left. Used by `session`, `experiment`, `platform`.
 
@@ -9,7 +9,7 @@ use crate::scene::{CheckedScene, Scene, SceneError};
 use crate::solve::{Options, Progress, Solution, Solver};
 use std::sync::Arc;
 
-/// The result of a scene, and the solution that the result was read off.
+/// The result of a scene, with its solution.
 #[derive(Debug)]
 pub struct Simulation {
     /// The result.
@@ -18,7 +18,7 @@ pub struct Simulation {
     pub solution: Arc<Solution>,
 }
 
-/// Solves a scene from scratch and measures the solution. A `clock` \[ms\] gives the time of solving.
+/// Solves a scene from scratch and measures the solution. With a `clock` \[ms\] the result contains the solve's time.
 #[must_use]
 pub fn run(scene: &CheckedScene, options: Options, clock: Option<&dyn Fn() -> f64>) -> Simulation {
     let start = clock.map(|clock| clock());
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_of_another_grid_is_refused() {
+    fn a_record_of_another_grid_is_rejected() {
         let scene = CheckedScene::new(Scene::default()).unwrap();
         let mut record = Solver::new(scene.problem()).solution().record();
         record.inner.pop();

@@ -1,4 +1,4 @@
-//! The axisymmetric reference solution against an independent one, theory, virtual work and the grid.
+//! The axisymmetric reference solution compared with an independent solution, theory, virtual work and the grid.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
@@ -61,13 +61,13 @@ fn strain_energy(scene: &Scene, membrane: &Solution) -> f64 {
         let pair = |k: u32| density(at(k)) + 4.0 * density(at(k + 1)) + density(at(k + 2));
         (0..steps).step_by(2).map(pair).sum::<f64>() * (to - from) / f64::from(3 * steps)
     };
-    // Just off the edge: the meridional strain is continuous there, its slope is not.
+    // Next to the edge: the meridional strain is continuous at the edge, its slope is not.
     let edge = membrane.contact_material_radius_mm;
     simpson(0.0, edge) + simpson(edge, scene.pocket_radius_mm)
 }
 
 #[test]
-fn the_independent_reference_is_met_in_every_figure_and_point() {
+fn the_solution_agrees_with_an_independent_reference_in_every_figure_and_point() {
     for case in membrane::cases() {
         let membrane = solve(&membrane::scene_of(&case)).unwrap();
         let radius = case["dome_radius_mm"].as_f64().unwrap();
@@ -156,7 +156,7 @@ fn the_shape_is_continuous_clamped_and_tangent_to_the_dome() {
         assert!((below.0 - above.0).hypot(below.1 - above.1) < 1e-5 * edge);
         let stretch = [-small, small].map(|d| stretches(&membrane, edge + d)[0]);
         assert!((stretch[0] - stretch[1]).abs() < 1e-5, "{stretch:?}");
-        // Steps to both sides of the edge point the same way.
+        // Steps on both sides of the edge have the same direction.
         let middle = position(&membrane, edge);
         let [before, after] = [-wide, wide].map(|d| {
             let (r, z) = position(&membrane, edge + d);
@@ -165,7 +165,7 @@ fn the_shape_is_continuous_clamped_and_tangent_to_the_dome() {
         if pocket - edge > wide {
             assert!((before - after).abs() < 1e-3, "{before} {after}");
         }
-        // What was integrated are the stretches of the positions.
+        // The integrated stretches equal the stretches of the positions.
         for share in [0.01, 0.3, 0.6, 0.9, 0.99] {
             let (s, step) = (share * pocket, 1e-4 * pocket);
             if (s - edge).abs() < 2.0 * step {
@@ -192,7 +192,7 @@ fn the_shape_is_continuous_clamped_and_tangent_to_the_dome() {
 }
 
 #[test]
-fn a_pocket_as_wide_as_the_dome_is_touched_all_over() {
+fn a_pocket_as_wide_as_the_dome_is_in_contact_everywhere() {
     let at = |pocket: f64| {
         solved(&json!({ "implant": { "base_radius_mm": 50, "projection_mm": 35 },
                         "pocket_radius_mm": pocket }))
@@ -204,7 +204,7 @@ fn a_pocket_as_wide_as_the_dome_is_touched_all_over() {
     let e = (1.0 - 0.7_f64 * 0.7).sqrt();
     let ratio = 1.0 + (1.0 - e * e) / e * e.atanh();
     assert!((full.area_ratio / ratio - 1.0).abs() < 1e-8, "{}", full.area_ratio);
-    // And it is the limit of wider pockets; the edge moves with the root of the gap.
+    // The solution is the limit of wider pockets; the edge moves with the root of the gap.
     for gap in [1e-4, 1e-6, 1e-7] {
         let near = at(50.0 * (1.0 + gap));
         assert!((near.apex_stretch / full.apex_stretch - 1.0).abs() < 3.0 * gap);
@@ -279,7 +279,7 @@ fn the_grid_solver_agrees_on_an_ellipsoid() {
 }
 
 #[test]
-fn what_is_not_axisymmetric_is_refused_in_one_line() {
+fn scenes_that_are_not_axisymmetric_are_rejected_in_one_line() {
     let Problem { obstacle, patch, materials, .. } = Scene::default().problem().unwrap();
     let dome = obstacle.dome;
     let refused = |dome: Dome, materials: &[Material]| {
@@ -297,7 +297,7 @@ fn what_is_not_axisymmetric_is_refused_in_one_line() {
 }
 
 #[test]
-fn a_sheet_that_nothing_lifts_stays_flat() {
+fn a_sheet_at_zero_insertion_stays_flat() {
     let flat = solved(&json!({ "implant": { "base_radius_mm": 50 }, "insertion": 0.0 }));
     assert_eq!((flat.apex_stretch, flat.contact_force_n, flat.area_ratio), (1.0, 0.0, 1.0));
     assert_eq!(position(&flat, 20.0), (20.0, 0.0));

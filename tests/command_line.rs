@@ -1,4 +1,4 @@
-//! The command line as a user meets it: the binary itself, its files, lines and exit codes.
+//! The command line: the binary, its files, lines and exit codes.
 #![cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// A folder of its own for each test, empty at the start.
+/// A separate empty folder for each test.
 fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("command-line-{test}"));
     let _ = fs::remove_dir_all(&folder);
@@ -25,7 +25,7 @@ fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the binary runs");
-    // A command that refuses its arguments closes its input early.
+    // A command with invalid arguments closes its input early.
     let _ = child.stdin.take().expect("standard input").write_all(input.as_bytes());
     child.wait_with_output().expect("the binary ends")
 }
@@ -49,7 +49,7 @@ fn scene(radius: f64, springs: &str) -> String {
     )
 }
 
-/// Exit code 2, one line that holds all of `wanted`, and no new file.
+/// Checks exit code 2, one line that contains all of `wanted`, and no new file.
 fn assert_refused(folder: &Path, arguments: &[&str], input: &str, wanted: &[&str]) {
     let before = names_in(folder);
     let output = run_in(folder, arguments, input);
@@ -91,7 +91,7 @@ fn simulate_writes_result_mesh_and_profile() {
     assert_meshes_agree(&folder);
 }
 
-/// All formats hold the same number of triangles, and the top of the skin is where it is measured.
+/// Checks that all formats contain the same number of triangles, and the skin's height of the result.
 fn assert_meshes_agree(folder: &Path) {
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
     let number = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().unwrap()) as usize;
@@ -144,7 +144,7 @@ fn several_scenes_give_json_lines_in_their_order() {
 }
 
 #[test]
-fn bad_scenes_are_refused_in_one_line_and_nothing_is_written() {
+fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
     let folder = folder("bad-scenes");
     let put = |name: &str, content: &[u8]| fs::write(folder.join(name), content).unwrap();
     put("small.json", scene(5.0, "coupled").as_bytes());
@@ -168,14 +168,14 @@ fn bad_scenes_are_refused_in_one_line_and_nothing_is_written() {
     ] {
         let outputs = ["simulate", name, "--out", "r.json", "--profile", "p.csv"];
         assert_refused(&folder, &outputs, "", wanted);
-        // A good scene beside a bad one does not get through either.
+        // A valid scene beside an invalid scene is not solved either.
         assert_refused(&folder, &["simulate", "good.json", name, "--out", "r.json"], "", wanted);
     }
     assert_refused(&folder, &["simulate", "-"], "[1]", &["standard input"]);
 }
 
 #[test]
-fn bad_outputs_are_refused_before_anything_is_solved() {
+fn invalid_outputs_are_rejected_before_any_solve() {
     let folder = folder("bad-outputs");
     fs::write(folder.join("s.json"), scene(55.0, "coupled")).unwrap();
     fs::write(folder.join("t.json"), scene(45.0, "coupled")).unwrap();
@@ -195,7 +195,7 @@ fn bad_outputs_are_refused_before_anything_is_solved() {
 }
 
 #[test]
-fn springs_without_a_stable_shape_give_exit_code_3_and_a_result_that_says_so() {
+fn springs_without_a_stable_shape_give_exit_code_3_and_a_result_with_its_status() {
     let folder = folder("unstable");
     let unstable = r#"{"implant":{"base_radius_mm":55},"springs":"nikolaev","solver":{"nodes_per_side":33},
         "layers":[{"tissue":"adipose","poisson_ratio":0.49,"thickness_mm":10,"curve":{"kind":"adipose"}}]}"#;
@@ -282,7 +282,7 @@ fn tension_leaves_unstable_rows_without_measured_values() {
 }
 
 #[test]
-fn tension_reads_a_curve_file_and_refuses_bad_arguments() {
+fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
     let folder = folder("tension-files");
     let curve = r#"{"kind":"points","interpolation":"spline","points":[[0,0],[0.3,2],[1,9]]}"#;
     fs::write(folder.join("my,curve.json"), curve).unwrap();
@@ -355,7 +355,7 @@ fn charts_draws_four_charts_with_tables_for_both_laws() {
 }
 
 #[test]
-fn stability_maps_every_curve_and_tells_the_papers_springs_from_the_coupled_ones() {
+fn stability_maps_every_curve_and_distinguishes_both_laws() {
     let folder = folder("stability");
     let output = run_in(&folder, &["stability", "--out-dir", "made/here"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -392,7 +392,7 @@ fn stability_maps_every_curve_and_tells_the_papers_springs_from_the_coupled_ones
         match status {
             "stable" => assert!(least >= 0.0, "{row:?}"),
             "neutral" => assert!(least.abs() < 1e-9 && row[3] == "0", "{row:?}"),
-            // What fails is always the zigzag along the pull.
+            // The unstable mode is always the zigzag along the tension.
             _ => assert!(least <= 0.0 && row[8..12] == ["3.1416", "3.1416", "45", "0"], "{row:?}"),
         }
     }
@@ -417,7 +417,7 @@ fn stability_maps_every_curve_and_tells_the_papers_springs_from_the_coupled_ones
 }
 
 #[test]
-fn bench_writes_a_table_and_a_picture() {
+fn bench_writes_a_table_and_a_chart() {
     let folder = folder("bench");
     let output = run_in(&folder, &["bench", "--out-dir", "made/here", "--quick"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -439,7 +439,7 @@ fn bench_writes_a_table_and_a_picture() {
 }
 
 #[test]
-fn stress_counts_how_random_scenes_end_the_same_on_every_run() {
+fn stress_counts_equal_outcomes_on_every_run() {
     let folder = folder("stress");
     let arguments = ["stress", "--cases", "20", "--seed", "3", "--most-nodes", "25"];
     let first = run_in(&folder, &arguments, "");
@@ -458,7 +458,7 @@ fn stress_counts_how_random_scenes_end_the_same_on_every_run() {
 }
 
 #[test]
-fn help_and_version_are_answers_not_errors() {
+fn help_and_version_exit_with_success() {
     let folder = folder("help");
     for (arguments, wanted) in [
         (&["--help"][..], "simulate"),

@@ -1,4 +1,4 @@
-//! The stress–strain curves: values, the odd extension, smoothness, energy, and what is refused.
+//! The stress–strain curves: values, odd extension, smoothness, energy, rejected input.
 
 #![allow(clippy::float_cmp)] // odd and even symmetry and stated ends hold to the last bit
 
@@ -8,13 +8,13 @@ fn curve(spec: &CurveSpec) -> Curve {
     Curve::new(spec).expect("a good curve")
 }
 
-/// Builds a curve from the JSON that stands in a scene file.
+/// Builds a curve from the JSON of a scene file.
 fn from_json(text: &str) -> Result<Curve, String> {
     let spec: CurveSpec = serde_json::from_str(text).map_err(|error| error.to_string())?;
     Curve::new(&spec).map_err(|error| error.to_string())
 }
 
-/// One of every kind, with the strains where its slope jumps.
+/// A curve of every kind, with its kinks.
 fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
     let points = |interpolation| CurveSpec::Points {
         points: vec![[0.0, 0.0], [0.1, 1.0], [0.3, 1.5], [0.35, 9.0], [0.8, 9.5], [1.2, 30.0]],
@@ -42,7 +42,7 @@ fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
     ]
 }
 
-/// Strains over the data, over its end and in compression, none of them on a break.
+/// Strains within the data, beyond the data and in compression, none on a break.
 fn strains() -> impl Iterator<Item = f64> {
     (-150..=150).map(|k| 0.01 * f64::from(k) + 0.0037)
 }
@@ -108,7 +108,7 @@ fn compression_is_the_odd_extension() {
 }
 
 #[test]
-fn every_curve_rises_everywhere_also_beyond_its_data() {
+fn every_curve_increases_everywhere_also_beyond_its_data() {
     for (name, curve, _) in every_kind() {
         let mut before = curve.stress(-3.0);
         for k in -2999..=3000 {
@@ -121,7 +121,7 @@ fn every_curve_rises_everywhere_also_beyond_its_data() {
 }
 
 #[test]
-fn stress_is_continuous_and_the_slope_jumps_only_where_pieces_allow_no_better() {
+fn stress_is_continuous_and_the_slope_jumps_only_at_kinks() {
     for (name, curve, kinks) in every_kind() {
         for at in curve.breaks() {
             let step = 1e-9;
@@ -241,7 +241,7 @@ fn stress_is_finite_for_every_finite_strain() {
 }
 
 #[test]
-fn bad_curves_are_refused_with_the_point_or_field_named() {
+fn invalid_curves_are_rejected_with_the_point_or_field_named() {
     for (text, wanted) in [
         (r#"{"kind":"points","points":[[0,0],[0.3,2],[0.2,3]]}"#, "points[2] is [0.2, 3]"),
         (r#"{"kind":"points","points":[[0,0],[0.3,2],[0.4,2]]}"#, "points[2]"),
@@ -285,7 +285,7 @@ fn bad_curves_are_refused_with_the_point_or_field_named() {
 }
 
 #[test]
-fn not_a_number_is_refused_where_json_could_not_carry_it() {
+fn nan_is_rejected_although_json_cannot_contain_nan() {
     let points = vec![[0.0, 0.0], [0.1, f64::NAN]];
     let spec = CurveSpec::Points { points, interpolation: Interpolation::Spline };
     assert!(Curve::new(&spec).expect_err("NaN").to_string().contains("points[1]"));

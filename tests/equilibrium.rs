@@ -1,4 +1,4 @@
-//! The dome's equilibrium against an independent axisymmetric solution, closed forms and itself.
+//! The dome's equilibrium compared with an independent axisymmetric solution and closed forms, and its invariants.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
@@ -61,7 +61,7 @@ fn the_shape_converges_to_the_axisymmetric_reference_at_second_order() {
 }
 
 #[test]
-fn every_figure_of_the_reference_is_met() {
+fn every_figure_agrees_with_the_reference() {
     for case in cases() {
         let outcome = simulate(&scene_of(&case, 129)).unwrap();
         let result = &case["result"];
@@ -76,8 +76,8 @@ fn every_figure_of_the_reference_is_met() {
         );
         near(outcome.contact_force_n, &result["contact_force_n"], 1e-3, "contact force");
         near(outcome.area_ratio, &result["area_ratio"], 2e-4, "area ratio");
-        // A sphere under the nominal tension T, T/λ per deformed length, presses with 2T/(λR). At the
-        // apex both principal stresses are equal, and pressure is greatest.
+        // The pressure of a sphere under the nominal tension T, T/λ per deformed length, is 2T/(λR). At the
+        // apex both principal stresses are equal and the pressure is greatest.
         let radius = case["dome_radius_mm"].as_f64().unwrap();
         let tension: f64 = outcome
             .layers
@@ -98,7 +98,7 @@ fn every_figure_of_the_reference_is_met() {
 
 #[test]
 fn the_figure_of_theory_for_a_linear_sheet() {
-    // PHYSICS of a linear sheet with ν = 1/3, a/R = 1.5 at full height: F/(E h R) = 1.056.
+    // Theory of a linear sheet with ν = 1/3, a/R = 1.5 at full height: F/(E h R) = 1.056.
     let case = &cases()[0];
     let outcome = simulate(&scene_of(case, 129)).unwrap();
     let force = outcome.contact_force_n.unwrap() * 1000.0 / (10.0 * 1.5 * 40.0);
@@ -107,7 +107,7 @@ fn the_figure_of_theory_for_a_linear_sheet() {
 
 #[test]
 fn areas_and_volumes_meet_closed_forms() {
-    // The sheet clamped at the dome's rim covers it: a cap of the hemisphere.
+    // A sheet clamped at the dome's rim covers the dome: a cap of the hemisphere.
     for insertion in [1.0_f64, 0.7] {
         let radius = 50.0;
         let wall = radius * (1.0 - (insertion - 1.0).powi(2)).sqrt();
@@ -123,8 +123,8 @@ fn areas_and_volumes_meet_closed_forms() {
         let cap = 2.0 * std::f64::consts::PI * radius * insertion * radius / 100.0;
         let ring = std::f64::consts::PI * (radius * radius - wall * wall) / 100.0;
         let after = outcome.area_after_cm2.unwrap();
-        // At full height the sheet is the cap; below it bridges the corner between dome and wall,
-        // so that its area is less than cap and ring together.
+        // At full height the sheet is the cap; below, the sheet bridges the corner between dome and wall
+        // with an area less than cap and ring together.
         if insertion > 0.99 {
             assert!((after / cap - 1.0).abs() < 2e-4, "{after} {cap}");
         } else {
@@ -134,7 +134,7 @@ fn areas_and_volumes_meet_closed_forms() {
     }
 }
 
-/// Scenes that have nothing in common with the references.
+/// Scenes unlike the references.
 fn odd_scenes() -> Vec<Scene> {
     [
         json!({ "implant": { "base_radius_mm": 50, "center_mm": [12.0, -7.0] }, "pocket_radius_mm": 75 }),
@@ -159,7 +159,7 @@ fn solved(scene: &Scene, nodes: usize, tolerance: f64) -> Solver {
     solver
 }
 
-/// Greatest distance of two solves' nodes, relative to the base radius.
+/// Greatest distance between the nodes of two solutions, relative to the base radius.
 fn apart(a: &Solver, b: &Solver) -> f64 {
     let distances = a.positions().iter().zip(b.positions()).map(|(a, b)| a.distance(*b));
     distances.fold(0.0, f64::max) / a.problem().obstacle.dome.base_radius
@@ -171,7 +171,7 @@ fn contact_forces_are_the_reaction_of_the_border() {
         let solver = solved(&scene, 65, 1e-6);
         let forces = solver.forces_and_scale().0;
         let kinds = solver.problem().sheet.kinds();
-        // The border holds the sheet down with as much as the dome (and the wall) pushes it up.
+        // The vertical reaction of the border equals the vertical force of dome and wall.
         let pull: f64 = (0..forces.len())
             .filter(|&k| kinds[k] == NodeKind::Clamped)
             .map(|k| forces[k].z)
@@ -185,7 +185,7 @@ fn contact_forces_are_the_reaction_of_the_border() {
 }
 
 #[test]
-fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_dome() {
+fn no_node_is_inside_the_dome_or_below_the_wall_and_no_contact_force_is_tensile() {
     for scene in odd_scenes() {
         let solver = solved(&scene, 65, 1e-6);
         let (problem, forces) = (solver.problem(), solver.forces_and_scale().0);
@@ -196,8 +196,8 @@ fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_d
             }
             let distance = problem.obstacle.dome.closest_point(x).0;
             assert!(distance > -1e-9 && x.z >= 0.0, "{x} {distance}");
-            // A node that touches nothing is in balance; one that touches is pressed, not glued. The
-            // last ones that touch may stand a little off the dome.
+            // A free node is in balance; a contact force is compressive. Nodes with a contact offset may be
+            // slightly off the dome.
             let is_last = solver.offset_nodes().iter().any(|(last, _)| *last == k);
             assert!(!is_last || distance < 2e-3 * problem.obstacle.dome.base_radius);
             if distance > 1e-3 && x.z > 1e-3 && !is_last {
@@ -211,7 +211,7 @@ fn no_node_is_inside_the_dome_or_below_the_wall_and_nothing_is_pulled_into_the_d
 }
 
 #[test]
-fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
+fn the_estimated_error_bounds_the_error_against_the_grids_own_equilibrium() {
     let mut scenes = odd_scenes();
     scenes.extend(cases().iter().map(|case| scene_of(case, 65)));
     for scene in scenes {
@@ -230,9 +230,9 @@ fn the_estimated_error_bounds_the_error_against_the_grids_own_answer() {
     }
 }
 
-/// Small changes before the fold had been taken for the end, by both methods.
+/// Both methods had accepted small changes before wrinkling as convergence.
 #[test]
-fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
+fn compressive_sheets_off_centre_are_solved_to_their_wrinkled_equilibrium() {
     let skin = |thickness, poisson_ratio, curve| json!([{ "tissue": "skin", "thickness_mm": thickness, "poisson_ratio": poisson_ratio, "curve": curve }]);
     let dome = |radius, projection, center: [f64; 2]| json!({ "base_radius_mm": radius, "projection_mm": projection, "center_mm": center });
     let points = json!({ "kind": "points", "points": [[0, 0], [0.2, 12], [0.5, 60], [0.8, 240]],
@@ -260,9 +260,9 @@ fn slack_sheets_off_the_centre_are_followed_to_their_folds() {
     }
 }
 
-/// The iteration's model is made positive; where the paper's springs push, its steps had been far too small.
+/// With compressive paper's springs the steps of the positive semidefinite model had been much too small.
 #[test]
-fn the_papers_springs_are_asked_for_their_true_step() {
+fn the_exact_step_is_evaluated_for_the_papers_springs() {
     let scene = json!({ "schema": "implant-preview/scene/1", "springs": "nikolaev",
         "implant": { "base_radius_mm": 13.9, "projection_mm": 15.8, "center_mm": [0.0, 17.6] },
         "pocket_radius_mm": 31.52, "insertion": 0.8, "layers": [{ "tissue": "skin",
@@ -277,10 +277,10 @@ fn the_papers_springs_are_asked_for_their_true_step() {
     }
 }
 
-/// Lifts found from a shape in which a node too many or too few touched had left ten tolerances of error; a
-/// node that only just does not had counted as one that does.
+/// Contact offsets of a shape with one active node too many or too few had left an error of ten tolerances; a
+/// free node close to the dome had counted as active.
 #[test]
-fn lifts_are_those_of_the_equilibrium() {
+fn contact_offsets_are_computed_from_the_equilibrium() {
     let shell = |thickness, poisson_ratio, curve| {
         json!([{ "tissue": "skin", "thickness_mm": thickness,
         "poisson_ratio": poisson_ratio, "curve": curve }])
@@ -320,9 +320,9 @@ fn lifts_are_those_of_the_equilibrium() {
     }
 }
 
-/// Rounding of positions had been taken for a gain of energy, and no step was left.
+/// Rounding of positions had appeared as an increase of the energy and rejected all steps.
 #[test]
-fn a_dome_that_is_hardly_in_is_solved_to_the_least_tolerance() {
+fn a_small_insertion_is_solved_to_the_least_tolerance() {
     let scene = json!({ "schema": "implant-preview/scene/1",
         "implant": { "base_radius_mm": 22, "projection_mm": 2, "center_mm": [6.4, 11.3] },
         "pocket_radius_mm": 54, "insertion": 0.0165,
@@ -332,9 +332,9 @@ fn a_dome_that_is_hardly_in_is_solved_to_the_least_tolerance() {
     assert_eq!(solved(&scene, 97, 1e-7).verdict(), Verdict::Converged);
 }
 
-/// What the tolerance would let lie at rest is solved where the dome would stick out of it.
+/// An insertion below the tolerance is solved if the dome would penetrate the sheet at rest.
 #[test]
-fn a_flat_dome_that_is_hardly_in_has_a_shape_at_every_tolerance() {
+fn a_flat_dome_at_small_insertion_has_a_shape_at_every_tolerance() {
     let scene = json!({ "schema": "implant-preview/scene/1",
         "implant": { "base_radius_mm": 50, "projection_mm": 2 }, "insertion": 0.1 });
     let scene = Scene::from_json(&scene.to_string()).unwrap();
@@ -428,7 +428,7 @@ fn the_papers_springs_over_a_dome_are_solved_by_the_same_cycles() {
 }
 
 #[test]
-fn where_the_papers_springs_have_no_stable_shape_it_is_said_soon() {
+fn the_papers_springs_without_a_stable_shape_end_soon() {
     let scene = paper_scene(&json!({ "kind": "adipose" }), 0.45, 1.0, [0.0, 0.0]);
     for nodes in [33, 65] {
         let solver = solved(&scene, nodes, 1e-4);
@@ -437,9 +437,9 @@ fn where_the_papers_springs_have_no_stable_shape_it_is_said_soon() {
     }
 }
 
-/// A dome for which the sheet swung about the edge of contact, cycle after cycle.
+/// A dome with an oscillation of the sheet at the contact edge from cycle to cycle.
 #[test]
-fn a_swinging_contact_edge_is_calmed() {
+fn aitken_relaxation_damps_an_oscillating_contact_edge() {
     let scene = json!({
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
@@ -452,9 +452,9 @@ fn a_swinging_contact_edge_is_calmed() {
     }
 }
 
-/// Steep domes under coarse grids, on which steps that were too long ran away.
+/// Steep domes on coarse grids, where steps beyond the stability limit had diverged.
 #[test]
-fn domes_off_the_centre_need_few_cycles() {
+fn domes_off_centre_need_few_cycles() {
     for base_radius_mm in [45.0, 50.0, 51.0, 53.0, 55.0] {
         for distance in [0.01, 2.0, 6.0] {
             let mut scene = Scene::default();
@@ -491,13 +491,13 @@ fn the_contact_angle_of_a_coarse_grid_lies_between_its_nodes() {
             "solver": { "nodes_per_side": nodes } });
         outcome_of(&scene).contact_angle_deg.unwrap()
     };
-    // A cell of 33 nodes a side is 3.6° wide; the fit alone had given 90°.
+    // A cell is 3.6° wide at 33 nodes a side; the fit alone had given 90°.
     assert!((angle(33) - angle(257)).abs() < 1.8);
     assert!((angle(65) - angle(257)).abs() < 0.1);
 }
 
 #[test]
-fn a_cap_between_nodes_is_no_equilibrium() {
+fn a_cap_between_nodes_is_a_penetration() {
     for (base_radius, projection, center, insertion, nodes) in
         [(10, 10, [12.5, 0.0], 1.0, 17), (10, 120, [1.5625, 0.0], 0.012, 129)]
     {
@@ -505,26 +505,26 @@ fn a_cap_between_nodes_is_no_equilibrium() {
             "projection_mm": projection, "center_mm": center }, "pocket_radius_mm": 200,
             "insertion": insertion, "solver": { "nodes_per_side": nodes } }));
         assert_eq!(outcome.status, Status::Unstable);
-        assert!(outcome.warnings[0].contains("sticks out"), "{:?}", outcome.warnings);
+        assert!(outcome.warnings[0].contains("protrudes"), "{:?}", outcome.warnings);
     }
 }
 
 #[test]
-fn a_result_tells_that_the_sheet_was_left_at_rest() {
-    for (insertion, tolerance, is_told) in
+fn a_result_reports_a_sheet_left_at_rest() {
+    for (insertion, tolerance, is_reported) in
         [(0.0, 1e-2, false), (1e-3, 1e-2, true), (1e-3, 1e-5, false)]
     {
         let outcome =
             outcome_of(&json!({ "implant": { "base_radius_mm": 50 }, "insertion": insertion,
             "solver": { "nodes_per_side": 33, "tolerance": tolerance } }));
         let found = outcome.warnings.iter().any(|warning| warning.contains("left undeformed"));
-        assert_eq!(found, is_told, "{insertion} {tolerance}: {:?}", outcome.warnings);
-        assert_eq!(outcome.solver.work_units <= 0.0, insertion <= 0.0 || is_told);
+        assert_eq!(found, is_reported, "{insertion} {tolerance}: {:?}", outcome.warnings);
+        assert_eq!(outcome.solver.work_units <= 0.0, insertion <= 0.0 || is_reported);
     }
 }
 
 #[test]
-fn what_has_no_estimate_is_null() {
+fn missing_estimates_are_null() {
     let scene =
         Scene::from_json(include_str!("stress/needle-penetrating-soft-tissue.json")).unwrap();
     let outcome = simulate(&scene).unwrap();
@@ -535,15 +535,15 @@ fn what_has_no_estimate_is_null() {
 }
 
 #[test]
-fn a_result_warns_where_the_grid_is_coarse() {
+fn a_result_warns_of_a_coarse_grid() {
     let beside = json!({ "base_radius_mm": 12.6, "center_mm": [-15.8, -21.9] });
     for (implant, pocket, insertion, part) in [
-        (beside, 43, 0.05, Some("small part of the sheet that touches")),
+        (beside, 43, 0.05, Some("small contact area")),
         (json!({ "base_radius_mm": 55 }), 70, 1.0, None),
         (json!({ "base_radius_mm": 10, "projection_mm": 120 }), 200, 1.0, Some("tip")),
         (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 120, 1.0, Some("rim")),
         (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 200, 1.0, None),
-        (json!({ "base_radius_mm": 55 }), 70, 1e-3, Some("part of the implant that is in")),
+        (json!({ "base_radius_mm": 55 }), 70, 1e-3, Some("inserted part of the implant")),
     ] {
         let outcome = outcome_of(&json!({ "implant": implant, "pocket_radius_mm": pocket,
             "insertion": insertion, "solver": { "nodes_per_side": 65, "tolerance": 1e-3 } }));

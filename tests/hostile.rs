@@ -1,4 +1,4 @@
-//! Hostile input: whatever is read is either sound or refused in one short line, soon, in little memory.
+//! Hostile input: every input is either valid or rejected with one short line, in short time and little memory.
 
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -22,14 +22,14 @@ use hostile::Choices;
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// One at a time: the profiler counts what the whole process allocates.
+/// One test at a time: the profiler counts the allocations of the whole process.
 static ALONE: Mutex<()> = Mutex::new(());
 
 const SOON: Duration = Duration::from_secs(1);
-/// Bytes beside the input that reading a scene may take.
+/// Greatest memory of a reader besides the input \[bytes\].
 const LITTLE: usize = 64_000_000;
 
-/// Bytes to choose from, most of them few.
+/// Random bytes, mostly few.
 fn bytes() -> impl Strategy<Value = Vec<u8>> {
     vec(any::<u8>(), 0..200)
 }
@@ -45,13 +45,13 @@ fn check<S: Strategy>(cases: u32, inputs: &S, test: impl Fn(S::Value)) {
     }
 }
 
-/// The same inputs on every run: a failure on one machine is one on all.
+/// Equal inputs on every run and every machine.
 fn fixed() -> proptest::test_runner::TestRng {
     proptest::test_runner::TestRng::deterministic_rng(proptest::test_runner::RngAlgorithm::ChaCha)
 }
 
 #[test]
-fn curves_of_any_numbers_are_sound_or_refused() {
+fn curves_of_any_numbers_are_valid_or_rejected() {
     let accepted = std::cell::Cell::new(0);
     check(20_000, &bytes(), |bytes| {
         let is_accepted = hostile::check_spec(&Choices(&bytes).curve());
@@ -61,7 +61,7 @@ fn curves_of_any_numbers_are_sound_or_refused() {
 }
 
 #[test]
-fn scenes_of_any_numbers_are_sound_or_refused() {
+fn scenes_of_any_numbers_are_valid_or_rejected() {
     let accepted = std::cell::Cell::new(0);
     check(8000, &bytes(), |bytes| {
         let read = Scene::from_json(&Choices(&bytes).scene());
@@ -72,7 +72,7 @@ fn scenes_of_any_numbers_are_sound_or_refused() {
 }
 
 #[test]
-fn broken_texts_are_sound_or_refused() {
+fn broken_texts_are_valid_or_rejected() {
     let place = any::<prop::sample::Index>;
     let edits = vec((place(), place(), any::<u8>(), 0_u8..4), 1..5);
     check(12_000, &(bytes(), edits), |(bytes, edits)| {
@@ -98,14 +98,14 @@ fn broken_texts_are_sound_or_refused() {
 }
 
 #[test]
-fn any_bytes_are_refused() {
+fn any_bytes_are_rejected() {
     check(10_000, &vec(any::<u8>(), 0..100), |bytes| {
         hostile::check_lines(&bytes);
         hostile::check_curve_file(&bytes);
     });
 }
 
-/// Reads what is hostile: soon, and once more for what it takes of memory.
+/// Reads hostile input twice: the first run checks the time, the second the memory.
 fn refused<T>(input: &str, wanted: &[&str], read: impl Fn() -> Result<T, SceneError>) {
     let start = Instant::now();
     let error = read().err().unwrap_or_else(|| panic!("accepted: {input:.200}"));
@@ -123,7 +123,7 @@ fn refused<T>(input: &str, wanted: &[&str], read: impl Fn() -> Result<T, SceneEr
     assert!(peak < LITTLE, "{peak} bytes for {line}");
 }
 
-/// A scene with a field more; as JSON text.
+/// A scene with one additional field, as JSON text.
 fn with(field: &str) -> String {
     format!(r#"{{"implant":{{"base_radius_mm":50}},{field}}}"#)
 }
@@ -133,7 +133,7 @@ fn with_curve(curve: &str) -> String {
 }
 
 #[test]
-fn hostile_scenes_are_refused_in_one_line_that_names_the_field() {
+fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
     let _alone = ALONE.lock();
     let deep = |open: &str, close: &str| open.repeat(1000) + &close.repeat(1000);
     let long = "x".repeat(1_000_000);
@@ -228,7 +228,7 @@ fn hostile_scenes_are_refused_in_one_line_that_names_the_field() {
 }
 
 #[test]
-fn hostile_curves_are_refused_in_one_line_that_names_the_place() {
+fn hostile_curves_are_rejected_in_one_line_with_the_entry() {
     let _alone = ALONE.lock();
     for (json, wanted) in [
         (r#"{}"#, "missing field `kind`"),
@@ -275,7 +275,7 @@ fn hostile_curves_are_refused_in_one_line_that_names_the_place() {
 }
 
 #[test]
-fn other_encodings_are_text_or_refused() {
+fn other_encodings_are_text_or_rejected() {
     let _alone = ALONE.lock();
     let scene = Scene::default().to_json();
     let same = |bytes: &[u8]| {
@@ -301,7 +301,7 @@ fn other_encodings_are_text_or_refused() {
         refused("encoded", &[wanted], || read::scenes(bytes, read::Format::Json));
         refused("encoded", &[], || read::curve(bytes));
     }
-    // Old line ends of the Macintosh are one line of JSON; two scenes are not.
+    // Carriage returns alone separate no lines: one scene is valid, two scenes are not.
     same(scene.replace('\n', "\r").as_bytes());
     let line = with(r#""insertion":0.5"#);
     assert_eq!(
@@ -314,9 +314,9 @@ fn other_encodings_are_text_or_refused() {
 }
 
 #[test]
-fn long_inputs_are_read_or_refused_soon_and_in_little_memory() {
+fn long_inputs_are_read_or_rejected_soon_and_in_little_memory() {
     let _alone = ALONE.lock();
-    // 10 MB are read, a byte more is not.
+    // 10 MB are accepted, one byte more is not.
     let scene = with(r#""insertion":0.5"#);
     let padded = |length: usize| format!("{}{scene}", " ".repeat(length - scene.len()));
     let (most, more) = (padded(read::MAX_SCENE_BYTES), padded(read::MAX_SCENE_BYTES + 1));
@@ -324,7 +324,7 @@ fn long_inputs_are_read_or_refused_soon_and_in_little_memory() {
     assert!(Scene::from_json(&most).is_ok());
     assert!(start.elapsed() < SOON, "{:?}", start.elapsed());
     refused(&more, &["scene is 10000001 bytes long", "10 MB"], || Scene::from_json(&more));
-    // 10 MB of entries: of the lists that are bounded, and of those that have no place at all.
+    // 10 MB of entries in bounded lists and in unknown fields.
     let filled = |entry: &str, around: &dyn Fn(&str) -> String| {
         let count = 9_900_000 / (entry.len() + 1);
         around(&format!("[{}]", vec![entry; count].join(",")))
@@ -345,7 +345,7 @@ fn long_inputs_are_read_or_refused_soon_and_in_little_memory() {
         let json = filled(entry, around);
         refused(&json, &[wanted], || Scene::from_json(&json));
     }
-    // A million points: refused as text and as numbers; a hundred thousand: accepted.
+    // A million points are rejected as text and as numbers; a hundred thousand are accepted.
     let line = |n: u32| -> Vec<[f64; 2]> {
         (0..n).map(|k| [1e-6 * f64::from(k), 1e-4 * f64::from(k)]).collect()
     };
@@ -372,7 +372,7 @@ fn long_inputs_are_read_or_refused_soon_and_in_little_memory() {
 }
 
 #[test]
-fn files_of_very_many_scenes_are_refused() {
+fn files_of_too_many_scenes_are_rejected() {
     let _alone = ALONE.lock();
     let line = "{\"implant\":{\"base_radius_mm\":50}}\n";
     let many = line.repeat(read::MAX_SCENES + 1);
@@ -385,9 +385,9 @@ fn files_of_very_many_scenes_are_refused() {
     });
 }
 
-/// What is accepted is solved, or the result says that it is not: with numbers, and with an end to it.
+/// Every accepted scene is solved or has the status of a failed solve, with finite numbers.
 #[test]
-fn accepted_scenes_of_any_numbers_come_to_an_end() {
+fn the_solve_of_every_accepted_scene_ends() {
     let counts = std::cell::RefCell::new([0_u32; 3]);
     check(4000, &vec(any::<u8>(), 20..200), |bytes| {
         let Ok(mut scene) = Scene::from_json(&Choices(&bytes).scene()) else { return };

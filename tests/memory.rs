@@ -1,6 +1,6 @@
-//! What a solve allocates, and when; how work and memory grow with the grid.
+//! Allocations of a solve; growth of work and memory with the grid.
 //!
-//! One test: the profiler counts what the whole process allocates.
+//! One test: the profiler counts the allocations of the whole process.
 
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -18,7 +18,7 @@ use std::sync::Arc;
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// Of an off-centre dome, which takes the whole sheet.
+/// Measurements of an off-centre dome, on the whole sheet.
 fn problem(nodes: usize) -> Problem {
     let scene = json!({
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
@@ -29,8 +29,8 @@ fn problem(nodes: usize) -> Problem {
 }
 
 struct Use {
-    /// Bytes that a solver holds beside the sheet: all levels, the shape that it shows, and the law's
-    /// tables, whose size does not depend on the grid.
+    /// Memory of a solver besides the sheet \[bytes\]: all levels, the displayed shape, and the law's tables, whose size
+    /// is independent of the grid.
     bytes: usize,
     /// Node evaluations of a solve.
     evaluations: f64,
@@ -46,7 +46,7 @@ fn measured(nodes: usize) -> Use {
     let held = HeapStats::get().curr_bytes - before;
     let evaluations = solver.work_units() * solver.nodes_solved() as f64;
 
-    // Again, now that there is room for everything.
+    // The second solve reuses all memory.
     solver.restart(problem.clone());
     let mut pieces = 0;
     let before = HeapStats::get().total_blocks;
@@ -62,7 +62,7 @@ fn measured(nodes: usize) -> Use {
     Use { bytes, evaluations, nodes: sheet.free_nodes() }
 }
 
-/// A picture drawn again and again, of which the graphics card holds the one before.
+/// Repeated updates of a picture while the renderer still owns the previous meshes.
 fn draw_in_the_room_of_an_older_picture() {
     let mut session = Session::new(Scene::default()).unwrap();
     while session.advance(&mut || false) == Progress::Working {}
@@ -87,7 +87,7 @@ fn draw_in_the_room_of_an_older_picture() {
 }
 
 #[test]
-fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_share_their_room() {
+fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memory() {
     let _profiler = dhat::Profiler::builder().testing().build();
     draw_in_the_room_of_an_older_picture();
     let tables = measured(17).bytes;

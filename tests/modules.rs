@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// From left to right, as in ARCHITECTURE.md.
+/// The modules from left to right, as in ARCHITECTURE.md.
 const ORDER: [&str; 15] = [
     "number",
     "curve",
@@ -59,13 +59,13 @@ fn imports(text: &str) -> BTreeSet<String> {
 
 /// Imports against the order, as "file imports module".
 fn against_the_order(sources: &[(String, String, String)]) -> Vec<String> {
-    let place = |module: &str| ORDER.iter().position(|name| *name == module);
+    let index = |module: &str| ORDER.iter().position(|name| *name == module);
     let mut found = Vec::new();
     for (file, module, text) in sources {
         let here =
-            place(module).unwrap_or_else(|| panic!("{file}: {module} has no place in the order"));
+            index(module).unwrap_or_else(|| panic!("{file}: {module} is missing in the order"));
         for import in imports(text) {
-            if place(&import).is_some_and(|there| there > here) {
+            if index(&import).is_some_and(|there| there > here) {
                 found.push(format!("{file} imports {import}"));
             }
         }

@@ -1,6 +1,6 @@
-//! `fixtures/profiles.json` holds what the native solver makes of the shared scenes; the wasm tests
-//! compare with it. This test keeps it true: after a change of the physics, run
-//! `cargo test --release --test native_profiles -- --ignored` to write it anew.
+//! `fixtures/profiles.json` contains the native solutions of the shared scenes for the wasm tests. This test compares
+//! the file with the solver: after a change of the physics, run
+//! `cargo test --release --test native_profiles -- --ignored` to rewrite the file.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
@@ -21,7 +21,7 @@ fn profiles() -> Value {
 }
 
 #[test]
-fn the_fixture_is_what_the_native_solver_computes() {
+fn the_fixture_equals_the_native_solutions() {
     let fixture: Value = serde_json::from_str(include_str!("fixtures/profiles.json")).unwrap();
     for (name, profile) in profiles().as_object().unwrap() {
         for (a, b) in profile.as_array().unwrap().iter().zip(fixture[name].as_array().unwrap()) {

@@ -1,4 +1,4 @@
-//! The paper's equations (3) and (6): the identities they were derived from, slopes and energies.
+//! The paper's equations (3) and (6): identities of their derivation, slopes and energies.
 
 use implant_preview::curve::{Curve, CurveSpec};
 use implant_preview::springs::paper::{self, Spring};
@@ -13,7 +13,7 @@ fn curves() -> [Curve; 3] {
 #[test]
 fn equation_1_holds_a_cell_in_uniaxial_tension_is_in_equilibrium_under_ef() {
     // Half of the cell's force along and across the pull, per L h / 2: the edge and the two
-    // diagonals' shares. Along it must be Ef(ε), across zero: the system the paper starts from.
+    // diagonals' parts: Ef(ε) along, zero across, the system of the paper's derivation.
     for curve in curves() {
         for nu in POISSON_RATIOS {
             for k in 1..=100 {
@@ -59,7 +59,7 @@ fn compressed_springs_follow_ef_itself() {
 }
 
 #[test]
-fn j_is_the_formula_of_the_paper_and_undoes_the_diagonal_strain() {
+fn j_is_the_papers_formula_and_inverts_the_diagonal_strain() {
     for nu in POISSON_RATIOS {
         for k in 0..=100 {
             let edge = 0.01 * f64::from(k);
@@ -79,7 +79,7 @@ fn slope_is_the_derivative_of_tension_and_tension_of_energy() {
     for curve in curves() {
         for nu in POISSON_RATIOS {
             for spring in [Spring::Edge, Spring::Diagonal] {
-                // The last strains lie beyond the domain, where the straight line goes on.
+                // The last strains lie beyond the domain, on the straight continuation.
                 for strain in [-0.51, -0.05, 0.013, 0.21, 0.333, 0.57, 0.91, 1.31, 2.3, 30.1] {
                     let step = 1e-5;
                     let at = |e: f64| {
@@ -121,7 +121,7 @@ fn dj_is_the_derivative_of_j() {
 }
 
 #[test]
-fn tension_stays_finite_and_continuous_beyond_the_domain_and_says_so() {
+fn tension_stays_finite_and_continuous_beyond_the_domain_and_is_marked() {
     for curve in curves() {
         for nu in [0.1, 0.3, 0.5] {
             let limit = paper::edge_strain_limit(nu);

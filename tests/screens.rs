@@ -1,5 +1,4 @@
-//! The app's screens by accessible name, without a GPU: every panel is there, a moved control
-//! changes the scene, a refused file changes nothing, and at rest nothing happens.
+//! The app's screens by accessible name, without a GPU: panels, controls, rejected files, no work without a change.
 
 #![cfg(all(feature = "app", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -27,13 +26,13 @@ fn app(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, Ap
         .with_size(size)
         .with_max_steps(400)
         .build_ui_state(|ui, app: &mut App| app.show(ui), app);
-    // The harness has a context of its own, which gets the app's theme too.
+    // The harness has a context of its own with the app's theme.
     drop(App::new(&harness.ctx, None, Scene::default()));
     settle(&mut harness);
     harness
 }
 
-/// Runs until no repaint is asked for and nothing is left to solve.
+/// Runs until no repaint is requested and no solve is running.
 fn settle(harness: &mut Harness<'static, App>) {
     for _ in 0..400 {
         harness.step();
@@ -45,13 +44,13 @@ fn settle(harness: &mut Harness<'static, App>) {
     assert!(!harness.state().session().is_working());
 }
 
-/// Gives the picture the focus: single keys are for it.
+/// Focuses the picture, which then receives single keys.
 fn focus_picture(harness: &mut Harness<'static, App>) {
     harness.get_by_role_and_label(Role::Canvas, "3-D view").focus();
     harness.run();
 }
 
-/// Gives a field the focus, types a text in place of what was there and presses Enter.
+/// Focuses a field, replaces its text and presses Enter.
 fn type_into(harness: &mut Harness<'static, App>, field: &str, text: &str) {
     harness.get_by_role_and_label(Role::SpinButton, field).focus();
     harness.run();
@@ -74,7 +73,7 @@ fn every_control_and_reading_has_its_name() {
     ] {
         harness.get_by_role_and_label(Role::Slider, slider);
     }
-    // One for each layer.
+    // One control per layer.
     for slider in ["Thickness (mm)", "Poisson ratio"] {
         let count = harness.get_all_by_role_and_label(Role::Slider, slider).count();
         assert_eq!(count, 2, "{slider}");
@@ -111,12 +110,12 @@ fn every_control_and_reading_has_its_name() {
 }
 
 #[test]
-fn a_dragged_slider_changes_the_scene_and_undo_takes_it_back() {
+fn a_dragged_slider_changes_the_scene_and_undo_reverts_the_change() {
     let mut harness = app(WIDE, |_| {});
     let before = harness.state().session().scene().clone();
     let solves = harness.state().session().counters().solves;
     let rect = harness.get_by_role_and_label(Role::Slider, "Base radius (mm)").rect();
-    // The rail is the left part; the value stands right of it.
+    // The rail is the left part; the value stands to the right of the rail.
     let y = rect.center().y;
     harness.drag_at(egui::pos2(rect.left() + 0.5 * 150.0, y));
     for share in [0.5, 0.4, 0.3] {
@@ -166,9 +165,9 @@ fn each_press_of_a_slow_frame_counts() {
 }
 
 #[test]
-fn play_goes_on_after_a_rest_without_a_jump() {
+fn playback_continues_after_an_idle_time_without_a_jump() {
     let insertion = |harness: &Harness<'static, App>| harness.state().session().scene().insertion;
-    // The step of the first frame after five seconds without any.
+    // The time step of the first frame after five idle seconds.
     let step = |is_rested: bool| {
         let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
         focus_picture(&mut harness);
@@ -193,7 +192,7 @@ fn play_goes_on_after_a_rest_without_a_jump() {
 }
 
 #[test]
-fn a_message_is_there_until_it_is_closed() {
+fn a_message_stays_until_closed() {
     let mut harness = app(WIDE, |_| {});
     harness.state_mut().notify("This is the scene that was open.");
     harness.run();
@@ -219,7 +218,7 @@ fn the_picture_keeps_its_width_while_panels_are_folded_and_unfolded() {
 }
 
 #[test]
-fn a_long_name_does_not_take_the_place_of_the_picture() {
+fn a_long_name_does_not_displace_the_picture() {
     let mut harness = app(WIDE, |_| {});
     let left = |harness: &Harness<'static, App>| {
         harness.get_by_role_and_label(Role::Canvas, "3-D view").rect().width()
@@ -252,7 +251,7 @@ fn layers_are_added_exchanged_and_removed() {
 }
 
 #[test]
-fn at_rest_nothing_is_solved_and_no_repaint_is_asked_for() {
+fn an_idle_app_solves_nothing_and_requests_no_repaint() {
     let mut harness = app(WIDE, |_| {});
     let counters = harness.state().session().counters();
     let revision = harness.state().session().revision();
@@ -279,14 +278,14 @@ fn a_colour_the_section_and_the_theme_solve_nothing() {
     harness.get_by_label("Section").click();
     harness.get_by_label("Net").click();
     harness.run();
-    // Drawing costs fields; all else is as before.
+    // Drawing computes fields; all other counters are unchanged.
     let drawn = harness.state().session().counters();
     assert_eq!(Counters { fields: counters.fields, ..drawn }, counters);
     assert_eq!(drawn.fields - counters.fields, 2);
 }
 
 #[test]
-fn a_refused_scene_changes_nothing_and_says_why() {
+fn a_rejected_scene_changes_nothing_and_shows_the_reason() {
     let mut harness = app(WIDE, |_| {});
     let before = harness.state().session().scene().clone();
     let error = harness
@@ -300,7 +299,7 @@ fn a_refused_scene_changes_nothing_and_says_why() {
 }
 
 #[test]
-fn springs_without_a_stable_shape_are_said_so_and_coupled_ones_offered() {
+fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
     let mut harness = app(WIDE, |scene| {
         scene.springs = Springs::Nikolaev;
         scene.layers = vec![implant_preview::scene::Layer::adipose()];
@@ -314,8 +313,8 @@ fn springs_without_a_stable_shape_are_said_so_and_coupled_ones_offered() {
 }
 
 #[test]
-fn the_papers_springs_are_marked_before_they_are_solved() {
-    // A grid too fine for the first frame: nothing is solved when it is drawn.
+fn the_papers_springs_are_marked_before_the_solve() {
+    // The first frame of a fine grid is drawn before the solve ends.
     let mut scene = Scene { springs: Springs::Nikolaev, ..Scene::default() };
     scene.solver.nodes_per_side = 1025;
     let app = App::new(&egui::Context::default(), None, scene).unwrap();
@@ -336,7 +335,7 @@ fn the_papers_springs_are_marked_before_they_are_solved() {
 }
 
 #[test]
-fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
+fn the_mark_of_the_papers_springs_is_computed_once_per_stack_of_layers() {
     let mut harness = app(WIDE, |scene| scene.springs = Springs::Nikolaev);
     let asked =
         |harness: &Harness<'static, App>| harness.state().session().counters().stability_limits;
@@ -352,7 +351,7 @@ fn the_mark_at_the_papers_springs_is_found_once_for_each_stack_of_layers() {
 }
 
 #[test]
-fn layers_that_stay_stable_under_the_papers_springs_are_said_so() {
+fn layers_that_stay_stable_under_the_papers_springs_are_reported() {
     let harness = app(WIDE, |scene| {
         scene.springs = Springs::Nikolaev;
         scene.insertion = 0.2;
@@ -365,7 +364,7 @@ fn layers_that_stay_stable_under_the_papers_springs_are_said_so() {
 }
 
 #[test]
-fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
+fn on_a_phone_the_panels_are_tabs_and_the_picture_keeps_half() {
     let mut harness = app(PHONE, |_| {});
     harness.get_by_role_and_label(Role::Slider, "Insertion (%)");
     let tab = |harness: &Harness<'static, App>, name: &'static str| {
@@ -385,7 +384,7 @@ fn on_a_phone_the_panels_are_a_sheet_and_the_picture_keeps_half() {
 }
 
 #[test]
-fn the_summary_says_what_the_picture_shows() {
+fn the_summary_describes_the_picture() {
     let harness = app(WIDE, |_| {});
     let summary = harness.state().summary();
     assert!(summary.starts_with("Up to date. Skin projection 62."), "{summary}");
@@ -413,11 +412,11 @@ fn the_last_point_of_a_measured_curve_can_be_entered() {
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 500.0]]);
     type_into(&mut harness, "Stress of point 3", "220");
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
-    // What is out of order is said, and nothing is stored, not even clamped.
+    // Points out of order are reported; nothing is stored or clamped.
     type_into(&mut harness, "Stress of point 3", "90");
     harness.get_by_label_contains("must be greater than that of point 2 (100 kPa)");
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
-    // The rest of a table in disorder can be put in order in any sequence.
+    // The points of such a table can be corrected in any sequence.
     type_into(&mut harness, "Stress of point 2", "50");
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 50.0], [0.5, 90.0]]);
 }
@@ -439,7 +438,7 @@ fn choosing_measured_points_moves_no_point_of_a_preset() {
         panic!("no points")
     };
     let skin = Curve::new(&CurveSpec::Skin {}).unwrap();
-    // One at each strain where the preset changes its form, too.
+    // The points include every strain where the preset changes its form.
     assert_eq!(points.len(), 7);
     for [strain, stress] in points {
         assert_eq!(stress.to_bits(), skin.stress(*strain).to_bits(), "at {strain}");
@@ -447,7 +446,7 @@ fn choosing_measured_points_moves_no_point_of_a_preset() {
 }
 
 #[test]
-fn what_is_typed_is_stored_exactly_or_refused_in_words() {
+fn typed_numbers_are_stored_exactly_or_rejected_with_a_message() {
     let mut harness = app(WIDE, |_| {});
     let radius =
         |harness: &Harness<'static, App>| harness.state().session().scene().implant.base_radius_mm;
@@ -473,17 +472,17 @@ fn what_is_typed_is_stored_exactly_or_refused_in_words() {
         harness.get_by_label(reason);
         assert_eq!(radius(&harness).to_bits(), f64::to_bits(50.5), "{text}");
     }
-    // Escape puts the value back, and the reason is gone.
+    // Escape restores the value and removes the message.
     harness.key_press(egui::Key::Escape);
     harness.run();
     assert_eq!(harness.query_all_by_label_contains("Not accepted").count(), 0);
-    // Enter leaves the focus where it is.
+    // Enter keeps the focus.
     type_into(&mut harness, field, "40");
     assert!(harness.get_by_role_and_label(Role::SpinButton, field).is_focused());
 }
 
 #[test]
-fn digits_colour_nothing_unless_the_picture_has_the_focus() {
+fn digits_change_the_colouring_only_with_the_focus_on_the_picture() {
     let mut harness = app(WIDE, |_| {});
     let drawn = |harness: &Harness<'static, App>| harness.state().session().counters().fields;
     let before = drawn(&harness);
@@ -498,7 +497,7 @@ fn digits_colour_nothing_unless_the_picture_has_the_focus() {
 }
 
 #[test]
-fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
+fn a_shifted_implant_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
     let mut harness = app(WIDE, |_| {});
     let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
     let before = scene(&harness);
@@ -512,7 +511,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
         (scene(&harness).pocket_radius_mm, scene(&harness).implant.center_mm),
         (80.0, [25.0, 0.0])
     );
-    // Dragged, it stops at the pocket's rim, and says so.
+    // A drag stops at the pocket's rim with a message.
     harness.state_mut().open(before.to_json()).unwrap();
     settle(&mut harness);
     let rect = harness.get_by_role_and_label(Role::Slider, "Position across (mm)").rect();
@@ -529,7 +528,7 @@ fn a_shift_stays_in_its_pocket_and_a_larger_pocket_is_offered() {
 }
 
 #[test]
-fn a_slider_answers_the_keys_of_its_kind() {
+fn a_slider_responds_to_the_keys_of_its_role() {
     let mut harness = app(WIDE, |_| {});
     let pocket =
         |harness: &Harness<'static, App>| harness.state().session().scene().pocket_radius_mm;
@@ -541,14 +540,14 @@ fn a_slider_answers_the_keys_of_its_kind() {
         (egui::Key::PageUp, 75.0),
         (egui::Key::PageDown, 70.0),
         (egui::Key::End, 200.0),
-        // The least that holds the implant.
+        // The least radius of a pocket for the implant.
         (egui::Key::Home, 55.0),
     ] {
         harness.key_press(key);
         settle(&mut harness);
         assert!((pocket(&harness) - value).abs() < 1e-9, "{key:?}: {}", pocket(&harness));
     }
-    // From a value between the steps to the next one.
+    // A value between two steps moves to the next step.
     type_into(&mut harness, "Pocket radius (mm)", "66.42");
     harness.get_by_role_and_label(Role::Slider, "Pocket radius (mm)").focus();
     harness.run();
@@ -557,7 +556,7 @@ fn a_slider_answers_the_keys_of_its_kind() {
     assert!((pocket(&harness) - 66.5).abs() < 1e-9, "{}", pocket(&harness));
 }
 
-/// A touch of one finger: where it goes down, and where it goes from there.
+/// A touch of one finger: start and path.
 fn swipe(harness: &mut Harness<'static, App>, from: egui::Pos2, travel: egui::Vec2) {
     let touch = |phase, pos| egui::Event::Touch {
         device_id: egui::TouchDeviceId(0),
@@ -572,7 +571,7 @@ fn swipe(harness: &mut Harness<'static, App>, from: egui::Pos2, travel: egui::Ve
         pressed,
         modifiers: egui::Modifiers::NONE,
     };
-    // As the page sends them: touches come with the events of a mouse.
+    // The page sends the events of a mouse with every touch.
     let events = &mut harness.input_mut().events;
     events.extend([press(from, true), touch(egui::TouchPhase::Start, from)]);
     harness.step();
@@ -601,7 +600,7 @@ fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
     let slider = |harness: &Harness<'static, App>| {
         harness.get_by_role_and_label(Role::Slider, "Base radius (mm)").rect()
     };
-    // A slider that has the focus is no other.
+    // A slider with the focus behaves equally.
     harness.get_by_role_and_label(Role::Slider, "Base radius (mm)").focus();
     harness.run();
     let at = slider(&harness);
@@ -611,7 +610,7 @@ fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
     let moved = at.center().y - slider(&harness).center().y;
     assert!(moved > 40.0, "the panel was scrolled by {moved}");
     swipe(&mut harness, away_from_the_handle, egui::vec2(3.0, 120.0));
-    // A tap beside the handle moves nothing either.
+    // A tap beside the handle does not move the handle.
     let at = slider(&harness);
     let away_from_the_handle = at.left_center() + egui::vec2(0.85 * at.width(), 0.0);
     swipe(&mut harness, away_from_the_handle, egui::Vec2::ZERO);
@@ -637,7 +636,7 @@ fn a_tap_on_the_picture_shows_values_until_the_next() {
     swipe(&mut harness, at, egui::Vec2::ZERO);
     harness.step();
     assert_eq!(boxes(&harness), 1);
-    // A second one on the same place puts them away.
+    // A second tap at the same position hides the values.
     swipe(&mut harness, at, egui::Vec2::ZERO);
     harness.step();
     assert_eq!(boxes(&harness), 0);
@@ -662,14 +661,14 @@ fn the_tab_key_goes_through_all_controls_and_back() {
         }
         ways.push(seen);
     }
-    // All sliders with their fields, buttons, boxes and folds, the same ones both ways.
+    // All sliders with their fields, buttons, boxes and folds, equal in both directions.
     assert!(ways[0].len() > 45, "{} controls", ways[0].len());
     let sorted = |ids: &[egui::Id]| ids.iter().copied().collect::<std::collections::HashSet<_>>();
     assert_eq!(sorted(&ways[0]), sorted(&ways[1]));
 }
 
 #[test]
-fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
+fn a_control_focused_by_a_key_is_scrolled_into_view() {
     for size in [egui::vec2(1000.0, 500.0), egui::vec2(1000.0, 700.0), PHONE] {
         for is_page in [false, true] {
             let mut harness = app(size, |_| {});
@@ -694,7 +693,7 @@ fn what_gets_the_focus_by_a_key_is_scrolled_into_sight() {
 }
 
 #[test]
-fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
+fn escape_and_a_choice_return_the_focus() {
     let mut harness = app(WIDE, |_| {});
     let about = |harness: &Harness<'static, App>| {
         harness.query_all_by_label("A preview, not a medical device.").count()
@@ -712,7 +711,7 @@ fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
     assert_eq!((about(&harness), button(&harness)), (0, true));
     harness.step();
     assert_eq!(harness.state().focused().unwrap().0, "About");
-    // A box that is opened, and a choice made in it.
+    // Open a box and choose an entry.
     harness.get_by_role_and_label(Role::ComboBox, "Resolution").focus();
     harness.run();
     harness.key_press(egui::Key::Enter);
@@ -728,7 +727,7 @@ fn escape_and_a_choice_give_the_focus_back_to_where_it_came_from() {
 }
 
 #[test]
-fn a_result_is_saved_only_with_the_scene_that_it_is_of() {
+fn a_result_is_saved_only_with_its_own_scene() {
     let mut harness = app(WIDE, |scene| scene.solver.nodes_per_side = 33);
     let record: serde_json::Value =
         serde_json::from_str(&harness.state().result_json().unwrap()).unwrap();
@@ -738,7 +737,7 @@ fn a_result_is_saved_only_with_the_scene_that_it_is_of() {
     assert_eq!(record["status"], "converged");
     let date = record["date"].as_str().unwrap();
     assert!(date.len() == 20 && date.ends_with('Z') && date.starts_with("20"), "{date}");
-    // Another scene, not yet solved: there is nothing to save, to read or to say.
+    // Another scene before the end of its solve has no result to save or to read.
     let mut other = harness.state().session().scene().clone();
     other.pocket_radius_mm = 178.0;
     harness.state_mut().open(other.to_json()).unwrap();
@@ -755,11 +754,11 @@ fn a_result_is_saved_only_with_the_scene_that_it_is_of() {
 }
 
 #[test]
-fn the_state_of_the_computation_is_quiet_and_limits_are_said_in_words() {
+fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
     harness.get_by_label("Up to date");
     let mut scene = harness.state().session().scene().clone();
-    // Far beyond what skin withstands.
+    // Far beyond the failure strain of skin.
     scene.insertion = 1.0;
     scene.implant.base_radius_mm = 70.0;
     scene.implant.projection_mm = 120.0;
@@ -771,9 +770,10 @@ fn the_state_of_the_computation_is_quiet_and_limits_are_said_in_words() {
     settle(&mut harness);
     harness.get_by_label("Up to date");
     harness.get_by_label("beyond what excised skin withstood");
-    // What a reader must know of stands where the numbers stand.
-    let warning =
-        harness.get_by_label_contains("skin: strains lie beyond the data of its curve").rect();
+    // Warnings stand beside the numbers.
+    let warning = harness
+        .get_by_label_contains("skin: strains exceed the data of the stress–strain curve")
+        .rect();
     let numbers = harness.get_by_label("Projection of the skin").rect();
     assert!(
         (warning.left() - numbers.left()).abs() < 40.0 && warning.bottom() <= numbers.top() + 1.0
@@ -797,14 +797,14 @@ fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
     };
     edit(&mut harness, &long);
     harness.get_by_role_and_label(Role::ProgressIndicator, "Progress of the solve");
-    // The figures of before are gone.
+    // The previous figures are removed.
     harness.step();
     assert_eq!(harness.query_all_by_label("Greatest strain").count(), 0);
     harness.get_by_role_and_label(Role::Button, "Cancel").click();
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &before);
     assert!(harness.state().outcome().is_some() && harness.state().session().can_redo());
-    // Without a scene to go back to, the solve stops, and goes on when wanted.
+    // Without a previous valid scene the solve stops and can be continued.
     let app = App::new(&egui::Context::default(), None, long.clone()).unwrap();
     let mut harness = Harness::builder()
         .with_size(WIDE)

@@ -1,4 +1,4 @@
-//! A user's work: edits, undo, refused input, and no work where nothing changed.
+//! The session: edits, undo, rejected input, and no work without a change.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
@@ -55,7 +55,7 @@ fn a_name_or_a_colour_solves_nothing() {
     assert!(session.can_undo());
 }
 
-/// The work of a step, as a difference of counters.
+/// The work of a step: difference of the counters.
 fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
     let before = session.counters();
     step(session);
@@ -77,7 +77,7 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
 }
 
 #[test]
-fn stability_is_asked_once_for_each_stack_of_layers_and_only_for_the_papers_springs() {
+fn stability_limits_are_computed_once_per_stack_of_layers_and_only_for_the_papers_springs() {
     let mut session = Session::new(small()).unwrap();
     let asked = |session: &Session| {
         (session.stability_limits().is_some(), session.counters().stability_limits)
@@ -97,14 +97,14 @@ fn stability_is_asked_once_for_each_stack_of_layers_and_only_for_the_papers_spri
     assert_ne!(session.stability_limits().cloned(), before);
 }
 
-/// Meshes that the picture makes in a step.
+/// Number of meshes of the picture in a step.
 fn meshes(picture: &mut Picture, step: impl FnOnce(&mut Picture)) -> u64 {
     let before = picture.meshes_made;
     step(picture);
     picture.meshes_made - before
 }
 
-/// What a frame does: the picture brought up to date.
+/// The work of a frame: an update of the picture.
 fn draw(picture: &mut Picture, session: &Session, quantity: Quantity, angle: f32) {
     let section = Section { opening: Opening::Wedge, angle, axis: glam::Vec2::ZERO };
     assert!(picture.update(session, quantity, section, &|| 0.0));
@@ -120,7 +120,7 @@ fn a_finished_shape_is_recovered_and_measured_once_for_results_and_picture() {
         draw(&mut picture, session, Quantity::Strain, 0.0);
     });
     assert_eq!((done.recoveries, done.measurements), (1, 1));
-    // Tissue, cut faces, implant, wall; of the fields the one that is shown.
+    // Tissue, cut faces, implant, wall; only the displayed field.
     assert_eq!((done.fields, picture.meshes_made), (1, 4));
     assert_eq!(session.values(Field::PrincipalStrain).len(), 33 * 33);
     assert_eq!(session.counters().fields, 1);
@@ -150,7 +150,7 @@ fn another_quantity_computes_its_own_field_and_only_once() {
 }
 
 #[test]
-fn a_turned_cut_makes_its_faces_and_a_renamed_layer_its_colours() {
+fn a_turned_cut_updates_its_faces_and_a_renamed_layer_its_colours() {
     let mut session = Session::new(small()).unwrap();
     let mut picture = Picture::default();
     settle(&mut session);
@@ -177,7 +177,7 @@ fn a_turned_cut_makes_its_faces_and_a_renamed_layer_its_colours() {
 }
 
 #[test]
-fn a_scene_equal_to_the_one_before_re_uses_everything() {
+fn a_scene_equal_to_the_previous_scene_reuses_everything() {
     let mut session = Session::new(small()).unwrap();
     let mut picture = Picture::default();
     settle(&mut session);
@@ -192,7 +192,7 @@ fn a_scene_equal_to_the_one_before_re_uses_everything() {
     assert_eq!(same, nothing);
     edit(&mut session, 2, |scene| "capsule".clone_into(&mut scene.layers[1].tissue));
     draw(&mut picture, &session, Quantity::Strain, 0.0);
-    // Back to the name before: the shape is equal, the colours are not.
+    // With the previous name the shape is equal, the colours differ.
     let made = meshes(&mut picture, |picture| {
         let undone = work(&mut session, |session| {
             session.apply(Command::Undo).unwrap();
@@ -206,7 +206,7 @@ fn a_scene_equal_to_the_one_before_re_uses_everything() {
 }
 
 #[test]
-fn a_new_shape_keeps_the_triangulation_and_what_the_dome_does_not_move() {
+fn a_new_shape_keeps_the_triangulation_and_unchanged_meshes() {
     let mut session = Session::new(small()).unwrap();
     let mut picture = Picture::default();
     settle(&mut session);
@@ -228,7 +228,7 @@ fn a_new_shape_keeps_the_triangulation_and_what_the_dome_does_not_move() {
 }
 
 #[test]
-fn a_shape_that_nobody_looks_at_is_recovered_only_to_be_measured() {
+fn an_undisplayed_shape_is_recovered_only_for_its_results() {
     let mut session = Session::new(small()).unwrap();
     while session.advance(&mut || true) == Progress::Working {
         let drafts = u64::from(session.solver().displayed() == Displayed::Draft);
@@ -239,7 +239,7 @@ fn a_shape_that_nobody_looks_at_is_recovered_only_to_be_measured() {
 }
 
 #[test]
-fn the_shape_does_not_depend_on_the_way_to_it() {
+fn the_shape_is_path_independent() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     for insertion in [0.3, 0.97] {
@@ -257,7 +257,7 @@ fn the_shape_does_not_depend_on_the_way_to_it() {
     assert_eq!(session.shape(), other.shape());
 }
 
-/// Advances to the end and gives what that took.
+/// Advances to the end; returns the work.
 fn solving(session: &mut Session, change: impl FnOnce(&mut Scene)) -> Counters {
     work(session, |session| {
         edit(session, 7, change);
@@ -279,7 +279,7 @@ fn only_a_change_of_the_law_makes_tables_and_only_a_change_of_the_grid_makes_gri
     assert_eq!((softer.solves, softer.tables, softer.grids), (1, 1, 0));
     let finer = solving(&mut session, |scene| scene.solver.nodes_per_side = 65);
     assert_eq!((finer.solves, finer.tables, finer.grids), (1, 0, 1));
-    // Off the centre the whole sheet is needed.
+    // Off centre the whole sheet is solved.
     let aside = solving(&mut session, |scene| scene.implant.center_mm = [1.0, 2.0]);
     assert_eq!((aside.solves, aside.tables, aside.grids), (1, 0, 1));
 }
@@ -314,7 +314,7 @@ fn symmetric_scenes_take_a_quarter_or_half_of_the_sheet_and_give_the_same_shape(
 }
 
 #[test]
-fn a_scene_without_a_stable_shape_shows_none_until_another_has_one() {
+fn a_scene_without_a_stable_shape_has_no_shape_until_the_next_stable_scene() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     assert!(!session.has_no_shape());
@@ -332,7 +332,7 @@ fn a_scene_without_a_stable_shape_shows_none_until_another_has_one() {
 }
 
 #[test]
-fn a_law_that_was_changed_while_the_sheet_lay_at_rest_is_the_one_that_is_solved() {
+fn a_law_changed_at_zero_insertion_is_used_by_the_next_solve() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     edit(&mut session, 1, |scene| scene.insertion = 0.0);
@@ -377,7 +377,7 @@ fn layers_of_equal_poisson_ratio_cost_as_much_as_one() {
 }
 
 #[test]
-fn a_moving_control_is_answered_within_a_thousandth_and_then_to_the_tolerance() {
+fn a_drag_displays_a_draft_within_a_thousandth_and_then_the_final_shape() {
     let mut scene = small();
     scene.solver.nodes_per_side = 129;
     scene.solver.tolerance = 1e-5;
@@ -400,7 +400,7 @@ fn a_moving_control_is_answered_within_a_thousandth_and_then_to_the_tolerance() 
 }
 
 #[test]
-fn a_short_slice_shows_what_a_coarser_grid_has() {
+fn a_short_slice_displays_the_solution_of_a_coarser_grid() {
     let mut scene = small();
     scene.solver.nodes_per_side = 129;
     let mut session = Session::new(scene).unwrap();
@@ -443,7 +443,7 @@ fn a_gesture_is_one_step_of_undo() {
 }
 
 #[test]
-fn refused_input_changes_nothing_and_says_why_in_one_line() {
+fn rejected_input_changes_nothing_and_is_reported_in_one_line() {
     let mut session = Session::new(small()).unwrap();
     settle(&mut session);
     let (scene, revision) = (session.scene().clone(), session.revision());
@@ -454,7 +454,10 @@ fn refused_input_changes_nothing_and_says_why_in_one_line() {
         (r#"{"implant":{"base_radius_mm":50,"x":1}}"#, "`x`"),
         (r#"{"implant":{"base_radius_mm":1e308}}"#, "is 1e308; allowed: 10 to 120 mm"),
         (r#"{"implant":[50]}"#, "expected one JSON object"),
-        (r#"{"implant":{"base_radius_mm":50},"layers":[]}"#, "layers is 0 layers; allowed: 1 to 8"),
+        (
+            r#"{"implant":{"base_radius_mm":50},"layers":[]}"#,
+            "layers is a list of 0; allowed: 1 to 8 layers",
+        ),
         (
             r#"{"implant":{"base_radius_mm":50},"layers":[{"poisson_ratio":0.6}]}"#,
             "layers[0].poisson_ratio is 0.6; allowed: 0 to 0.5",
@@ -486,7 +489,7 @@ fn refused_input_changes_nothing_and_says_why_in_one_line() {
 }
 
 #[test]
-fn a_saved_scene_opens_as_itself() {
+fn a_saved_scene_is_read_back_unchanged() {
     let mut scene = small();
     scene.implant.center_mm = [3.0, -4.0];
     scene.layers.push(Layer::skin());
@@ -532,14 +535,14 @@ fn the_schema_names_every_field_of_the_scene() {
 }
 
 #[test]
-fn the_pressure_that_is_drawn_is_the_one_that_is_read() {
+fn the_displayed_pressure_is_the_reported_pressure() {
     type Change = fn(&mut Scene);
     let changes: [Change; 5] = [
         |_| {},
         |scene| scene.implant.center_mm = [8.0, 5.0],
         |scene| scene.implant.projection_mm = 25.0,
         |scene| scene.insertion = 0.3,
-        // So few nodes touch that none is inside of the contact.
+        // No node of this small contact is an interior node.
         |scene| scene.insertion = 0.02,
     ];
     for (case, change) in changes.into_iter().enumerate() {
@@ -554,7 +557,7 @@ fn the_pressure_that_is_drawn_is_the_one_that_is_read() {
             let greatest = f64::from(drawn.iter().copied().fold(0.0, f32::max));
             let ratio = greatest / read.max;
             assert!((ratio - 1.0).abs() < 1e-6, "scene {case}, {nodes} nodes: {ratio}");
-            // No speckles: beside each other, nodes that touch differ by little.
+            // Adjacent nodes in contact have similar pressures.
             let least = drawn.iter().copied().filter(|p| *p > 0.0).fold(f32::MAX, f32::min);
             assert!(f64::from(least) > 0.3 * read.mean, "scene {case}, {nodes} nodes: {least}");
         }

@@ -1,5 +1,5 @@
-//! Where an evenly stretched sheet is stable: the waves against forces of a finite sheet and against
-//! the energy, the strains at which the paper's springs fail, and that coupled springs do not.
+//! Stability of a homogeneously stretched sheet: wave stiffness compared with forces and energy of a finite sheet,
+//! limits of the paper's springs, stability of coupled springs.
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec};
@@ -30,7 +30,7 @@ fn stiffness(layers: &[Material]) -> f64 {
     layers.iter().map(|l| l.thickness_mm * l.curve.slope(0.0)).sum()
 }
 
-/// The weakest wave of one layer.
+/// The wave of least stiffness of one layer.
 fn weakest(springs: Springs, layer: &Material, load: Load, strain: f64) -> Wave {
     let layers = [layer.clone()];
     let stack = Stack::new(springs, &layers);
@@ -47,9 +47,9 @@ fn lattice(springs: Springs, l: &Material, load: Load, strain: f64) -> (Lattice,
 }
 
 #[test]
-fn waves_meet_the_forces_that_a_sheet_puts_up_against_them() {
-    // The middle node of 2 × 2 cells has all the neighbours that a node of the infinite sheet has:
-    // moved by U cos(k·X), it is pulled back by D(k) U.
+fn wave_stiffness_equals_the_restoring_forces_of_a_sheet() {
+    // The middle node of 2 × 2 cells has all neighbours of a node of the infinite sheet: a displacement
+    // U cos(k·X) has the restoring force D(k) U.
     let step = 1e-6;
     for springs in LAWS {
         for (name, nu) in [("skin", 0.45), ("adipose", 0.3), ("linear", 0.1)] {
@@ -84,7 +84,7 @@ fn waves_meet_the_forces_that_a_sheet_puts_up_against_them() {
 }
 
 #[test]
-fn waves_out_of_the_plane_meet_the_tensions_of_the_springs() {
+fn out_of_plane_wave_stiffness_follows_from_the_spring_tensions() {
     // Neighbours of a node: steps along x and y, rest length, width.
     let edge = |x, y| (x, y, 1.0, 1.0, Spring::Edge);
     let diagonal = |x, y| (x, y, SQRT_2, 0.5, Spring::Diagonal);
@@ -103,7 +103,7 @@ fn waves_out_of_the_plane_meet_the_tensions_of_the_springs() {
         for (load, strain) in [(Load::Uniaxial, 0.3), (Load::Equibiaxial, 0.7)] {
             let (lattice, _, stretch) = lattice(Springs::Nikolaev, &layer, load, strain);
             for wave in [[0.3, 0.2], [PI, 0.0], [0.0, 2.0], [PI, PI], [2.5, 1.0]] {
-                // Heights are cos(k·X); each spring pulls its node to the height of the other end.
+                // Heights are cos(k·X); the force of a spring points to the height of the other end.
                 let pull = |&(x, y, rest, width, kind): &(f64, f64, f64, f64, Spring)| {
                     let length = DVec2::new(x, y).mul_add(stretch, DVec2::ZERO).length();
                     let tension = paper::tension(
@@ -132,7 +132,7 @@ fn waves_out_of_the_plane_meet_the_tensions_of_the_springs() {
 }
 
 #[test]
-fn long_waves_feel_the_acoustic_tensor_of_the_even_sheet() {
+fn long_waves_have_the_acoustic_tensor_of_the_homogeneous_sheet() {
     // u·Q(n)·u is the second derivative of the energy of one cell along u ⊗ n.
     let step = 1e-4;
     for springs in LAWS {
@@ -172,7 +172,7 @@ fn long_waves_feel_the_acoustic_tensor_of_the_even_sheet() {
 }
 
 #[test]
-fn no_wave_is_weaker_than_the_weakest() {
+fn the_least_stiffness_bounds_the_stiffness_of_all_waves() {
     for springs in LAWS {
         for name in CURVES {
             for nu in [0.02, 0.25, 0.4, 0.5] {
@@ -196,7 +196,7 @@ fn no_wave_is_weaker_than_the_weakest() {
                     let at = format!("{springs:?} {name} {nu} {load:?} {strain}");
                     assert!(weakest.stiffness <= least + 1e-10, "{at}: {weakest:?} {least}");
                     if weakest.vector.iter().any(|k| *k > 0.0) {
-                        // The wave that is named has the stiffness that is named, and moves so.
+                        // Wave vector, stiffness and polarisation belong together.
                         let size = weakest.stiffness - stiffness(weakest.vector);
                         assert!(size.abs() < 1e-6, "{at}: {weakest:?}");
                         let [xx, yy, xy, _] = lattice.dynamical_matrix(weakest.vector);
@@ -214,7 +214,7 @@ fn no_wave_is_weaker_than_the_weakest() {
 
 #[test]
 fn the_papers_springs_lose_stability_at_the_known_strains() {
-    // Found on the finite sheet, on a grid of strains of 0.02.
+    // Limits of the finite sheet, in strain steps of 0.02.
     let end = 1.0;
     let table: [(&str, f64, &[[f64; 2]]); 15] = [
         ("linear", 0.05, &[]),
@@ -245,8 +245,8 @@ fn the_papers_springs_lose_stability_at_the_known_strains() {
 }
 
 #[test]
-fn what_fails_is_a_zigzag_along_the_pull_that_only_the_edges_resist() {
-    // Against k = (π, π) along x stand f′(ε) of the edges along x and f/(1 − νε) of those across.
+fn the_unstable_mode_is_a_zigzag_along_the_tension_resisted_by_edges_only() {
+    // The stiffness of k = (π, π) along x consists of f′(ε) of the edges along x and f/(1 − νε) of the edges across.
     for (name, nu) in [("linear", 0.3), ("skin", 0.45), ("adipose", 0.1), ("adipose", 0.49)] {
         let l = layer(name, nu, 1.0);
         let lost = Limits::new(Springs::Nikolaev, std::slice::from_ref(&l))
@@ -275,7 +275,7 @@ fn at_small_strain_the_papers_springs_are_stable_and_without_poisson_ratio_neutr
                 assert!(stiffness > 0.9 * nu.min(0.25), "{name} {nu} {load:?}: {stiffness}");
             }
         }
-        // ν = 0: no diagonals. Pulled one way, rows slide past each other; nothing is lost by that.
+        // ν = 0: no diagonals. Under uniaxial tension rows slide without a change of energy.
         let layer = layer(name, 0.0, 1.0);
         for strain in [0.0, 0.3, 1.0] {
             let wave = weakest(Springs::Nikolaev, &layer, Load::Uniaxial, strain);
@@ -296,7 +296,7 @@ fn coupled_springs_are_stable_at_every_point_of_the_maps() {
                 {
                     let at = format!("{name} {point:?}");
                     assert!(point.wave.stiffness > 0.01 && point.sheet > 1e-3, "{at}");
-                    // Pulled one way nothing pulls across: neutral, and so at rest.
+                    // Without transverse tension out-of-plane waves are neutral, as at rest.
                     assert!(point.least_out_of_plane() > -1e-9, "{at}");
                 }
             }
@@ -306,7 +306,7 @@ fn coupled_springs_are_stable_at_every_point_of_the_maps() {
 }
 
 #[test]
-fn a_growing_sheet_comes_to_the_infinite_one_from_above() {
+fn eigenvalues_of_growing_sheets_decrease_to_the_infinite_sheets_value() {
     // Adipose, ν = 0.3, far beyond its limit: the free sheet's least eigenvalue against D's.
     let layer = layer("adipose", 0.3, 1.0);
     let (lattice, _, stretch) = lattice(Springs::Nikolaev, &layer, Load::Uniaxial, 0.6);
@@ -323,7 +323,7 @@ fn a_growing_sheet_comes_to_the_infinite_one_from_above() {
 }
 
 #[test]
-fn the_finite_sheet_says_unstable_where_its_least_eigenvalue_does() {
+fn the_finite_sheet_is_unstable_where_its_least_eigenvalue_is_negative() {
     let strains: Vec<f64> = (1..=25).map(|k| 0.04 * f64::from(k)).collect();
     let mut seen = [0; 2];
     for (name, nu) in [("skin", 0.45), ("adipose", 0.05), ("linear", 0.3)] {
@@ -343,12 +343,12 @@ fn the_finite_sheet_says_unstable_where_its_least_eigenvalue_does() {
 }
 
 #[test]
-fn bonded_layers_add_and_agree_on_their_width() {
+fn bonded_layers_add_and_share_their_transverse_strain() {
     let layers = [layer("skin", 0.45, 1.5), layer("adipose", 0.3, 10.0), layer("linear", 0.1, 0.4)];
     for springs in LAWS {
         let stack = Stack::new(springs, &layers);
         for strain in [0.1, 0.5, 0.9] {
-            // Nothing pulls across: forces on the upper side of one cell of each layer add up to zero.
+            // No transverse load: forces on the upper side of one cell sum to zero over the layers.
             let strains = stack.strains(Load::Uniaxial, strain);
             assert!(strains[1] < -0.1 * strain && strains[1] > -0.45 * strain);
             let stretch = 1.0 + DVec2::from(strains);
@@ -360,7 +360,7 @@ fn bonded_layers_add_and_agree_on_their_width() {
                 (sum, size) = (sum + force, size + force.abs());
             }
             assert!(sum.abs() < 1e-6 * size, "{springs:?} {strain}: {sum} of {size}");
-            // The whole is the sum of its layers.
+            // The stack is the sum of its layers.
             let wave = [1.1, 2.0];
             let whole = stack.lattice(strains).dynamical_matrix(wave);
             for entry in 0..4 {
@@ -377,14 +377,14 @@ fn bonded_layers_add_and_agree_on_their_width() {
             }
         }
     }
-    // Thickness alone changes nothing.
+    // A factor on all thicknesses changes no limit.
     let [thin, thick] =
         [0.5, 20.0].map(|h| Limits::new(Springs::Nikolaev, &[layer("skin", 0.49, h)]));
     assert_eq!(thin, thick);
 }
 
 #[test]
-fn coupled_waves_out_of_the_plane_feel_the_tension() {
+fn out_of_plane_stiffness_of_coupled_springs_is_the_tension() {
     let l = layer("skin", 0.45, 1.0);
     let (lattice, _, stretch) = lattice(Springs::Coupled, &l, Load::Equibiaxial, 0.3);
     let law = LawLayer { curve: &l.curve, poisson_ratio: 0.45, thickness_mm: 1.0 };
@@ -397,11 +397,11 @@ fn coupled_waves_out_of_the_plane_feel_the_tension() {
 }
 
 #[test]
-fn limits_cost_a_few_hundred_states() {
+fn limits_need_a_few_hundred_states() {
     let layers = [layer("skin", 0.45, 1.5), layer("adipose", 0.45, 10.0)];
     let limits = Limits::new(Springs::Nikolaev, &layers);
     assert!(limits.states < 300, "{} states", limits.states);
-    // The stack of the opening scene: its skin fails before the curve stiffens, its adipose is held.
+    // The default scene's stack: skin is unstable below the stiffening of its curve, adipose is stabilised.
     assert_eq!((limits.uniaxial.len(), limits.equibiaxial.len()), (1, 1), "{limits:?}");
     for load in Load::ALL {
         let stack = Stack::new(Springs::Nikolaev, &layers);

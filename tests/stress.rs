@@ -168,7 +168,7 @@ const ONCE_FAILED: [(&str, &str, Ending); 33] = [
 ];
 
 #[test]
-fn scenes_that_once_failed_end_as_they_should() {
+fn scenes_that_once_failed_have_their_expected_outcome() {
     for (name, json, ending) in ONCE_FAILED {
         let case = examine(Scene::from_json(json).unwrap());
         assert_eq!(case.ending, ending, "{name}: {:?}", case.findings);
@@ -176,7 +176,7 @@ fn scenes_that_once_failed_end_as_they_should() {
 }
 
 #[test]
-fn random_scenes_and_sessions_end_soundly() {
+fn random_scenes_and_sessions_satisfy_all_invariants() {
     let cases: Vec<_> = (0..100).map(|case| run(11, case, 33)).collect();
     let summary = Summary::new(11, &cases);
     assert_eq!(summary.failures, []);
@@ -188,17 +188,17 @@ fn random_scenes_and_sessions_end_soundly() {
 }
 
 #[test]
-fn the_checks_see_what_is_wrong() {
+fn the_checks_detect_invalid_shapes() {
     let mut scene = Scene::default();
     scene.solver.nodes_per_side = 33;
     let solver = Solver::new(scene.problem().unwrap());
     let (sheet, dome) = (&solver.problem().sheet, &solver.problem().obstacle.dome);
-    // A sheet over the dome faces outwards, one turned over does not.
+    // A sheet over the dome faces outwards, an inverted sheet inwards.
     let mut x = solver.start_shape();
     assert!(check::inward_cosine(sheet, &x) < 0.0);
     x.iter_mut().for_each(|x| x.x = -x.x);
     assert!(check::inward_cosine(sheet, &x) > 0.5);
-    // A solve that has not begun: its flat sheet lies in the dome.
+    // Before the first slice the flat sheet lies in the dome.
     assert!(solver.positions().iter().any(|x| dome.contains(*x)));
     let names: Vec<_> = check::check(&solver).iter().map(|finding| finding.check).collect();
     assert_eq!(names, ["depth in the dome, mm"]);

@@ -1,4 +1,4 @@
-//! The paper's experiment: what the springs show when a sample is pulled, and where they fail.
+//! The paper's tension test: measured curves and Poisson ratios, loss of stability.
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
@@ -88,7 +88,7 @@ fn border_nodes_of_two_cells_carry_twice_the_load_of_corners() {
 }
 
 #[test]
-fn coupled_springs_show_the_curve_and_the_poisson_ratio_in_every_direction() {
+fn coupled_springs_reproduce_the_curve_and_the_poisson_ratio_in_every_direction() {
     for name in ["skin", "adipose"] {
         for nu in POISSON_RATIOS {
             for degrees in [0.0, 22.5, 45.0, 71.0] {
@@ -106,7 +106,7 @@ fn coupled_springs_show_the_curve_and_the_poisson_ratio_in_every_direction() {
     }
 }
 
-/// Newton's method does not get past some kinks, which had been told as a loss of stability.
+/// Newton's method stalls at some kinks; the experiment had reported a loss of stability there.
 #[test]
 fn coupled_springs_follow_a_curve_past_kinks() {
     let points = vec![[0.0, 0.0], [0.12, 4.0], [0.14, 30.0], [0.5, 31.0], [1.0, 31.5]];
@@ -125,7 +125,7 @@ fn coupled_springs_follow_a_curve_past_kinks() {
 }
 
 #[test]
-fn papers_springs_show_the_curve_and_the_poisson_ratio_where_they_are_stable() {
+fn papers_springs_reproduce_the_curve_and_the_poisson_ratio_where_stable() {
     for name in ["skin", "adipose"] {
         for nu in POISSON_RATIOS {
             let report = pull(Springs::Nikolaev, name, nu, 0.0, Protocol::Equilibrium);
@@ -193,7 +193,7 @@ fn papers_springs_lose_stability_where_the_hessian_of_the_homogeneous_state_says
 }
 
 #[test]
-fn papers_protocol_agrees_with_the_equilibrium_where_that_stays_stable() {
+fn papers_protocol_agrees_with_the_equilibrium_where_stable() {
     for (springs, name, nu) in [
         (Springs::Nikolaev, "skin", 0.1),
         (Springs::Nikolaev, "skin", 0.3),
@@ -208,8 +208,8 @@ fn papers_protocol_agrees_with_the_equilibrium_where_that_stays_stable() {
 }
 
 #[test]
-fn papers_protocol_measures_a_low_poisson_ratio_where_the_even_shape_is_unstable() {
-    // Skin at ν = 0.4 between 0.34 and 0.40: the sample settles in an uneven, stable shape.
+fn papers_protocol_measures_a_low_poisson_ratio_where_the_homogeneous_state_is_unstable() {
+    // Skin at ν = 0.4 between 0.34 and 0.40: the sample reaches an inhomogeneous, stable shape.
     let report = pull(Springs::Nikolaev, "skin", 0.4, 0.0, Protocol::Paper);
     for row in &report.rows {
         let measured = row.measured.unwrap().poisson_ratio();
@@ -222,7 +222,7 @@ fn papers_protocol_measures_a_low_poisson_ratio_where_the_even_shape_is_unstable
 }
 
 #[test]
-fn a_sample_that_runs_away_is_reported_and_never_shown() {
+fn a_diverging_sample_is_reported_and_never_displayed() {
     for (name, nu) in [("adipose", 0.49), ("adipose", 0.1), ("linear", 0.4)] {
         let relaxed = pull(Springs::Nikolaev, name, nu, 0.0, Protocol::Paper);
         let followed = pull(Springs::Nikolaev, name, nu, 0.0, Protocol::Equilibrium);
@@ -286,7 +286,7 @@ fn a_rotated_sheet_has_rotated_forces() {
 }
 
 #[test]
-fn more_cells_measure_the_same() {
+fn finer_samples_measure_equal_values() {
     for springs in LAWS {
         let report = run(&Test {
             springs,

@@ -1,4 +1,4 @@
-//! Against theory: small strain, the limit of finer grids, and the same bits wherever it is solved.
+//! Comparison with theory: small strain, the limit of fine grids, bitwise reproducibility.
 
 #![cfg(not(target_arch = "wasm32"))] // threads
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -16,8 +16,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 const MODULUS_KPA: f64 = 10.0;
 
-/// Greatest force of a sample that is pulled by `stress` and has the even small strain, relative to
-/// the load; both are given along and across the pull, which is at an angle to the grid.
+/// Greatest force of a sample under `stress` with a homogeneous small strain, relative to the load; both along and
+/// across the tension, at an angle to the grid.
 fn imbalance(springs: Springs, nu: f64, angle: f64, strain: [f64; 2], stress: f64) -> f64 {
     let curve = Curve::new(&CurveSpec::Linear { modulus_kpa: MODULUS_KPA }).unwrap();
     let sample = Sample::new(3, springs, &curve, nu);
@@ -59,9 +59,9 @@ fn coupled_springs_are_isotropic_at_small_strain() {
 ///
 /// > P₁₁ = t₁ + (d₁ + d₂)/√8, P₂₂ = t₂ + (d₁ + d₂)/√8, P₁₂ = (d₁ − d₂)/√8.
 ///
-/// Along an edge: t₁ = E(1 − ν)ε, t₂ = −Eνε, d = k(1 − ν)ε/2 give P₁₁ = Eε, P₂₂ = 0: E and ν as asked.
+/// Along an edge: t₁ = E(1 − ν)ε, t₂ = −Eνε, d = k(1 − ν)ε/2 give P₁₁ = Eε, P₂₂ = 0: E and ν as given.
 /// Along a diagonal P₁₁ = P₂₂ = P₁₂ = σ/2; the edges have the mean strain e = (1 − ν₄₅)ε/2, the diagonal
-/// along is stretched, the one across compressed by ν₄₅ε. P₁₁ = P₁₂ is E(1 − ν)e + d₂/√2 = 0, so that
+/// along is stretched, the diagonal across compressed by ν₄₅ε. P₁₁ = P₁₂ is E(1 − ν)e + d₂/√2 = 0, so that
 ///
 /// > ν₄₅ = a/(1 + a) with a = (1 − ν)/√2, E₄₅ = P₁₁ + P₁₂ over ε = E(1 − ν)(1 − ν₄₅)/2 + k/√2.
 ///
@@ -94,9 +94,9 @@ fn the_papers_lattice_has_its_small_strain_stiffness_along_edges_and_diagonals()
     assert!((nu_45 - 0.320).abs() < 5e-4 && (share - 1.227).abs() < 5e-4, "{nu_45} {share}");
 }
 
-/// Second order: (4·fine − coarse)/3 leaves what is of higher order.
+/// Second order: (4·fine − coarse)/3 cancels the second-order error.
 #[test]
-fn shapes_extrapolated_to_no_spacing_meet_the_axisymmetric_reference() {
+fn shapes_extrapolated_to_zero_spacing_agree_with_the_axisymmetric_reference() {
     let layer = |kind: &str| json!([{ "thickness_mm": 2, "curve": { "kind": kind } }]);
     for (pocket, projection, insertion, layers) in [
         (70.0, 50.0, 1.0, layer("skin")),
@@ -104,7 +104,7 @@ fn shapes_extrapolated_to_no_spacing_meet_the_axisymmetric_reference() {
         (50.0, 50.0, 1.0, layer("skin")),
         (90.0, 50.0, 0.6, json!([{ "curve": { "kind": "linear", "modulus_kpa": 10 } }])),
     ] {
-        // The 41 points of a profile are nodes of these grids: nothing is interpolated.
+        // The 41 points of a profile are nodes of these grids, without interpolation.
         let [coarse, fine] = [81, 161].map(|nodes| {
             let scene = json!({
                 "implant": { "base_radius_mm": 50, "projection_mm": projection },
@@ -140,7 +140,7 @@ fn shapes_extrapolated_to_no_spacing_meet_the_axisymmetric_reference() {
     }
 }
 
-/// Strain energy \[kPa·mm³\] of the shape that a solver shows, from the triangles' metrics alone.
+/// Strain energy \[kPa·mm³\] of a solver's shape, from the triangles' metrics alone.
 fn energy(solver: &Solver) -> f64 {
     let (sheet, x) = (&solver.problem().sheet, solver.positions());
     let law = solver.coupled_law().unwrap();
@@ -159,7 +159,7 @@ fn energy(solver: &Solver) -> f64 {
     sheet.triangles().map(triangle).sum()
 }
 
-/// Until contact is let end between nodes, which changes what is to be solved.
+/// Up to the contact offsets, which change the constraints.
 #[test]
 fn every_step_of_newtons_method_lowers_the_energy() {
     for mut scene in ten_scenes() {
@@ -181,7 +181,7 @@ fn every_step_of_newtons_method_lowers_the_energy() {
     }
 }
 
-/// Ten scenes with little in common.
+/// Ten different scenes.
 fn ten_scenes() -> Vec<Scene> {
     (0..10_u8)
         .map(|k| {

@@ -1,4 +1,4 @@
-//! The JavaScript API in a real browser, and the same physics there as natively.
+//! The JavaScript API in a browser: equal results as natively.
 
 #![cfg(target_arch = "wasm32")]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -41,7 +41,7 @@ fn the_browser_computes_what_the_native_program_computes() {
 }
 
 #[wasm_bindgen_test]
-fn bad_input_throws_an_error_of_one_line() {
+fn invalid_input_throws_an_error_of_one_line() {
     for (scene, expected) in [
         ("{", "EOF"),
         ("{}", "implant"),
@@ -58,9 +58,9 @@ fn bad_input_throws_an_error_of_one_line() {
     }
 }
 
-/// These had ended in "memory access out of bounds".
+/// These inputs had ended in "memory access out of bounds".
 #[wasm_bindgen_test]
-fn what_is_no_text_is_refused_in_words() {
+fn input_other_than_text_is_rejected_with_a_message() {
     for value in [5.into(), JsValue::NULL, JsValue::TRUE, js_sys::Object::new().into()] {
         let text = message(js::simulate(&value).err().unwrap());
         assert_eq!(text, "scene is not text; allowed: a string");
@@ -70,7 +70,7 @@ fn what_is_no_text_is_refused_in_words() {
 }
 
 #[wasm_bindgen_test]
-fn the_default_scene_the_schema_and_the_version_are_what_they_say() {
+fn the_default_scene_the_schema_and_the_version_are_valid() {
     let scene: Value = serde_json::from_str(&js::default_scene()).unwrap();
     assert_eq!(scene["schema"], "implant-preview/scene/1");
     assert_eq!(scene["solver"]["nodes_per_side"], 129);
@@ -80,7 +80,7 @@ fn the_default_scene_the_schema_and_the_version_are_what_they_say() {
 }
 
 #[wasm_bindgen_test]
-fn the_benchmark_goes_on_piece_by_piece() {
+fn the_benchmark_runs_piece_by_piece() {
     let options =
         r#"{"quick": true, "nodes_per_side": [17], "methods": ["newton", "multigrid_8"]}"#;
     let mut benchmark = js::Benchmark::new(&options.into()).ok().unwrap();
@@ -103,7 +103,7 @@ fn the_benchmark_goes_on_piece_by_piece() {
     assert!(text.starts_with("options: ") && !text.contains('\n'), "{text}");
 }
 
-/// Lets the browser do something else: it would take a page for dead that answers nothing for long.
+/// Yields to the browser, which stops a page without response.
 async fn rest() {
     let soon = js_sys::Promise::new(&mut |resolve, _| {
         let timer = js_sys::Reflect::get(&js_sys::global(), &"setTimeout".into()).unwrap();
@@ -113,7 +113,7 @@ async fn rest() {
 }
 
 #[wasm_bindgen_test]
-async fn random_scenes_end_soundly() {
+async fn random_scenes_satisfy_all_invariants() {
     use implant_preview::experiment::robustness::{Ending, run};
     for number in 0..500 {
         let case = run(5, number, 25);

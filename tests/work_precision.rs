@@ -1,4 +1,4 @@
-//! The study of run time against error: what its rows promise.
+//! The study of run time against error: properties of its rows.
 
 use implant_preview::experiment::work_precision::{
     Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, Study, run, table, time_to,
@@ -18,7 +18,7 @@ fn coarse() -> Plan {
 }
 
 #[test]
-fn every_method_comes_to_the_same_equilibrium() {
+fn every_method_converges_to_the_same_equilibrium() {
     let rows = rows(&coarse());
     for nodes in [17, 33] {
         let of = |method: Method| -> Vec<Row> {
@@ -50,9 +50,9 @@ fn every_method_comes_to_the_same_equilibrium() {
 }
 
 #[test]
-fn a_run_that_is_out_of_time_says_so_and_spares_finer_grids() {
+fn a_run_out_of_time_is_marked_and_skips_finer_grids() {
     let plan = Plan { methods: vec![Method::ExplicitPaper], budget_ms: 5.0, ..coarse() };
-    // Every look at this clock takes a millisecond.
+    // Each reading of this clock takes one millisecond.
     let mut now = 0.0;
     let mut clock = || {
         now += 1.0;
@@ -66,8 +66,8 @@ fn a_run_that_is_out_of_time_says_so_and_spares_finer_grids() {
 }
 
 #[test]
-fn the_clock_stands_still_while_errors_are_measured() {
-    // A reference is asked for nothing but errors: what it costs must not be seen.
+fn the_clock_stops_while_errors_are_measured() {
+    // The reference serves errors only; its cost is not part of the times.
     let reference = |scene: &Scene| -> Option<Profile> {
         let scale = scene.pocket_radius_mm;
         Some(Box::new(move |s| (s, scale - s)))
@@ -107,7 +107,7 @@ fn the_table_has_every_column_in_every_row() {
 }
 
 #[test]
-fn a_plan_is_read_from_json_or_refused_in_one_line() {
+fn a_plan_is_read_from_json_or_rejected_in_one_line() {
     let read = |json: &str| Plan::from_json(json).map_err(|error| error.to_string());
     assert_eq!(read("{}"), Ok(Plan::full()));
     assert_eq!(read(r#"{"quick": true}"#), Ok(Plan::quick()));
@@ -137,7 +137,7 @@ fn a_study_reports_its_progress_and_the_times_to_an_error() {
     let methods = vec![Method::Newton, Method::Multigrid8];
     let plan = Plan { methods, nodes_per_side: vec![17], ..coarse() };
     let mut study = Study::new(plan.clone(), None);
-    // Every reading of this clock takes a millisecond.
+    // Each reading of this clock takes one millisecond.
     let mut now = 0.0;
     let mut clock = || {
         now += 1.0;

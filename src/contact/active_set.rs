@@ -1,4 +1,4 @@
-//! The contact conditions of Newton's method: reactions, directions that remain free, constrained steps.
+//! The contact conditions of Newton's method: reactions, unconstrained directions, constrained steps.
 //!
 //! n is the dome's unit normal at a node, w the wall's.
 
@@ -6,7 +6,7 @@ use super::Obstacle;
 use crate::mesh::stencil::outer;
 use glam::{DMat3, DVec3};
 
-/// The node touches nothing.
+/// No constraint is active.
 pub(crate) const FREE: u8 = 0;
 /// The dome presses on the node.
 pub(crate) const ON_DOME: u8 = 1;
@@ -31,16 +31,16 @@ pub(crate) struct Constraint {
     pub(crate) height: f64,
 }
 
-/// What dome and wall carry of the force on a node.
+/// The reactions of dome and wall to the force on a node.
 pub(crate) struct Reaction {
     /// [`FREE`], or [`ON_DOME`] and [`ON_WALL`].
     pub(crate) active: u8,
-    /// The dome's force per gradient of its gauge, zero where the dome does not press.
+    /// The dome's force per gradient of the gauge, zero unless the dome presses.
     pub(crate) per_gradient: f64,
 }
 
 impl Constraint {
-    /// Of a node at `x` that touches the dome at a gauge of `offset`.
+    /// The constraint of a node at `x` with a contact offset, as a gauge.
     pub(crate) fn new(obstacle: &Obstacle, x: DVec3, offset: f64) -> Self {
         let gradient = obstacle.dome.gauge_gradient(x);
         let steepness = gradient.length();
@@ -53,7 +53,7 @@ impl Constraint {
         }
     }
 
-    /// What dome and wall, nearer than `touch` \[mm\], carry of a force.
+    /// The reactions to a force of dome and wall within a distance of `touch` \[mm\].
     pub(crate) fn reaction(&self, force: DVec3, touch: f64) -> Reaction {
         let mut pressing = -force.dot(self.normal);
         let (by_dome, by_wall) = (self.gap <= touch, self.height <= touch);
@@ -81,7 +81,7 @@ impl Constraint {
         (spread > LEAST_SPREAD && reactions.iter().all(|r| *r >= 0.0)).then_some(reactions)
     }
 
-    /// The projector onto the directions that the active constraints leave.
+    /// The projector onto the unconstrained directions.
     pub(crate) fn projector(&self, active: u8) -> DMat3 {
         match active {
             FREE => DMat3::IDENTITY,
@@ -99,7 +99,7 @@ impl Constraint {
         self.normal.cross(self.wall_normal).normalize_or(DVec3::X)
     }
 
-    /// The least step that meets both constraints: n·d = −gap and w·d = −height.
+    /// The shortest step onto both constraints: n·d = −gap and w·d = −height.
     fn corner_step(&self) -> DVec3 {
         let cosine = self.normal.dot(self.wall_normal);
         let across = self.normal - self.wall_normal * cosine;
@@ -109,7 +109,7 @@ impl Constraint {
         across * factor - self.wall_normal * self.height
     }
 
-    /// The inverse of a block in the directions that the active constraints leave.
+    /// The inverse of a block in the unconstrained directions.
     pub(crate) fn constrained_inverse(&self, active: u8, inverse: DMat3, block: &DMat3) -> DMat3 {
         match active {
             FREE => inverse,
@@ -123,8 +123,8 @@ impl Constraint {
         }
     }
 
-    /// The step of a node that minimises ½d·Hd − rhs·d under n·d ≥ −gap and w·d ≥ −height, and the
-    /// constraints that are active then. `block` is H.
+    /// The step of a node that minimises ½d·Hd − rhs·d under n·d ≥ −gap and w·d ≥ −height, and its active
+    /// constraints. `block` is H.
     #[inline]
     pub(crate) fn step(&self, rhs: DVec3, block: &DMat3, inverse: &DMat3) -> (DVec3, u8) {
         let Self { normal, gap, wall_normal, height, .. } = *self;
@@ -134,7 +134,7 @@ impl Constraint {
         if !passes_dome(d) && !passes_wall(d) {
             return (d, FREE);
         }
-        // One constraint at a time; both where neither is enough.
+        // One constraint, or both if one is not sufficient.
         let s = *inverse * normal;
         let on_dome = d + s * ((-gap - normal.dot(d)) / normal.dot(s));
         let t = *inverse * wall_normal;
@@ -154,7 +154,7 @@ impl Constraint {
     }
 }
 
-/// A constraint that is missed by less is met \[mm\].
+/// Tolerated violation of a constraint \[mm\].
 const ROUNDING_MM: f64 = 1e-12;
 
 /// The inverse of a block restricted to the plane across `normal`.

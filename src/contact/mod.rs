@@ -1,8 +1,8 @@
-//! What the tissue lies on: the implant's dome and the chest wall, and contact with both.
+//! Obstacles of the tissue, the implant's dome and the chest wall, and contact with both.
 //!
 //! `dome`, `wall` (one surface each: gap, normal, curvature, projection) | `obstacle` (both together) |
 //! `lanes` (the same for four f32 at a time, contact conditions of one grid) | `active_set` (contact
-//! conditions of Newton's method) | `contact_edge` (where contact ends between two nodes).
+//! conditions of Newton's method) | `contact_edge` (contact edge between two nodes).
 //!
 //! Uses `mesh`. Used by `model`, `solve` and all to their right.
 
@@ -17,10 +17,10 @@ pub use dome::Dome;
 pub use obstacle::Obstacle;
 pub use wall::Wall;
 
-/// Distance from the dome or the wall up to which a node of a solution touches \[base radius\]: well above the
+/// Distance from dome or wall up to which a node of a solution is in contact \[base radius\]: well above the
 /// rounding of either precision, well below any tolerance.
 pub(crate) const TOUCH: f64 = 1e-6;
-/// The same inside of an iteration in f64, whose active nodes are exactly on the surface \[base radius\].
+/// [`TOUCH`] inside of an iteration in f64, whose active nodes are exactly on the surface \[base radius\].
 pub(crate) const TOUCH_F64: f64 = 1e-9;
-/// The same inside of an iteration in f32, as a gauge \[-\].
+/// [`TOUCH`] inside of an iteration in f32, as a gauge \[-\].
 pub(crate) const TOUCH_F32: f64 = 3e-6;

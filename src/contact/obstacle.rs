@@ -1,9 +1,9 @@
-//! Dome and wall together: where a node may be.
+//! Dome and wall together: the complement of the admissible set.
 
 use super::{Dome, Wall};
 use glam::DVec3;
 
-/// What the tissue may not enter.
+/// The obstacle of the tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
     /// The implant.

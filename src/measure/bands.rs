@@ -1,12 +1,12 @@
-//! Words for strain and pressure, with the limits they come from. They describe; they do not judge.
+//! Words for strain and pressure, with their limits.
 
 use super::STRAIN_BANDS;
 
-/// Contact pressures \[mmHg\] above which a word changes: 30–60 mmHg were measured right after clinical
-/// filling of expanders; above 80 mmHg one pig study saw blood flow near zero.
+/// Contact pressures above which the word changes \[mmHg\]: 30–60 mmHg were measured right after clinical
+/// filling of expanders; above 80 mmHg one pig study found blood flow near zero.
 pub const PRESSURE_BANDS_MMHG: [f64; 2] = [60.0, 80.0];
 
-/// Words from low to high; strain has one more than pressure.
+/// Words from low to high; strain uses four, pressure three.
 const WORDS: [&str; 4] = ["usual", "high", "very high", "beyond what excised skin withstood"];
 
 /// Band of a value, 0 for the lowest.

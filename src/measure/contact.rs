@@ -1,21 +1,21 @@
-//! Contact between dome and sheet: pressure, and where contact ends.
+//! Contact between dome and sheet: pressure and contact edge.
 
 use super::Pressure;
 use crate::mesh::NodeKind;
 use crate::solve::Solution;
 use glam::{DVec3, dvec3};
 
-/// Nodes this far from the contact, in grid spacings, show where it ends.
+/// Range of distances from the contact of the nodes that locate the contact edge \[grid spacings\].
 const EDGE_BAND: (f64, f64) = (1.0, 6.0);
 
 /// Contact at every node; all arrays of shape (nodes_per_side², ).
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
-    /// Normal force of the dome on the sheet \[kPa·mm²\]; zero where they do not touch.
+    /// Normal force of the dome on the sheet \[kPa·mm²\]; zero outside of the contact.
     force: Vec<f64>,
     /// Deformed area around each node \[mm²\].
     area: Vec<f64>,
-    /// Does the node touch, and do its eight neighbours?
+    /// Do the node and its eight neighbours touch the dome?
     inside: Vec<bool>,
     nodes_per_side: usize,
     /// Vertical force \[kPa·mm²\].
@@ -24,7 +24,7 @@ pub(super) struct Contact {
     pressure: Option<Pressure>,
 }
 
-/// Where contact ends on a centred dome.
+/// The contact edge on a centred dome.
 pub(super) struct Edge {
     /// Polar angle about the ellipsoid's centre \[rad\].
     pub(super) angle: f64,
@@ -55,7 +55,7 @@ impl Contact {
         self.vertical_force
     }
 
-    /// How many nodes touch?
+    /// Number of nodes in contact.
     pub(super) fn nodes(&self) -> usize {
         (0..self.force.len()).filter(|&k| self.touches(k)).count()
     }
@@ -64,7 +64,7 @@ impl Contact {
         self.force[node] > 0.0
     }
 
-    /// Force and area of some nodes, summed.
+    /// Sums of force and area over some nodes.
     fn sums(&self, nodes: impl Iterator<Item = usize>) -> (f64, f64) {
         nodes.fold((0.0, 0.0), |(f, a), k| (f + self.force[k], a + self.area[k]))
     }
@@ -80,12 +80,12 @@ impl Contact {
         force / area
     }
 
-    /// Contact pressure at a node \[kPa\], the field whose greatest value [`Self::pressure`] gives; zero
-    /// where nothing touches.
+    /// Contact pressure at a node \[kPa\], the field with the greatest value of [`Self::pressure`]; zero
+    /// outside of the contact.
     ///
-    /// A node at the contact's edge carries only the part of its surroundings that touches, and its force
-    /// over its whole area says little: it has the pressure of the nodes inside beside it. A contact too
-    /// small for that has its mean everywhere.
+    /// Only a part of the area around a node at the contact edge is in contact, so that force / area underestimates
+    /// the pressure there: such a node takes the mean pressure of the adjacent interior nodes. A contact without
+    /// interior nodes has its mean pressure everywhere.
     pub(super) fn pressure_at(&self, node: usize) -> f64 {
         let Some(Pressure { mean, max }) = self.pressure.filter(|_| self.touches(node)) else {
             return 0.0;
@@ -108,12 +108,10 @@ impl Contact {
         self.pressure
     }
 
-    /// Mean pressure, and the greatest mean over nine nodes that all touch \[kPa\]. `None` without
-    /// contact.
+    /// Mean pressure, and the greatest mean over nine nodes in contact \[kPa\]. `None` without contact.
     ///
-    /// Pressure is smooth up to the contact's edge, where it falls to zero at once. An edge node
-    /// carries only the part of its surroundings that touches: that part is its force divided by
-    /// the pressure of the nodes well inside beside it.
+    /// The pressure is smooth inside of the contact and jumps to zero at its edge. The area in contact around an edge
+    /// node is the node's force divided by the pressure of the adjacent interior nodes.
     fn find_pressure(&self) -> Option<Pressure> {
         let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
         for k in (0..self.force.len()).filter(|&k| self.touches(k)) {
@@ -132,11 +130,11 @@ impl Contact {
         (area > 0.0).then(|| Pressure { mean, max: max.max(mean) })
     }
 
-    /// Where contact ends on a dome in the pocket's centre; `None` off centre or without contact.
+    /// The contact edge on a dome in the pocket's centre; `None` off centre or without contact.
     ///
-    /// A membrane leaves the dome tangentially, so the gap opens with the square of the distance
-    /// from the edge: over the free nodes near it, position = edge + b·√gap + c·gap, fitted by least
-    /// squares, gives the edge between the nodes.
+    /// A membrane leaves the dome tangentially: the gap grows with the square of the distance from the edge. The fit
+    /// position = edge + b·√gap + c·gap by least squares over the free nodes near the edge locates the edge between
+    /// the nodes.
     pub(super) fn edge(&self, solution: &Solution) -> Option<Edge> {
         let problem = solution.problem();
         let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
@@ -155,7 +153,7 @@ impl Contact {
             return Some(wall);
         }
         let (mut for_angle, mut for_radius) = (Fit::default(), Fit::default());
-        // Nodes that touch lie inside of the edge, the others outside.
+        // Nodes in contact lie inside of the edge, the others outside.
         let (mut inner, mut outer) = (0.0_f64, wall.angle);
         for k in 0..sheet.len() {
             if sheet.kinds()[k] != NodeKind::Free {
@@ -193,7 +191,7 @@ impl Contact {
     }
 }
 
-/// A node of a grid that is not at its border, and its eight neighbours.
+/// An interior node of a grid and its eight neighbours.
 fn around(node: usize, nodes_per_side: usize) -> [[usize; 3]; 3] {
     let n = nodes_per_side;
     [node - n, node, node + n].map(|row| [row - 1, row, row + 1])

@@ -1,4 +1,4 @@
-//! What is drawn on a shape: nodal fields, each computed when it is first read.
+//! Nodal fields of a solution, each computed at its first use.
 
 use super::contact::Contact;
 use super::layers;
@@ -6,7 +6,7 @@ use crate::solve::Solution;
 use std::cell::{Cell, OnceCell};
 use std::sync::Arc;
 
-/// A quantity that has a value at every node.
+/// A quantity with a value at every node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     /// Greatest principal engineering strain λ₁ − 1 \[-\].
@@ -33,7 +33,7 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// The fields of a solution; nothing is computed yet.
+    /// The fields of a solution, without computing any.
     #[must_use]
     pub fn new(solution: Arc<Solution>) -> Self {
         Self {
@@ -47,14 +47,14 @@ impl Fields {
         }
     }
 
-    /// The solution whose fields these are.
+    /// The solution of these fields.
     #[must_use]
     pub fn solution(&self) -> &Arc<Solution> {
         &self.solution
     }
 
-    /// The values of a field at the nodes, zero outside the sheet, shape (nodes_per_side², ); empty for the
-    /// stress of a layer that the scene does not have.
+    /// The values of a field at the nodes, zero outside of the sheet, shape (nodes_per_side², ); empty for the
+    /// stress of a missing layer.
     #[must_use]
     pub fn values(&self, field: Field) -> &[f32] {
         let cell = match field {
@@ -77,7 +77,7 @@ impl Fields {
         })
     }
 
-    /// The value of a field at one node; `None` for a layer that the scene does not have.
+    /// The value of a field at one node; `None` for a missing layer.
     #[must_use]
     pub fn at(&self, field: Field, node: usize) -> Option<f64> {
         let deformation = self.solution.deformation();
@@ -96,7 +96,7 @@ impl Fields {
         self.contact.get_or_init(|| Contact::new(&self.solution))
     }
 
-    /// Arrays of [`Self::values`] computed so far.
+    /// Number of arrays of [`Self::values`] computed so far.
     #[must_use]
     pub fn computed(&self) -> u64 {
         self.computed.get()

@@ -9,7 +9,7 @@ use crate::springs::coupled::{biot_stress, equivalent_strain};
 /// Bins of the equivalent strain in the search for the most stressed node.
 const BINS: usize = 256;
 
-/// How strongly a layer is loaded.
+/// The load of a layer.
 pub(super) struct Load {
     /// Greatest principal nominal (Biot) stress \[kPa\].
     pub(super) max_stress: f64,
@@ -46,15 +46,15 @@ pub(super) fn loads(materials: &[Material], deformation: &Deformation) -> Vec<Lo
 /// Poisson ratio.
 ///
 /// The greatest principal stress of a node is Ef(ē) times a factor of the strains' direction,
-/// (ε₁ + νε₂)/((1−ν²)ē), and Ef increases. The greatest factor in a bin thus bounds the stress of its
-/// nodes from above, and the greatest one from below: few bins have to be looked into.
+/// (ε₁ + νε₂)/((1−ν²)ē), and Ef increases. The greatest factor of a bin and the stresses at the ends of the bin
+/// bound the greatest stress in the bin: few bins have to be searched.
 #[derive(Default)]
 struct SortedStrains {
     /// Greatest equivalent strain \[-\].
     greatest: f64,
-    /// Greatest factor of each bin that has nodes; −∞ in others. Shape ([`BINS`], ).
+    /// Greatest factor of each bin; −∞ in empty bins. Shape ([`BINS`], ).
     factors: Vec<f64>,
-    /// Where the nodes of each bin start, and where the last ones end. Shape (BINS + 1, ).
+    /// Index of the first node of each bin, and the number of nodes. Shape (BINS + 1, ).
     starts: Vec<usize>,
     nodes: Vec<u32>,
 }
@@ -85,9 +85,9 @@ impl SortedStrains {
         }
         let (mut next, mut nodes) = (starts.clone(), vec![0; strains.len()]);
         for (node, equivalent, _) in strains {
-            let place = &mut next[bin(equivalent)];
-            nodes[*place] = node;
-            *place += 1;
+            let index = &mut next[bin(equivalent)];
+            nodes[*index] = node;
+            *index += 1;
         }
         Self { greatest, factors, starts, nodes }
     }
@@ -102,7 +102,7 @@ impl SortedStrains {
             .filter(used)
             .map(|bin| ends(bin)[0].min(ends(bin)[1]))
             .fold(f64::MIN, f64::max);
-        // Rounding may put a node into the bin beside its own.
+        // Rounding may put a node into an adjacent bin.
         let least = least - 1e-9 * least.abs();
         (0..BINS)
             .filter(used)
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn the_greatest_stress_is_found_among_few_nodes() {
+    fn the_greatest_stress_is_that_of_a_search_over_all_nodes() {
         for (insertion, center) in [(1.0, 0.0), (0.4, 6.0), (0.0, 0.0)] {
             let solver = solved(|scene| {
                 (scene.insertion, scene.implant.center_mm[0]) = (insertion, center);
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn few_nodes_are_searched_for_the_greatest_stress() {
+    fn the_search_for_the_greatest_stress_visits_few_nodes() {
         let solver = solved(|_| {});
         let material = &solver.problem().materials[0];
         let deformation = Deformation::new(&solver.problem().sheet, solver.positions());

@@ -1,11 +1,11 @@
-//! What a surgeon reads off: the result of a solved scene.
+//! The result of a solved scene: strain, stress, pressure, area, profile.
 //!
-//! Strains are recovered at the nodes from the triangles around them, areas and forces are sums over the sheet;
-//! the contact's edge is found between nodes, from how the gap opens. Everything is read off a
+//! Strains are recovered at the nodes from the adjacent triangles; areas and forces are sums over the sheet. The
+//! contact edge is located between nodes, from the opening gap. The only input is a
 //! [`Solution`](crate::solve::Solution).
 //!
-//! `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (what is drawn, each when it is first
-//! read) | `surface` (closed surfaces) | `bands` (words of limits).
+//! `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (nodal fields, computed on demand) |
+//! `surface` (closed surfaces) | `bands` (words for strain and pressure).
 //!
 //! Uses `curve`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
@@ -46,10 +46,10 @@ pub const PROFILE_POINTS: usize = 41;
 pub enum Status {
     /// The estimated position error is within the tolerance.
     Converged,
-    /// It is not: the figures are the best so far.
+    /// The estimated position error is above the tolerance; the figures are those of the last iterate.
     NotConverged,
-    /// The springs have no stable shape here (the paper's springs), or the implant sticks out of the
-    /// sheet between its nodes; no shape is shown.
+    /// The paper's springs have no stable shape in this scene, or the implant protrudes between the nodes;
+    /// the result has no shape.
     Unstable,
 }
 
@@ -94,7 +94,7 @@ pub struct Outcome {
     pub profile: Vec<ProfilePoint>,
     /// What the solver did.
     pub solver: SolverOutcome,
-    /// Plain sentences that a reader must know of.
+    /// Warnings in plain sentences.
     pub warnings: Vec<String>,
 }
 
@@ -103,7 +103,7 @@ pub struct Outcome {
 pub struct Pressure {
     /// Normal force / contact area.
     pub mean: f64,
-    /// The greatest over the nodes well inside the contact.
+    /// Greatest value at the interior nodes of the contact.
     pub max: f64,
 }
 
@@ -114,18 +114,18 @@ pub struct Strains {
     pub max_principal: f64,
     /// Mean area strain, area ratio − 1.
     pub mean_area: f64,
-    /// Share of the sheet (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
+    /// Fraction of the sheet (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
     pub fraction_above: BTreeMap<String, f64>,
 }
 
-/// One layer's share of the result.
+/// The result of one layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LayerOutcome {
     /// As in the scene.
     pub tissue: String,
     /// Greatest principal nominal (Biot) stress \[kPa\].
     pub max_stress_kpa: Option<f64>,
-    /// Did any strain use the line beyond the curve's data?
+    /// Does a strain lie on the line beyond the curve's data?
     pub beyond_curve_data: bool,
 }
 
@@ -134,7 +134,7 @@ pub struct LayerOutcome {
 pub struct ProfilePoint {
     /// Material radius \[mm\].
     pub s_mm: f64,
-    /// Deformed distance from the pocket's axis \[mm\], to whichever side the tissue was pushed.
+    /// Deformed distance from the pocket's axis \[mm\], on either side.
     pub r_mm: f64,
     /// Deformed height \[mm\].
     pub z_mm: f64,
@@ -166,21 +166,21 @@ pub struct SolverOutcome {
     pub method: SolverMethod,
     /// Multigrid cycles of the finest level.
     pub cycles: u32,
-    /// Did the slower, sure method take over because a cycle did not lead to the solution?
+    /// Did Newton's method replace multigrid because multigrid did not converge?
     pub fell_back: bool,
-    /// One unit = one evaluation of all nodal forces on the finest grid.
+    /// Work \[evaluations of all nodal forces on the finest grid\].
     pub work_units: f64,
-    /// Wall-clock time \[ms\] of solving, grids and tables included, where a clock was at hand.
+    /// Wall-clock time of the solve \[ms\], grids and tables included; `None` without a clock.
     pub time_ms: Option<f64>,
-    /// Norm of the residual force / norm of the spring forces it is the sum of \[-\]; `None` where the
-    /// solve ended before it was known.
+    /// Norm of the residual forces / norm of the summed spring forces \[-\]; `None` where the solve ended without
+    /// a residual.
     pub relative_residual: Option<f64>,
     /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium;
     /// `None` where the solve ended without an estimate.
     pub estimated_position_error: Option<f64>,
 }
 
-/// Strains above which the share of the sheet is reported \[-\]: 0.25 and 0.50 bound the clinical
+/// Strains above which the fraction of the sheet is reported \[-\]: 0.25 and 0.50 bound the clinical
 /// bands, 0.54 is the mean failure strain of excised back skin (54 ± 17 %).
 pub const STRAIN_BANDS: [f64; 3] = [0.25, 0.50, 0.54];
 
@@ -207,26 +207,30 @@ pub fn measure(fields: &Fields, tissues: &[String]) -> Outcome {
     outcome
 }
 
-/// Why no shape is given.
+/// The reason why a result has no shape.
 #[must_use]
 pub fn no_shape(invalid: Option<Invalid>) -> &'static str {
     match invalid {
         None => {
-            "These springs have no stable shape in this scene; no shape is given. The coupled \
-             springs do not lose theirs in tension."
+            "The springs have no stable equilibrium in this scene; no result is available. Coupled \
+             springs are stable in tension."
         }
         Some(Invalid::Penetrated) => {
-            "The implant sticks out of the sheet between its nodes: the grid is too coarse for it, or \
-             the tissue gives way under its tip. No shape is given; take more nodes a side, a flatter \
-             implant or tissue whose stress rises with strain."
+            "The implant protrudes through the tissue between the nodes: the grid is too coarse, or the \
+             tissue yields at the implant's tip. No result is available. Use more nodes per side, a \
+             flatter implant or tissue whose stress rises with strain."
         }
-        Some(Invalid::Inverted) => "The sheet came out folded over; no shape is given.",
-        Some(Invalid::NotFinite) => "A node's place came out as not a number; no shape is given.",
+        Some(Invalid::Inverted) => {
+            "The solver produced an inverted surface; no result is available."
+        }
+        Some(Invalid::NotFinite) => {
+            "The solver produced a non-finite position; no result is available."
+        }
     }
 }
 
 impl Outcome {
-    /// The result of a solve of which no shape is measured yet.
+    /// The result of a solve without measured quantities.
     fn without_shape(problem: &Problem, report: &Report, tissues: &[String]) -> Self {
         let layer = |tissue: &String| LayerOutcome {
             tissue: tissue.clone(),
@@ -307,11 +311,13 @@ impl Outcome {
         self.area_ratio = Some(ratio);
         self.area_after_cm2 = Some(area_before * ratio / 100.0);
         self.area_gain_cm2 = Some(area_before * (ratio - 1.0) / 100.0);
-        let shares = STRAIN_BANDS.iter().zip(summary.share_above);
+        let fractions = STRAIN_BANDS.iter().zip(summary.fraction_above);
         self.strain = Some(Strains {
             max_principal: summary.greatest,
             mean_area: ratio - 1.0,
-            fraction_above: shares.map(|(limit, share)| (format!("{limit:.2}"), share)).collect(),
+            fraction_above: fractions
+                .map(|(limit, fraction)| (format!("{limit:.2}"), fraction))
+                .collect(),
         });
         for (layer, load) in
             self.layers.iter_mut().zip(layers::loads(&problem.materials, deformation))
@@ -330,48 +336,48 @@ impl Outcome {
     ) {
         if self.status == Status::NotConverged {
             self.warnings.push(
-                "The solver stopped above the tolerance: read the figures with the estimated \
-                 position error."
+                "The solver did not reach the tolerance; the estimated position error applies to all \
+                 values."
                     .to_owned(),
             );
         }
         for layer in self.layers.iter().filter(|layer| layer.beyond_curve_data) {
             self.warnings.push(format!(
-                "{}: strains lie beyond the data of its curve, which was extended.",
+                "{}: strains exceed the data of the stress–strain curve; the curve was extrapolated.",
                 layer.tissue
             ));
         }
         let (sheet, springs) = (&problem.sheet, problem.springs);
         if let Some(part) = unresolved_part(problem, contact_nodes) {
             self.warnings.push(format!(
-                "The grid is coarse for {part}: nodes lie {:.2} mm apart. Strain, stress, pressure and \
-                 force there are rough; take more nodes a side.",
+                "The grid is too coarse for {part}: the node spacing is {:.2} mm. Strain, stress, \
+                 pressure and force are inaccurate there. Use more nodes per side.",
                 sheet.spacing_mm()
             ));
         }
         if springs == Springs::Nikolaev && summary.greatest > UNEVEN_STRAIN {
             self.warnings.push(
-                "The paper's springs have no even shape at large strains: what they show instead \
-                 depends on the grid. The coupled springs do not."
+                "The paper's springs have no stable homogeneous state at large strains; the shape \
+                 depends on the grid. Coupled springs are stable in tension."
                     .to_owned(),
             );
         }
         if summary.least < -WRINKLING_STRAIN {
             self.warnings.push(
-                "Part of the sheet is compressed: real tissue may wrinkle there, which a sheet \
-                 without bending stiffness does not resolve."
+                "Part of the tissue is under compression and may wrinkle; a model without bending \
+                 stiffness does not resolve wrinkles."
                     .to_owned(),
             );
         }
     }
 }
 
-/// Cells across a radius of curvature from which on it counts as resolved.
+/// Cells across a radius of curvature above which the grid resolves the curvature.
 const LEAST_CELLS: f64 = 2.0;
-/// The least strain at which an even stretch of the paper's springs was found unstable (adipose, ν 0.5).
+/// The least strain at which a homogeneous stretch of the paper's springs is unstable \[-\] (adipose, ν 0.5).
 const UNEVEN_STRAIN: f64 = 0.1;
 
-/// What of the implant, or of its contact with so many nodes, is too small for the grid, if anything is.
+/// The part of the implant, or its contact with `contact_nodes` nodes, that the grid does not resolve.
 fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static str> {
     let Problem { sheet, patch, obstacle, .. } = problem;
     let dome = &obstacle.dome;
@@ -384,17 +390,17 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
     } else if radius * radius / projection < least {
         Some("the implant's tip")
     } else if dome.wall_radius() < least {
-        Some("the part of the implant that is in")
+        Some("the inserted part of the implant")
     } else if is_fully_in && projection * projection / radius < least && room < least {
         Some("the implant's rim")
     } else if contact_nodes > 0 && (contact_nodes as f64) < PI * LEAST_CELLS * LEAST_CELLS {
-        Some("the small part of the sheet that touches the implant")
+        Some("the small contact area")
     } else {
         None
     }
 }
 
-/// Compression from which on a warning of wrinkles is given \[-\].
+/// Compressive strain above which the result warns of wrinkles \[-\].
 const WRINKLING_STRAIN: f64 = 0.02;
 
 /// Area of the pocket at rest \[mm²\].

@@ -9,8 +9,9 @@ use glam::{DVec2, DVec3};
 /// 41 points, material radius 0 … pocket radius in equal steps. Positions by cubic interpolation
 /// between the nodes, stretches from central differences (second order).
 ///
-/// The sheet's curvature jumps where contact ends: a point is interpolated from nodes of its own side,
-/// the outer of which see the last node that touches where the free sheet would go on to it.
+/// The curvature of the sheet jumps at the contact edge: a point is interpolated from the nodes on its own side of
+/// the edge. On the outer side the last node in contact has its position with contact offset, on the extension of the
+/// free sheet.
 pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
     let (sheet, x) = (&solution.problem().sheet, solution.inner());
     let pocket_radius = solution.problem().patch.pocket_radius_mm;
@@ -34,17 +35,17 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
     (0..PROFILE_POINTS)
         .map(|point| {
             let s = pocket_radius * point as f64 / (PROFILE_POINTS - 1) as f64;
-            let place = s / h + half as f64;
-            let middle = (place.floor() as usize).clamp(1, n - 3);
+            let column = s / h + half as f64;
+            let middle = (column.floor() as usize).clamp(1, n - 3);
             let mut stretch = DVec2::ZERO;
-            for (k, weight) in (middle - 1..=middle + 2).zip(cubic(place - middle as f64)) {
+            for (k, weight) in (middle - 1..=middle + 2).zip(cubic(column - middle as f64)) {
                 let (along, across) = stretches(k);
                 stretch += DVec2::new(along, across) * weight;
             }
-            let (mut low, mut seen) = (middle, None);
+            let (mut low, mut passed) = (middle, None);
             for edge in &edges {
-                let is_inside = (edge.place - place) * edge.outwards > 0.0;
-                // Nodes low − 1 … low + 2 on the point's side of the edge's node, it included.
+                let is_inside = (edge.position - column) * edge.outwards > 0.0;
+                // Nodes low − 1 … low + 2 lie on the point's side of the edge's node, this node included.
                 let is_right = is_inside != (edge.outwards > 0.0);
                 if is_right && low < edge.node + 1 && low + 2 >= edge.node {
                     low = edge.node + 1;
@@ -52,13 +53,13 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
                     low = edge.node - 2;
                 }
                 if !is_inside {
-                    seen = seen.or(Some(edge));
+                    passed = passed.or(Some(edge));
                 }
             }
             let low = low.clamp(1, n - 3);
             let mut position = DVec3::ZERO;
-            for (k, weight) in (low - 1..=low + 2).zip(cubic(place - low as f64)) {
-                let own = edges.iter().find(|e| e.node == k && seen.is_some());
+            for (k, weight) in (low - 1..=low + 2).zip(cubic(column - low as f64)) {
+                let own = edges.iter().find(|e| e.node == k && passed.is_some());
                 position += own.map_or(x[row + k], |e| e.balanced) * weight;
             }
             ProfilePoint {
@@ -72,16 +73,16 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
         .collect()
 }
 
-/// Where contact ends on a row of nodes.
+/// The contact edge on a row of nodes.
 struct Edge {
-    /// The last node that touches.
+    /// The last node in contact.
     node: usize,
-    /// Its place in the balance of forces \[mm\].
+    /// Position of this node with its contact offset \[mm\].
     balanced: DVec3,
-    /// 1 if the free sheet is to the right of it, else −1.
+    /// 1 if the free sheet lies to the right of the node, else −1.
     outwards: f64,
-    /// Where contact ends, in columns.
-    place: f64,
+    /// Position of the edge \[columns\].
+    position: f64,
 }
 
 fn edges(solution: &Solution, row: usize) -> Vec<Edge> {
@@ -89,7 +90,7 @@ fn edges(solution: &Solution, row: usize) -> Vec<Edge> {
     let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
     let n = sheet.nodes_per_side();
     let is_offset = |k: usize| solution.offset_nodes().iter().any(|(node, _)| *node == k);
-    // Nodes that stand off the dome.
+    // Free nodes without contact.
     let is_off = |k: usize| {
         sheet.kinds()[k] == NodeKind::Free && dome.gauge(x[k]) > TOUCH_F64 && !is_offset(k)
     };
@@ -102,14 +103,14 @@ fn edges(solution: &Solution, row: usize) -> Vec<Edge> {
             if !(is_off(next) && is_off(second)) {
                 continue;
             }
-            // The gap is own + slope·s + bend·s²/2 in front of the node: contact ends at its least.
+            // The gap in front of the node is own + slope·s + bend·s²/2; the edge is at the minimum of the gap.
             let [own, near, far] = [balanced, x[next], x[second]].map(|p| dome.gauge(p));
             let bend = far - 2.0 * near + own;
             let slope = near - own - 0.5 * bend;
             let node = k - row;
             if bend > 0.0 && !edges.iter().any(|e: &Edge| e.node == node) {
-                let place = node as f64 - outwards * slope / bend;
-                edges.push(Edge { node, balanced, outwards, place });
+                let position = node as f64 - outwards * slope / bend;
+                edges.push(Edge { node, balanced, outwards, position });
             }
         }
     }

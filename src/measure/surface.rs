@@ -5,13 +5,13 @@ use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use crate::solve::Solution;
 use glam::Vec3;
 
-/// Surfaces of the deformed tissue; all share the vertices' order and the triangles.
+/// Surfaces of the deformed tissue with a common order of vertices and common triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
     /// The sheet's node of each vertex.
     pub nodes: Vec<u32>,
     /// Vertex positions \[mm\] of the inner face, the faces between the layers (innermost first) and
-    /// the outer skin: one more than there are layers.
+    /// the outer skin, shape (layers + 1, vertices).
     pub positions: Vec<Vec<[f32; 3]>>,
     /// Unit normals of the inner face, pointing to the skin.
     pub normals: Vec<[f32; 3]>,
@@ -68,7 +68,7 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn the_skin_lies_outside_the_inner_face_by_the_thickness_of_the_layers() {
+    fn the_skin_lies_the_layers_thickness_outside_of_the_inner_face() {
         let mut scene = Scene::default();
         scene.solver.nodes_per_side = 33;
         let mut solver = Solver::new(scene.problem().unwrap());
@@ -76,7 +76,7 @@ mod tests {
         let solution = Arc::new(solver.solution());
         let surfaces = surfaces(&solution);
         assert_eq!(surfaces.positions.len(), 3);
-        // One edge more than vertices and triangles allow would be a hole: V − E + T = 1 for a disc.
+        // Euler's formula for a disc without holes: V − E + T = 1.
         let mut edges: Vec<(u32, u32)> = surfaces
             .triangles
             .iter()

@@ -1,37 +1,37 @@
 //! The sheet: a square grid of nodes on the pocket's disc, its border fitted to the circle.
 //!
 //! Nodes with |r − a| < h/2 move radially onto the circle in the reference shape and are clamped;
-//! nodes farther out do not belong to the sheet. Where one corner of a cell is left outside, the
-//! opposite triangle is kept at full weight. This border is second-order accurate; a staircase
+//! nodes farther out do not belong to the sheet. Where one corner of a cell is outside, the
+//! opposite triangle has full weight. This border is second-order accurate; a staircase
 //! (fixing every node outside) is first-order.
 
 use glam::{DVec2, DVec3};
 
-/// What a grid node is to the sheet.
+/// The kind of a grid node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
-    /// Inside the pocket: moves.
+    /// Inside of the patch: unknown position.
     Free,
-    /// On the pocket's border: clamped at its rest position.
+    /// On the border of the patch: clamped at its rest position.
     Clamped,
     /// Not part of the sheet.
     Outside,
 }
 
-/// Which part of a grid cell belongs to the sheet.
+/// The part of a grid cell that belongs to the sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellKind {
     /// All four corners: four triangles of half weight, two for each diagonal.
     Whole,
     /// One corner is outside: the triangle opposite to it, at full weight. The number is the
-    /// corner's place in [`Sheet::corners`].
+    /// corner's index in [`Sheet::corners`].
     WithoutCorner(u8),
     /// Not part of the sheet.
     Outside,
 }
 
-/// The triangles of a whole cell, as places in [`Sheet::corners`]; the k-th leaves out corner k.
-/// Each is counter-clockwise and starts at its right angle.
+/// The triangles of a whole cell, as indices of [`Sheet::corners`]; the k-th triangle has no corner k.
+/// Each triangle is counter-clockwise and starts at its right angle.
 pub const CELL_TRIANGLES: [[usize; 3]; 4] = [[2, 3, 1], [3, 0, 2], [0, 1, 3], [1, 2, 0]];
 
 /// A square grid over the pocket's disc. Flat arrays in row-major order, row j along y.
@@ -49,8 +49,7 @@ pub struct Sheet {
     row_spans: Vec<(usize, usize)>,
 }
 
-/// Rounds to the nearest m·2ᵏ + 1 with 8 ≤ m ≤ 15, so that every level halves exactly down to a
-/// grid of 9 to 16 nodes a side.
+/// Rounds to the nearest m·2ᵏ + 1 with 8 ≤ m ≤ 15: halving the cells of each grid ends at 8 to 15 cells a side.
 #[must_use]
 pub fn rounded_nodes_per_side(asked: usize) -> usize {
     let cells = asked.max(9) - 1;
@@ -74,7 +73,7 @@ impl Sheet {
         let (mut rest, mut kinds) = (Vec::with_capacity(n * n), Vec::with_capacity(n * n));
         for j in 0..n {
             for i in 0..n {
-                // Counted from the centre, so that the grid is symmetric to the last bit.
+                // Relative to the centre: the grid is symmetric to the last bit.
                 let p = DVec2::new(i as f64 - half, j as f64 - half) * spacing;
                 let r = p.length();
                 let (kind, p) = if r <= radius_mm - 0.5 * spacing {
@@ -115,7 +114,7 @@ impl Sheet {
             0 => CellKind::Whole,
             1 => {
                 let corner = corners.iter().position(outside).unwrap_or(0);
-                // Three nodes on the circle can bound a sliver outside of the sheet's polygon.
+                // Three nodes on the circle may enclose a sliver outside of the sheet's polygon.
                 if self.rest_area(CELL_TRIANGLES[corner].map(|c| corners[c])) > 0.0 {
                     CellKind::WithoutCorner(corner as u8)
                 } else {
@@ -132,7 +131,7 @@ impl Sheet {
         self.nodes_per_side
     }
 
-    /// Number of grid nodes, those outside included: the length of every nodal array.
+    /// Number of grid nodes, outside nodes included: the length of every nodal array.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rest.len()
@@ -175,7 +174,7 @@ impl Sheet {
         (0..self.len()).map(|k| self.rest_position(k)).collect()
     }
 
-    /// What each node is, row-major.
+    /// The kind of each node, row-major.
     #[must_use]
     pub fn kinds(&self) -> &[NodeKind] {
         &self.kinds
@@ -201,14 +200,13 @@ impl Sheet {
         [low, low + 1, high + 1, high]
     }
 
-    /// Which part of cell (i, j) belongs to the sheet.
+    /// The part of cell (i, j) that belongs to the sheet.
     #[must_use]
     pub fn cell(&self, i: usize, j: usize) -> CellKind {
         self.cells[j * (self.nodes_per_side - 1) + i]
     }
 
-    /// The triangles of cell (i, j) with the weight of each: their rest areas times their weights
-    /// tile the sheet.
+    /// The triangles of cell (i, j) with their weights: the sum of weight times rest area is the area of the sheet.
     pub fn cell_triangles(&self, i: usize, j: usize) -> impl Iterator<Item = ([usize; 3], f64)> {
         let corners = self.corners(i, j);
         let (range, weight) = match self.cell(i, j) {
@@ -256,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn no_triangle_is_turned_over_or_needle_thin() {
+    fn no_triangle_is_inverted_or_degenerate() {
         for n in [9, 11, 13, 17, 21, 25, 29, 33, 65, 129, 193] {
             let sheet = Sheet::new(n, 10.0);
             let whole = 0.5 * sheet.spacing_mm().powi(2);
@@ -286,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn nodes_per_side_are_rounded_so_that_every_level_halves() {
+    fn rounded_nodes_per_side_halve_exactly_on_every_grid() {
         for (asked, given) in
             [(17, 17), (33, 33), (129, 129), (130, 129), (200, 193), (950, 961), (1025, 1025)]
         {

@@ -1,18 +1,18 @@
 //! A grid for lanes of four f32: flat arrays in rows, lengths in grid spacings.
 //!
-//! Displacements from rest are stored, not positions: they are zero on the border and keep more
-//! digits. A mirrored grid holds what lies on one side of an axis of symmetry, x ≥ 0 or y ≥ 0, and one
-//! ghost column or row beyond it: half of the sheet, or a quarter where both are mirrored.
+//! Arrays store displacements from rest, not positions: displacements are zero on the border and keep more
+//! digits. A mirrored grid stores one side of an axis of symmetry, x ≥ 0 or y ≥ 0, and one ghost column or row
+//! beyond the axis: half of the sheet, or a quarter with two axes.
 
 use super::{CellKind, NodeKind, Sheet};
 use glam::DVec2;
 use wide::f32x4;
 
-/// Lanes that a row or an array may be read beyond its end.
+/// Lanes beyond the end of a row or an array that a load may reach.
 const PADDING: usize = 8;
 
 /// A vector at every stored node, component by component. A column through the thickness has one node
-/// or several: each component has a plane of [`Layout::len`] values for every layer of nodes, the inner
+/// or several: each component has one plane of [`Layout::len`] values per layer of nodes, the inner
 /// face first.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Field {
@@ -35,7 +35,7 @@ impl Field {
         [&self.x, &self.y, &self.z].into_iter().flat_map(|part| part.chunks_exact(self.plane))
     }
 
-    /// The same to be written to.
+    /// [`Self::planes`], mutable.
     pub(crate) fn planes_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
         let plane = self.plane;
         [&mut self.x, &mut self.y, &mut self.z]
@@ -96,44 +96,44 @@ pub(crate) fn store(values: &mut [f32], k: usize, lanes: f32x4) {
     values[k..k + 4].copy_from_slice(&lanes.to_array());
 }
 
-/// A node beyond the free ones, as a finer grid's interpolation needs it.
+/// A node beyond the free nodes whose value the interpolation to a finer grid extrapolates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extrapolated {
     pub(crate) node: u32,
-    /// How many of [`Layout::sources`] are its own.
+    /// Number of the node's sources in [`Layout::sources`].
     pub(crate) count: u32,
-    /// The mean of its sources; else that of the straight lines through each two of them, the near
-    /// one first.
+    /// `true`: mean of the sources; `false`: mean of the linear extrapolations from pairs of sources, the near
+    /// source first.
     pub(crate) is_mean: bool,
 }
 
-/// A triangle at the border, whose shape at rest is not that of the grid.
+/// A triangle at the border; its shape at rest differs from the grid's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BorderTriangle {
     /// Stored nodes, counter-clockwise, the right angle first.
     pub(crate) nodes: [u32; 3],
     /// The nodes' positions at rest \[spacings\].
     pub(crate) rest: [DVec2; 3],
-    /// Fraction of its area that counts.
+    /// Weight of the triangle's area \[-\].
     pub(crate) weight: f64,
 }
 
 /// Four neighbouring nodes of a row.
 pub(crate) struct Group {
-    /// Where the first of the four is stored.
+    /// Index of the first node.
     pub(crate) first: usize,
-    /// How many of the four are free.
+    /// Number of free nodes of the four.
     pub(crate) count: usize,
-    /// Positions at rest about the grid's centre.
+    /// Positions at rest relative to the grid's centre \[spacings\].
     pub(crate) rest: [f32x4; 2],
     /// Is the group the first of its row?
     pub(crate) is_row_start: bool,
 }
 
-/// Is the shape its own image mirrored along x, along y?
+/// Is the shape symmetric under x → −x, under y → −y?
 pub(crate) type Mirrored = [bool; 2];
 
-/// Where the stored nodes and cells of a grid lie and what they are. Depends on the number of nodes
+/// Positions and kinds of the stored nodes and cells of a grid; a function of the number of nodes and the symmetry
 /// alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
@@ -142,16 +142,16 @@ pub(crate) struct Layout {
     pub(crate) columns: usize,
     pub(crate) rows: usize,
     pub(crate) pitch: usize,
-    /// Is x ≥ 0 all that is stored, is y ≥ 0?
+    /// Does the grid store x ≥ 0 only, y ≥ 0 only?
     pub(crate) mirrored: Mirrored,
-    /// Free nodes of each stored row: half-open range of stored columns, ghosts left out.
+    /// Free nodes of each stored row without ghosts: half-open range of stored columns.
     pub(crate) free: Vec<(u32, u32)>,
     /// Cells of each stored row with four free corners.
     pub(crate) regular: Vec<(u32, u32)>,
-    /// Nodes that are not free but within two cells of one, in the order in which they can be
-    /// extrapolated; of grids alone that have a finer one.
+    /// Nodes that are not free but within two cells of a free node, in the order of extrapolation; empty on the
+    /// finest grid.
     pub(crate) extrapolated: Vec<Extrapolated>,
-    /// The stored nodes that they are extrapolated from, one after the other.
+    /// Source nodes of all [`Self::extrapolated`], in the same order.
     pub(crate) sources: Vec<u32>,
 }
 
@@ -162,8 +162,8 @@ impl Layout {
         let sheet = Sheet::new(nodes_per_side, half as f64);
         let first = mirrored.map(|is_mirrored| if is_mirrored { half - 1 } else { 0 });
         let [columns, rows] = first.map(|first| nodes_per_side - first);
-        // The last cell with free corners is two before the last column; its group of four takes the nodes
-        // of the next group too.
+        // The last cell with free corners is two before the last column; its group of four also reads the nodes
+        // of the next group.
         let pitch = (columns + 1).next_multiple_of(4).max(4 * ((columns - 3) / 4 + 2));
         let mut layout = Self {
             nodes_per_side,
@@ -220,12 +220,12 @@ impl Layout {
         self.mirrored.map(|is_mirrored| if is_mirrored { 1 } else { self.nodes_per_side / 2 })
     }
 
-    /// Column and row of the whole grid that are stored first.
+    /// First stored column and row, as indices of the whole grid.
     pub(crate) fn first(&self) -> [usize; 2] {
         self.center().map(|center| self.nodes_per_side / 2 - center)
     }
 
-    /// Rest place of the node of a stored column and row, about the grid's centre.
+    /// Rest position of the node of a stored column and row, relative to the grid's centre \[spacings\].
     #[inline(always)]
     pub(crate) fn rest(&self, i: usize, j: usize) -> [f32; 2] {
         let [x, y] = self.center().map(|center| center as f32);
@@ -237,7 +237,7 @@ impl Layout {
         self.mirrored.map(usize::from)
     }
 
-    /// The grid's radius, in spacings.
+    /// Radius of the grid \[spacings\].
     pub(crate) fn radius(&self) -> f32 {
         (self.nodes_per_side / 2) as f32
     }
@@ -247,7 +247,7 @@ impl Layout {
         self.free[self.ghost()[1]..].iter().map(|(from, to)| (to - from) as usize).sum()
     }
 
-    /// The same, each row filled up to whole groups of four.
+    /// [`Self::free_nodes`] with each row filled up to whole groups of four.
     pub(crate) fn lanes(&self) -> usize {
         let groups = |&(from, to): &(u32, u32)| (to - from).next_multiple_of(4) as usize;
         self.free[self.ghost()[1]..].iter().map(groups).sum()
@@ -282,15 +282,15 @@ impl Layout {
         });
     }
 
-    /// Where the node of a stored row and column, or its mirror image, is stored if it is free.
-    pub(crate) fn place(&self, i: isize, j: isize) -> Option<(usize, usize)> {
+    /// Stored column and row of the node, or of its mirror image; `None` unless the node is free.
+    pub(crate) fn free_node(&self, i: isize, j: isize) -> Option<(usize, usize)> {
         let within = |k: isize, is_mirrored| if is_mirrored && k < 1 { 2 - k } else { k };
         let (i, j) = (within(i, self.mirrored[0]), within(j, self.mirrored[1]));
         self.is_free(i, j).then_some((i as usize, j as usize))
     }
 
     fn is_free(&self, i: isize, j: isize) -> bool {
-        // A ghost is free where its mirror image is.
+        // A ghost is free if its mirror image is free.
         let across = |k: isize, is_mirrored| if is_mirrored && k == 0 { 2 } else { k };
         let (i, j) = (across(i, self.mirrored[0]), across(j, self.mirrored[1]));
         (0..self.rows as isize).contains(&j) && {
@@ -299,7 +299,8 @@ impl Layout {
         }
     }
 
-    /// Two rings around the free nodes: straight on where two lie in a row, else the mean.
+    /// Finds the sources of two rings around the free nodes: linear extrapolation where two sources lie in a row, else
+    /// the mean.
     pub(crate) fn find_extrapolation(&mut self) {
         let [columns, rows] = [self.columns as isize, self.rows as isize];
         let [first_column, first_row] = self.ghost().map(|ghost| ghost as isize);
@@ -321,16 +322,16 @@ impl Layout {
                     if is_known(i, j) {
                         continue;
                     }
-                    let place = |i: isize, j: isize| (j * self.pitch as isize + i) as u32;
+                    let stored = |i: isize, j: isize| (j * self.pitch as isize + i) as u32;
                     let (mut lines, mut means) = (Vec::new(), Vec::new());
                     for (di, dj) in
                         [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
                     {
                         if is_known(i + di, j + dj) {
-                            means.push(place(i + di, j + dj));
+                            means.push(stored(i + di, j + dj));
                             if is_known(i + 2 * di, j + 2 * dj) {
-                                lines.push(place(i + di, j + dj));
-                                lines.push(place(i + 2 * di, j + 2 * dj));
+                                lines.push(stored(i + di, j + dj));
+                                lines.push(stored(i + 2 * di, j + 2 * dj));
                             }
                         }
                     }
@@ -340,7 +341,7 @@ impl Layout {
                         continue;
                     }
                     known[(j * columns + i) as usize] = true;
-                    let (node, count) = (place(i, j), sources.len() as u32);
+                    let (node, count) = (stored(i, j), sources.len() as u32);
                     self.extrapolated.push(Extrapolated { node, count, is_mean });
                     self.sources.extend(sources);
                 }
@@ -376,7 +377,7 @@ impl Layout {
         }
     }
 
-    /// The same for marks of nodes.
+    /// Fills the ghosts of nodal marks.
     pub(crate) fn mirror_marks(&self, marks: &mut [f32]) {
         let pitch = self.pitch;
         let [along_x, along_y] = self.mirrored;
@@ -390,7 +391,7 @@ impl Layout {
         }
     }
 
-    /// The greatest length of a vector at a free node; not a number where one is none.
+    /// Greatest length of a vector at a free node; NaN if a length is NaN.
     pub(crate) fn greatest_length(&self, vector: impl Fn(usize) -> [f32; 3]) -> f32 {
         let mut greatest = 0.0_f32;
         self.free_rows(|j, from, to| {
@@ -398,7 +399,7 @@ impl Layout {
             for k in row + from..row + to {
                 let d = vector(k);
                 let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                // Written so that what is not a number is kept.
+                // This order of comparison keeps NaN.
                 greatest = if square <= greatest { greatest } else { square };
             }
         });

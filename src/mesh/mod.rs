@@ -1,6 +1,6 @@
 //! Grids on the pocket's disc.
 //!
-//! `disc_grid` (nodes and cells, their shapes at rest) | `patch` (what is simulated and what holds it) |
+//! `disc_grid` (nodes and cells, their shapes at rest) | `patch` (the simulated tissue and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `lanes`, `vec3` (the same grid for four f32 at a time).
 //!
 //! Uses nothing of this crate. Used by `contact`, `model`, `solve` and all to their right.

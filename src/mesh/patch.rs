@@ -1,4 +1,4 @@
-//! The patch of tissue that is simulated, and what holds its edge.
+//! The patch of simulated tissue and the boundary condition at its edge.
 
 /// A disc of tissue about the pocket's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,20 +7,20 @@ pub struct Patch {
     pub radius_mm: f64,
     /// Radius of the pocket, inside of which the tissue is detached from the wall \[mm\].
     pub pocket_radius_mm: f64,
-    /// What holds the tissue at the patch's edge.
+    /// Boundary condition at the edge.
     pub edge: Edge,
 }
 
-/// What holds the tissue at the edge of the patch.
+/// Boundary condition at the edge of the patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Edge {
-    /// The tissue is fixed at its position at rest.
+    /// The edge is fixed at its position at rest.
     #[default]
     Clamped,
 }
 
 impl Patch {
-    /// The pocket alone, its rim clamped: the tissue around the pocket does not move.
+    /// The pocket alone, clamped at its rim: the tissue around the pocket does not move.
     #[must_use]
     pub fn clamped_at_pocket(pocket_radius_mm: f64) -> Self {
         Self { radius_mm: pocket_radius_mm, pocket_radius_mm, edge: Edge::Clamped }

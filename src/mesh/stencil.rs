@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// BlockStencil9 H(k, k + offset) for half of the neighbours; the other half are their transposes.
+/// Blocks H(k, k + offset) for the node itself and half of its neighbours; the other half are transposes.
 /// Every array has shape (n², ), row-major.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockStencil9 {

@@ -57,7 +57,7 @@ pub(crate) fn times<R: Real>([xx, xy, xz, yy, yz, zz]: Block<R>, v: [R; 3]) -> [
 /// Determinant of a block that f32 resolves \[cube of the trace\].
 const MIN_DETERMINANT: f32 = 1e-8;
 
-/// The inverse; where the block is not positive definite, that of its trace.
+/// The inverse; for an indefinite block the inverse of trace × identity.
 #[inline(always)]
 pub(crate) fn inverted([xx, xy, xz, yy, yz, zz]: Block) -> Block {
     let (axx, axy, axz) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);

@@ -1,9 +1,9 @@
 //! Elastic bodies over a grid: energy, forces, stiffness.
 //!
-//! [`ElasticModel`] is a body as full multigrid sees it. `membrane`: a sheet of bonded layers without
-//! bending stiffness, one node in a column.
+//! [`ElasticModel`] is the interface between a body and full multigrid. `membrane`: a sheet of bonded layers
+//! without bending stiffness, one node in a column.
 //!
-//! Uses `springs`, `mesh`. Used by `solve` and `measure`.
+//! Uses `springs`, `mesh`, `contact` (the dome's apex). Used by `solve`, `measure` and `view`.
 
 pub(crate) mod membrane;
 
@@ -13,10 +13,10 @@ use crate::mesh::vec3::{Block, inverted};
 /// An elastic body over a grid, in four f32 lanes. Lengths are in grid spacings; the stiffness at small
 /// strain is one.
 pub(crate) trait ElasticModel {
-    /// What one grid needs besides its layout: precomputed geometry and scratch.
+    /// Precomputed geometry and scratch arrays of one grid.
     type Scratch: Clone + std::fmt::Debug;
 
-    /// Nodes of a column through the thickness; the first one is on the inner face.
+    /// Nodes in a column through the thickness; the first node lies on the inner face.
     const LAYERS: usize;
 
     /// The scratch of a grid with these triangles at the border.
@@ -35,27 +35,27 @@ pub(crate) trait ElasticModel {
         scratch: &mut Self::Scratch,
     );
 
-    /// The tension of the body: the scale of residuals, and the most compressive one.
+    /// The tension of the body: scale of residuals and most compressive principal tension.
     fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Self::Scratch) -> Tension;
 
-    /// Does contact end between nodes? Else at the last node that touches.
+    /// Does the model support contact offsets? Without offsets contact ends at the last active node.
     fn has_contact_offsets(&self) -> bool;
 }
 
 /// The tension of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tension {
-    /// Sum of squares of the forces that cells exert: the scale of residuals.
+    /// Sum of squares of the cells' forces: the scale of residuals.
     pub(crate) squares: f64,
     /// The most compressive tension, zero where the body is in tension everywhere.
     pub(crate) least: f32,
 }
 
-/// Compression that counts, as a fraction of the mean tension \[-\].
+/// Compressive tension that may wrinkle the sheet, as a fraction of the mean tension \[-\].
 pub(crate) const COMPRESSIVE: f64 = 1e-2;
 
 impl Tension {
-    /// Is the compression more than a fraction of the mean tension over so many nodes? The body may wrinkle
+    /// Does the compression exceed [`COMPRESSIVE`] times the mean tension over `nodes` nodes? The body may wrinkle
     /// there.
     pub(crate) fn is_compressive(&self, nodes: usize) -> bool {
         f64::from(self.least).powi(2) * nodes as f64 > COMPRESSIVE * COMPRESSIVE * self.squares
@@ -101,7 +101,7 @@ impl NodeBlocks {
         [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
     }
 
-    /// Inverts the block of every free node; the others get zero.
+    /// Inverts the block of every free node; sets the other blocks to zero.
     pub(crate) fn invert(&mut self, layout: &Layout) {
         let mut last = 0;
         layout.free_groups(|group| {

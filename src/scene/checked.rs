@@ -9,7 +9,7 @@ use crate::springs::Material;
 use glam::DVec2;
 use std::sync::Arc;
 
-/// A scene that was parsed and checked once, with the curves that the check built.
+/// A checked scene, with the curves that the check built.
 #[derive(Clone, Debug)]
 pub struct CheckedScene {
     scene: Scene,
@@ -44,7 +44,7 @@ impl CheckedScene {
     /// Reads a scene from JSON and checks it.
     ///
     /// # Errors
-    /// One line that names the field, what is wrong and what is allowed.
+    /// One line with the field, its value and the allowed range.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
         read::checked_scene(json, None)
     }
@@ -67,7 +67,7 @@ impl CheckedScene {
         &self.materials
     }
 
-    /// The scene as the solver takes it.
+    /// The problem of the scene, for the solver.
     #[must_use]
     pub fn problem(&self) -> Problem {
         let Scene { implant, pocket_radius_mm, insertion, springs, solver, .. } = &self.scene;

@@ -1,10 +1,10 @@
-//! The input: a scene as versioned JSON, checked before anything is computed.
+//! The input: a scene as versioned JSON, checked before any computation.
 //!
 //! [`Scene`] is the contract with files, the command line, the JS API and the app. Lengths in mm,
-//! stresses in kPa. Everything but `implant.base_radius_mm` has a default, an unknown or
-//! out-of-range field gives one line that names it.
+//! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
+//! rejected with one line that names the field.
 //!
-//! `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an edit made impossible).
+//! `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an edit made invalid).
 //!
 //! Uses `curve`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -61,7 +61,7 @@ pub struct Scene {
     pub layers: Vec<Layer>,
     /// The spring law.
     pub springs: Springs,
-    /// How finely and how exactly to solve.
+    /// Grid and tolerance.
     pub solver: SolverSettings,
 }
 
@@ -80,7 +80,7 @@ pub struct Implant {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "one JSON object")]
 pub struct Layer {
-    /// Free text; `skin` and `adipose` get their colours.
+    /// Free text; `skin`, `adipose` and `muscle` have colours of their own.
     #[serde(default = "default_tissue")]
     pub tissue: String,
     /// Thickness at rest \[mm\], 0.2 to 60.
@@ -94,7 +94,7 @@ pub struct Layer {
     pub curve: CurveSpec,
 }
 
-/// How finely and how exactly to solve.
+/// Grid and tolerance of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct SolverSettings {
@@ -110,7 +110,7 @@ impl Default for SolverSettings {
     }
 }
 
-/// A scene as it stands in a file: what may be left out is optional.
+/// A scene in a file; fields with a default are optional.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Scene")]
@@ -196,7 +196,7 @@ impl Layer {
     }
 }
 
-/// Why a scene is refused, in one line: what, where, what is allowed.
+/// Error of an invalid scene, in one line: field, value, allowed range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
     /// Not JSON, or a field is unknown, missing or of the wrong type.
@@ -204,7 +204,7 @@ pub enum SceneError {
     Json {
         /// The field's path, or `scene`.
         path: String,
-        /// What is wrong, with line and column.
+        /// Description of the error, with line and column.
         problem: String,
     },
     /// A value is out of range.
@@ -212,28 +212,28 @@ pub enum SceneError {
     OutOfRange {
         /// The field's path.
         field: String,
-        /// What was given.
+        /// The given value.
         value: String,
-        /// What is allowed, with its unit.
+        /// The allowed range, with its unit.
         allowed: String,
     },
-    /// A layer's curve is refused.
+    /// A layer's curve is invalid.
     #[error("layers[{layer}].curve: {source}")]
     Curve {
         /// The layer, counted from the skin, from 0.
         layer: usize,
-        /// What is wrong with the curve.
+        /// The error of the curve.
         source: CurveError,
     },
-    /// A curve in a file of its own is refused.
+    /// A curve in a file of its own is invalid.
     #[error("{0}")]
     CurveFile(CurveError),
-    /// A scene in a file of several is refused.
+    /// A scene in a file of several scenes is invalid.
     #[error("line {line}: {source}")]
     Line {
         /// The line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The error of the scene in that line.
         source: Box<SceneError>,
     },
 }
@@ -247,7 +247,7 @@ impl TryFrom<SceneFile> for Scene {
 }
 
 impl SceneFile {
-    /// The scene with defaults for what the file leaves out; nothing is checked.
+    /// Fills omitted fields with defaults; checks no field.
     fn filled(self) -> Scene {
         let file = self;
         let radius = file.implant.base_radius_mm;
@@ -272,7 +272,7 @@ impl SceneFile {
 }
 
 impl Default for Scene {
-    /// The scene that the app opens on: a 55 mm hemisphere fully under skin and adipose.
+    /// The scene that the app opens with: a 55 mm hemisphere fully under skin and adipose.
     fn default() -> Self {
         Self {
             schema: scene_schema(),
@@ -290,7 +290,7 @@ impl Scene {
     /// Reads a scene from JSON and checks it.
     ///
     /// # Errors
-    /// One line that names the field, what is wrong and what is allowed.
+    /// One line with the field, its value and the allowed range.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
         CheckedScene::from_json(json).map(CheckedScene::into_scene)
     }
@@ -347,8 +347,8 @@ impl Scene {
         if !(least..=most).contains(&self.layers.len()) {
             return Err(out_of_range(
                 "layers",
-                format!("{} layers", self.layers.len()),
-                &format!("{least} to {most}"),
+                format!("a list of {}", self.layers.len()),
+                &format!("{least} to {most} layers"),
             ));
         }
         for (k, layer) in self.layers.iter().enumerate() {
@@ -359,14 +359,14 @@ impl Scene {
                 return Err(out_of_range(
                     &field("tissue"),
                     format!("{} bytes long", layer.tissue.len()),
-                    "to 100 bytes",
+                    "up to 100 bytes",
                 ));
             }
             if layer.tissue.contains(char::is_control) {
                 return Err(out_of_range(
                     &field("tissue"),
                     one_line(&layer.tissue, 40),
-                    "text without line ends and other control characters",
+                    "text without line breaks and control characters",
                 ));
             }
         }
@@ -383,15 +383,15 @@ impl Scene {
 }
 
 impl Scene {
-    /// The scene as the solver takes it.
+    /// The problem of the scene, for the solver.
     ///
     /// # Errors
-    /// If the scene is out of its limits.
+    /// The first field that is out of its range.
     pub fn problem(&self) -> Result<Problem, SceneError> {
         Ok(CheckedScene::new(self.clone())?.problem())
     }
 
-    /// Do two scenes ask for the same equilibrium? (They may differ in the tissues' names.)
+    /// Do two scenes have the same equilibrium? The names of their tissues may differ.
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
         let of = |scene: &Self| {
@@ -417,7 +417,7 @@ impl Scene {
     }
 }
 
-/// The JSON Schema (draft 2020-12) of the scene, made from the types.
+/// The JSON Schema (draft 2020-12) of the scene, generated from the types.
 #[must_use]
 pub fn schema() -> String {
     let schema = schemars::schema_for!(Scene);
@@ -446,8 +446,8 @@ fn problem(path: &str, problem: &str) -> SceneError {
     SceneError::Json { path: one_line(path, 30), problem: one_line(problem, 90) }
 }
 
-/// One line without control characters and marks of direction; where it is long, its first `start`
-/// characters and its end.
+/// The text in one line without control characters and marks of direction; a long text is shortened to its first
+/// `start` characters and its end.
 fn one_line(text: &str, start: usize) -> String {
     let is_mark = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let is_blank = |c: char| c.is_whitespace() || c.is_control() || is_mark(c);

@@ -1,35 +1,35 @@
-//! From bytes to scenes and curves: text, JSON, JSON lines. What is refused is told in one short line,
-//! however long or odd the input, and lists are not read beyond what is allowed.
+//! From bytes to scenes and curves: text, JSON, JSON lines. Invalid input of any length is rejected with one short
+//! line; reading stops at the first surplus entry of a list.
 
 use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
 use crate::curve::{Curve, CurveSpec};
 use serde::de::{DeserializeOwned, IgnoredAny};
 
-/// The most bytes that a scene or a curve may have.
+/// Greatest size of a scene or a curve \[bytes\].
 pub const MAX_SCENE_BYTES: usize = 10_000_000;
 
-/// The most bytes that a file of one scene a line may have.
+/// Greatest size of a JSON-lines file \[bytes\].
 pub const MAX_LINES_BYTES: usize = 100_000_000;
 
-/// The most scenes that a file of one scene a line may have.
+/// Greatest number of scenes in a JSON-lines file.
 pub const MAX_SCENES: usize = 100_000;
 
-/// How a file holds scenes.
+/// The format of a file of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// One scene; one scene a line if the first line is a whole value and more follow.
+    /// One scene; or one scene per line if the first line is a whole value and more lines follow.
     Json,
-    /// One scene a line.
+    /// One scene per line.
     JsonLines,
 }
 
 /// Reads and checks the scenes of a file.
 ///
 /// # Errors
-/// One line that names the line, the field, what is wrong and what is allowed.
+/// One line with the line, the field, its value and the allowed range.
 pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneError> {
     if bytes.len() > MAX_LINES_BYTES {
-        return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "to 100 MB"));
+        return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "up to 100 MB"));
     }
     let text = utf8(bytes)?;
     if format == Format::Json && !starts_with_a_value(text) {
@@ -40,27 +40,27 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
     for (k, line) in lines {
         let at_line = |error| SceneError::Line { line: k + 1, source: Box::new(error) };
         if scenes.len() == MAX_SCENES {
-            let allowed = format!("to {MAX_SCENES}");
-            return Err(at_line(out_of_range("file", "one scene more".to_owned(), &allowed)));
+            let allowed = format!("up to {MAX_SCENES} scenes");
+            return Err(at_line(out_of_range("file", "too long".to_owned(), &allowed)));
         }
         scenes.push(checked_scene(line, scenes.last()).map_err(at_line)?);
     }
     if scenes.is_empty() {
-        return Err(out_of_range("file", "empty".to_owned(), "one scene a line"));
+        return Err(out_of_range("file", "empty".to_owned(), "one scene per line"));
     }
     Ok(scenes)
 }
 
-/// Reads a file that holds a curve as it stands in a scene.
+/// Reads a file with one curve in the format of a scene's curve.
 ///
 /// # Errors
-/// One line that names the field, what is wrong and what is allowed.
+/// One line with the field, its value and the allowed range.
 pub fn curve(bytes: &[u8]) -> Result<Curve, SceneError> {
     let spec: CurveSpec = json(utf8(bytes)?, "curve")?;
     Curve::new(&spec).map_err(SceneError::CurveFile)
 }
 
-/// Is the first line with something on it a whole value, with more below?
+/// Is the first line that is not blank a whole value, and do more lines follow?
 fn starts_with_a_value(text: &str) -> bool {
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
     let whole = |line: &str| serde_json::from_str::<IgnoredAny>(line).is_ok();
@@ -79,12 +79,12 @@ pub(super) fn checked_scene(
     CheckedScene::like(json::<SceneFile>(text, "scene")?.filled(), earlier)
 }
 
-/// Reads one JSON object; `whole` is what messages call it.
+/// Reads one JSON object; messages name the object `whole`.
 pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneError> {
-    // An editor's byte-order mark is no part of the text.
+    // Some editors put a byte-order mark before the text.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.len() > MAX_SCENE_BYTES {
-        return Err(out_of_range(whole, format!("{} bytes long", text.len()), "to 10 MB"));
+        return Err(out_of_range(whole, format!("{} bytes long", text.len()), "up to 10 MB"));
     }
     if text.trim_start().starts_with('[') {
         return Err(problem(whole, "is a list; allowed: one JSON object"));
@@ -96,7 +96,7 @@ pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
             path => path,
         };
         let text = error.into_inner().to_string();
-        // Not in the words of the program's own types.
+        // Names of Rust types mean nothing to a reader.
         let text = text.replace("expected f64", "expected a number");
         problem(&path, &text.replace("expected usize", "expected a whole number"))
     })?;

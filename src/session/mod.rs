@@ -1,9 +1,9 @@
-//! One user's work: the scene on the table, its undo history, and the shape being solved for it.
+//! Document state: current scene, undo history, running solve.
 //!
-//! The app and the page send [`Command`]s; one place ([`Session::apply`]) carries them out, and a
-//! refused one changes nothing. [`Session::advance`] does a slice of solving.
+//! The app and the page send [`Command`]s; [`Session::apply`] executes a command, and a rejected command changes
+//! nothing. [`Session::advance`] runs a slice of the solve.
 //!
-//! Uses everything to its left. Used by `experiment`, `view`, `app` and `platform`.
+//! Uses all modules to its left. Used by `experiment`, `view`, `app` and `platform`.
 
 use crate::measure::{Field, Fields, Outcome, Status};
 use crate::scene::{CheckedScene, Scene, SceneError};
@@ -20,28 +20,28 @@ use std::sync::Arc;
 /// Undo steps kept.
 const HISTORY: usize = 100;
 
-/// What a user may ask for.
+/// A user's command.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Put a scene on the table. Edits of one gesture (a slider being dragged) are one undo step.
+    /// Replaces the scene. Edits of one gesture (a drag of a slider) are one undo step.
     Edit {
-        /// The whole new scene.
+        /// The complete new scene.
         scene: Box<Scene>,
-        /// Edits with the same gesture number, one after the other, are merged in the history.
+        /// Number of the gesture; consecutive edits of equal number are merged in the history.
         gesture: u64,
     },
-    /// Open a scene file's text.
+    /// Opens the text of a scene file.
     Open(String),
-    /// Take the last step back.
+    /// Reverts the last undo step.
     Undo,
-    /// Do it again.
+    /// Repeats the last reverted step.
     Redo,
 }
 
-/// The position error within which a moving control is answered \[share of the base radius\].
+/// Position error of a draft during the drag of a control \[base radius\].
 const DRAFT_TOLERANCE: f64 = 1e-3;
 
-/// Work done so far: what was skipped is not counted. For `stats()` and tests.
+/// Counters of completed work, for `stats()` and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counters {
     /// Solves started.
@@ -50,41 +50,41 @@ pub struct Counters {
     pub slices: u64,
     /// Force evaluations, in work units of the finest grid.
     pub work_units: f64,
-    /// Times the results were measured.
+    /// Results measured.
     pub measurements: u64,
-    /// Solutions taken from the solver, to be measured or displayed.
+    /// Solutions copied from the solver for results or display.
     pub solutions: u64,
-    /// Solutions whose deformation was recovered at the nodes: the basis of results and fields.
+    /// Solutions with a recovered deformation at the nodes: the basis of results and fields.
     pub recoveries: u64,
-    /// Nodal fields computed to be drawn in colour.
+    /// Nodal fields computed for display.
     pub fields: u64,
-    /// Times that the spring law's tables were made.
+    /// Tabulations of the spring law.
     pub tables: u64,
-    /// Times that the solver's nested grids were made.
+    /// Allocations of the solver's nested grids.
     pub grids: u64,
-    /// Scenes taken back because their shape was not sound.
+    /// Edits reverted because the solution was invalid.
     pub taken_back: u64,
-    /// Stacks of layers that were asked at which strains the paper's springs lose their stability.
+    /// Stacks of layers with computed stability limits of the paper's springs.
     pub stability_limits: u64,
-    /// Shapes shown before they had converged: drafts and those of coarser grids.
+    /// Displayed shapes before convergence: drafts and solutions of coarser grids.
     pub previews: u64,
 }
 
-/// A result as it is saved: nothing in it depends on what is open.
+/// A saved result, complete without the session.
 #[derive(Clone, Debug, Serialize)]
 pub struct Record {
     /// The result.
     #[serde(flatten)]
     pub outcome: Outcome,
-    /// The scene that it is of.
+    /// The scene of the result.
     pub scene: Scene,
-    /// Version of the program that computed it.
+    /// Version of the program.
     pub program_version: &'static str,
-    /// When it was saved: date and time, UTC, as in RFC 3339.
+    /// Date and time of saving, UTC, as in RFC 3339.
     pub date: String,
 }
 
-/// The scene, its history and its shape.
+/// The current scene, its history and its solve.
 pub struct Session {
     scene: Scene,
     undo: Vec<Scene>,
@@ -94,10 +94,10 @@ pub struct Session {
     working: bool,
     revision: u64,
     fields: OnceCell<Rc<Fields>>,
-    /// Of the present layers under the paper's springs.
+    /// Stability limits of the current layers under the paper's springs.
     stability_limits: OnceCell<Limits>,
     outcome: Option<Outcome>,
-    /// Is [`Self::outcome`] that of the present scene, if only of a draft?
+    /// Does [`Self::outcome`] belong to the current scene, draft included?
     is_outcome_present: bool,
     is_measured: bool,
     is_stopped: bool,
@@ -108,10 +108,10 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session on a valid scene; nothing is solved yet.
+    /// A session on a valid scene at the start of its solve.
     ///
     /// # Errors
-    /// If the scene is out of its limits.
+    /// The first field that is out of its range.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let options = Options { draft_tolerance: Some(DRAFT_TOLERANCE), ..Options::default() };
         let checked = CheckedScene::new(scene)?;
@@ -137,16 +137,16 @@ impl Session {
         })
     }
 
-    /// The scene on the table.
+    /// The current scene.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Carries out a command.
+    /// Executes a command.
     ///
     /// # Errors
-    /// One line that names the field; nothing has changed then.
+    /// One line with the field of an invalid scene; the session is unchanged.
     pub fn apply(&mut self, command: Command) -> Result<(), SceneError> {
         match command {
             Command::Edit { scene, gesture } => {
@@ -176,13 +176,13 @@ impl Session {
         Ok(())
     }
 
-    /// Can [`Command::Undo`] do something?
+    /// Does the history contain a step for [`Command::Undo`]?
     #[must_use]
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
-    /// Can [`Command::Redo`] do something?
+    /// Does the history contain a step for [`Command::Redo`]?
     #[must_use]
     pub fn can_redo(&self) -> bool {
         !self.redo.is_empty()
@@ -203,7 +203,7 @@ impl Session {
         Ok(())
     }
 
-    /// Replaces the current scene; returns the one before. Only a change of the physics starts a solve.
+    /// Replaces the current scene; returns the previous scene. Only a change of the physics starts a solve.
     fn show(&mut self, checked: CheckedScene) -> Scene {
         if checked.scene().same_physics(&self.scene) {
             let before = std::mem::replace(&mut self.scene, checked.into_scene());
@@ -227,18 +227,17 @@ impl Session {
         std::mem::replace(&mut self.scene, checked.into_scene())
     }
 
-    /// Does a slice of solving, until `pause` says so or the solve ends; asks `pause` between
-    /// steps of at most a few milliseconds. Returns whether there is more to do.
+    /// Runs a slice of the solve until `pause` returns true or the solve ends; calls `pause` every few milliseconds.
     ///
-    /// A slice also ends when the shape is within 0.1 % of the base radius for the first time, so that
-    /// it can be shown and measured while a control is moving; the next one goes on from there.
+    /// A slice also ends with the first draft, an error below 0.1 % of the base radius, for display and measurement
+    /// during the drag of a control; the next slice continues from the draft.
     pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         let progress = self.solve(pause);
         self.conclude();
         progress
     }
 
-    /// The solving of [`Self::advance`], to be followed by [`Self::conclude`].
+    /// The solver's part of [`Self::advance`], to be followed by [`Self::conclude`].
     pub fn solve(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         if !self.working {
             return Progress::Done;
@@ -271,8 +270,8 @@ impl Session {
         progress
     }
 
-    /// Goes back to the last scene with a sound shape, which is solved anew; the scene that had none can
-    /// be had by [`Command::Redo`]. False if there is no other scene to go back to.
+    /// Reverts to the last scene with a valid solution and solves that scene; [`Command::Redo`] restores the reverted
+    /// scene. False if the current scene is the last valid scene.
     fn take_back(&mut self) -> bool {
         if self.valid == self.scene {
             return false;
@@ -285,9 +284,8 @@ impl Session {
         true
     }
 
-    /// Gives up the solve under way. Goes back to the last scene with a sound shape, which is solved anew
-    /// ([`Command::Redo`] tries the other one again); without such a scene the solve stops, and there is
-    /// no result until [`Self::go_on`].
+    /// Cancels the running solve. Reverts to the last scene with a valid solution ([`Command::Redo`] restores the
+    /// reverted scene); without such a scene the solve stops without a result until [`Self::go_on`].
     pub fn cancel(&mut self) {
         if self.working && !self.take_back() {
             self.working = false;
@@ -297,24 +295,24 @@ impl Session {
         }
     }
 
-    /// Was the solve of the present scene stopped?
+    /// Was the solve of the current scene cancelled?
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.is_stopped
     }
 
-    /// Goes on with a solve that was stopped.
+    /// Continues a cancelled solve.
     pub fn go_on(&mut self) {
         self.working |= self.is_stopped;
         self.is_stopped = false;
     }
 
-    /// Why the last scene was taken back, once after it was.
+    /// Why the last edit was reverted; the first call after a reversion returns the reason.
     pub fn taken_back(&mut self) -> Option<Invalid> {
         self.taken_back.take()
     }
 
-    /// Measures a new shape that is worth it: a draft or the end of a solve.
+    /// Measures a new draft or final solution.
     pub fn conclude(&mut self) {
         if !self.is_measured {
             self.is_measured = true;
@@ -324,7 +322,7 @@ impl Session {
         }
     }
 
-    /// Drops the solution displayed so far.
+    /// Drops the displayed solution.
     fn reshaped(&mut self) {
         self.revision += 1;
         if let Some(fields) = self.fields.take() {
@@ -336,7 +334,7 @@ impl Session {
         }
     }
 
-    /// Is there solving left to do?
+    /// Is a solve running?
     #[must_use]
     pub fn is_working(&self) -> bool {
         self.working
@@ -348,19 +346,19 @@ impl Session {
         self.solver.problem()
     }
 
-    /// Why the last shape of the present solve was invalid.
+    /// Why the last shape of the current solve was invalid.
     #[must_use]
     pub fn invalid(&self) -> Option<Invalid> {
         self.solver.invalid()
     }
 
-    /// Which shape is displayed.
+    /// Origin of the displayed shape.
     #[must_use]
     pub fn displayed(&self) -> Displayed {
         self.solver.displayed()
     }
 
-    /// Fraction of the present solve that is done, 0 to 1.
+    /// Completed fraction of the current solve, 0 to 1.
     #[must_use]
     pub fn fraction_done(&self) -> f64 {
         self.solver.fraction_done()
@@ -372,20 +370,20 @@ impl Session {
         &self.solver
     }
 
-    /// The solution to display; taken from the solver once for each shape, when it is first read.
+    /// The solution to display; copied from the solver once per shape, at its first use.
     #[must_use]
     pub fn solution(&self) -> &Arc<Solution> {
         self.fields().solution()
     }
 
-    /// Positions of the displayed solution's inner face \[mm\], shape (nodes_per_side², ); nodes outside the
-    /// pocket lie on the wall.
+    /// Positions of the displayed solution's inner face \[mm\], shape (nodes_per_side², ); nodes outside of
+    /// the pocket lie on the wall.
     #[must_use]
     pub fn shape(&self) -> &[DVec3] {
         self.solution().inner()
     }
 
-    /// Changes whenever [`Self::shape`] does.
+    /// Number of changes of [`Self::shape`].
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
@@ -400,16 +398,15 @@ impl Session {
         })
     }
 
-    /// Values of a field at the nodes of the displayed solution, shape (nodes_per_side², ), zero outside
-    /// the sheet; computed when they are first read.
+    /// Values of a field at the nodes of the displayed solution, shape (nodes_per_side², ), zero outside of the sheet;
+    /// computed at the first use.
     #[must_use]
     pub fn values(&self, field: Field) -> &[f32] {
         self.fields().values(field)
     }
 
-    /// At which strains an evenly stretched sheet of the present layers has no stable shape under the
-    /// paper's springs; `None` while others are chosen. Found when first asked for, before and without
-    /// solving.
+    /// Stability limits of a homogeneously stretched sheet of the current layers under the paper's springs; `None`
+    /// for other springs. Computed at the first use, without a solve.
     #[must_use]
     pub fn stability_limits(&self) -> Option<&Limits> {
         (self.scene.springs == Springs::Nikolaev).then(|| {
@@ -420,7 +417,7 @@ impl Session {
         })
     }
 
-    /// The greatest principal strain of the last result \[-\], if it has a shape.
+    /// The greatest principal strain of the last result with a shape \[-\].
     #[must_use]
     pub fn greatest_strain(&self) -> Option<f64> {
         let strain = self.outcome.as_ref()?.strain.as_ref()?;
@@ -433,33 +430,33 @@ impl Session {
         self.counters.set(counters);
     }
 
-    /// The last result; `None` before the first. While [`Self::is_working`], it belongs to the scene
-    /// before or, where [`Self::is_outcome_present`], to a draft of this one.
+    /// The last result; `None` before the first result. During a solve the result belongs to the previous scene or,
+    /// with [`Self::is_outcome_present`], to a draft of the current scene.
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
         self.outcome.as_ref()
     }
 
-    /// Is [`Self::outcome`] that of the present scene, if only of a draft of its shape?
+    /// Does [`Self::outcome`] belong to the current scene, draft included?
     #[must_use]
     pub fn is_outcome_present(&self) -> bool {
         self.is_outcome_present && self.outcome.is_some()
     }
 
-    /// The result of the present scene; `None` until its solve has ended.
+    /// The result of the current scene; `None` until the solve has ended.
     #[must_use]
     pub fn result(&self) -> Option<&Outcome> {
         self.outcome.as_ref().filter(|_| !self.working)
     }
 
-    /// Has the solve ended without a stable shape, or was it stopped? Then [`Self::shape`] is not one to
-    /// be shown.
+    /// Has the solve ended without a stable shape, or was the solve cancelled? [`Self::shape`] is then not
+    /// displayed.
     #[must_use]
     pub fn has_no_shape(&self) -> bool {
         self.is_stopped || self.result().is_some_and(|outcome| outcome.status == Status::Unstable)
     }
 
-    /// Work done so far.
+    /// Counters of completed work.
     #[must_use]
     pub fn counters(&self) -> Counters {
         let mut counters = self.counters.get();
@@ -474,7 +471,7 @@ impl Session {
     }
 }
 
-/// Deformations recovered and fields computed of one solution.
+/// Numbers of recovered deformations and computed fields of one solution.
 fn work_of(fields: &Fields) -> (u64, u64) {
     (u64::from(fields.solution().has_deformation()), fields.computed())
 }
@@ -484,7 +481,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_scene_without_a_valid_shape_is_taken_back_and_can_be_tried_again() {
+    fn an_edit_with_an_invalid_solution_is_reverted_and_can_be_redone() {
         let mut scene = Scene::default();
         scene.solver.nodes_per_side = 17;
         let mut session = Session::new(scene.clone()).unwrap();
@@ -503,7 +500,7 @@ mod tests {
             assert!(session.outcome().is_some_and(|o| o.projection_mm == Some(55.0)));
             assert!(!session.can_undo() && session.can_redo());
         }
-        // The app goes on, with the same scene too.
+        // The same scene can be solved again.
         session.apply(Command::Redo).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
         assert_eq!(session.scene(), &other);
@@ -511,7 +508,7 @@ mod tests {
     }
 
     #[test]
-    fn a_first_scene_without_a_valid_shape_shows_none() {
+    fn a_first_scene_with_an_invalid_solution_has_no_shape() {
         let scene = Scene::default();
         let mut session = Session::new(scene).unwrap();
         session.solver.end_with(Invalid::NotFinite);

@@ -17,21 +17,21 @@ impl Solver {
         &self.problem
     }
 
-    /// The present state as a solution of its own.
+    /// A copy of the current state as a solution.
     #[must_use]
     pub fn solution(&self) -> Solution {
         let (x, offset_nodes) = (self.x.clone(), self.offset_nodes.clone());
         Solution::new(&self.problem, &self.law, x, offset_nodes, self.report())
     }
 
-    /// The same without a copy, at the end of a solver's life.
+    /// The current state as a solution; consumes the solver.
     #[must_use]
     pub fn into_solution(self) -> Solution {
         let report = self.report();
         Solution::new(&self.problem, &self.law, self.x, self.offset_nodes, report)
     }
 
-    /// How the present state was obtained.
+    /// Method, status, work and accuracy of the current state.
     #[must_use]
     pub fn report(&self) -> Report {
         let finite = |value: f64| value.is_finite().then_some(value);
@@ -51,31 +51,31 @@ impl Solver {
         }
     }
 
-    /// How the solve stands or ended.
+    /// Status of the solve.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         self.verdict
     }
 
-    /// Why the last shape of the solve was invalid; [`Self::positions`] has the last valid one.
+    /// Why the last shape of the solve was invalid; [`Self::positions`] contains the last valid shape.
     #[must_use]
     pub fn invalid(&self) -> Option<Invalid> {
         self.invalid
     }
 
-    /// Which shape [`Self::positions`] has.
+    /// Origin of the shape in [`Self::positions`].
     #[must_use]
     pub fn displayed(&self) -> Displayed {
         self.displayed
     }
 
-    /// How often the law has been tabulated.
+    /// Number of times the law was tabulated.
     #[must_use]
     pub fn tables_built(&self) -> u64 {
         self.tables_built
     }
 
-    /// How often the nested grids have been allocated.
+    /// Number of times the nested grids were allocated.
     #[must_use]
     pub fn grids_built(&self) -> u64 {
         self.grids_built
@@ -95,7 +95,7 @@ impl Solver {
         }
     }
 
-    /// Free nodes solved for: those of one quarter or half where symmetry allows it.
+    /// Free nodes solved for: of one quarter or half of the sheet under symmetry.
     #[must_use]
     pub fn nodes_solved(&self) -> usize {
         match (self.stage, &self.multigrid) {
@@ -142,15 +142,14 @@ impl Solver {
         }
     }
 
-    /// Changes whenever [`Self::positions`] do.
+    /// Number of changes of [`Self::positions`].
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Spring forces on every node in balance \[kPa·mm²\], shape (nodes_per_side², ), and the root of the sum of
-    /// squares of the forces of single triangles. Forces that are not zero are carried by the dome, the wall or
-    /// the edge.
+    /// Spring forces at every node of [`Solution::balanced`] \[kPa·mm²\], shape (nodes_per_side², ), and the root of
+    /// the sum of squares of the forces of single triangles. Dome, wall and edge balance the nodal forces.
     #[must_use]
     pub fn forces_and_scale(&self) -> (Vec<DVec3>, f64) {
         let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
@@ -159,8 +158,8 @@ impl Solver {
         (forces, totals.force_scale())
     }
 
-    /// Tension of all layers per small strain \[kPa·mm\]: Σ h·Ef′(0)/(1−ν²) for coupled springs (stretched
-    /// one way, held across), Σ h·Ef′(0) for the paper's.
+    /// Small-strain stiffness of all layers \[kPa·mm\]: Σ h·Ef′(0)/(1−ν²) for coupled springs (no transverse
+    /// strain), Σ h·Ef′(0) for the paper's springs.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         self.law.stiffness()
@@ -200,8 +199,8 @@ impl Solver {
         error / self.problem.obstacle.dome.base_radius
     }
 
-    /// Fraction of the solve that is done, 0 to 1: nested grids count for a third, the finest grid's estimated
-    /// error for the rest. The fraction may fall where a grid is begun anew.
+    /// Completed fraction of the solve, 0 to 1: nested grids count for a third, the finest grid's estimated
+    /// error for the rest. The fraction falls where the solve restarts on the coarsest grid.
     #[must_use]
     pub fn fraction_done(&self) -> f64 {
         let (grid, grids) = match (self.stage, &self.newton) {
@@ -226,8 +225,7 @@ impl Solver {
         }
     }
 
-    /// Tables that one triangle (coupled springs) or spring reads: layers of equal Poisson ratio share
-    /// one.
+    /// Number of tables of one triangle (coupled springs) or spring: layers of equal Poisson ratio share a table.
     #[must_use]
     pub fn tables(&self) -> usize {
         self.coupled_law().map_or(1, CoupledLaw::groups)

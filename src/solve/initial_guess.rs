@@ -1,5 +1,5 @@
-//! An initial guess from geometry alone: in every vertical plane through the dome's axis, the taut profile over
-//! the dome and down to the patch's edge, stretched evenly along its length.
+//! Initial guess from geometry alone: in every vertical plane through the dome's axis the taut profile over
+//! the dome and down to the patch's edge, uniformly stretched along its length.
 
 use crate::contact::Dome;
 use crate::mesh::{NodeKind, Sheet};

@@ -1,10 +1,10 @@
 //! The equilibrium: the minimum of the tissue's energy outside of the implant and above the wall.
 //!
-//! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the sheet, one moved along an axis
-//! on half of it. Newton's method on nested grids in f64 (`newton`) is the fallback; it also refines solutions
-//! below the resolution of f32, follows a sheet with compressive stress to its wrinkled equilibrium, and checks the
-//! stability of the paper's springs, whose energy has saddle points. Work comes in pieces of a few passes over
-//! the grid, so that a page can respond between them.
+//! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the sheet, a dome moved along an axis
+//! on half of the sheet. Newton's method on nested grids in f64 (`newton`) is the fallback; it also refines solutions
+//! below the resolution of f32, resolves configurations with compressive stress up to the wrinkled equilibrium, and
+//! checks the stability of the paper's springs, whose energy has saddle points. A piece of work is a few passes over
+//! the grid, so that a page can respond between two pieces.
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `newton` | `linear` (systems of Newton's method) | `validity` | `reactions`.
@@ -36,12 +36,12 @@ use glam::DVec3;
 use newton::{Mirrors, NestedNewton, Start};
 use std::sync::Arc;
 
-/// Solves one problem after the other, in slices.
+/// Solver of one problem after the other, in slices of work.
 pub struct Solver {
     problem: Arc<Problem>,
     options: Options,
     law: Arc<SheetLaw>,
-    /// Has the multigrid another law than [`Self::law`]?
+    /// Does the multigrid have another law than [`Self::law`]?
     is_multigrid_law_stale: bool,
     multigrid: Option<FullMultigrid<Membrane>>,
     newton: Option<NestedNewton>,
@@ -52,7 +52,7 @@ pub struct Solver {
     offset_nodes: Vec<(usize, DVec3)>,
     invalid: Option<Invalid>,
     displayed: Displayed,
-    /// Changes of [`Self::x`].
+    /// Number of changes of [`Self::x`].
     revision: u64,
     tables_built: u64,
     grids_built: u64,
@@ -60,16 +60,16 @@ pub struct Solver {
     progress: Progress,
 }
 
-/// Which method is at work.
+/// The method at work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Nothing to do: the insertion is below the tolerance.
+    /// None: the insertion is below the tolerance.
     Rest,
     Multigrid,
     Newton,
 }
 
-/// Height of the dome's apex up to which the sheet is left at rest \[tolerances\].
+/// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
 const REST_TOLERANCE: f64 = 0.5;
 
 impl Solver {
@@ -79,7 +79,7 @@ impl Solver {
         Self::with_options(problem, Options::default())
     }
 
-    /// The same with options.
+    /// A solver with options at the start of a problem.
     #[must_use]
     pub fn with_options(problem: Problem, options: Options) -> Self {
         let law = SheetLaw::new(problem.springs, &problem.materials);
@@ -106,7 +106,7 @@ impl Solver {
         solver
     }
 
-    /// Takes up another problem; tables and grids that both problems share are kept.
+    /// Starts another problem with the tables and grids that both problems share.
     pub fn restart(&mut self, problem: Problem) {
         let same_law =
             problem.springs == self.problem.springs && problem.materials == self.problem.materials;
@@ -197,8 +197,8 @@ impl Solver {
         }
     }
 
-    /// Distance of the sheet at rest from the equilibrium, at most \[base radius\]: no node is above the dome's
-    /// apex in equilibrium.
+    /// Upper bound of the distance between the sheet at rest and the equilibrium \[base radius\]: no node of the
+    /// equilibrium is above the dome's apex.
     fn error_at_rest(&self) -> f64 {
         let dome = &self.problem.obstacle.dome;
         dome.apex().z.max(0.0) / dome.base_radius
@@ -234,7 +234,7 @@ impl Solver {
         self.progress
     }
 
-    /// Displays the solution of a coarser grid, where there is nothing better of this problem.
+    /// Displays the solution of a coarser grid unless a draft of this problem exists.
     fn display_coarse(&mut self) {
         let is_wanted = self.options.draft_tolerance.is_some()
             && self.stage == Stage::Multigrid
@@ -289,9 +289,9 @@ impl Solver {
         state
     }
 
-    /// Does Newton's method continue from the multigrid solution? Below the resolution of f32; where contact offsets
-    /// are large against the tolerance; under compression, which may be a stall before a wrinkled equilibrium;
-    /// for the paper's springs, whose solution may be a saddle point.
+    /// Does Newton's method continue from the multigrid solution? True below the resolution of f32; with contact
+    /// offsets far above the tolerance; under compression, where multigrid may stall before a wrinkled equilibrium;
+    /// for the paper's springs, whose stationary shape may be a saddle point.
     fn needs_newton(&self) -> bool {
         let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
             let ending = multigrid.ending();

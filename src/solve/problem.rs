@@ -1,16 +1,16 @@
-//! What is solved, and how.
+//! Problem, method and options of a solve.
 
 use crate::contact::Obstacle;
 use crate::mesh::{Patch, Sheet};
 use crate::springs::{Material, Springs};
 use serde::{Deserialize, Serialize};
 
-/// What is to be solved.
+/// The equilibrium problem.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The finest grid, on the disc of the patch.
     pub sheet: Sheet,
-    /// The simulated tissue, the pocket in it and what holds the edge.
+    /// The simulated tissue, its pocket and the boundary condition at its edge.
     pub patch: Patch,
     /// Dome and wall.
     pub obstacle: Obstacle,
@@ -22,12 +22,12 @@ pub struct Problem {
     pub tolerance: f64,
 }
 
-/// Whether there is more to do.
+/// State of a solve between two slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// The solve has not ended.
     Working,
-    /// The solve has ended; [`super::Report`] says how.
+    /// The solve has ended; [`super::Report::verdict`] is its status.
     Done,
 }
 
@@ -47,13 +47,13 @@ pub enum Method {
     Newton,
 }
 
-/// How a problem is to be solved.
+/// Options of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The method.
     pub method: Method,
-    /// Solve a centred dome on one quarter of the sheet, one moved along an axis on half of it; Newton's method
-    /// keeps the solution its own mirror image.
+    /// Solve a centred dome on one quarter of the sheet, a dome moved along an axis on half of the sheet; Newton's
+    /// method symmetrises its steps.
     pub use_symmetry: bool,
     /// A position error \[base radius\] at which [`super::Solver::advance`] returns once with a draft, if the
     /// tolerance is smaller. Pauses before display the solution of a coarser grid.

@@ -12,7 +12,7 @@ use glam::DVec3;
 pub struct Reactions {
     /// Normal force of the dome \[kPa·mm² = mN\]; zero at nodes that are not active.
     pub force: Vec<f64>,
-    /// The dome's unit normal at nodes that touch, else zero.
+    /// The dome's unit normal at nodes in contact, else zero.
     pub normal: Vec<DVec3>,
 }
 
@@ -39,7 +39,7 @@ pub(super) fn of(solution: &Solution, law: &SheetLaw) -> Reactions {
             normal[k] = gradient / steepness;
         }
     }
-    // The last nodes before the contact's edge carry their part, on the dome or slightly off it.
+    // Nodes with a contact offset carry a part of the load, on the dome or slightly above the dome.
     for &(k, _) in solution.offset_nodes() {
         touching[k] = true;
         normal[k] = dome.normal(x[k]);
@@ -47,7 +47,7 @@ pub(super) fn of(solution: &Solution, law: &SheetLaw) -> Reactions {
     let spring_force = assembly::forces_at(sheet, law, &solution.balanced(), &touching);
     let mut force = vec![0.0; sheet.len()];
     for k in (0..sheet.len()).filter(|&k| touching[k]) {
-        // Where the wall carries the node too, the wall takes its own normal part.
+        // At a node on dome and wall the wall carries the part along its own normal.
         let up = wall.normal(x[k]);
         let on_wall = wall.gap(x[k]) <= touch && spring_force[k].dot(up) < 0.0;
         let across = if on_wall { normal[k] - up * normal[k].dot(up) } else { normal[k] };

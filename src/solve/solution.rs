@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
-/// How a solve stands or ended.
+/// Status of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// Still working, or ended above the tolerance.
@@ -21,47 +21,47 @@ pub enum Verdict {
     Unstable,
 }
 
-/// Which shape a solution has.
+/// The origin of a solution's shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Displayed {
-    /// That of the problem before, or the sheet at rest.
+    /// The shape of the previous problem, or the sheet at rest.
     Previous,
-    /// That of a coarser grid, interpolated.
+    /// The shape of a coarser grid, interpolated.
     Coarse {
         /// Nodes a side of the coarser grid.
         nodes_per_side: usize,
     },
-    /// This problem's, with an estimated error below the draft tolerance.
+    /// A shape of this problem with an estimated error below the draft tolerance.
     Draft,
     /// An iterate of Newton's method, or the end of the solve.
     Final,
 }
 
-/// How a solution was obtained, and how accurate it is.
+/// Method, status, work and accuracy of a solution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// How the solve stands or ended.
+    /// Status of the solve.
     pub verdict: Verdict,
-    /// Why the last shape of the solve was invalid; the solution has the last valid one.
+    /// Why the last shape of the solve was invalid; the solution contains the last valid shape.
     pub invalid: Option<Invalid>,
-    /// Which shape the solution has.
+    /// Origin of the solution's shape.
     pub displayed: Displayed,
-    /// The method that the shape comes from.
+    /// The method that computed the shape.
     pub method: Method,
     /// V-cycles of the finest grid.
     pub cycles: u32,
-    /// Free nodes solved for: those of one quarter or half where symmetry allows it.
+    /// Free nodes solved for: of one quarter or half of the sheet under symmetry.
     pub nodes_solved: usize,
-    /// Nodes that one pass over the finest grid computes: [`Self::nodes_solved`], each row filled up to whole
+    /// Nodes that one pass over the finest grid visits: [`Self::nodes_solved`], each row filled up to whole
     /// groups of four.
     pub nodes_swept: usize,
     /// Did Newton's method take over because full multigrid did not converge?
     pub fell_back: bool,
-    /// Is the insertion below the tolerance, and was the sheet left at rest?
+    /// Did the sheet stay at rest because the insertion is below the tolerance?
     pub is_left_at_rest: bool,
     /// Work \[evaluations of all nodal forces on the finest grid, of the nodes solved for\].
     pub work_units: f64,
-    /// Norm of the forces that no contact takes, relative to the forces they are the sum of \[-\]; `None` while
+    /// Norm of the nodal forces without contact forces, relative to the forces of the triangles \[-\]; `None` while
     /// unknown.
     pub relative_residual: Option<f64>,
     /// Estimated greatest node position error against this grid's own equilibrium \[base radius\]; `None` while
@@ -71,7 +71,7 @@ pub struct Report {
 
 /// The shape of the tissue, the contact forces and how they were obtained.
 ///
-/// Derived quantities are computed when they are first read, and kept.
+/// Derived quantities are computed once, at their first use.
 #[derive(Debug)]
 pub struct Solution {
     problem: Arc<Problem>,
@@ -85,14 +85,14 @@ pub struct Solution {
     reactions: OnceLock<Reactions>,
 }
 
-/// What a solution is restored from, together with its problem. Lengths in mm.
+/// The serialised form of a solution; with its problem it restores the solution. Lengths in mm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Positions of the inner face, shape (nodes_per_side², 3).
     pub inner: Vec<[f64; 3]>,
-    /// Nodes with contact offsets and their positions in balance; see [`Solution::offset_nodes`].
+    /// Nodes with contact offsets and their positions with offset; see [`Solution::offset_nodes`].
     pub offset_nodes: Vec<(usize, [f64; 3])>,
-    /// How the solution was obtained.
+    /// Method, status, work and accuracy.
     pub report: Report,
 }
 
@@ -130,7 +130,7 @@ impl Solution {
         Some(Self::new(&Arc::new(problem), &Arc::new(law), inner, offset_nodes, record.report))
     }
 
-    /// What the solution can be restored from.
+    /// The serialised form of the solution.
     #[must_use]
     pub fn record(&self) -> Record {
         Record {
@@ -140,13 +140,13 @@ impl Solution {
         }
     }
 
-    /// The problem that was solved.
+    /// The problem of the solution.
     #[must_use]
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
 
-    /// How the solution was obtained.
+    /// Method, status, work and accuracy.
     #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
@@ -158,15 +158,15 @@ impl Solution {
         &self.inner
     }
 
-    /// The last active nodes before the contact's edge and their positions in the balance of forces \[mm\],
-    /// slightly above the dome: contact ends between nodes. Where contact ends beyond such a node,
-    /// [`Self::inner`] has the node on the dome.
+    /// The last active nodes at the contact edge and their positions with contact offset \[mm\], slightly above the
+    /// dome: contact ends between nodes. If the edge lies beyond such a node, the node's position in [`Self::inner`]
+    /// is on the dome.
     #[must_use]
     pub fn offset_nodes(&self) -> &[(usize, DVec3)] {
         &self.offset_nodes
     }
 
-    /// The shape in which forces balance: [`Self::inner`] with the positions of [`Self::offset_nodes`].
+    /// The shape with balanced forces: [`Self::inner`] with the positions of [`Self::offset_nodes`].
     #[must_use]
     pub fn balanced(&self) -> Vec<DVec3> {
         let mut x = self.inner.clone();

@@ -11,31 +11,31 @@ pub enum Invalid {
     /// A position is not finite.
     NotFinite,
     /// The dome protrudes between nodes: the grid is too coarse for the dome, or tissue whose stress barely
-    /// rises with strain slides off its tip.
+    /// rises with strain slides off the dome's tip.
     Penetrated,
-    /// Part of the sheet is turned over: its outer side faces the implant.
+    /// Part of the sheet is inverted: the outer side faces the implant.
     Inverted,
 }
 
-/// Depth of a cell's midpoint in the dome that is tolerated \[half axes; base radius as a distance\]: chords of
-/// a sphere are this deep where they are 0.6 radii long.
+/// Tolerated depth of a cell's midpoint in the dome \[half axes; base radius as a distance\]: the depth of a
+/// sphere's chord of 0.6 radii.
 const MAX_CHORD_DEPTH: f64 = 0.05;
-/// Height of the dome's tip above the highest node that is tolerated \[lesser half axis, base radius\]: a tip
-/// between nodes 0.6 radii apart is 0.09 radii above them. Fixed by `slides-off-a-needle`.
+/// Tolerated height of the dome's tip above the highest node \[lesser half axis, base radius\]: a tip
+/// between nodes 0.6 radii apart is 0.09 radii above the nodes. Fixed by `sheet-sliding-off-needle`.
 const MAX_TIP_HEIGHT: (f64, f64) = (0.1, 0.01);
-/// Height of a cap that may lie between nodes \[base radius\]. Fixed by `cap-between-nodes`.
+/// Height of a cap that may lie between nodes \[base radius\]. Fixed by `penetration-between-nodes`.
 const MIN_CAP_HEIGHT: f64 = 1e-3;
 /// Cosine between a cell's normal and the line of sight below which the cell is inverted \[-\].
 const MAX_FACING_AWAY: f64 = 0.3;
-/// Depth of the viewpoint below the pocket's centre \[patch radius\]: from there, a sheet that is pulled over a
-/// dome shows its inner side only.
+/// Depth of the viewpoint below the pocket's centre \[patch radius\]: a sheet stretched over a dome is star-shaped
+/// about the viewpoint.
 pub(crate) const VIEWPOINT_DEPTH: f64 = 0.05;
 
 fn viewpoint(sheet: &Sheet) -> DVec3 {
     DVec3::new(0.0, 0.0, -VIEWPOINT_DEPTH * sheet.radius_mm())
 }
 
-/// Does a face with this normal show its outer side along a line of sight?
+/// Is a face with this normal inverted, seen along a line of sight from the viewpoint?
 fn is_inverted(normal: DVec3, sight: DVec3) -> bool {
     let cosine = normal.dot(sight);
     cosine < 0.0
@@ -44,7 +44,7 @@ fn is_inverted(normal: DVec3, sight: DVec3) -> bool {
 }
 
 /// Is a triangle inverted? A finer test than [`invalid`], for compressive springs: the corner of a cell can be
-/// inverted although the cell is not. Fixed by `corner-folded`.
+/// inverted although the cell is not. Fixed by `inverted-cell-corner`.
 pub(crate) fn has_inverted_triangle(sheet: &Sheet, x: &[DVec3]) -> bool {
     let viewpoint = viewpoint(sheet);
     sheet.triangles().any(|(nodes, _)| {
@@ -87,7 +87,7 @@ pub(crate) fn invalid(
     let (protrusion, radius) = (tip - highest, dome.base_radius);
     let (of_axis, of_radius) = MAX_TIP_HEIGHT;
     is_penetrated |= protrusion > (of_axis * dome.projection.min(radius)).max(of_radius * radius);
-    // A cap so small that it lies between the nodes.
+    // A small cap may lie between the nodes.
     is_penetrated |= protrusion > (0.5 * tip).max(tolerance.max(MIN_CAP_HEIGHT) * radius);
     if is_penetrated { Some(Invalid::Penetrated) } else { is_folded.then_some(Invalid::Inverted) }
 }
@@ -99,7 +99,7 @@ mod tests {
     use glam::DVec2;
 
     #[test]
-    fn a_shape_is_valid_until_it_is_broken_folded_or_penetrated() {
+    fn shapes_that_are_not_finite_inverted_or_penetrated_are_invalid() {
         let sheet = Sheet::new(33, 70.0);
         let n = 33;
         let middle = 16 * n + 16;
@@ -116,12 +116,12 @@ mod tests {
             broken[middle].y = f64::NAN;
             assert_eq!(invalid_of(&broken, 0), Some(Invalid::NotFinite));
             assert_eq!(invalid_of(&broken, n / 2), Some(Invalid::NotFinite));
-            // One node carried over its neighbours.
+            // One node beyond its neighbours.
             let mut folded = valid.clone();
             folded[middle] = valid[middle + 3] + DVec3::new(0.0, 0.0, 0.5);
             assert_eq!(invalid_of(&folded, 0), Some(Invalid::Inverted));
             assert!(has_inverted_triangle(&sheet, &folded));
-            // One corner of its cells over the diagonal, the cells not.
+            // One corner of four cells beyond the diagonals; no cell is inverted.
             let mut dented = valid.clone();
             dented[middle] = 0.45 * valid[middle] + 0.55 * valid[middle + n + 1];
             dented[middle].z += 1e-3;
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_needle_that_a_node_slipped_off_protrudes() {
+    fn a_needle_without_a_node_on_its_tip_penetrates() {
         let sheet = Sheet::new(33, 70.0);
         let n = 33;
         let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);

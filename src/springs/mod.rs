@@ -1,7 +1,7 @@
-//! Spring laws: how hard a spring of the sheet pulls, given the curve `Ef` and Poisson's ratio ν.
+//! Spring laws: tension of the sheet's springs from the curve `Ef` and Poisson's ratio ν.
 //!
-//! Pure functions, each beside the equation it comes from. Uses `curve`; used by `solve`,
-//! `measure`, `scene` and `experiment`.
+//! Pure functions, each beside its equation. Uses `curve`. Used by `model`, `solve`, `measure` and all to their
+//! right.
 
 pub(crate) mod closed_form;
 pub mod coupled;
@@ -15,7 +15,7 @@ pub use layer::Material;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which spring law carries the sheet.
+/// The spring law of a sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Springs {

@@ -1,8 +1,8 @@
 //! The tissue as a body: columns of points through all layers, over one triangulation.
 //!
 //! A column stands on every sheet node: its points are the inner face and, along the nodal normal,
-//! the deformed thicknesses of the layers. Around the pocket a ring of tissue that was not
-//! simulated continues the stack on the wall, so that the eye sees a body, not a patch.
+//! the deformed thicknesses of the layers. Around the pocket a ring of tissue without simulation continues the stack
+//! on the wall.
 
 use crate::measure::Stack;
 use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
@@ -12,10 +12,10 @@ use glam::{DVec3, Vec3};
 
 /// Width of the ring of unsimulated tissue, relative to the pocket radius, at least twice the stack.
 const RING_WIDTH: f32 = 0.2;
-/// Where the ring's columns stand across its width.
+/// Positions of the ring's columns \[ring width\].
 const RING_STEPS: [f32; 3] = [0.0, 0.35, 1.0];
-/// How far from the border the mitre reaches into the sheet, in heights of the stack. The stack's
-/// outer face would fold over itself at the crease otherwise.
+/// Distance from the border over which the stack is mitred \[heights of the stack\]; without the mitre the outer face
+/// would intersect itself at the crease.
 const MITRE_REACH: f64 = 1.6;
 
 /// Columns through the layers. Level 0 is the skin's outer surface, the last level the inner face.
@@ -25,11 +25,11 @@ pub struct Body {
     pub levels: Vec<Vec<Vec3>>,
     /// Triangles over the columns, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Columns 0 to here stand on sheet nodes of the same number; those after are the ring's.
+    /// Number of columns on sheet nodes, with the nodes' indices; the ring's columns follow.
     pub node_columns: usize,
     /// Nodes per side of the sheet's grid.
     pub nodes_per_side: usize,
-    /// The ring's inner columns with the sheet's border columns they coincide with.
+    /// Pairs of coincident columns: inner column of the ring, border column of the sheet.
     pub seam: Vec<(u32, u32)>,
     /// The ring's outer columns, counter-clockwise, closed.
     pub rim: Vec<u32>,
@@ -37,11 +37,11 @@ pub struct Body {
     pub block_radius: f32,
     /// The clamped nodes, counter-clockwise.
     border: Vec<usize>,
-    /// What the triangulation was made for.
+    /// The parameters of the current triangulation.
     made_for: Option<Grid>,
 }
 
-/// What the triangulation of a body depends on.
+/// Parameters of a triangulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Grid {
     nodes_per_side: usize,
@@ -58,8 +58,8 @@ impl Body {
         body
     }
 
-    /// Makes it the body of another shape. Returns whether the triangulation is a new one: on the same
-    /// grid with as many layers only points move.
+    /// Updates the body to another shape. Returns whether the triangulation is new: with equal grid and number of
+    /// layers only points move.
     pub fn update(&mut self, problem: &Problem, shape: &[DVec3], stack: &Stack) -> bool {
         let (sheet, layers) = (&problem.sheet, problem.materials.len());
         let grid =
@@ -82,7 +82,7 @@ impl Body {
         is_new
     }
 
-    /// Triangles and ring over columns that have no points yet.
+    /// Triangles and ring without points.
     fn triangulated(sheet: &Sheet, grid: Grid) -> Self {
         let columns = sheet.len();
         let border = border_loop(sheet);
@@ -124,8 +124,9 @@ impl Body {
         for k in 0..self.border.len() {
             let node = self.border[k];
             let outward = sheet.rest()[node].as_vec2().normalize_or_zero();
-            for (step, share) in RING_STEPS.into_iter().enumerate() {
-                self.push_ring_column(problem, node, step, (outward * share * width).extend(0.0));
+            for (step, fraction) in RING_STEPS.into_iter().enumerate() {
+                let offset = (outward * fraction * width).extend(0.0);
+                self.push_ring_column(problem, node, step, offset);
             }
         }
     }
@@ -149,7 +150,7 @@ impl Body {
     }
 }
 
-/// Two triangles of each whole cell, one of each cut one.
+/// Two triangles of each whole cell, one triangle of each cut cell.
 fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
     let cells = sheet.nodes_per_side() - 1;
     let mut triangles = Vec::with_capacity(2 * cells * cells);
@@ -170,13 +171,13 @@ fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Where the stack of layers stands along at every node: the normal, mitred near the border. Its
-/// length is 1 / (share of the thickness along it).
+/// Direction of the stack at every node: the normal, mitred near the border, with a length that keeps the thickness
+/// of the layers.
 fn stack_directions(problem: &Problem, border: &[usize], stack: &Stack) -> Vec<Vec3> {
     let sheet = &problem.sheet;
     let height: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
     let reach = MITRE_REACH * height;
-    // Squared radius beyond which a node lies within reach of the border.
+    // Squared radius beyond which the stack of a node is mitred.
     let inner = (sheet.radius_mm() - reach).max(0.0).powi(2);
     let mut along = stack.normal.clone();
     for (k, along) in along.iter_mut().enumerate() {
@@ -193,18 +194,18 @@ fn stack_directions(problem: &Problem, border: &[usize], stack: &Stack) -> Vec<V
     along
 }
 
-/// The stack's direction for a nodal normal; `mitre`: 0 along it, 1 half way between it and the
+/// The stack's direction for a nodal normal; `mitre`: 0 along the normal, 1 midway between the normal and the
 /// wall's normal, as at the border.
 fn mitred(normal: Vec3, mitre: f32) -> Vec3 {
     let between = (normal + Vec3::Z).normalize_or(Vec3::Z);
     normal.lerp(between / between.z.max(0.5), mitre)
 }
 
-/// Normals along the border, smoothed: those of the few small triangles there are rough.
+/// Smoothed normals along the border, where small triangles have inaccurate normals.
 fn border_normals(sheet: &Sheet, border: &[usize], stack: &Stack) -> Vec<Vec3> {
     const REACH: usize = 4;
     let count = border.len();
-    // How far each normal leans outwards, and how far up it points.
+    // Outward and vertical component of each normal.
     let leans: Vec<(f32, f32)> = border
         .iter()
         .map(|&k| {
@@ -250,7 +251,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_layers_stand_on_each_other_with_their_thickness() {
+    fn adjacent_faces_are_one_layer_thickness_apart() {
         let (session, body) = small();
         let stack = session.solution().stack();
         let sheet = &session.problem().sheet;
@@ -279,7 +280,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_triangle_looks_outwards() {
+    fn every_triangle_faces_outwards() {
         let (_, body) = small();
         let outer = &body.levels[0];
         let down = body

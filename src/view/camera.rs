@@ -1,28 +1,28 @@
-//! An orbit camera: every hand movement answers "changed", and only [`Camera::fit`] eases.
+//! An orbit camera: every movement returns whether the view changed; only [`Camera::fit`] is animated.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// Vertical field of view \[radians\]: a long lens, as in a clinical photograph.
 const FIELD_OF_VIEW: f32 = 0.48;
-/// Orbit per screen point dragged \[radians\].
+/// Orbit per screen point of a drag \[radians\].
 const ORBIT_RATE: f32 = 0.008;
-/// Elevation stays within this \[radians\].
+/// Range of the elevation \[radians\].
 const ELEVATION: (f32, f32) = (-0.15, 1.55);
-/// Distance stays within this \[mm\].
+/// Range of the distance \[mm\].
 const DISTANCE_MM: (f32, f32) = (40.0, 3000.0);
-/// How long [`Camera::fit`] takes \[s\].
+/// Duration of [`Camera::fit`] \[s\].
 const EASE_SECONDS: f32 = 0.35;
 
-/// Where the eye is: on a sphere about a target.
+/// Position of the eye on a sphere about a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Point looked at \[mm\].
+    /// Centre of the view \[mm\].
     pub target: Vec3,
     /// Angle about z \[radians\], from +x counter-clockwise.
     pub azimuth: f32,
     /// Angle above the wall \[radians\].
     pub elevation: f32,
-    /// Eye to target \[mm\].
+    /// Distance from eye to target \[mm\].
     pub distance: f32,
 }
 
@@ -56,7 +56,7 @@ impl Camera {
         Self { pose: fitted(radius_mm, aspect), ease: None }
     }
 
-    /// Where the eye is now.
+    /// The current pose.
     #[must_use]
     pub fn pose(&self) -> Pose {
         self.pose
@@ -72,7 +72,8 @@ impl Camera {
         *self != before
     }
 
-    /// Moves the target with the hand; `height` is the viewport's height in the delta's units.
+    /// Moves the target with the pointer; `height` is the viewport's height in the delta's units. Returns whether the
+    /// view changed.
     pub fn pan(&mut self, delta: Vec2, height: f32) -> bool {
         let before = *self;
         self.ease = None;
@@ -83,7 +84,7 @@ impl Camera {
         *self != before
     }
 
-    /// Comes closer (factor above 1) or goes away.
+    /// Divides the distance by a factor. Returns whether the view changed.
     pub fn zoom(&mut self, factor: f32) -> bool {
         let before = *self;
         self.ease = None;
@@ -93,26 +94,26 @@ impl Camera {
         *self != before
     }
 
-    /// Starts easing to the three-quarter view of a ball of this radius \[mm\].
+    /// Starts the animation to the three-quarter view of a ball of this radius \[mm\].
     pub fn fit(&mut self, radius_mm: f32, aspect: f32) -> bool {
         let to = fitted(radius_mm, aspect);
         if self.pose == to {
             return false;
         }
-        // The shorter way round.
+        // The shorter rotation.
         let turns = ((self.pose.azimuth - to.azimuth) / std::f32::consts::TAU).round();
         self.pose.azimuth -= turns * std::f32::consts::TAU;
         self.ease = Some(Ease { from: self.pose, to, done: 0.0 });
         true
     }
 
-    /// Is a fit under way?
+    /// Is a fit running?
     #[must_use]
     pub fn is_easing(&self) -> bool {
         self.ease.is_some()
     }
 
-    /// Goes on with a fit by a time step \[s\]. Returns whether the view changed.
+    /// Continues a fit by a time step \[s\]. Returns whether the view changed.
     pub fn ease(&mut self, seconds: f32) -> bool {
         let Some(ease) = &mut self.ease else { return false };
         ease.done = (ease.done + seconds.max(0.0) / EASE_SECONDS).min(1.0);
@@ -139,7 +140,7 @@ impl Camera {
         self.pose.target + self.pose.distance * Vec3::new(cos_e * cos_a, cos_e * sin_a, sin_e)
     }
 
-    /// Screen right and up in the world.
+    /// World directions of the screen's right and up.
     #[must_use]
     pub fn right_and_up(&self) -> (Vec3, Vec3) {
         let forward = (self.pose.target - self.eye()).normalize();
@@ -148,7 +149,7 @@ impl Camera {
         (right, right.cross(forward))
     }
 
-    /// Clip space (OpenGL: depth −1 to 1) from world.
+    /// The transformation from world to clip space (OpenGL: depth −1 to 1).
     #[must_use]
     pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
         let near = (self.pose.distance * 0.05).max(1.0);
@@ -166,7 +167,7 @@ impl Camera {
         Ray { origin, direction: (far.truncate() / far.w - origin).normalize() }
     }
 
-    /// Where a world point lands in the viewport, coordinates from −1 to 1; `None` behind the eye.
+    /// The viewport coordinates of a world point, −1 to 1; `None` behind the eye.
     #[must_use]
     pub fn project(&self, point: Vec3, aspect: f32) -> Option<Vec2> {
         let clip = self.clip_from_world(aspect) * point.extend(1.0);
@@ -211,7 +212,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hand_that_does_not_move_changes_nothing() {
+    fn a_zero_movement_changes_nothing() {
         let mut camera = Camera::new(80.0, 1.5);
         assert!(!camera.drag(Vec2::ZERO));
         assert!(!camera.pan(Vec2::ZERO, 600.0));
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn fit_eases_to_its_end_and_stops() {
+    fn a_fit_ends_at_the_view_of_a_new_camera() {
         let mut camera = Camera::new(80.0, 1.5);
         camera.drag(Vec2::new(300.0, 40.0));
         assert!(camera.fit(80.0, 1.5));
@@ -236,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_goes_through_the_point_it_was_made_from() {
+    fn the_ray_of_a_projected_point_passes_through_the_point() {
         let mut camera = Camera::new(80.0, 1.5);
         camera.drag(Vec2::new(33.0, -17.0));
         let point = Vec3::new(20.0, -30.0, 40.0);
@@ -247,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn zoom_refuses_nonsense() {
+    fn zoom_rejects_invalid_factors() {
         let mut camera = Camera::new(80.0, 1.5);
         assert!(!camera.zoom(f32::NAN) && !camera.zoom(-1.0) && !camera.zoom(0.0));
         camera.zoom(1e9);

@@ -1,4 +1,4 @@
-//! Colours: what a quantity looks like, what a tissue looks like, and what stands at the colour bar.
+//! Colours of quantities and tissues, and scales of the colour bar.
 
 use crate::measure::{Field, STRAIN_BANDS};
 use crate::scene::Layer;
@@ -9,7 +9,7 @@ pub type Rgb = [f32; 3];
 /// Colours in a look-up table.
 pub const TABLE_SIZE: usize = 256;
 
-/// What the surface is coloured by.
+/// The quantity that colours the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quantity {
     /// The tissue's own colour.
@@ -25,25 +25,25 @@ pub enum Quantity {
     Pressure,
 }
 
-/// A quantity as the colour bar shows it.
+/// The scale of a colour bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// Name and unit, as "Principal strain" and "%".
+    /// Name of the quantity, as "Principal strain".
     pub title: String,
-    /// Unit.
+    /// Unit of the labels.
     pub unit: &'static str,
     /// Field value at the lower end.
     pub low: f32,
     /// Field value at the upper end.
     pub high: f32,
-    /// Field values that get a tick, with their labels.
+    /// Field values of the ticks, with their labels.
     pub ticks: Vec<(f32, String)>,
     /// The colours from low to high.
     pub table: Vec<Rgb>,
 }
 
 impl Quantity {
-    /// The nodal field that it shows; `None` for plain tissue.
+    /// The nodal field of the quantity; `None` for plain tissue.
     #[must_use]
     pub fn field(&self) -> Option<Field> {
         match *self {
@@ -55,7 +55,7 @@ impl Quantity {
         }
     }
 
-    /// The colour bar that fits the field's values; `None` for plain tissue.
+    /// The scale of the colour bar for the field's values; `None` for plain tissue.
     #[must_use]
     pub fn scale(&self, values: &[f32], layers: &[Layer]) -> Option<Scale> {
         let greatest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
@@ -79,9 +79,10 @@ impl Quantity {
     }
 }
 
-/// The colour of a tissue: skin and adipose have their own, others one from a quiet palette.
+/// The colour of a tissue: skin, adipose and muscle have colours of their own, others a colour of a muted palette by
+/// `index`.
 #[must_use]
-pub fn tissue(name: &str, place: usize) -> Rgb {
+pub fn tissue(name: &str, index: usize) -> Rgb {
     const OTHERS: [Rgb; 6] = [
         [0.72, 0.45, 0.42],
         [0.60, 0.68, 0.72],
@@ -94,7 +95,7 @@ pub fn tissue(name: &str, place: usize) -> Rgb {
         "skin" => [0.87, 0.68, 0.58],
         "adipose" | "fat" => [0.97, 0.87, 0.55],
         "muscle" => [0.70, 0.34, 0.31],
-        _ => OTHERS[place % OTHERS.len()],
+        _ => OTHERS[index % OTHERS.len()],
     }
 }
 
@@ -122,7 +123,7 @@ pub fn sequential(t: f32) -> Rgb {
     })
 }
 
-/// Strain in its bands: calm below 0.25, amber to 0.5, red above, deep red past failure.
+/// Colour of a strain by bands: neutral below 0.25, amber to 0.5, red above, dark red beyond failure.
 #[must_use]
 pub fn strain_bands(strain: f32) -> Rgb {
     let [high, very_high, failure] = STRAIN_BANDS.map(|limit| limit as f32);
@@ -132,9 +133,9 @@ pub fn strain_bands(strain: f32) -> Rgb {
         (failure, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
         (0.8, [0.62, 0.12, 0.24], [0.36, 0.03, 0.22]),
     ];
-    let place = bands.iter().position(|(to, ..)| strain < *to).unwrap_or(bands.len() - 1);
-    let (to, low, high) = bands[place];
-    let from = if place == 0 { 0.0 } else { bands[place - 1].0 };
+    let band = bands.iter().position(|(to, ..)| strain < *to).unwrap_or(bands.len() - 1);
+    let (to, low, high) = bands[band];
+    let from = if band == 0 { 0.0 } else { bands[band - 1].0 };
     let t = ((strain - from) / (to - from)).clamp(0.0, 1.0);
     std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t)
 }
@@ -166,8 +167,8 @@ fn table(map: impl Fn(f32) -> Rgb) -> Vec<Rgb> {
     (0..TABLE_SIZE).map(|k| map((k as f32 + 0.5) / TABLE_SIZE as f32)).collect()
 }
 
-/// The least of 1, 2, 4, 8 times a power of ten that is not below the value: quarters of it are
-/// round numbers.
+/// The least of 1, 2, 4, 8 times a power of ten that is not below the value; quarters of these are round
+/// numbers.
 #[must_use]
 pub fn nice_above(value: f64) -> f64 {
     let unit = 10f64.powf(value.max(1e-12).log10().floor());
@@ -194,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sequential_map_grows_brighter_all_the_way() {
+    fn the_luminance_of_the_sequential_map_increases() {
         let mut last = 0.0;
         for k in 0..=100 {
             let now = luminance(sequential(k as f32 / 100.0));
@@ -204,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn strain_bands_grow_darker_and_jump_at_their_limits() {
+    fn strain_bands_darken_and_jump_at_their_limits() {
         let samples: Vec<f32> = (0..800).map(|k| k as f32 / 1000.0).collect();
         for limit in STRAIN_BANDS {
             let (a, b) = (strain_bands(limit as f32 - 1e-4), strain_bands(limit as f32 + 1e-4));
@@ -215,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn scale_ends_are_round_and_above_the_value() {
+    fn scale_ends_are_round_numbers_above_the_value() {
         for (value, nice) in [(0.13, 0.2), (3.0, 4.0), (8.1, 10.0), (42.0, 80.0), (100.0, 100.0)] {
             assert!((nice_above(value) - nice).abs() < 1e-9 * nice, "{value}");
         }

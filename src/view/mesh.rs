@@ -1,4 +1,4 @@
-//! Triangles ready for a graphics card.
+//! Triangle meshes for a graphics card.
 
 use crate::contact::Dome;
 use crate::view::body::Body;
@@ -7,26 +7,25 @@ use crate::view::section::CapTriangle;
 use glam::Vec3;
 use std::sync::Arc;
 
-/// A vertex: position \[mm\] (3), unit normal (3), place on the sheet's grid \[cells\] (2; negative: no net), the
-/// quantity shown (1, [`NO_VALUE`] where there is none), colour (3).
+/// A vertex: position \[mm\] (3), unit normal (3), coordinates on the sheet's grid \[cells\] (2; negative: no net),
+/// value of the displayed quantity (1, or [`NO_VALUE`]), colour (3).
 pub type Vertex = [f32; 12];
 
-/// Marks a vertex that shows its own colour.
+/// The value of a vertex without quantity, drawn in the vertex's colour.
 pub const NO_VALUE: f32 = -1.0e9;
 
-/// Neighbours on either side over which normals on the seam are smoothed.
+/// Neighbours on either side in the smoothing of normals on the seam.
 const SEAM_REACH: usize = 4;
 
-/// Thickness of the chest wall as drawn \[mm\].
+/// Drawn thickness of the chest wall \[mm\].
 const WALL_THICKNESS: f32 = 5.0;
 
-/// Vertices and the triangles that join them.
+/// Vertices and triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Vertices.
     pub vertices: Vec<Vertex>,
-    /// Three for a triangle, counter-clockwise seen from outside; shared by meshes of which only the
-    /// vertices differ.
+    /// Three indices per triangle, counter-clockwise seen from outside; shared by meshes of different vertices.
     pub indices: Arc<Vec<u32>>,
 }
 
@@ -41,21 +40,21 @@ impl Mesh {
     }
 }
 
-/// The two triangles of a quad whose first corner has this number.
+/// The two triangles of a quad; `first` is the index of its first corner.
 fn quad_indices(first: u32) -> [u32; 6] {
     [0, 1, 2, 0, 2, 3].map(|k| first + k)
 }
 
 /// The tissue's outer surface with values and net, its inner face, and the block's side.
 ///
-/// `values` are those of the sheet's nodes; without them the surface shows its tissue.
+/// `values` at the sheet's nodes colour the surface; without values the surface has the colour of the tissue.
 #[must_use]
 pub fn tissue(body: &Body, colors: &[Rgb], first_layer: usize, values: Option<&[f32]>) -> Mesh {
     let vertices = tissue_vertices(Vec::new(), body, colors, first_layer, values);
     Mesh::new(vertices, tissue_indices(body, first_layer))
 }
 
-/// The vertices of [`tissue`], in the room of a list that is not needed any more.
+/// The vertices of [`tissue`], in the memory of an unused list.
 #[must_use]
 pub fn tissue_vertices(
     room: Vec<Vertex>,
@@ -73,19 +72,19 @@ pub fn tissue_vertices(
     let top = first_layer.min(layers - 1);
     let columns = body.levels[layers].len();
     let count = 2 * columns + 4 * body.rim.len() * (layers - top);
-    // What a much finer grid took is given back.
+    // Frees the surplus memory of a much finer grid.
     vertices.shrink_to(2 * count);
     vertices.reserve_exact(count);
     let n = body.nodes_per_side;
     let outer = &body.levels[top];
-    let place = |k: usize| [(k % n) as f32, (k / n) as f32];
+    let on_grid = |k: usize| [(k % n) as f32, (k / n) as f32];
     let value = |k: usize| values.and_then(|v| v.get(k)).copied().unwrap_or(NO_VALUE);
     for (k, (&point, normal)) in outer.iter().zip(normals(body, outer)).enumerate() {
         let (grid, value) =
-            if k < body.node_columns { (place(k), value(k)) } else { ([-1.0; 2], NO_VALUE) };
+            if k < body.node_columns { (on_grid(k), value(k)) } else { ([-1.0; 2], NO_VALUE) };
         vertices.push(vertex(point, normal, grid, value, colors[top]));
     }
-    // The inner face looks the other way and shows no net.
+    // The inner face has opposite normals and no net.
     let inner = &body.levels[layers];
     let dim = colors[layers - 1].map(|c| c * 0.82);
     for (&point, normal) in inner.iter().zip(normals(body, inner)) {
@@ -105,7 +104,7 @@ pub fn tissue_vertices(
     vertices
 }
 
-/// The indices of [`tissue`]; the same for all shapes of one triangulation.
+/// The indices of [`tissue`], equal for all shapes of one triangulation.
 #[must_use]
 pub fn tissue_indices(body: &Body, first_layer: usize) -> Vec<u32> {
     let layers = body.layers();
@@ -132,8 +131,8 @@ fn normals(body: &Body, points: &[Vec3]) -> Vec<Vec3> {
             sums[k as usize] += normal;
         }
     }
-    // The ring's triangles are much larger than the sheet's: weigh both sides alike. Some of the
-    // sheet's are slivers: smooth along the seam.
+    // Equal weights for both sides, because the ring's triangles are much larger than the sheet's; smoothing along
+    // the seam, because some of the sheet's triangles are slivers.
     let both = |&(ring, node): &(u32, u32)| {
         sums[ring as usize].normalize_or_zero() + sums[node as usize].normalize_or_zero()
     };
@@ -148,7 +147,7 @@ fn normals(body: &Body, points: &[Vec3]) -> Vec<Vec3> {
     sums.iter().map(|sum| sum.normalize_or(Vec3::Z)).collect()
 }
 
-/// The cut faces, each layer in its colour.
+/// The cut faces in the colours of the layers.
 #[must_use]
 pub fn caps(caps: &[CapTriangle], colors: &[Rgb]) -> Mesh {
     let vertices: Vec<Vertex> = caps
@@ -202,7 +201,7 @@ pub fn wall(radius: f32) -> Mesh {
         let (y, x) = (std::f32::consts::TAU * k as f32 / AROUND as f32).sin_cos();
         Vec3::new(x, y, 0.0)
     };
-    // A hair below the sheet's clamped border, which lies at zero.
+    // Slightly below the sheet's clamped border at zero.
     let top = Vec3::new(0.0, 0.0, -0.05);
     let low = Vec3::new(0.0, 0.0, -WALL_THICKNESS);
     for k in 0..AROUND {
@@ -241,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn every_mesh_is_whole() {
+    fn every_mesh_has_valid_indices_and_unit_normals() {
         let (session, body) = small();
         let colors = [[0.5; 3]; 2];
         let strain = session.values(Field::PrincipalStrain);

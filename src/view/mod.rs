@@ -1,7 +1,7 @@
-//! What there is to see, without any toolkit: camera, colours, meshes, section cut, picking,
-//! and the picture that keeps them up to date.
+//! The view without a toolkit: camera, colours, meshes, section cut, picking, and the picture with the current
+//! meshes.
 //!
-//! Uses `session` and all to its left; knows no window, no GL and no clock. Used by `app`.
+//! Uses `session` and all to its left; no window, no GL, no clock. Used by `app`.
 //!
 //! Right-handed world in mm, z away from the chest wall; positions in `f32` are for drawing only.
 

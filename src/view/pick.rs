@@ -1,4 +1,4 @@
-//! Picking: what lies under the pointer, and its values.
+//! Picking: the target under the pointer and its values.
 
 use crate::contact::Obstacle;
 use crate::view::body::Body;
@@ -6,21 +6,21 @@ use crate::view::camera::Ray;
 use crate::view::section::{CapTriangle, Section};
 use glam::Vec3;
 
-/// What a ray of sight meets first.
+/// The first intersection of a ray of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Where \[mm\].
+    /// Position \[mm\].
     pub point: Vec3,
-    /// What.
+    /// Target at the position.
     pub target: Target,
 }
 
-/// What can be under the pointer.
+/// A target under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// A point of the sheet: three nodes with their weights (they sum to 1).
     Sheet([(usize, f32); 3]),
-    /// Tissue around the pocket, which is not simulated.
+    /// Tissue around the pocket, without simulation.
     Ring,
     /// A cut face through this layer, counted from the skin.
     Cut(usize),
@@ -41,7 +41,7 @@ impl Target {
     }
 }
 
-/// What the ray meets first; `first_layer` is the outermost layer shown.
+/// The first intersection of a ray; `first_layer` is the outermost displayed layer.
 #[must_use]
 pub fn pick(
     ray: &Ray,
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_face_tells_its_layer_and_the_ring_has_no_values() {
+    fn a_cut_face_has_its_layer_and_the_ring_has_no_values() {
         let (session, body) = small();
         let obstacle = session.problem().obstacle;
         let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };

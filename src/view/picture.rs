@@ -1,4 +1,4 @@
-//! The picture of the present shape: its meshes, remade only when what they show has changed.
+//! The picture of the current shape: meshes, updated only after a change of their content.
 
 use crate::contact::Dome;
 use crate::measure::Fields;
@@ -11,45 +11,45 @@ use crate::view::section::{CapTriangle, Section};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// While solving, no more than this share of the time goes into meshes.
+/// Greatest fraction of the time for meshes during a solve \[-\].
 const SHARE_WHILE_SOLVING: f64 = 0.3;
 
-/// Meshes and what they were made from.
+/// Meshes and the state of their sources.
 #[derive(Default)]
 pub struct Picture {
-    /// The tissue's columns; empty when there is no stable shape to show.
+    /// The tissue's columns; empty without a stable shape.
     pub body: Body,
-    /// What is known of the shape drawn; `None` before the first.
+    /// Fields of the drawn shape; `None` before the first shape.
     pub fields: Option<Rc<Fields>>,
     /// The colour bar's scale; `None` for plain tissue.
     pub scale: Option<Scale>,
     /// The cut faces.
     pub caps: Vec<CapTriangle>,
-    /// In the order of drawing: tissue, cut faces, implant, wall. A mesh that did not change stays
-    /// the same `Arc`, and so do its indices.
+    /// Meshes in the order of drawing: tissue, cut faces, implant, wall. An unchanged mesh stays the same `Arc`, with
+    /// the same indices.
     pub meshes: [Arc<Mesh>; 4],
-    /// Meshes made so far.
+    /// Number of meshes made so far.
     pub meshes_made: u64,
     /// The scale's colours.
     pub table: Arc<Vec<Rgb>>,
-    /// Meshes of the tissue of before, some of which are still being drawn. Their room is used again: taken
-    /// anew for each shape, it would break up the memory, which in a browser never shrinks.
+    /// Previous meshes of the tissue, possibly still in use by the renderer. Their memory is reused: an allocation per
+    /// shape would fragment the heap, which never shrinks in a browser.
     tissues_before: Vec<Arc<Mesh>>,
-    /// The tissue's indices, for all shapes of one triangulation.
+    /// The tissue's indices, common to all shapes of one triangulation.
     tissue_indices: Arc<Vec<u32>>,
-    /// The session's revision that the shape is of.
+    /// The session's revision of the shape.
     shape_made: Option<u64>,
     quantity_made: Option<Quantity>,
     tissues_made: Vec<String>,
     section_made: Option<Section>,
     dome_made: Option<Dome>,
     wall_made: Option<f32>,
-    /// When the last shape was begun, and how long it took with its colours and cut \[s\].
+    /// Start and duration of the last update of the shape, colours and cut included \[s\].
     last_shape: Option<(f64, f64)>,
 }
 
 impl Picture {
-    /// Brings the picture up to date. Returns whether it is; else ask again next frame. `seconds` is
+    /// Updates the picture. Returns whether the picture is current; if not, call again in the next frame. `seconds` is
     /// a clock.
     pub fn update(
         &mut self,
@@ -63,9 +63,9 @@ impl Picture {
         let rename = !tissues.clone().eq(&self.tissues_made);
         let recolor = rename || self.quantity_made != Some(quantity);
         let stale = self.shape_made != Some(session.revision());
-        // Values of the present shape fit no other one.
+        // Values belong to the shape of their own revision.
         let start = seconds();
-        // A draft answers the hand: it is shown at once.
+        // A draft is displayed immediately.
         let is_unsettled = session.is_working() && session.displayed() != Displayed::Draft;
         let wait = is_unsettled && !recolor && self.should_wait(start);
         let reshape = stale && !wait;
@@ -76,7 +76,7 @@ impl Picture {
         if !(reshape || recolor || recut) {
             return !stale;
         }
-        // A shape that waits still has its own number of layers.
+        // The drawn shape may have another number of layers than the scene.
         let colors: Vec<Rgb> = (0..self.body.layers().max(layers.len()))
             .map(|k| color::tissue(layers.get(k).map_or("", |layer| &layer.tissue), k))
             .collect();
@@ -148,14 +148,14 @@ impl Picture {
     }
 }
 
-/// The vertices' room of a mesh that nobody else holds.
+/// The vertices of a mesh without other owners, for reuse of their memory.
 fn take_unused(meshes: &mut Vec<Arc<Mesh>>) -> Vec<Vertex> {
     let unused = meshes.iter_mut().position(|mesh| Arc::get_mut(mesh).is_some());
     let mesh = unused.map(|k| meshes.swap_remove(k)).and_then(|mesh| Arc::try_unwrap(mesh).ok());
     mesh.map(|mesh| mesh.vertices).unwrap_or_default()
 }
 
-/// No shape is shown where the springs have none, nor one that is not made of numbers.
+/// Is the shape hidden? True without a stable shape and for positions that are not finite.
 fn is_hidden(session: &Session) -> bool {
     session.has_no_shape() || session.shape().iter().any(|p| !p.is_finite())
 }
@@ -169,7 +169,7 @@ mod tests {
     use std::cell::Cell;
 
     #[test]
-    fn while_solving_the_picture_takes_only_its_share_of_the_time() {
+    fn the_picture_takes_a_limited_fraction_of_the_time_during_a_solve() {
         let mut scene = Scene::default();
         scene.solver.nodes_per_side = 33;
         let mut session = Session::new(scene.clone()).unwrap();
@@ -182,7 +182,7 @@ mod tests {
                 axis: glam::Vec2::ZERO,
             },
         );
-        // Every look at the clock is a second later: the first picture took one.
+        // Each reading of the clock is one second later: the first picture takes one second.
         let now = Cell::new(0.0);
         let clock = || now.replace(now.get() + 1.0);
         let mut update =

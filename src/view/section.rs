@@ -1,4 +1,4 @@
-//! The section cut: which part of the tissue is taken away, and the faces that it leaves.
+//! The section cut: the removed part of the tissue and the cut faces.
 //!
 //! Cut faces are exact: every prism of a layer (a sheet triangle with thickness) is split into
 //! three tetrahedra and cut by the plane, which gives convex polygons in no particular order.
@@ -6,24 +6,24 @@
 use crate::view::body::Body;
 use glam::{Vec2, Vec3};
 
-/// How the tissue is opened.
+/// Shape of the removed part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Opening {
-    /// Not at all.
+    /// Nothing is removed.
     Closed,
-    /// A quarter is taken out.
+    /// A quarter is removed.
     #[default]
     Wedge,
-    /// One half is taken away.
+    /// One half is removed.
     Half,
 }
 
 /// The cut: vertical planes through an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
-    /// How much is taken away.
+    /// Shape of the removed part.
     pub opening: Opening,
-    /// Direction of the middle of the part taken away \[radians\], from +x counter-clockwise.
+    /// Direction of the middle of the removed part \[radians\], from +x counter-clockwise.
     pub angle: f32,
     /// The axis on the wall \[mm\].
     pub axis: Vec2,
@@ -32,15 +32,15 @@ pub struct Section {
 /// A triangle of a cut face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapTriangle {
-    /// Corners \[mm\], counter-clockwise seen from the part taken away.
+    /// Corners \[mm\], counter-clockwise seen from the removed part.
     pub corners: [Vec3; 3],
-    /// The layer that was cut, from the skin inwards.
+    /// Index of the layer, from the skin inwards.
     pub layer: usize,
-    /// Unit normal, pointing into the part taken away.
+    /// Unit normal, pointing into the removed part.
     pub normal: Vec3,
 }
 
-/// One plane of the cut: points with `normal · (p − axis) = 0`, kept where `along` is not negative.
+/// One plane of the cut: points with `normal · (p − axis) = 0` and, with `along`, `along · (p − axis) ≥ 0`.
 #[derive(Clone, Copy, Debug)]
 struct Face {
     axis: Vec3,
@@ -49,8 +49,8 @@ struct Face {
 }
 
 impl Section {
-    /// The normals of the two planes (the same one twice for a half): a point is taken away where
-    /// it lies in front of both. `None` when closed.
+    /// The normals of the two planes (equal normals for a half): points in front of both planes are removed. `None`
+    /// if closed.
     #[must_use]
     pub fn planes(&self) -> Option<[Vec3; 2]> {
         let direction = |angle: f32| Vec3::new(angle.cos(), angle.sin(), 0.0);
@@ -64,7 +64,7 @@ impl Section {
         }
     }
 
-    /// Is a point taken away?
+    /// Is a point in the removed part?
     #[must_use]
     pub fn removes(&self, point: Vec3) -> bool {
         let from_axis = point - self.axis.extend(0.0);
@@ -94,8 +94,8 @@ fn cut(body: &Body, first_layer: usize, face: Face, caps: &mut Vec<CapTriangle>)
     let (Some(outer), Some(inner)) = (body.levels.get(first_layer), body.levels.last()) else {
         return;
     };
-    // A column runs straight from its outermost to its innermost point: where all of a triangle's
-    // columns lie on one side, no layer there is cut.
+    // A column is a straight line from the outermost to the innermost point: if all columns of a triangle lie on one
+    // side, no layer is cut.
     let side = |p: Vec3| face.normal.dot(p - face.axis);
     let is_shown = |p: Vec3| face.along.is_none_or(|along| along.dot(p - face.axis) >= 0.0);
     let columns: Vec<Side> =
@@ -118,7 +118,7 @@ fn cut(body: &Body, first_layer: usize, face: Face, caps: &mut Vec<CapTriangle>)
     }
 }
 
-/// On which side of a plane a column of points lies.
+/// Side of a plane on which a column lies.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
     Front,
@@ -136,7 +136,7 @@ impl Side {
     }
 }
 
-/// Cuts the part of a layer between two triangles.
+/// Cuts the prism of a layer between two triangles.
 fn cut_prism(
     top: [Vec3; 3],
     low: [Vec3; 3],
@@ -149,8 +149,8 @@ fn cut_prism(
     if behind == 0 || behind == 6 {
         return;
     }
-    // Diagonals run from the lower numbered column below to the higher one above, so that
-    // neighbouring prisms agree.
+    // Diagonals run from the column of lower index below to the column of higher index above: adjacent prisms have
+    // equal diagonals.
     for tetrahedron in [
         [low[0], low[1], low[2], top[2]],
         [low[0], low[1], top[1], top[2]],
@@ -165,7 +165,7 @@ fn cut_prism(
     }
 }
 
-/// Where the plane cuts a tetrahedron: a convex polygon of 0, 3 or 4 corners, in order.
+/// The intersection of the plane and a tetrahedron: a convex polygon of 0, 3 or 4 corners, in order.
 fn slice(corners: [Vec3; 4], face: Face) -> Vec<Vec3> {
     let side = corners.map(|p| face.normal.dot(p - face.axis));
     let (front, back): (Vec<usize>, Vec<usize>) = (0..4).partition(|&k| side[k] >= 0.0);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_body_has_no_caps_and_an_open_one_loses_what_is_in_front() {
+    fn a_closed_body_has_no_caps_and_a_cut_removes_points_in_front() {
         let (_, body) = small();
         let mut section = Section { opening: Opening::Closed, angle: 0.3, axis: Vec2::ZERO };
         assert!(section.caps(&body, 0).is_empty());
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn cut_faces_lie_in_their_plane_and_do_not_depend_on_the_angle_of_the_cut() {
+    fn cut_faces_lie_in_their_plane_with_an_area_independent_of_the_angle() {
         let (_, body) = small();
         let faces = |opening, angle| {
             let section = Section { opening, angle, axis: Vec2::ZERO };

@@ -1,13 +1,13 @@
-//! What holds of any input, however hostile: shared by the property tests and the fuzz targets.
+//! Properties of any input, shared by the property tests and the fuzz targets.
 
 use implant_preview::curve::{Curve, CurveSpec, Interpolation, Section};
 use implant_preview::scene::{Scene, SceneError, read};
 use serde_json::{Value, json};
 
-/// The most characters of a message.
+/// Greatest number of characters of a message.
 pub(crate) const MESSAGE: usize = 300;
 
-/// One line, short, printable.
+/// Checks that a message is one short, printable line.
 pub(crate) fn check_message(error: &SceneError) {
     let line = error.to_string();
     assert!(line.chars().count() < MESSAGE, "{} characters: {line:.500}", line.chars().count());
@@ -15,7 +15,7 @@ pub(crate) fn check_message(error: &SceneError) {
     assert!(line.len() > 5, "{line:?} says nothing");
 }
 
-/// A scene is refused in one line, or it is within its limits, writes itself down and is a problem.
+/// Checks that a scene is rejected with one line, or within its limits, equal after a round trip and a valid problem.
 pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     let scene = match read {
         Ok(scene) => scene,
@@ -28,7 +28,7 @@ pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     for layer in &scene.layers {
         check_curve(&Curve::new(&layer.curve).expect("checked before"));
     }
-    // A sheet of a million nodes says no more than a small one.
+    // A large sheet would only cost time.
     let mut small = scene.clone();
     small.solver.nodes_per_side = 17;
     let problem = small.problem().expect("checked before");
@@ -45,7 +45,7 @@ pub(crate) fn check_curve_file(bytes: &[u8]) {
     }
 }
 
-/// A curve from its parts; `true` if it was accepted.
+/// Builds a curve from its parts; `true` if the curve is accepted.
 pub(crate) fn check_spec(spec: &CurveSpec) -> bool {
     let read = Curve::new(spec);
     match &read {
@@ -61,7 +61,7 @@ pub(crate) fn check_spec(spec: &CurveSpec) -> bool {
     read.is_ok()
 }
 
-/// Scenes in a file, one or one a line.
+/// Scenes in a file: one scene, or one scene per line.
 pub(crate) fn check_lines(bytes: &[u8]) {
     for format in [read::Format::Json, read::Format::JsonLines] {
         match read::scenes(bytes, format) {
@@ -76,7 +76,7 @@ pub(crate) fn check_lines(bytes: &[u8]) {
     }
 }
 
-/// Ef(0) = 0, odd, increasing, finite; its energy is between the areas below and above each step.
+/// Checks Ef(0) = 0, odd symmetry, increase and finiteness, and the energy between lower and upper sums.
 pub(crate) fn check_curve(curve: &Curve) {
     assert!(curve.stress(0.0).abs() <= 0.0 && curve.energy(0.0).abs() <= 0.0);
     assert!(curve.data_end() > 0.0 && curve.line_start() >= curve.data_end());
@@ -85,7 +85,7 @@ pub(crate) fn check_curve(curve: &Curve) {
         .extend(curve.breaks().take(200).flat_map(|b| [b * (1.0 - 1e-12), b, b * (1.0 + 1e-12)]));
     strains.extend([1e-12, 1e-6, 0.3, 1.0, 3.0, 9.9, 10.0, 11.0, 1e3, 1e6]);
     strains.sort_by(f64::total_cmp);
-    // Pieces are sums: they are exact to rounding of their greatest term.
+    // A piece is a sum, exact to rounding of the greatest term.
     let peak = curve.stress(curve.line_start());
     let (mut before, mut stress_before, mut energy_before) = (0.0, 0.0, 0.0);
     for &strain in &strains {
@@ -108,7 +108,7 @@ pub(crate) fn check_curve(curve: &Curve) {
     }
 }
 
-/// Choices out of bytes, so that a fuzzer and a property test steer the same scenes; zeros follow.
+/// A source of choices from bytes, common to fuzz targets and property tests; zeros follow the last byte.
 pub(crate) struct Choices<'a>(pub(crate) &'a [u8]);
 
 impl Choices<'_> {
@@ -130,7 +130,7 @@ impl Choices<'_> {
         f64::from(u16::from_le_bytes([self.byte(), self.byte()])) / 65535.0
     }
 
-    /// Mostly a number in the range, sometimes its ends, sometimes anything.
+    /// A number: mostly in the range, sometimes an end of the range, sometimes arbitrary.
     pub(crate) fn number(&mut self, least: f64, most: f64) -> f64 {
         const ODD: [f64; 12] = [
             0.0,
@@ -157,7 +157,7 @@ impl Choices<'_> {
         }
     }
 
-    /// A positive number of any order of magnitude in the range; sometimes anything.
+    /// A positive number of any order of magnitude in the range; sometimes arbitrary.
     fn magnitude(&mut self, least: f64, most: f64) -> f64 {
         if self.byte() < 240 {
             least * (most / least).powf(self.share())
@@ -189,7 +189,7 @@ impl Choices<'_> {
         }
     }
 
-    /// From [0, 0] in steps of any size; near-vertical ones and plateaus among them.
+    /// Points from [0, 0] in steps of any size, including near-vertical steps and plateaus.
     fn points(&mut self) -> Vec<[f64; 2]> {
         let mut points = vec![[0.0, 0.0]];
         for _ in 0..self.below(12) {

@@ -1,9 +1,9 @@
-//! The reference solutions of a dome under a membrane, found by independent means, and their scenes.
+//! Independent reference solutions of a membrane over a dome, and their scenes.
 
 use implant_preview::scene::Scene;
 use serde_json::{Value, json};
 
-/// Each with its scene and its `result`.
+/// The reference cases, each with `scene` and `result`.
 pub(crate) fn cases() -> Vec<Value> {
     let file: Value = serde_json::from_str(include_str!("../reference/membrane.json")).unwrap();
     file.as_array().unwrap().clone()

@@ -1,8 +1,8 @@
-//! Scenes that the native and the wasm tests share, and what the native solver made of them.
+//! Scenes shared by the native and the wasm tests, and the native solutions.
 
 use serde_json::{Value, json};
 
-/// Small scenes that go through every part of the solver.
+/// Small scenes that exercise every part of the solver.
 pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
     vec![
         (

@@ -1,8 +1,7 @@
-//! How a shape is deformed at its nodes: what every result and every field is made from.
+//! Deformation at the nodes: stretch, normal and area, the basis of results and fields.
 //!
-//! One pass over the cells. On the square cells inside the pocket a triangle's deformation gradient
-//! F is two edges of its cell over the spacing; only the cells at the fitted border need their own
-//! gradients.
+//! One pass over the cells. On a square cell the columns of a triangle's deformation gradient F are two edges of
+//! the cell over the spacing; cells at the fitted border have gradients of their own.
 
 use super::triangle::{Principal, Rest};
 use crate::contact::Dome;
@@ -10,10 +9,10 @@ use crate::mesh::{CellKind, NodeKind, Sheet};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, AddAssign};
 
-/// An area stretch below this has no thickness: the sheet is folded \[-\].
+/// Lower bound of the area stretch in the thickness \[-\]; a degenerate triangle is below the bound.
 pub(crate) const LEAST_AREA_STRETCH: f64 = 1e-6;
 
-/// The power of the area stretch that is the thickness stretch: −ν/(1−ν).
+/// Exponent of the area stretch in the thickness stretch: −ν/(1−ν).
 pub(crate) fn thickness_exponent(poisson_ratio: f64) -> f64 {
     -poisson_ratio / (1.0 - poisson_ratio)
 }
@@ -65,12 +64,12 @@ impl Add for Stretch {
     }
 }
 
-/// What belongs to a node: first the sums over its triangles, then their means.
+/// The deformation of a node: first sums over the adjacent triangles, then means.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
     /// Σ C·A, then U of the mean metric C \[-\].
     stretch: Stretch,
-    /// Σ of the deformed triangles' area vectors times two \[mm²\]; points to the skin.
+    /// Twice the sum of the deformed triangles' area vectors \[mm²\]; points to the skin.
     normal: DVec3,
     /// A third of the triangles' rest areas \[mm²\].
     rest_area: f64,
@@ -98,9 +97,9 @@ impl AddAssign for Node {
     }
 }
 
-/// What a triangle with the columns f₁, f₂ of F and the rest area gives to each of its nodes.
+/// The contribution of a triangle to each of its nodes; f₁, f₂ are the columns of F.
 #[inline]
-fn share([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
+fn contribution([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
     let across = f1.cross(f2) * rest_area;
     let third = rest_area / 3.0;
     let metric = Stretch { xx: f1.length_squared(), yy: f2.length_squared(), xy: f1.dot(f2) };
@@ -112,7 +111,7 @@ fn share([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
     }
 }
 
-/// Is the cell with these corners a square of the grid, no corner moved onto the border?
+/// Are all corners of the cell free? Such a cell is a square at rest.
 #[inline]
 pub(crate) fn is_square(sheet: &Sheet, corners: [usize; 4]) -> bool {
     corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free)
@@ -155,15 +154,16 @@ impl Deformation {
                     for (triangle, weight) in sheet.cell_triangles(i, j) {
                         let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
                         let columns = Principal::columns(&rest, triangle.map(|k| x[k]));
-                        let share = share(columns, rest.area);
-                        triangle.into_iter().for_each(|k| nodes[k] += share);
+                        let added = contribution(columns, rest.area);
+                        triangle.into_iter().for_each(|k| nodes[k] += added);
                     }
                     continue;
                 }
                 let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), per_spacing);
-                let upper = [share([top, right], quarter), share([top, left], quarter)];
-                let lower = [share([bottom, left], quarter), share([bottom, right], quarter)];
-                // The k-th triangle leaves out corner k.
+                let of = |columns: [DVec3; 2]| contribution(columns, quarter);
+                let upper = [of([top, right]), of([top, left])];
+                let lower = [of([bottom, left]), of([bottom, right])];
+                // The k-th triangle has no corner k.
                 let (above, below) = (upper[0] + upper[1], lower[0] + lower[1]);
                 nodes[corners[0]] += upper[1] + below;
                 nodes[corners[1]] += upper[0] + below;
@@ -218,7 +218,7 @@ impl Deformation {
         self.nodes[node].deformed_area
     }
 
-    /// Strains of the whole sheet, with the share of its rest area above each limit.
+    /// Strains of the whole sheet, with the fraction of its rest area above each limit.
     pub(crate) fn summary<const N: usize>(&self, sheet: &Sheet, limits: [f64; N]) -> Summary<N> {
         let (mut rest, mut deformed, mut above) = (0.0, 0.0, [0.0; N]);
         let (mut greatest, mut least) = (f64::MIN, f64::MAX);
@@ -238,11 +238,11 @@ impl Deformation {
             greatest,
             least,
             area_ratio: deformed / rest,
-            share_above: above.map(|area| area / rest),
+            fraction_above: above.map(|area| area / rest),
         }
     }
 
-    /// Stretch at the sheet's point on the dome's apex.
+    /// Stretch at the sheet's point above the dome's apex.
     pub(crate) fn at_apex(&self, sheet: &Sheet, dome: &Dome, x: &[DVec3]) -> Stretch {
         let n = sheet.nodes_per_side();
         let target = dome.center;
@@ -254,7 +254,7 @@ impl Deformation {
             }
         }
         let nearest = nearest.1;
-        // The material point over the target, from the slope of the nodes' horizontal positions.
+        // Material coordinates of the target, from the gradient of the horizontal positions.
         let h = sheet.spacing_mm();
         let along = (x[nearest + 1] - x[nearest - 1]).truncate() / (2.0 * h);
         let across = (x[nearest + n] - x[nearest - n]).truncate() / (2.0 * h);
@@ -285,12 +285,12 @@ impl Deformation {
 pub(crate) struct Summary<const N: usize> {
     /// Greatest principal strain.
     pub(crate) greatest: f64,
-    /// Least principal strain, without the border, where strains are first-order accurate.
+    /// Least principal strain of the free nodes; strains on the border are first-order accurate only.
     pub(crate) least: f64,
     /// Deformed area / rest area of the triangles.
     pub(crate) area_ratio: f64,
-    /// Share of the rest area whose greatest principal strain is above each limit.
-    pub(crate) share_above: [f64; N],
+    /// Fraction of the rest area with a greatest principal strain above each limit.
+    pub(crate) fraction_above: [f64; N],
 }
 
 #[cfg(test)]
@@ -298,7 +298,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_even_stretch_is_recovered_at_every_node() {
+    fn a_homogeneous_stretch_is_recovered_at_every_node() {
         let sheet = Sheet::new(33, 50.0);
         let (along, across, shear) = (1.4, 1.1, 0.2);
         let x: Vec<DVec3> = sheet
@@ -318,6 +318,7 @@ mod tests {
         }
         let summary = deformation.summary(&sheet, [0.0, 1.0]);
         assert!((summary.area_ratio - normal.length()).abs() < 1e-12);
-        assert!((summary.share_above[0] - 1.0).abs() < 1e-12 && summary.share_above[1] < 1e-12);
+        let [all, none] = summary.fraction_above;
+        assert!((all - 1.0).abs() < 1e-12 && none < 1e-12);
     }
 }

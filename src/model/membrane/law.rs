@@ -1,4 +1,4 @@
-//! The law of a whole stack of layers, as the solver reads it: tables, layers merged.
+//! The law of a whole stack of layers: one table per group of merged layers.
 
 use crate::springs::Material;
 use crate::springs::Springs;
@@ -6,10 +6,10 @@ use crate::springs::coupled::{CoupledLaw, LawLayer};
 use crate::springs::paper::{self, Spring, edge_strain_limit};
 use crate::springs::table::{Table, Weight};
 
-/// The spring strain up to which the paper's springs are tabulated \[-\]: twice what the paper asks.
+/// End of the tables of the paper's springs \[-\]: twice the strain range of the paper.
 const PAPER_STRAIN: f64 = 2.0;
 
-/// What carries the sheet.
+/// The law of a sheet.
 #[derive(Clone, Debug)]
 pub(crate) enum SheetLaw {
     /// Coupled springs.
@@ -18,16 +18,16 @@ pub(crate) enum SheetLaw {
     Paper(PaperLaw),
 }
 
-/// The paper's springs of all layers, added up: each spring's tension depends on its strain alone.
+/// The sum of the paper's springs of all layers: the tension of a spring is a function of its own strain.
 #[derive(Clone, Debug)]
 pub(crate) struct PaperLaw {
-    /// Σ h·f/Sq \[kPa·mm\] of an edge spring against its strain.
+    /// Σ h·f/Sq \[kPa·mm\] of an edge spring as a function of its strain.
     pub edge: Table,
-    /// The same of a diagonal spring.
+    /// Σ h·f/Sq \[kPa·mm\] of a diagonal spring as a function of its strain.
     pub diagonal: Table,
 }
 
-/// The coupled springs' law of layers.
+/// The law of coupled springs for a stack of layers.
 pub(crate) fn coupled_law(materials: &[Material]) -> CoupledLaw {
     let layers: Vec<LawLayer> = materials
         .iter()
@@ -75,7 +75,7 @@ impl PaperLaw {
             .iter()
             .map(|m| edge_strain_limit(m.poisson_ratio))
             .fold(PAPER_STRAIN, f64::min);
-        // Ef(ε) bends at the curve's breaks, Ef(−νε) at 1/ν of them; both change form at zero.
+        // Ef(ε) has kinks at the curve's breaks, Ef(−νε) at breaks/ν; both change form at zero.
         let mut breaks = vec![0.0];
         for m in materials {
             for b in m.curve.breaks() {

@@ -1,7 +1,8 @@
 //! A sheet of bonded layers without bending stiffness.
 //!
-//! `law` (a stack of layers as tables) | `triangle` (principal stretches) | `node_stiffness` | `assembly` (energy, forces and
-//! Hessian in f64) | `lanes` (forces and diagonal blocks for four f32 at a time).
+//! `law` (a stack of layers as tables) | `triangle` (principal stretches) | `node_stiffness` | `assembly` (energy,
+//! forces and Hessian in f64) | `lanes` (forces and diagonal blocks for four f32 at a time) | `deformation` (stretch,
+//! normal and area at the nodes) | `stack` (faces of the layers).
 
 pub(crate) mod assembly;
 pub(crate) mod deformation;

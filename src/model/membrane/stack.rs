@@ -16,7 +16,7 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// The stack of these layers, from the skin inwards, on a deformed sheet.
+    /// The stack of layers, from the skin inwards, on a deformed sheet.
     pub(crate) fn new(materials: &[Material], deformation: &Deformation) -> Self {
         let normal = |k| deformation.normal(k).as_vec3();
         Self {
@@ -25,8 +25,8 @@ impl Stack {
         }
     }
 
-    /// Positions of the faces: `inner`, the faces between the layers, the skin; each is the one below moved along
-    /// `directions` by the thickness of the layer between them. Shape (layers + 1, `inner.len()`).
+    /// Positions of the faces: `inner`, the faces between the layers, the skin; each face is the face below, moved
+    /// along `directions` by the thickness of the layer between. Shape (layers + 1, `inner.len()`).
     #[must_use]
     pub fn faces(&self, inner: Vec<Vec3>, directions: &[Vec3]) -> Vec<Vec<Vec3>> {
         let mut faces = Vec::with_capacity(self.thickness_mm.len() + 1);
@@ -48,14 +48,14 @@ pub(crate) fn offset(
     points.iter().zip(directions).zip(thickness).map(|((p, d), t)| *p + *d * *t)
 }
 
-/// For each layer the first one of the same Poisson ratio: those share ē and λ₃.
+/// For each layer the first layer of the same Poisson ratio, with equal ē and λ₃.
 pub(crate) fn first_alike(materials: &[Material]) -> impl Iterator<Item = usize> + '_ {
     let nu = |k: usize| materials[k].poisson_ratio.to_bits();
     (0..materials.len()).map(move |k| (0..k).find(|&j| nu(j) == nu(k)).unwrap_or(k))
 }
 
-/// [`Stack::thickness_mm`]: that at rest times (λ₁λ₂)^(−ν/(1−ν)). In `f32` and by one logarithm
-/// for all layers, because it is drawn and powers are slow.
+/// [`Stack::thickness_mm`]: thickness at rest times (λ₁λ₂)^(−ν/(1−ν)), in `f32` by one logarithm for all layers:
+/// sufficient for drawing, and faster than powers.
 fn thickness_mm(materials: &[Material], deformation: &Deformation) -> Vec<Vec<f32>> {
     let mut logarithm = vec![0.0_f32; deformation.len()];
     for k in deformation.inside() {

@@ -25,7 +25,7 @@ pub(crate) struct Principal {
     pub(crate) stretch: [f64; 2],
     /// Principal directions at rest.
     pub(crate) rest: [DVec2; 2],
-    /// The same, deformed; unit vectors in the triangle's plane.
+    /// Deformed principal directions: unit vectors in the triangle's plane.
     pub(crate) deformed: [DVec3; 2],
 }
 
@@ -54,7 +54,7 @@ impl Principal {
         let (_, half, off) = metric(f1, f2);
         let radius = (half * half + off * off).sqrt();
         let rest = if radius > 0.0 {
-            // Half of the angle (half, off)/radius, by the formula without cancellation.
+            // Half of the angle of (half, off)/radius, by the half-angle formula without cancellation.
             let (c, s) = if half >= 0.0 {
                 let c = (0.5 * (1.0 + half / radius)).sqrt();
                 (c, 0.5 * off / (radius * c))
@@ -68,7 +68,7 @@ impl Principal {
         };
         let across = DVec2::new(-rest.y, rest.x);
         let stretch = Self::stretches(columns);
-        // F N/λ are unit vectors; a triangle squeezed to a line has any second direction.
+        // F N/λ are unit vectors; the second direction of a degenerate triangle is arbitrary.
         let first = (f1 * rest.x + f2 * rest.y) / stretch[0];
         let second = if stretch[1] > 1e-9 * stretch[0] {
             (f1 * across.x + f2 * across.y) / stretch[1]

@@ -12,16 +12,16 @@ use crate::contact::contact_edge;
 use crate::mesh::lanes::Field;
 use crate::model::ElasticModel;
 
-/// What a convergence test found.
+/// Output of a convergence test.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct Ending {
     /// Estimated greatest node position error \[mm\].
     pub(in crate::solve) error: f64,
-    /// Norm of the forces that no contact takes, relative to the forces of the cells \[-\].
+    /// Norm of the nodal forces without contact forces, relative to the forces of the cells \[-\].
     pub(in crate::solve) relative_residual: f64,
     /// Is a tension compressive? The sheet may be nearly stationary on its path to a wrinkled equilibrium.
     pub(in crate::solve) is_compressive: bool,
-    /// Are contact offsets so large that f64 has to decide which nodes are active?
+    /// Do contact offsets exceed `max_contact_offset`, so that the active set has to be found in f64?
     pub(in crate::solve) leaves_contact_offsets: bool,
 }
 
@@ -34,11 +34,11 @@ impl Ending {
     };
 }
 
-/// What a search for contact offsets found.
+/// Result of a search for contact offsets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Offsets {
     NotSearched,
-    /// They are negligible at the tolerance.
+    /// The offsets are negligible at the tolerance.
     Neglected,
     Applied,
     /// The active set is not clear yet.
@@ -52,17 +52,17 @@ pub(super) struct Convergence {
     pub(super) cycles: u32,
     /// Slow cycles in a row.
     slow_cycles: u32,
-    /// Stagnations out of balance, and the relative residual at the last one.
+    /// Number of stagnations with a large residual, and the relative residual at the last stagnation.
     stagnations: u32,
     stagnation_residual: f64,
     pub(super) offsets: Offsets,
     /// Error of neglected contact offsets \[mm\].
     neglected_offset: f64,
-    /// Sum of squares of the residual, where the search for contact offsets has computed it.
+    /// Sum of squares of the residual, if the search for contact offsets computed the residual.
     residual_squares: Option<f64>,
     /// The change of the last cycle \[mm\].
     last_change: f64,
-    /// The same as a field; of the finest grid, where no relaxation followed.
+    /// The change of the last cycle as a field of the finest grid, unless a relaxation followed.
     last_update: Field,
     has_last_update: bool,
     pub(super) ending: Ending,
@@ -86,12 +86,12 @@ impl Convergence {
         }
     }
 
-    /// Forgets the grid before.
+    /// Resets the state for another grid.
     pub(super) fn reset(&mut self) {
         *self = Self::new(std::mem::take(&mut self.last_update));
     }
 
-    /// Has the state changed by other means than a cycle?
+    /// Discards the last change: the state changed by other means than a cycle.
     fn forget_changes(&mut self) {
         self.last_change = f64::INFINITY;
         self.slow_cycles = 0;
@@ -131,7 +131,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if self.is_on_finest() { self.check_solution() } else { self.check_start() }
     }
 
-    /// A coarser grid has to be a good start only.
+    /// Ends a cycle of a coarser grid, whose solution is only a start.
     fn check_start(&mut self) -> State {
         let Self { convergence, grid, base_radius, .. } = self;
         let is_enough = convergence.ending.error <= PARAMETERS.start_tolerance * *base_radius;
@@ -140,7 +140,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             _ => PARAMETERS.max_start_cycles,
         };
         if is_enough || convergence.cycles >= most {
-            // What is slow even on the coarsest grid, cycles will not solve: tissue that slides on a steep dome.
+            // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well.
             if self.grid == 0 && !is_enough {
                 return State::Failed;
             }
@@ -151,6 +151,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         State::Working
     }
 
+    /// Ends a cycle of the finest grid.
     fn check_solution(&mut self) -> State {
         let is_enough = match self.stop {
             Stop::Cycles(cycles) => self.convergence.cycles >= cycles,
@@ -192,7 +193,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         State::Working
     }
 
-    /// Are nodes in place, so that contact offsets matter?
+    /// Is the active set accurate enough for a search of contact offsets?
     fn is_settled(&self, is_enough: bool) -> bool {
         match self.stop {
             Stop::Cycles(cycles) => cycles > 1 && 2 * self.convergence.cycles >= cycles,
@@ -200,13 +201,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
     }
 
-    /// Is the error, with that of neglected contact offsets, within the tolerance?
+    /// Is the error, including neglected contact offsets, within the tolerance?
     fn is_error_tolerable(&self) -> bool {
         let Convergence { ending, neglected_offset, .. } = &self.convergence;
         ending.error + neglected_offset <= self.tolerance * self.base_radius
     }
 
-    /// A solution in which forces balance is converged; a second stagnation out of balance fails.
+    /// Tests the balance of forces: a small residual is convergence, a second stagnation with a large residual failure.
     fn check_balance(&mut self) -> State {
         self.find_relative_residual();
         let Self { convergence, base_radius, tolerance, .. } = self;
@@ -237,13 +238,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let squares = known.unwrap_or_else(|| level.find_residual(&self.model, Contact::OneSided));
         let tension = level.tension(&self.model);
         let ending = &mut self.convergence.ending;
-        // A sheet at rest has no forces: rounding is not measured against rounding.
+        // The lower bound keeps rounding from being compared with rounding in a sheet at rest.
         ending.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
         ending.is_compressive = tension.is_compressive(level.layout.free_nodes());
         self.count(grid, if known.is_some() { 0.5 } else { 1.5 });
     }
 
-    /// Finds where contact ends between nodes, and applies the contact offsets if they matter at the tolerance.
+    /// Computes the contact offsets, and applies the offsets that are significant at the tolerance.
     fn find_contact_offsets(&mut self) -> Offsets {
         let (grid, is_study) = (self.grid, self.stop != Stop::Tolerance);
         let spacing = self.grid_spacing();
@@ -251,7 +252,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let squares = level.find_residual(&self.model, Contact::OneSided);
         let greatest = level.find_contact_offsets() * spacing / self.base_radius;
         self.convergence.neglected_offset = contact_edge::neglected(greatest) * self.base_radius;
-        // The tolerance may leave room for neglecting them: another cycle is not due then.
+        // Offsets within the tolerance are neglected without another cycle.
         let mut fraction = if self.is_error_tolerable() && !is_study {
             0.0
         } else {
@@ -282,8 +283,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
         Offsets::Applied
     }
 
-    /// Relaxes a change that the one before says will be taken back: coarse grids are slightly too soft where
-    /// contact ends, so that the sheet oscillates there (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46, 1926, for one
+    /// Relaxes an oscillating change: coarse grids are slightly too soft at the contact edge, where the sheet may
+    /// oscillate from cycle to cycle (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46, 1926, for one
     /// vector).
     fn aitken_relax(&mut self) {
         let level = &mut self.levels[self.grid];

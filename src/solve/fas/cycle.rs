@@ -5,7 +5,7 @@
 //! 1. Smooth: u ← u + ω D⁻¹ (f(u) + τ), ν₁ times.
 //! 2. Restrict: û = I u and τ = R r − f(û) on the next coarser grid, r the residual without contact forces; the
 //!    active set of the coarser grid is that of the finer one.
-//! 3. Solve the coarse problem: by this cycle, on the coarsest grid by smoothing alone.
+//! 3. Solve the coarse problem: by steps 1 to 5, on the coarsest grid by smoothing alone.
 //! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes.
 //! 5. Smooth ν₂ times.
 //!
@@ -39,12 +39,12 @@ pub(super) enum Step {
     CheckConvergence,
 }
 
-/// A cycle to come.
+/// The next cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     /// The grid being solved.
     pub(super) top: usize,
-    /// Cycles of this grid before.
+    /// Number of previous cycles of this grid.
     pub(super) cycles: u32,
     pub(super) mode: Mode,
 }
@@ -68,7 +68,7 @@ impl Plan {
         steps.push(Step::CheckConvergence);
     }
 
-    /// A grid keeps its blocks for all cycles but its own first ones.
+    /// Blocks are recomputed in the first cycles of their own grid only, in robust mode in every cycle.
     fn renews_blocks(self, grid: usize) -> bool {
         let is_own = grid == self.top && self.cycles < PARAMETERS.block_cycles;
         is_own || self.mode == Mode::Robust
@@ -91,7 +91,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.next_step = 0;
     }
 
-    /// Does a step of a cycle but the last one.
+    /// Executes a step of a cycle, except the convergence test.
     pub(super) fn execute(&mut self, step: Step) {
         match step {
             Step::InvertBlocks { grid } => {

@@ -1,8 +1,7 @@
-//! The kernels of full multigrid one by one, for benchmarks (`benches/kernels.rs`) and for nothing
-//! else: the solver itself does not use this.
+//! The kernels of full multigrid one by one, for benchmarks only (`benches/kernels.rs`).
 //!
-//! [`Kernels`] holds a solved grid and the next coarser one. Every kernel runs on them with the
-//! numbers of the equilibrium and leaves the shape where it is, however often it is run.
+//! [`Kernels`] contains a solved grid and the next coarser grid. Every kernel runs on the equilibrium and leaves
+//! the shape unchanged in any number of runs.
 
 use super::level::Level;
 use super::parameters::PARAMETERS;
@@ -20,15 +19,15 @@ pub enum Kernel {
     Force,
     /// Inverse diagonal blocks of the stiffness.
     Blocks,
-    /// A step of the smoother with contact, without the forces that it needs.
+    /// A step of the smoother with contact, without the evaluation of forces.
     Step,
-    /// The residual with contact, without the forces that it needs.
+    /// The residual with contact, without the evaluation of forces.
     Residual,
-    /// The residual's way to the coarser grid.
+    /// Restriction of the residual to the coarser grid.
     Restriction,
-    /// The coarser grid's correction: interpolated, and added under contact.
+    /// Prolongation of the coarser grid's correction, added under contact.
     Correction,
-    /// The coarser grid's shape as a start: interpolated, and put outside of the dome.
+    /// Prolongation of the coarser grid's solution, projected out of the dome.
     Refinement,
 }
 
@@ -44,7 +43,7 @@ impl Kernel {
         Self::Refinement,
     ];
 
-    /// What it is called in reports.
+    /// Name of the kernel in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -59,11 +58,11 @@ impl Kernel {
     }
 }
 
-/// A solved grid on which one kernel can be run at a time.
+/// A solved grid for runs of single kernels.
 #[derive(Clone, Debug)]
 pub struct Kernels {
     scheme: FullMultigrid<Membrane>,
-    /// The springs' forces that dome and wall carry: those at which the smoother rests.
+    /// Spring forces in balance with dome and wall: fixed point of the smoother.
     carried: Field,
     /// The other forces.
     residual: Field,
@@ -73,7 +72,7 @@ pub struct Kernels {
 }
 
 impl Kernels {
-    /// Solves a problem; `None` if full multigrid does not, or if there is no coarser grid.
+    /// Solves a problem; `None` if full multigrid does not converge, or without a coarser grid.
     #[must_use]
     pub fn new(problem: &Problem) -> Option<Self> {
         let law = SheetLaw::new(problem.springs, &problem.materials);
@@ -102,7 +101,7 @@ impl Kernels {
         for (all, left) in carried.planes_mut().zip(residual.planes()) {
             all.iter_mut().zip(left).for_each(|(all, left)| *all -= left);
         }
-        // A correction of zero, which costs as much as any other.
+        // The cost of a correction does not depend on its values.
         coarse.before.copy_from(&coarse.u);
         let (mut active, layout) = (0.0, &fine.layout);
         layout.free_rows(|j, from, to| {
@@ -119,13 +118,13 @@ impl Kernels {
         })
     }
 
-    /// Nodes of the grid that are solved for: those that symmetry leaves.
+    /// Nodes solved for, under symmetry.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.scheme.nodes()
     }
 
-    /// Fraction of nodes that touch the dome \[-\].
+    /// Fraction of nodes in contact with the dome \[-\].
     #[must_use]
     pub fn active_fraction(&self) -> f64 {
         self.active_fraction
@@ -154,7 +153,7 @@ impl Kernels {
         }
     }
 
-    /// Norm of the forces that nothing carries, relative to the forces of the cells \[-\].
+    /// Norm of the nodal forces without contact forces, relative to the forces of the cells \[-\].
     #[must_use]
     pub fn relative_residual(&mut self) -> f64 {
         let FullMultigrid { levels, model, .. } = &mut self.scheme;
@@ -165,7 +164,7 @@ impl Kernels {
 }
 
 impl Level<Membrane> {
-    /// A step of the smoother at forces given.
+    /// A step of the smoother with given forces.
     fn step_at(&mut self, f: &Field, omega: f32) {
         let Self { layout, obstacle, u, tau, inverse, active, contact_offset, .. } = self;
         let conditions =
@@ -173,7 +172,7 @@ impl Level<Membrane> {
         smoother::step(layout, &conditions, omega, f, active, u);
     }
 
-    /// The residual of forces given, in their place.
+    /// Replaces given forces by their residual.
     fn residual_of(&self, f: &mut Field, marks: &mut [f32]) {
         let Self { layout, obstacle, u, tau, inverse, contact_offset, .. } = self;
         let conditions =
@@ -224,7 +223,7 @@ mod tests {
                 let (now, layout) = (finest(&kernels), &before.layout);
                 let moved = layout.greatest_difference(&now.u, &before.u);
                 assert!(moved < 1e-4, "{kernel:?} moves nodes by {moved}");
-                // What the coarse shape interpolates to is not far from the fine one.
+                // The prolongated coarse shape is close to the fine shape.
                 let off = layout.greatest_difference(&kernels.shape, &before.u);
                 assert!(off < 0.2, "{kernel:?}: {off}");
             }
@@ -273,8 +272,8 @@ mod tests {
                 let mut up = Field::new(fine.len(), 1);
                 let still = Field::new(coarse.len(), 1);
                 transfer::correction(&coarse, &fine, &c, &still, &mut up, &mut [0.0; 80]);
-                // Work in units of the coarse grid, whose square of a spacing is four times the fine
-                // one's: a force has half the number, a displacement too.
+                // Work in units of the coarse grid: forces and displacements have half the value, the square of the
+                // spacing is four times the fine grid's.
                 let work = 4.0 * product(&coarse, &down, &c);
                 let same = product(&fine, &r, &up);
                 let size = (product(&fine, &r, &r) * product(&fine, &up, &up)).sqrt();

@@ -15,22 +15,22 @@ use glam::{DVec2, DVec3};
 pub(super) struct Level<M: ElasticModel> {
     pub(super) layout: Layout,
     pub(super) obstacle: LaneObstacle,
-    /// The same in f64.
+    /// [`Self::obstacle`] in f64.
     pub(super) exact_obstacle: Obstacle,
     /// Displacements \[spacings\].
     pub(super) u: Field,
     /// Forces, residuals or corrections.
     pub(super) f: Field,
-    /// Is `f` the forces at `u`?
+    /// Does `f` contain the forces at `u`?
     are_forces_current: bool,
-    /// Displacements at the start of a cycle, or as restricted from the finer grid.
+    /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
     /// Right-hand side of a coarse grid; `None` on the finest.
     pub(super) tau: Option<Field>,
     pub(super) inverse: NodeBlocks,
     /// 1 at active nodes, else 0.
     pub(super) active: Vec<f32>,
-    /// Gauge of the dome at which an active node touches; negative where the node itself stands off the dome.
+    /// Gauge of an active node with contact offset; negative if contact ends before the node.
     pub(super) contact_offset: Vec<f32>,
     scratch: M::Scratch,
 }
@@ -66,7 +66,7 @@ impl<M: ElasticModel> Level<M> {
         self.obstacle = LaneObstacle::new(&obstacle);
     }
 
-    /// Finds where contact ends between nodes; returns the greatest contact offset \[grid spacings\].
+    /// Computes the contact offsets; returns the greatest contact offset \[grid spacings\].
     pub(super) fn find_contact_offsets(&mut self) -> f64 {
         let Self { layout, exact_obstacle, u, active, contact_offset, .. } = self;
         let (layout, dome) = (&*layout, &exact_obstacle.dome);
@@ -79,7 +79,7 @@ impl<M: ElasticModel> Level<M> {
                     continue;
                 }
                 let gap = |di: isize, dj: isize| {
-                    let (i, j) = layout.place(i as isize + di, j as isize + dj)?;
+                    let (i, j) = layout.free_node(i as isize + di, j as isize + dj)?;
                     let k = j * layout.pitch + i;
                     let [x, y, z] = u.at(k).map(f64::from);
                     let [rest_x, rest_y] = layout.rest(i, j).map(f64::from);
@@ -115,7 +115,7 @@ impl<M: ElasticModel> Level<M> {
         Conditions { obstacle, contact, inverse, tau, contact_offset }
     }
 
-    /// A damped step; returns the evaluations of the forces that the step needed.
+    /// One damped step; returns the number of force evaluations.
     pub(super) fn smooth(&mut self, model: &M, contact: Contact, omega: f32) -> f64 {
         let is_known = std::mem::take(&mut self.are_forces_current);
         if !is_known {
@@ -136,7 +136,7 @@ impl<M: ElasticModel> Level<M> {
         smoother::residual(layout, &conditions, u, active, f)
     }
 
-    /// Is the step of the residual found within rounding of f32? On a flat dome strains are small differences
+    /// Is the step of the residual at the rounding level of f32? On a flat dome strains are small differences
     /// of positions.
     pub(super) fn is_rounded(&self) -> bool {
         let Self { layout, u, f, inverse, .. } = self;
@@ -151,8 +151,8 @@ impl<M: ElasticModel> Level<M> {
     }
 
     /// Sets up the coarse problem f(u) + τ = 0 from the state and the residual of the finer grid: τ is the
-    /// restricted residual less the forces at the restricted state. A node is active if more than
-    /// `active_weight` of the fine nodes around are.
+    /// restricted residual minus the forces at the restricted state. A coarse node is active if the weighted fraction of
+    /// active fine nodes exceeds `active_weight`.
     pub(super) fn restrict_from(&mut self, model: &M, fine: &Self, active_weight: f32) {
         let Self { layout, u, before, active, .. } = self;
         transfer::inject(layout, &fine.layout, &fine.u, u);
@@ -181,7 +181,7 @@ impl<M: ElasticModel> Level<M> {
         self.are_forces_current = false;
     }
 
-    /// Takes the interpolated state of the coarser grid as a start. `row` is scratch, and so is `coarse.f`.
+    /// Starts from the prolongated state of the coarser grid. `row` and `coarse.f` are scratch.
     pub(super) fn start_from(&mut self, coarse: &mut Self, row: &mut [f32]) {
         let Level { layout, u, f, are_forces_current, .. } = coarse;
         transfer::prolongate_solution(layout, &self.layout, u, f, &mut self.u, row);
@@ -206,9 +206,9 @@ mod tests {
     use crate::model::membrane::law::SheetLaw;
     use crate::springs::{Material, Springs};
 
-    /// Forces and blocks in lanes of f32 are those of the assembly in f64.
+    /// Forces in lanes of f32 equal the forces of the assembly in f64.
     #[test]
-    fn lanes_pull_as_the_assembly_does() {
+    fn lane_forces_equal_the_forces_of_the_assembly() {
         let material = |spec: &CurveSpec, poisson_ratio| Material {
             curve: Curve::new(spec).unwrap(),
             poisson_ratio,

@@ -1,9 +1,9 @@
 //! Full multigrid by the full approximation scheme, in lanes of four f32.
 //!
-//! Nested iteration: the coarsest grid starts from a shape of geometry alone, every finer one from the
-//! interpolated solution of the grid before, improved by V-cycles. Every grid is fitted to the pocket's circle
-//! itself. No matrix is assembled: a cycle evaluates forces and nodal blocks. Contact is an active set that the
-//! grid being solved decides and coarser grids inherit.
+//! Nested iteration: the coarsest grid starts from a taut profile, every finer grid from the prolongated solution
+//! of the coarser grid; V-cycles reduce the error. Every grid is fitted to the pocket's circle. No matrix is
+//! assembled: a cycle evaluates forces and nodal blocks. The grid being solved determines the active set; coarser
+//! grids inherit the set by restriction.
 //!
 //! `cycle` (the V-cycle as a schedule) | `convergence` (error estimate, endings) | `parameters` | `level` (one
 //! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `kernels` (for benchmarks).
@@ -31,27 +31,27 @@ use cycle::Step;
 use level::Level;
 pub(super) use parameters::LEAST_TOLERANCE;
 
-/// How the scheme stands.
+/// State of the scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
     Working,
-    /// The draft tolerance is met for the first time; there is more to do.
+    /// The error is below the draft tolerance for the first time; the tolerance is not reached.
     Draft,
     Converged,
-    /// The scheme does not converge: another method has to take over.
+    /// The scheme does not converge; Newton's method replaces it.
     Failed,
 }
 
-/// When the scheme ends.
+/// Stopping criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
     /// At the problem's tolerance.
     Tolerance,
-    /// After so many cycles of the finest grid, for studies.
+    /// After this number of cycles of the finest grid, for studies.
     Cycles(u32),
 }
 
-/// How carefully cycles proceed.
+/// Mode of the cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mode {
     Fast,
@@ -72,11 +72,11 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     /// Relative to the base radius.
     tolerance: f64,
     stop: Stop,
-    /// An error at which the solution is worth displaying \[base radius\].
+    /// Error of a draft to display \[base radius\].
     draft_tolerance: Option<f64>,
     /// The grid being solved.
     grid: usize,
-    /// The present cycle, and the step of it that comes next.
+    /// The steps of the current cycle, and the index of the next step.
     steps: Vec<Step>,
     next_step: usize,
     mode: Mode,
@@ -150,7 +150,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.work_units
     }
 
-    /// What the last convergence test found.
+    /// Output of the last convergence test.
     pub(super) fn ending(&self) -> Ending {
         self.convergence.ending
     }
@@ -160,7 +160,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.model = model;
     }
 
-    /// Begins anew on the coarsest grid.
+    /// Starts on the coarsest grid.
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft_tolerance: Option<f64>) {
         let Problem { sheet, obstacle, tolerance, .. } = problem;
         self.stop = stop;
@@ -186,7 +186,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.begin_cycle();
     }
 
-    /// Goes on to the next finer grid.
+    /// Continues on the next finer grid.
     fn refine(&mut self) {
         self.prolongate(self.grid);
         self.begin_grid(self.grid + 1);
@@ -216,7 +216,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
 }
 
 impl<M: ElasticModel> Level<M> {
-    /// Takes the taut profile over the dome as the state.
+    /// Sets the state to the taut profile over the dome.
     fn start_from_geometry(&mut self, problem: &Problem) {
         let Self { layout, u, .. } = self;
         let n = layout.nodes_per_side;

@@ -10,28 +10,27 @@ pub(super) struct Parameters {
     pub(super) smoothing: &'static [f32],
     /// The same in the first cycle of a grid, whose start is smooth: interpolated from a coarser grid \[-\].
     pub(super) first_smoothing: &'static [f32],
-    /// Damping factors on the coarsest grid, for its whole spectrum \[-\]. Shorter than the spectrum of a small
-    /// insertion needs: over a steep dome the spectrum is wider (test `domes_off_the_centre_need_few_cycles`).
+    /// Damping factors on the coarsest grid, for its whole spectrum \[-\]. The interval is wider than the
+    /// spectrum at a small insertion: over a steep dome the spectrum is wider (test `domes_off_centre_need_few_cycles`).
     pub(super) coarsest_smoothing: &'static [f32],
     /// Repetitions of [`Self::coarsest_smoothing`] in one solve on the coarsest grid.
     pub(super) coarsest_rounds: usize,
-    /// Cycles of a grid before each of which its nodal blocks are computed anew.
+    /// Number of first cycles of a grid that recompute the grid's nodal blocks.
     pub(super) block_cycles: u32,
-    /// Fraction of the weights of the fine nodes around a coarse one that have to be active for the coarse one
-    /// to be so \[-\].
+    /// Weighted fraction of active fine nodes around a coarse node above which the coarse node is active \[-\].
     pub(super) coarse_active_weight: f32,
-    /// The same in robust mode: more coarse nodes are active, so that the correction does not lift the sheet off
-    /// a small contact. Fixed by `cap-between-nodes`, `dome-as-wide-as-a-cell`.
+    /// [`Self::coarse_active_weight`] in robust mode: with more active coarse nodes the correction does not lift the
+    /// sheet off a small contact. Fixed by `penetration-between-nodes`, `lost-contact-on-narrow-dome`.
     pub(super) robust_active_weight: f32,
 
     /// The most V-cycles of the finest grid.
     pub(super) max_cycles: u32,
     /// The most V-cycles of a coarser grid, whose solution is a start only.
     pub(super) max_start_cycles: u32,
-    /// The error of a coarser grid that is enough for a start \[base radius\].
+    /// Error of a coarser grid's solution that is sufficient for a start \[base radius\].
     pub(super) start_tolerance: f64,
-    /// The most cycles on the coarsest grid; the scheme fails if the error there is above
-    /// [`Self::start_tolerance`] then. Fixed by `soft-on-a-steep-dome`.
+    /// The most cycles on the coarsest grid; the scheme fails if the error is above [`Self::start_tolerance`]
+    /// afterwards. Fixed by `underestimated-error-on-steep-dome`.
     pub(super) max_coarsest_cycles: u32,
 
     /// Lower bound of the assumed convergence factor \[-\]: the first cycles remove high frequencies and overstate
@@ -45,23 +44,23 @@ pub(super) struct Parameters {
     pub(super) slow_factor: f64,
     /// Slow cycles in a row on the finest grid that end the scheme.
     pub(super) max_slow_cycles: u32,
-    /// Projection of a change on the one before \[-\] below which the change is relaxed (Aitken). Fixed by test
-    /// `a_swinging_contact_edge_is_calmed`.
+    /// Projection of a change on the previous change below which Aitken relaxation is applied \[-\]. Fixed by test
+    /// `aitken_relaxation_damps_an_oscillating_contact_edge`.
     pub(super) oscillation: f64,
 
-    /// Bounds of the relative residual of a solution \[-\]; between them it is the tolerance. Up to the greater
-    /// one the residual may be rounding of f32. Fixed by `flat-dome`.
+    /// Bounds of the greatest relative residual of a solution \[-\], which is the tolerance between the bounds. Below
+    /// the upper bound the residual may be rounding of f32. Fixed by `slow-fallback-on-flat-dome`.
     pub(super) residual_bounds: (f64, f64),
-    /// Position error \[base radius\] per relative residual \[-\], at least.
+    /// Lower bound of the position error \[base radius\] per relative residual \[-\].
     pub(super) error_per_residual: f64,
-    /// Roundings of the greatest displacement up to which a step is one of rounding \[-\].
+    /// Length of a step at the rounding level \[roundings of the greatest displacement\].
     pub(super) roundings: f32,
-    /// Stagnations out of balance that end the scheme.
+    /// Number of stagnations with a large residual that ends the scheme.
     pub(super) max_stagnations: u32,
     /// Fraction of the residual of the last stagnation above which the residual stagnates again \[-\].
     pub(super) stagnation_factor: f64,
-    /// The greatest contact offset \[tolerances\] that f32 decides: an active node more or less changes the shape
-    /// by about as much. Fixed by `node-that-just-touches`.
+    /// The greatest contact offset for f32 \[tolerances\]: one active node more or less changes the shape by about
+    /// the offset. Fixed by `free-node-counted-as-active`.
     pub(super) max_contact_offset: f64,
 }
 

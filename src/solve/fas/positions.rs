@@ -9,7 +9,7 @@ use crate::solve::validity::{self, Invalid};
 use glam::DVec3;
 
 impl<M: ElasticModel> FullMultigrid<M> {
-    /// Interpolates the solution of the grid being solved to the finest one, to be displayed; returns the nodes
+    /// Prolongates the solution of the grid being solved to the finest grid, for display; returns the number of nodes
     /// a side of the grid being solved.
     pub(in crate::solve) fn preview(&mut self) -> usize {
         for grid in self.grid..self.levels.len() - 1 {
@@ -18,7 +18,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.levels[self.grid].layout.nodes_per_side
     }
 
-    /// Why the finest grid's shape is invalid, if it is.
+    /// Why the shape of the finest grid is invalid; `None` for a valid shape.
     pub(in crate::solve) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
         let Level { layout, u, .. } = self.finest();
         let n = layout.nodes_per_side;
@@ -31,8 +31,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
         })
     }
 
-    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), touching nodes on the dome
-    /// itself, and the positions in balance of the nodes with contact offsets.
+    /// Writes the positions \[mm\] of all free nodes of the finest grid, shape (n², ), nodes in contact projected onto
+    /// the dome, and the positions of the nodes with contact offsets.
     pub(in crate::solve) fn write_positions(
         &self,
         problem: &Problem,
@@ -54,7 +54,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
                     let k = j * n + i;
                     x[k] = sheet.rest_position(k) + u * self.spacing;
                     if offset != 0.0 && is_active {
-                        // Twice on an axis of symmetry, which does no harm.
+                        // A node on an axis of symmetry is listed twice.
                         offset_nodes.push((k, x[k]));
                     }
                     let touches = || is_near && dome.gauge(x[k]) < TOUCH_F32;

@@ -8,21 +8,21 @@ use crate::mesh::vec3::{Vec3, add, dot, times};
 use crate::model::NodeBlocks;
 use wide::f32x4;
 
-/// A node that moves by d across a sheet stretches the springs around it by d²/2: they resist with
-/// about this much times d³, which the blocks, taken before the move, do not know of.
+/// Factor of the hardening d³ \[-\]: a node that moves by d across the sheet strains the adjacent springs by d²/2,
+/// which the blocks at the old position do not contain.
 const HARDENING: f32 = 4.0;
 
-/// Which nodes are active: pressed by the dome.
+/// Rule for the active nodes of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contact {
-    /// Those that press, as on the grid being solved.
+    /// Nodes that press on the dome: the grid being solved.
     OneSided,
-    /// On a coarse grid that corrects for a finer one: also the restricted active set of the finer one, whose
-    /// nodes keep their gauge.
+    /// Coarse grid below the grid being solved: also the restricted active set of the finer grid, whose nodes keep
+    /// their gauge.
     Inherited,
 }
 
-/// What nodes obey.
+/// Conditions at the nodes of a grid.
 pub(super) struct Conditions<'a> {
     pub(super) obstacle: &'a LaneObstacle,
     pub(super) contact: Contact,
@@ -30,7 +30,7 @@ pub(super) struct Conditions<'a> {
     pub(super) inverse: &'a NodeBlocks,
     /// A coarse grid's right-hand side.
     pub(super) tau: Option<&'a Field>,
-    /// Gauge at which each node touches.
+    /// Contact offset of each node, as a gauge.
     pub(super) contact_offset: &'a [f32],
 }
 
@@ -66,7 +66,7 @@ pub(super) fn step(
     layout.mirror(u);
 }
 
-/// The step D⁻¹r times `omega`, bounded and shortened where it would stretch the springs around.
+/// The step D⁻¹r times `omega`, bounded, and shortened by the hardening of the adjacent springs.
 #[inline(always)]
 fn hardened(r: Vec3, newton_step: Vec3, omega: f32) -> Vec3 {
     let most = f32x4::splat(MAX_STEP);
@@ -107,7 +107,7 @@ pub(super) fn apply_correction(
     layout.mirror(u);
 }
 
-/// The residual f + τ without what dome and wall carry, in place of f; zero on nodes that are not free.
+/// Replaces f by the residual f + τ without the reactions of dome and wall; zero at nodes that are not free.
 /// One-sided contact renews the active set. Returns the sum of squares.
 pub(super) fn residual(
     layout: &Layout,

@@ -1,18 +1,18 @@
-//! Transfer between grids: restriction of residuals, displacements and active sets, interpolation of
-//! corrections and of solutions. Every layer of nodes is transferred alike.
+//! Transfer between grids: restriction of residuals, displacements and active sets, prolongation of corrections
+//! and solutions. All layers of nodes have the same transfer.
 
 use crate::mesh::lanes::{Extrapolated, Field, Layout};
 
-/// What the finer grid's stored node at the place of a coarse one in row j is beyond twice its column;
-/// free nodes lie in no first row.
+/// Offset of the fine grid's row at row j of the coarse grid: coarse column i has the fine index `offset + 2i`. The
+/// first row contains no free nodes.
 #[inline(always)]
 fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> usize {
     let [ghost_column, ghost_row] = coarse.ghost();
     (2 * j - ghost_row) * fine.pitch - ghost_column
 }
 
-/// The transpose of bilinear interpolation, from a residual that is zero at nodes that are not free.
-/// A force in spacings of the coarse grid has half the number.
+/// Restricts a residual by the transpose of bilinear interpolation; the residual is zero at nodes that are not free.
+/// The factor ½ converts to spacings of the coarse grid.
 pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     let pitch = fine.pitch;
     for (from, to) in from.planes().zip(to.planes_mut()) {
@@ -29,7 +29,7 @@ pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Fi
     }
 }
 
-/// The displacements of a fine grid at the nodes of a coarse one.
+/// Injects the displacements of the fine grid into the nodes of the coarse grid.
 pub(super) fn inject(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
     for (from, to) in from.planes().zip(to.planes_mut()) {
         coarse.free_rows(|j, first, last| {
@@ -41,7 +41,8 @@ pub(super) fn inject(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Fiel
     }
 }
 
-/// The coarse nodes around which more than a weight of the fine ones is active.
+/// Restricts the active set: a coarse node is active if the weighted fraction of active fine nodes exceeds
+/// `least_weight`.
 pub(super) fn restrict_active_set(
     coarse: &Layout,
     fine: &Layout,
@@ -63,7 +64,7 @@ pub(super) fn restrict_active_set(
     });
 }
 
-/// The bilinear interpolation of coarse `now` − `before`, in spacings of the fine grid.
+/// Prolongates the correction `now` − `before` bilinearly, in spacings of the fine grid.
 pub(super) fn correction(
     coarse: &Layout,
     fine: &Layout,
@@ -99,9 +100,9 @@ pub(super) fn correction(
     }
 }
 
-/// A coarse shape as the start of the finer grid's: displacements divided by 1 − (r/a)², which is
-/// zero on the border, interpolated cubically, and multiplied again. Plain interpolation would carry
-/// the coarse border's polygon into the fine grid. `scaled` is scratch of the coarse grid.
+/// Prolongates a solution: displacements divided by 1 − (r/a)², which is zero on the border, are interpolated
+/// cubically and multiplied by the same factor on the fine grid. Plain interpolation would carry the coarse border's
+/// polygon into the fine grid. `scaled` is scratch of the coarse grid.
 pub(super) fn prolongate_solution(
     coarse: &Layout,
     fine: &Layout,
@@ -121,7 +122,7 @@ pub(super) fn prolongate_solution(
             }
         });
     }
-    // Ghosts first, which nodes beyond the border are extrapolated from; then theirs.
+    // Ghosts are sources of the extrapolation beyond the border, whose values have ghosts in turn.
     coarse.mirror(scaled);
     for plane in scaled.planes_mut() {
         extrapolate(coarse, plane);
@@ -157,7 +158,7 @@ pub(super) fn prolongate_solution(
     }
 }
 
-/// Values at nodes that are not free, from the free ones beside.
+/// Extrapolates values from free nodes to adjacent nodes that are not free.
 fn extrapolate(layout: &Layout, values: &mut [f32]) {
     let mut next = 0;
     for &Extrapolated { node, count, is_mean } in &layout.extrapolated {
@@ -174,8 +175,7 @@ fn extrapolate(layout: &Layout, values: &mut [f32]) {
     }
 }
 
-/// The cubic through four values in a row, half-way between `low` and the next; the parabola through
-/// three at the ends.
+/// Cubic interpolation midway between `low` and the next value; at the ends a parabola through three values.
 #[inline(always)]
 fn between(low: usize, count: usize, at: impl Fn(usize) -> f32) -> f32 {
     let middle = at(low) + at(low + 1);

@@ -2,20 +2,20 @@
 //! indices, Galerkin coarse operators, symmetric block Gauss–Seidel. Symmetric positive definite,
 //! so that it preconditions conjugate gradients.
 //!
-//! Directions that the finest grid may not move in (clamped nodes, the normals of nodes in contact)
-//! are cut out of its interpolation: truncated multigrid (R. Kornhuber, "Monotone multigrid methods
+//! Constrained directions of the finest grid (clamped nodes, normals of active nodes) are removed from its
+//! interpolation: truncated multigrid (R. Kornhuber, "Monotone multigrid methods
 //! for elliptic variational inequalities I", Numer. Math. 69, 1994).
 
 use crate::mesh::stencil::{BlockStencil9, OFFSETS};
 use glam::{DMat3, DVec3};
 
-/// Grids of fewer cells a side than this are solved by sweeps alone.
+/// Cells a side below which a grid is solved by sweeps alone.
 const COARSEST_CELLS: usize = 8;
 const COARSEST_SWEEPS: usize = 8;
 /// Finest nodes in one piece of [`Hierarchy::build`].
 const NODES_PER_PIECE: usize = 8192;
 
-/// The coarse grids under a finest one.
+/// The coarse grids below a finest grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Hierarchy {
     levels: Vec<Level>,
@@ -33,18 +33,18 @@ struct Level {
     residual: Vec<DVec3>,
 }
 
-/// The finest grid as the cycle sees it. Arrays of shape (n², ).
+/// Operators of the finest grid. Arrays of shape (n², ).
 pub(crate) struct Finest<'a> {
     pub(crate) blocks: &'a BlockStencil9,
-    /// Inverse of the diagonal block in the directions that may move, zero in the others.
+    /// Inverse of the diagonal block in the unconstrained directions, zero in the others.
     pub(crate) inverse: &'a [DMat3],
-    /// The projector onto the directions that may move; zero at nodes that are not free.
+    /// The projector onto the unconstrained directions; zero at nodes that are not free.
     pub(crate) projector: &'a [DMat3],
     pub(crate) free: &'a [u32],
 }
 
 impl Hierarchy {
-    /// Room for the grids under one of n nodes a side with the given free nodes.
+    /// Allocates the grids below a grid of n nodes a side with the given free nodes.
     pub(crate) fn new(n: usize, free: &[u32]) -> Self {
         let mut levels: Vec<Level> = Vec::new();
         let mut fine_n = n;
@@ -61,8 +61,7 @@ impl Hierarchy {
         Self { levels }
     }
 
-    /// Computes the coarse operators PᵀHP of a finest grid, a piece at a call: pieces 0, 1, … until it
-    /// returns true.
+    /// Computes a piece of the coarse operators PᵀHP: pieces 0, 1, … until the function returns true.
     pub(crate) fn build(&mut self, finest: &Finest, piece: usize) -> bool {
         let Some((first, others)) = self.levels.split_first_mut() else { return true };
         let from = piece * NODES_PER_PIECE;
@@ -90,7 +89,7 @@ impl Hierarchy {
         true
     }
 
-    /// One V-cycle: `x` ≈ H⁻¹ `rhs` in the directions that may move. `residual` is scratch.
+    /// One V-cycle: `x` ≈ H⁻¹ `rhs` in the unconstrained directions. `residual` is scratch.
     pub(crate) fn cycle(
         &mut self,
         finest: &Finest,
@@ -161,7 +160,7 @@ impl Level {
         }
     }
 
-    /// rhs = Pᵀ fine residual; the fine residual is zero on nodes that do not move.
+    /// rhs = Pᵀ fine residual; the fine residual is zero at nodes that are not free.
     fn restrict_from(&mut self, fine_n: usize, fine: &[DVec3]) {
         let n = self.blocks.n;
         for &k in &self.free {
@@ -203,7 +202,7 @@ fn sweep<'a>(
     }
 }
 
-/// The inverse of a positive semidefinite block, kept finite where it is singular.
+/// The inverse of a positive semidefinite block, regularised where the block is singular.
 pub(crate) fn safe_inverse(block: DMat3) -> DMat3 {
     let trace = block.x_axis.x + block.y_axis.y + block.z_axis.z;
     if !(trace > 0.0 && trace.is_finite()) {
@@ -346,7 +345,7 @@ mod tests {
         let n = 17;
         let (mut blocks, free) = laplacian(n);
         for k in 0..n * n {
-            // Something unsymmetric in the off-diagonal blocks.
+            // An asymmetric part of the off-diagonal blocks.
             let t = k as f64;
             blocks.upper[2][k] = DMat3::from_cols_array(&[
                 t.sin(),

@@ -22,7 +22,7 @@ impl Newton {
         self.phase = if self.model.is_built { self.begin_cg() } else { Phase::Build { piece: 0 } };
     }
 
-    /// Minimises the model over one node's step, under its constraints.
+    /// Minimises the model over one node's step under the node's constraints.
     #[inline]
     fn relax(&mut self, k: usize) {
         let Model { hessian, inverse, .. } = &self.model;
@@ -34,7 +34,7 @@ impl Newton {
         self.d[k] = d;
     }
 
-    /// Sets the directions that the active constraints of a node leave, and the inverse in them.
+    /// Sets a node's projector onto the unconstrained directions, and the inverse block in these directions.
     pub(super) fn constrain(&mut self, k: usize) {
         let (constraint, active) = (&self.contact.constraint[k], self.contact.active[k]);
         let Model { hessian, inverse, tangent_inverse, projector, .. } = &mut self.model;
@@ -56,7 +56,7 @@ impl Newton {
         self.phase = self.begin_cg();
     }
 
-    /// The residual of the model at the step so far, and no correction yet.
+    /// Sets the residual of the model at the current step and a zero correction.
     fn begin_cg(&mut self) -> Phase {
         let start = self.set_residual();
         if self.robust.has_sweeps_only()
@@ -67,7 +67,7 @@ impl Newton {
         Phase::ConjugateGradients(CgState { step: 0, start, rho: 0.0 })
     }
 
-    /// Ends a round: on to the next one, or to the line search.
+    /// Ends a round: the next phase is another round or the line search.
     pub(super) fn correct(&mut self, obstacle: &Obstacle, tolerance: f64) {
         let (change, step) = self.add_correction(obstacle);
         self.last_round = change;

@@ -1,5 +1,4 @@
-//! Conjugate gradients on the model, in the directions that the active constraints leave, with a V-cycle as
-//! preconditioner.
+//! Conjugate gradients on the model in the unconstrained directions, with a V-cycle as preconditioner.
 
 use super::{CgState, Model, Newton, PARAMETERS, Phase, cost};
 use crate::mesh::stencil::BlockStencil9;
@@ -7,7 +6,7 @@ use crate::solve::linear::galerkin::Finest;
 use glam::{DMat3, DVec3};
 
 impl Newton {
-    /// One step; the last one goes on to the correction.
+    /// One step; after the last step the next phase is the correction.
     pub(super) fn conjugate_gradients(&mut self, CgState { step, start, rho }: CgState) {
         let Some((rho, left)) = self.cg_step(step, rho) else {
             return self.has_indefinite_model();
@@ -19,7 +18,7 @@ impl Newton {
         };
     }
 
-    /// Sets `r` to the residual of the model at the step so far, `q` to zero; returns the residual's norm.
+    /// Sets `r` to the residual of the model at the current step, `q` to zero; returns the residual's norm.
     pub(super) fn set_residual(&mut self) -> f64 {
         self.work_units += cost::SWEEP;
         let mut squares = 0.0;
@@ -34,8 +33,8 @@ impl Newton {
         squares.sqrt()
     }
 
-    /// One step, the sum kept in `q`; returns r·z and the norm of the residual left, or nothing, and no step, where
-    /// the model is not positive along `p`.
+    /// One step, added to `q`; returns r·z and the norm of the remaining residual. `None`, without a step, if the model
+    /// is not positive along `p`.
     pub(super) fn cg_step(&mut self, step: u32, rho_before: f64) -> Option<(f64, f64)> {
         self.work_units += cost::CYCLE + cost::SWEEP;
         self.precondition();
@@ -46,7 +45,7 @@ impl Newton {
             let k = k as usize;
             v.p[k] = v.z[k] + v.p[k] * beta;
         }
-        // From here on z has H p.
+        // z contains H p from here on.
         apply(&model.hessian, &model.projector, free, &v.p, &mut v.z);
         let bend = dot(free, &v.p, &v.z);
         if !(bend > 0.0 && rho > 0.0) {

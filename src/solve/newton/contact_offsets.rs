@@ -1,4 +1,4 @@
-//! The equilibrium in which contact ends between nodes.
+//! The equilibrium with contact offsets: contact ends between nodes.
 
 use super::{Newton, Phase};
 use crate::contact::Obstacle;
@@ -7,8 +7,8 @@ use crate::contact::contact_edge;
 use crate::mesh::NodeKind;
 
 impl Newton {
-    /// Finds the contact offsets. If they matter at `tolerance` \[mm\], begins the iteration to the equilibrium with
-    /// offsets; else returns false.
+    /// Computes the contact offsets. If the offsets are significant at `tolerance` \[mm\], restarts the iteration with
+    /// offsets and returns true.
     pub(super) fn find_contact_offsets(&mut self, obstacle: &Obstacle, tolerance: f64) -> bool {
         let (n, dome) = (self.sheet.nodes_per_side(), &obstacle.dome);
         let is_active = |k: usize| self.contact.active[k] & ON_DOME != 0;
@@ -46,7 +46,7 @@ impl Newton {
         true
     }
 
-    /// Continues without contact offsets; false if there are none.
+    /// Restarts the iteration without contact offsets; returns false if no offset exists.
     pub(super) fn drop_contact_offsets(&mut self, obstacle: &Obstacle) -> bool {
         let offsets = self.contact.offset.iter();
         let greatest = offsets.fold(0.0_f64, |most, offset| most.max(offset.abs()));

@@ -9,7 +9,7 @@ use crate::solve::validity::{self, Invalid};
 use glam::DVec3;
 
 impl Newton {
-    /// Why the shape is invalid, if it is. `tolerance` relative to the base radius.
+    /// Why the shape is invalid; `None` for a valid shape. `tolerance` is relative to the base radius.
     pub(in crate::solve) fn invalid(&self, dome: &Dome, tolerance: f64) -> Option<Invalid> {
         let n = self.sheet.nodes_per_side();
         validity::invalid(&self.sheet, dome, tolerance, [0; 2], |i, j| self.x[j * n + i]).or_else(
@@ -17,7 +17,7 @@ impl Newton {
         )
     }
 
-    /// Writes the positions, touching nodes on the dome itself, and the positions in balance of the nodes with contact
+    /// Writes the positions, nodes in contact projected onto the dome, and the positions of the nodes with contact
     /// offsets.
     pub(in crate::solve) fn write_positions(
         &self,
@@ -40,8 +40,8 @@ impl Newton {
         }
     }
 
-    /// Evaluates forces, contact and residual at the solution; returns how the iteration ended, or that it continues:
-    /// a shape that is stationary without a balance of forces is no solution. `tolerance` \[mm\].
+    /// Evaluates forces, contact and residual at the solution; returns the final state, or [`State::Working`] if the
+    /// shape is stationary without a balance of forces. `tolerance` \[mm\].
     pub(super) fn finish(
         &mut self,
         law: &SheetLaw,

@@ -36,7 +36,7 @@ impl Newton {
         }
         let trial = self.try_step(law, obstacle, length, halvings);
         if !trial.is_descent {
-            // Contact may turn the exact Hessian's step uphill; a part of that step need not be.
+            // Contact may turn the exact Hessian's step into an ascent; a shorter step may still descend.
             let is_uphill = trial.predicted <= 0.0 && !self.robust.is_exact_step();
             if is_uphill || halvings >= PARAMETERS.max_halvings {
                 return self.reject_step(is_uphill);
@@ -79,7 +79,7 @@ impl Newton {
             self.trial[k] = to;
         }
         let energy = assembly::energy(&self.sheet, law, &self.trial);
-        // Rounding of sums, and of positions: the end of a spring moves by so much.
+        // Rounding of the sum of energies and of the positions.
         let totals = &self.model.totals;
         let position = f64::EPSILON * self.sheet.radius_mm();
         let rounding =
@@ -89,8 +89,8 @@ impl Newton {
         Trial { energy, largest: largest.sqrt(), predicted, rounding, is_descent }
     }
 
-    /// A node's position `to`, projected out of the obstacle; onto the dome where a node `is_held` there by its
-    /// active constraint: its tangential step leads off the surface.
+    /// The position `to` of a node, projected out of the obstacle. A node with `is_held` and an active constraint is
+    /// projected onto the dome, because a tangential step leaves the curved surface.
     pub(super) fn projected(
         &self,
         obstacle: &Obstacle,
@@ -103,10 +103,10 @@ impl Newton {
         obstacle.project(if is_held { obstacle.dome.project(to, offset) } else { to }, offset)
     }
 
-    /// Estimates the error as the sum of the steps to come, which shrink at least geometrically.
+    /// Estimates the error as the sum of a geometric series of steps.
     ///
-    /// A shortened step says nothing about the next ones. Where the model is too stiff, one small step is no
-    /// evidence of convergence: near-zero stiffness may follow.
+    /// A shortened step gives no estimate. With a model that is too stiff, one small step is not evidence of
+    /// convergence: near-zero stiffness may follow.
     fn estimate_error(&mut self, trial: &Trial, is_whole: bool, is_compressive: bool) {
         let most = PARAMETERS.max_convergence_factor;
         let growth = self.robust.step_growth;
@@ -123,8 +123,8 @@ impl Newton {
         self.robust.decay_extrapolation();
     }
 
-    /// Are error and step within the tolerance, and were forces in balance before the step? A step may be small
-    /// because contact shortened it. Where the step was too short, the error is larger than estimated once.
+    /// Are error and step within the tolerance, and was the residual before the step small? Contact may shorten a step
+    /// without a balance of forces. The first step that was too short proves the estimate too small.
     fn is_converged(
         &self,
         trial: &Trial,

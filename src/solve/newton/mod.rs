@@ -13,7 +13,7 @@
 //! Cf. C. Gräser and R. Kornhuber, "Multigrid methods for obstacle problems", J. Comput. Math. 27(1), 2009.
 //!
 //! `robust`: safeguards near singular stiffness, skip on first reading. `contact_offsets` (contact that ends
-//! between nodes) | `finish` (output) | `nested` (grids one after the other) | `prolongation`.
+//! between nodes) | `finish` (output) | `nested` (nested grids) | `prolongation`.
 
 mod active_set_step;
 mod conjugate_gradients;
@@ -39,23 +39,23 @@ use parameters::{CELLS_PER_PIECE, PARAMETERS, cost};
 pub(super) use robust::symmetry::Mirrors;
 use robust::{HessianUse, Robust};
 
-/// How the iteration stands.
+/// State of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum State {
     Working,
     Converged,
     /// Iterations or work are exhausted, or no step lowers the energy.
     Stalled,
-    /// A spring left the range of its law, or the shape is a saddle point.
+    /// A spring left the domain of its law, or the shape is a saddle point.
     Unstable,
-    /// Forces balance, but a node would slide off the dome.
+    /// Forces balance, but an active node is in unstable equilibrium on the dome.
     Saddle,
 }
 
-/// The piece of work that comes next.
+/// The next piece of work.
 #[derive(Clone, Copy)]
 enum Phase {
-    /// Adds rows of cells to forces and Hessian, from this one on.
+    /// Adds rows of cells to forces and Hessian, from `row` on.
     Linearize {
         row: usize,
     },
@@ -88,13 +88,13 @@ struct CgState {
 struct Model {
     hessian: BlockStencil9,
     hierarchy: Hierarchy,
-    /// Are the coarse operators those of the Hessian?
+    /// Do the coarse operators belong to the current Hessian?
     is_built: bool,
     /// Inverse diagonal blocks, unconstrained.
     inverse: Vec<DMat3>,
-    /// The same in the directions that the active constraints leave.
+    /// Inverse diagonal blocks in the unconstrained directions.
     tangent_inverse: Vec<DMat3>,
-    /// Projectors onto these directions.
+    /// Projectors onto the unconstrained directions.
     projector: Vec<DMat3>,
     totals: Totals,
 }
@@ -104,9 +104,9 @@ struct Contact {
     /// Active constraints, see [`crate::contact::active_set`].
     active: Vec<u8>,
     constraint: Vec<Constraint>,
-    /// Nodes whose active constraints the last sweeps changed.
+    /// Number of nodes with active constraints changed by the last sweeps.
     changed: usize,
-    /// Gauge of the dome at which each node touches \[-\]; negative where the node itself stands off the dome.
+    /// Contact offset of each node, as a gauge \[-\]; negative if contact ends before the node.
     offset: Vec<f64>,
     /// Error of neglected contact offsets \[mm\].
     neglected_offset: f64,
@@ -130,20 +130,20 @@ pub(super) struct Newton {
     free: Vec<u32>,
     /// Positions \[mm\].
     x: Vec<DVec3>,
-    /// Changes of `x`.
+    /// Number of changes of `x`.
     revision: u64,
     forces: Vec<DVec3>,
     model: Model,
     contact: Contact,
     /// The step.
     d: Vec<DVec3>,
-    /// Positions after the step; after an accepted step, those before.
+    /// Positions after the step; after an accepted step the positions before the step.
     trial: Vec<DVec3>,
     vectors: Vectors,
     phase: Phase,
     robust: Robust,
     iterations: u32,
-    /// Rounds of this iteration, and the greatest change of a node in the last one \[mm\].
+    /// Rounds of this iteration, and the greatest change of a node in the last round \[mm\].
     rounds: u32,
     last_round: f64,
     /// Length of the last whole step \[mm\].
@@ -272,7 +272,7 @@ impl Newton {
         State::Working
     }
 
-    /// Adds rows of cells to forces and Hessian; returns the row that comes next, if one does.
+    /// Adds rows of cells to forces and Hessian; returns the next row, `None` at the end.
     fn add_rows(&mut self, law: &SheetLaw, row: usize, stiffness: Stiffness) -> Option<usize> {
         let rows = self.sheet.nodes_per_side() - 1;
         let Model { hessian, totals, .. } = &mut self.model;
@@ -316,7 +316,7 @@ impl Newton {
         reaction.per_gradient
     }
 
-    /// Norm of the forces that no contact takes, relative to the forces of all triangles.
+    /// Norm of the nodal forces without contact forces, relative to the forces of all triangles.
     fn residual(&self, law: &SheetLaw) -> f64 {
         let square = |&k: &u32| {
             let k = k as usize;
@@ -327,7 +327,8 @@ impl Newton {
         squares.sqrt() / self.force_scale(law)
     }
 
-    /// The scale of forces \[kPa·mm²\]. A sheet at rest has none: rounding is not measured against rounding.
+    /// The scale of forces \[kPa·mm²\]. The lower bound keeps rounding from being compared with rounding in a sheet at
+    /// rest.
     fn force_scale(&self, law: &SheetLaw) -> f64 {
         let rounding = 1e-9 * law.stiffness() * self.sheet.spacing_mm();
         self.model.totals.force_scale().max(rounding)

@@ -1,4 +1,4 @@
-//! Newton's method on nested grids: each starts from the interpolated solution of the grid before.
+//! Newton's method on nested grids: each grid starts from the prolongated solution of the coarser grid.
 
 use super::robust::symmetry::Mirrors;
 use super::{Newton, State, prolongation};
@@ -9,37 +9,37 @@ use crate::solve::initial_guess;
 use crate::springs::Springs;
 use glam::DVec3;
 
-/// The tolerance of coarser grids, whose solutions are starts \[base radius\].
+/// Tolerance of the coarser grids, whose solutions are only starts \[base radius\].
 const COARSE_TOLERANCE: f64 = 1e-3;
-/// How often the exact step is followed with the paper's springs: at an instability at rest it may lead on and on.
+/// Greatest number of exact steps with the paper's springs: near an instability exact steps may continue without end.
 const MAX_EXACT_STEPS: u32 = 10;
-/// Iterations after which a solve from a given solution begins anew on the coarsest grid.
+/// Iterations after which a solve from a given solution restarts on the coarsest grid.
 const MAX_WARM_ITERATIONS: u32 = 8;
 
-/// What a solve starts from.
+/// Start of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::solve) enum Start {
-    /// Geometry alone, on the coarsest grid.
+    /// Initial guess on the coarsest grid.
     Cold,
-    /// The present solution.
+    /// The current solution.
     FromSolution,
 }
 
-/// What is left to be checked of a converged solution.
+/// Completed checks of a converged solution.
 #[derive(Clone, Copy, Debug)]
 struct Checks {
     /// Has the stability of the paper's springs been checked?
     is_stability_checked: bool,
-    /// Have contact offsets been searched?
+    /// Have contact offsets been computed?
     are_offsets_searched: bool,
-    /// How often the exact step was evaluated.
+    /// Number of exact steps.
     exact_steps: u32,
 }
 
 const UNCHECKED: Checks =
     Checks { is_stability_checked: false, are_offsets_searched: false, exact_steps: 0 };
 
-/// Newton's method on a grid and the coarser ones.
+/// Newton's method on a grid and its coarser grids.
 pub(in crate::solve) struct NestedNewton {
     /// From the coarsest grid to the finest.
     levels: Vec<Newton>,
@@ -51,7 +51,7 @@ pub(in crate::solve) struct NestedNewton {
 }
 
 impl NestedNewton {
-    /// Room for a sheet and the coarser ones. The factor multiplies iteration and work limits.
+    /// Allocates the grids of a sheet and its coarser sheets. The factor multiplies iteration and work limits.
     pub(in crate::solve) fn new(sheet: &Sheet, work_limit_factor: f64) -> Self {
         let mut sheets = vec![sheet.clone()];
         while let Some(coarser) = sheets[sheets.len() - 1].coarser() {
@@ -63,7 +63,7 @@ impl NestedNewton {
         Self { levels, grid: 0, start, mirrors, checks: UNCHECKED }
     }
 
-    /// Starts from geometry alone on the coarsest grid.
+    /// Starts from the initial guess on the coarsest grid.
     pub(in crate::solve) fn start_cold(&mut self, obstacle: &Obstacle, mirrors: Mirrors) {
         self.mirrors = mirrors;
         self.start = Start::Cold;
@@ -90,8 +90,8 @@ impl NestedNewton {
         finest.start(obstacle, mirrors);
     }
 
-    /// Does the next piece of work; `tolerance` is that of the finest grid \[mm\]. The last state is
-    /// the finest grid's.
+    /// Does the next piece of work; `tolerance` of the finest grid \[mm\]. A state other than [`State::Working`] is the
+    /// final state of the finest grid, or [`State::Unstable`] on any grid.
     pub(in crate::solve) fn step(
         &mut self,
         springs: Springs,
@@ -126,7 +126,7 @@ impl NestedNewton {
         }
     }
 
-    /// Interpolates the solution to the next finer grid.
+    /// Prolongates the solution to the next finer grid.
     fn refine(&mut self, obstacle: &Obstacle) {
         let (coarser, finer) = self.levels.split_at_mut(self.grid + 1);
         let (coarse, fine) = (&coarser[self.grid], &mut finer[0]);
@@ -135,7 +135,7 @@ impl NestedNewton {
         self.grid += 1;
     }
 
-    /// Checks what the finest grid's iteration ended with; continues where a check says so.
+    /// Checks the final state of the finest grid; returns [`State::Working`] if the iteration has to continue.
     fn check(
         &mut self,
         springs: Springs,
@@ -159,7 +159,7 @@ impl NestedNewton {
             if is_paper && checks.exact_steps > MAX_EXACT_STEPS {
                 return level.finish(law, obstacle, tolerance, State::Stalled);
             }
-            // The shape after the exact step is another one.
+            // The exact step changes the shape.
             checks.is_stability_checked = false;
             level.begin_exact_step();
             return State::Working;
@@ -170,7 +170,7 @@ impl NestedNewton {
                 return State::Working;
             }
         }
-        // Where there is no equilibrium with the contact offsets, that without is the solution.
+        // Without convergence with contact offsets, the equilibrium without offsets is the solution.
         if !is_converged && level.drop_contact_offsets(obstacle) {
             return State::Working;
         }
@@ -199,7 +199,7 @@ impl NestedNewton {
         self.levels.iter().map(scaled).sum()
     }
 
-    /// Counts work anew.
+    /// Resets the work counters.
     pub(in crate::solve) fn clear_work(&mut self) {
         self.levels.iter_mut().for_each(|level| level.work_units = 0.0);
     }

@@ -1,45 +1,45 @@
 //! Tuned constants of Newton's method, with their meaning, unit and evidence.
 //!
-//! Scenes are files of `tests/stress`; `docs/notes/solver.md` has the history. Constants of one safeguard are in
-//! its file in `robust`.
+//! Scenes are files of `tests/stress`; `docs/notes/solver.md` has the history. Constants of one safeguard stand in
+//! the safeguard's file in `robust`.
 
 /// The constants of the iteration on one grid.
 pub(super) struct Parameters {
-    /// Iterations before the grid is given up, times [`crate::solve::Options::work_limit_factor`].
+    /// Iterations after which the iteration ends, times [`crate::solve::Options::work_limit_factor`].
     pub(super) max_iterations: u32,
-    /// Force evaluations times nodes before the grid is given up: a few seconds.
+    /// Force evaluations times nodes after which the iteration ends: a few seconds.
     pub(super) max_node_work: f64,
-    /// Force evaluations that are allowed on fine grids all the same.
+    /// Lower bound of the limit of force evaluations on fine grids.
     pub(super) min_work_limit: f64,
     /// Rounds of sweeps and conjugate gradients in one iteration.
     pub(super) max_rounds: u32,
-    /// Change of a round that ends the iteration \[step\].
+    /// Change of a round below which rounds end \[step\].
     pub(super) round_tolerance: f64,
-    /// The same \[tolerance of positions\].
+    /// Change of a round below which rounds end \[tolerance of positions\].
     pub(super) round_floor: f64,
 
     /// Conjugate-gradient steps of a round.
     pub(super) max_cg_steps: u32,
     /// Residual drop of a round \[-\].
     pub(super) cg_drop: f64,
-    /// Residual below which a round has nothing to do, relative to the forces of all triangles \[-\].
+    /// Residual below which conjugate gradients are skipped, relative to the forces of all triangles \[-\].
     pub(super) cg_floor: f64,
 
-    /// Halvings of a step before it is given up.
+    /// Greatest number of halvings of a step.
     pub(super) max_halvings: u32,
-    /// Armijo's constant c₁: fraction of the predicted decrease of the energy that a step has to reach \[-\].
+    /// Armijo's constant c₁: required fraction of the predicted decrease of the energy \[-\].
     pub(super) sufficient_decrease: f64,
-    /// Rounding of an energy, relative to the energy \[-\]. Fixed by `hardly-in`, `shallow-dome-stiff-toe`.
+    /// Rounding of an energy, relative to the energy \[-\]. Fixed by `no-convergence-at-small-insertion`, `rounding-on-shallow-dome`.
     pub(super) energy_rounding: f64,
 
-    /// Upper bound of the assumed ratio of a step to the one before \[-\]; the ratio itself under compression.
-    /// Fixed by `valley-behind-a-quick-step`, `slack-at-the-rim`.
+    /// Upper bound of the assumed ratio of successive steps \[-\]; under compression the assumed ratio.
+    /// Fixed by `near-zero-stiffness-after-small-step`, `premature-convergence-at-rim`.
     pub(super) max_convergence_factor: f64,
-    /// Greatest relative residual before the last step \[-\]. Fixed by `small-steps-out-of-balance`.
+    /// Greatest relative residual before the last step \[-\]. Fixed by `small-steps-with-large-residual`.
     pub(super) max_residual_before_step: f64,
-    /// The same under compression: small steps may precede a wrinkle.
+    /// Greatest relative residual before the last step under compression \[-\]: small steps may precede a wrinkle.
     pub(super) max_compressive_residual: f64,
-    /// Greatest relative residual of a solution \[-\]. Fixed by `slow-steps-at-last`.
+    /// Greatest relative residual of a solution \[-\]. Fixed by `slow-final-steps`.
     pub(super) max_residual: f64,
 }
 

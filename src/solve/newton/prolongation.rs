@@ -1,7 +1,7 @@
-//! Interpolation of a solution to the next finer grid.
+//! Prolongation of a solution to the next finer grid.
 //!
-//! Displacements are divided by 1 − (r/a)², which is zero on the pocket's border, interpolated, and
-//! multiplied again: plain interpolation would carry the coarse border's polygon into the fine grid.
+//! Displacements divided by 1 − (r/a)², which is zero on the border, are interpolated and multiplied by the same
+//! factor on the fine grid: plain interpolation would carry the coarse border's polygon into the fine grid.
 
 use crate::mesh::{NodeKind, Sheet};
 use glam::DVec3;
@@ -36,8 +36,8 @@ fn scaled_displacements(sheet: &Sheet, x: &[DVec3]) -> Vec<Option<DVec3>> {
         .collect()
 }
 
-/// Values at the nodes that are not free: straight on from the free ones where two lie in a row,
-/// else their mean.
+/// Values at the nodes that are not free: linear extrapolation from two free nodes in a row, else the mean of
+/// adjacent free nodes.
 fn extended(sheet: &Sheet, values: &[Option<DVec3>]) -> Vec<DVec3> {
     let n = sheet.nodes_per_side() as isize;
     let at = |i: isize, j: isize| {

@@ -1,19 +1,19 @@
 //! The dome's curvature under active nodes, on and off.
 //!
-//! Symptom: steps of a sheet over a needle lead uphill, or one node slides back and forth over the tip. Cause: the
-//! curvature makes the model indefinite. Remedy: iterations without curvature for a while; each of their steps
-//! leads downhill. Without curvature the model may be far too stiff (`stiff-model-on-a-needle`), so that a solution
-//! found so is tried with curvature again. A block that is indefinite at the solution itself is a saddle point: the
-//! node would slide off (`held-on-a-needles-tip`, `node-that-would-slide-off`).
+//! Symptom: steps of a sheet over a needle raise the energy, or one node oscillates across the tip. Cause: the
+//! curvature makes the model indefinite. Remedy: a few iterations without curvature, whose steps lower the energy.
+//! Without curvature the model may be much too stiff (`overstiff-model-on-needle`): a solution without curvature is
+//! iterated with curvature again. A block that is indefinite at the solution marks a saddle point: the node would
+//! slide off (`active-node-on-needle-tip`, `unstable-node-on-needle-tip`).
 
 use super::{Newton, Robust, State};
 
-/// Iterations for which curvature stays off.
+/// Number of iterations without curvature.
 const ITERATIONS_OFF: u32 = 4;
-/// How often a solution found without curvature is tried with curvature.
+/// Greatest number of returns to curvature from a solution without curvature.
 const MAX_RETRIES: u32 = 2;
 
-/// Whether the model has the dome's curvature.
+/// State of the curvature in the model.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Curvature {
     /// The iteration up to which curvature is off.
@@ -26,13 +26,13 @@ pub(super) struct Curvature {
 /// An accepted step of the line search.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve::newton) struct AcceptedStep {
-    /// Is the step that of the whole model, at full length?
+    /// Is the step the full step of the complete model?
     pub(in crate::solve::newton) is_whole: bool,
     pub(super) had_curvature: bool,
 }
 
 impl Curvature {
-    /// Turns curvature on again once its time is over.
+    /// Turns curvature on again after [`ITERATIONS_OFF`] iterations.
     pub(super) fn expire(&mut self, iterations: u32) {
         self.off_until = self.off_until.filter(|&until| iterations < until);
     }
@@ -43,7 +43,8 @@ impl Robust {
         self.curvature.off_until.is_none()
     }
 
-    /// The ending of an iteration that converged with this step; none if the solution is tried with curvature first.
+    /// The final state of an iteration that converged with this step; `None` if the solution has to be iterated with
+    /// curvature first.
     pub(in crate::solve::newton) fn confirm(&mut self, step: AcceptedStep) -> Option<State> {
         let Curvature { off_until, retries, is_saddle } = &mut self.curvature;
         if step.had_curvature || *retries >= MAX_RETRIES {
@@ -56,7 +57,7 @@ impl Robust {
 }
 
 impl Newton {
-    /// Keeps the curvature of a model that is definite; else the model is made anew without.
+    /// Keeps the curvature of a definite model; else begins a model without curvature and returns false.
     pub(in crate::solve::newton) fn keeps_curvature(&mut self, is_definite: bool) -> bool {
         if !self.robust.has_curvature() {
             return true;
@@ -65,14 +66,15 @@ impl Newton {
         is_definite || !self.turns_curvature_off()
     }
 
-    /// The model is not positive along a conjugate direction: without curvature the correction so far is taken.
+    /// Handles a model that is not positive along a conjugate direction: turns curvature off, or accepts the current
+    /// correction if curvature is off.
     pub(in crate::solve::newton) fn has_indefinite_model(&mut self) {
         if !self.turns_curvature_off() {
             self.phase = super::super::Phase::Correct;
         }
     }
 
-    /// Makes the model anew without curvature; false if it has none.
+    /// Begins a model without curvature; false if curvature is off.
     pub(super) fn turns_curvature_off(&mut self) -> bool {
         if !self.robust.has_curvature() {
             return false;

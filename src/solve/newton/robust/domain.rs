@@ -1,8 +1,8 @@
 //! Iterates outside of the law's domain.
 //!
-//! Symptom: a stable shape is reported unstable (`way-outside-of-the-law`). Cause: iterates leave the range of the
-//! paper's springs temporarily. Remedy: divergence is declared after several such iterations in a row, or once a
-//! node leaves the surroundings of pocket and dome.
+//! Symptom: a stable shape is reported unstable (`path-outside-of-the-law`). Cause: iterates leave the domain of the
+//! paper's springs temporarily. Remedy: divergence is declared after several consecutive iterations outside,
+//! or once a node is too far from pocket and dome.
 
 use super::Newton;
 use crate::contact::Obstacle;

@@ -1,10 +1,10 @@
 //! The step of the exact Hessian, before a solution is accepted.
 //!
-//! Symptom: estimates up to a thousand times too small under compression (`soft-valley-before-a-fold`,
-//! `still-on-the-way-to-a-fold`). Cause: the positive semidefinite model is far too stiff in a soft valley and at a
-//! saddle point. Remedy: conjugate gradients on the exact Hessian give the length of its step, or a direction of
-//! negative curvature. Where contact blocks that step, the iteration continues, and ends after several blocked
-//! steps in a row (`way-blocked-before-a-fold`).
+//! Symptom: error estimates up to a thousand times too small under compression (`near-zero-stiffness-before-wrinkling`,
+//! `premature-stall-before-wrinkling`). Cause: the positive semidefinite model is much too stiff near zero stiffness and
+//! at a saddle point. Remedy: conjugate gradients on the exact Hessian give the exact step or a direction of
+//! negative curvature. If contact blocks the exact step, the iteration continues, and ends after several consecutive
+//! blocked steps (`path-blocked-before-wrinkling`).
 
 use super::super::conjugate_gradients::dot;
 use super::super::{CgState, Phase};
@@ -17,15 +17,15 @@ use glam::DVec3;
 /// Steps of conjugate gradients, and the drop of the residual.
 const MAX_CG_STEPS: u32 = 60;
 const CG_DROP: f64 = 1e-3;
-/// Lengths of the exact step that count as error \[-\]: the exact Hessian holds at one shape only.
+/// Error of a solution \[lengths of the exact step\]: the exact Hessian is valid near one shape only.
 const EXACT_STEP_SAFETY: f64 = 2.0;
 /// Length of a step along a direction of negative curvature \[tolerances\].
 const NEGATIVE_CURVATURE_STEP: f64 = 10.0;
-/// Blocked exact steps in a row that end the iteration.
+/// Number of consecutive blocked exact steps that ends the iteration.
 const MAX_BLOCKED: u32 = 3;
 
 impl Newton {
-    /// May the model be far too stiff, and was the exact step not evaluated at this shape? The paper's springs may be
+    /// Is an exact step required at this shape? True under compression unless evaluated; the paper's springs may be
     /// compressive anywhere.
     pub(in crate::solve::newton) fn needs_exact_step(
         &self,
@@ -51,7 +51,7 @@ impl Newton {
         self.phase = Phase::Robust(super::Phase::ExactStep(cg));
     }
 
-    /// One step of conjugate gradients; the last one is followed by the test of the exact step. `tolerance` \[mm\].
+    /// One step of conjugate gradients; after the last step tests the length of the exact step. `tolerance` \[mm\].
     pub(super) fn exact_cg(
         &mut self,
         obstacle: &Obstacle,
@@ -67,7 +67,7 @@ impl Newton {
             self.phase = Phase::Robust(super::Phase::ExactStep(cg));
             return State::Working;
         }
-        // z has H p here.
+        // z contains H p here.
         if next.is_none() && dot(&self.free, &self.vectors.p, &self.vectors.z) < 0.0 {
             self.add_negative_curvature(tolerance);
         }
@@ -83,7 +83,7 @@ impl Newton {
         State::Converged
     }
 
-    /// Adds a step downhill along the conjugate direction p of negative curvature.
+    /// Adds a descent step along the conjugate direction p of negative curvature.
     fn add_negative_curvature(&mut self, tolerance: f64) {
         let (v, free) = (&mut self.vectors, &self.free);
         let longest = |v: &[DVec3]| {
@@ -98,7 +98,7 @@ impl Newton {
         }
     }
 
-    /// Notes a line search that failed; true if it is one exact step too many that is blocked.
+    /// Counts a failed line search along an exact step; true at [`MAX_BLOCKED`].
     pub(super) fn is_blocked(&mut self) -> bool {
         if !self.robust.is_exact_step() {
             return false;

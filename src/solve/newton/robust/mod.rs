@@ -1,11 +1,11 @@
 //! Safeguards near singular stiffness; skip on first reading.
 //!
-//! Each file is one safeguard: symptom, cause, remedy and the scene in `tests/stress` that needs it. None acts
-//! in the scenes that full multigrid solves.
+//! Each file is one safeguard with symptom, cause, remedy and its scene in `tests/stress`. No safeguard acts in
+//! scenes that full multigrid solves.
 //!
-//! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step leads downhill) |
+//! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step lowers the energy) |
 //! `step_extension`, `partan` (the model is too stiff) | `exact_step` (the model is far too stiff) | `domain`
-//! (springs outside of their law) | `stability` (saddle points of the paper's springs) | `symmetry`.
+//! (springs outside of their law's domain) | `stability` (saddle points of the paper's springs) | `symmetry`.
 
 mod curvature;
 mod domain;
@@ -24,16 +24,16 @@ use curvature::{AcceptedStep, Curvature};
 use glam::DVec3;
 use symmetry::{Mirror, Mirrors};
 
-/// What a solve from the present shape has used of the exact Hessian.
+/// The Hessian of the current step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum HessianUse {
-    /// The positive semidefinite model alone.
+    /// The positive semidefinite model.
     Positive,
-    /// The step of the exact Hessian.
+    /// The exact Hessian, with negative modes.
     Exact,
 }
 
-/// Which methods step the nodes.
+/// Methods of one iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StepMethod {
     SweepsAndGradients,
@@ -42,20 +42,20 @@ enum StepMethod {
 
 /// State of the safeguards of one grid.
 pub(super) struct Robust {
-    /// Mirrors in which the solution is its own image.
+    /// Mirror symmetries of the solution.
     mirrors: Vec<Mirror>,
     curvature: Curvature,
     step_method: StepMethod,
     pub(super) hessian: HessianUse,
-    /// Exact steps in a row along which the energy fell nowhere.
+    /// Number of consecutive exact steps without a decrease of the energy.
     blocked: u32,
-    /// Iterations in a row with springs outside of the range of their law.
+    /// Number of consecutive iterations with springs outside of their law's domain.
     outside: u32,
-    /// Greatest factor by which a step of the model was too short so far \[-\].
+    /// Greatest accepted extension of a step so far \[-\].
     pub(super) step_growth: f64,
-    /// How far steps were extended lately \[mm\].
+    /// Decaying distance of step extensions \[mm\].
     pub(super) extrapolation: f64,
-    /// Positions before the last step but one, if known.
+    /// Positions before the last two steps; valid with `has_earlier`.
     earlier: Vec<DVec3>,
     has_earlier: bool,
 }
@@ -63,17 +63,17 @@ pub(super) struct Robust {
 /// A safeguard's piece of work.
 #[derive(Clone, Copy)]
 pub(super) enum Phase {
-    /// Extends a step, or the sum of the last two, from an energy.
+    /// Extends a step or the sum of the last two steps; `energy` is the energy to undercut.
     Extend { length: f64, energy: f64, direction: Direction },
-    /// Assembles rows of the exact Hessian from this one on.
+    /// Assembles rows of the exact Hessian from `row` on.
     ExactHessian { row: usize, purpose: Purpose },
     /// Conjugate gradients on the exact Hessian.
     ExactStep(CgState),
-    /// Searches the least eigenvalue of the exact Hessian; ends in `after` if that is not negative.
+    /// Searches the least eigenvalue of the exact Hessian; ends in `after` unless the eigenvalue is negative.
     Stability { step: u32, after: State },
 }
 
-/// Along what a step is extended.
+/// Direction of an extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Direction {
     Step,
@@ -81,10 +81,10 @@ pub(super) enum Direction {
     TwoSteps,
 }
 
-/// What the exact Hessian is assembled for.
+/// Purpose of the exact Hessian.
 #[derive(Clone, Copy)]
 pub(super) enum Purpose {
-    /// The stability of the shape; the iteration ends in the state if the shape is stable.
+    /// Stability of the shape; the iteration of a stable shape ends in the contained state.
     Stability(State),
     /// The step of the exact Hessian.
     Step,
@@ -106,7 +106,7 @@ impl Robust {
         }
     }
 
-    /// Forgets the solve before.
+    /// Resets the state for another solve.
     pub(super) fn start(&mut self, mirrors: Mirrors, dome: &Dome) {
         self.mirrors = mirrors.of(dome);
         self.curvature = Curvature::default();
@@ -126,7 +126,7 @@ impl Robust {
         self.hessian == HessianUse::Exact
     }
 
-    /// Notes an accepted step of the line search, `is_full` if its length is one.
+    /// Records an accepted step of the line search; `is_full` at length one.
     pub(super) fn accept_step(&mut self, is_full: bool, iterations: u32) -> AcceptedStep {
         if self.is_exact_step() {
             self.blocked = 0;
@@ -164,7 +164,7 @@ impl Newton {
         }
     }
 
-    /// Assembles rows of the exact Hessian; after the last one, the contact, and goes on to the purpose.
+    /// Assembles rows of the exact Hessian; after the last row adds the contact and begins the purpose.
     fn assemble_exact_hessian(
         &mut self,
         law: &SheetLaw,
@@ -190,7 +190,7 @@ impl Newton {
         }
     }
 
-    /// Ends a line search in which the energy fell nowhere.
+    /// Ends a line search without a decrease of the energy.
     pub(super) fn reject_step(&mut self, is_uphill: bool) -> State {
         if self.is_blocked() {
             return State::Converged;
@@ -206,8 +206,7 @@ impl Newton {
         self.robust.is_exact_step()
     }
 
-    /// Continues from a shape that was moved slightly: the stiffness of the model is as before, and so is the error
-    /// for a while.
+    /// Continues from a slightly changed shape with the previous error and the previous stiffness of the model.
     pub(super) fn keep_error(&mut self) {
         self.last_step = f64::INFINITY;
         self.robust.extrapolation = self.error;

@@ -1,6 +1,6 @@
 //! Acceleration by parallel tangents.
 //!
-//! Symptom: steps zigzag in a narrow valley of the energy (`valley-of-slack`). Cause: the model is too stiff along the
+//! Symptom: steps zigzag in a narrow valley of the energy (`slow-convergence-under-compression`). Cause: the model is too stiff along the
 //! valley. Remedy: the sum of the last two steps, in which the parts across the valley cancel, is extended (B. V. Shah,
 //! R. J. Buehler and O. Kempthorne, "Some algorithms for minimizing a function of several variables", J. SIAM 12(1),
 //! 1964).
@@ -8,11 +8,11 @@
 use super::super::Phase;
 use super::{Direction, Newton};
 
-/// The first length of the sum of two steps.
+/// First length of an extension \[sum of two steps\].
 const PARTAN_LENGTH: f64 = 1.5;
 
 impl Newton {
-    /// Extends the sum of the last two steps, if a step was too short before.
+    /// Extends the sum of the last two steps if an earlier step was too short.
     pub(super) fn extend_two_steps(&mut self, energy: f64) {
         if self.robust.step_growth <= 1.0 {
             return;

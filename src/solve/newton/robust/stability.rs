@@ -1,6 +1,6 @@
 //! Saddle points of the paper's springs.
 //!
-//! Symptom: a saddle point is called converged. Cause: the energy of the paper's springs is not convex. Remedy: the least
+//! Symptom: convergence to a saddle point. Cause: the energy of the paper's springs is not convex. Remedy: the least
 //! eigenvalue of the exact Hessian, by preconditioned descent of the Rayleigh quotient (A. V. Knyazev, "Preconditioned
 //! eigensolvers", ETNA 7, 1998).
 
@@ -15,17 +15,17 @@ use std::f64::consts::FRAC_PI_2;
 const MAX_STEPS: u32 = 60;
 /// The negative eigenvalue that counts as instability \[small-strain stiffness\].
 const UNSTABLE: f64 = 1e-3;
-/// Norm of a search direction that is zero but for rounding \[-\].
+/// Norm of a search direction at the rounding level \[-\].
 const ROUNDING: f64 = 1e-14;
 
 impl Newton {
-    /// Begins the search for the least eigenvalue; [`Self::step`] ends in `after` if the eigenvalue is not negative.
+    /// Begins the search for the least eigenvalue; [`Self::step`] ends in `after` unless the eigenvalue is negative.
     pub(in crate::solve::newton) fn begin_stability(&mut self, after: State) {
         let purpose = Purpose::Stability(after);
         self.phase = Phase::Robust(super::Phase::ExactHessian { row: 0, purpose });
     }
 
-    /// Begins with a direction that leaves no wave out.
+    /// Begins with a direction that contains all wavelengths.
     pub(super) fn begin_eigenvalue_search(&mut self, after: State) {
         self.vectors.p.fill(DVec3::ZERO);
         for &k in &self.free {

@@ -1,9 +1,9 @@
 //! Steps longer than the model's.
 //!
-//! Symptom: many small steps beside a dome at the pocket's rim (`slack-beside-the-dome`,
-//! `slack-beside-a-dome-at-the-rim`). Cause: the sheet has almost no tension there, and the positive semidefinite
-//! model is too stiff. Remedy: a step that lowers the energy by nearly the whole first-order prediction is extended,
-//! by doubling, as long as the energy falls.
+//! Symptom: many small steps beside a dome at the pocket's rim (`slow-convergence-beside-dome`,
+//! `slow-convergence-beside-dome-at-rim`). Cause: without tension the positive semidefinite model of the
+//! sheet is too stiff. Remedy: a step that lowers the energy by nearly the whole first-order prediction is extended,
+//! by doubling, while the energy falls.
 
 use super::super::line_search::Trial;
 use super::super::{Phase, cost};
@@ -12,9 +12,9 @@ use crate::contact::Obstacle;
 use crate::model::membrane::assembly;
 use crate::model::membrane::law::SheetLaw;
 
-/// Fraction of the first-order prediction from which on a step was less than half as long as possible \[-\].
+/// Fraction of the first-order prediction above which a step was less than half of the optimal length \[-\].
 const MIN_DECREASE: f64 = 0.75;
-/// Roundings of the energy above which a prediction counts.
+/// Least significant prediction \[roundings of the energy\].
 const ROUNDINGS: f64 = 10.0;
 /// The first length of an extended step \[steps\], and the greatest.
 const FIRST_LENGTH: f64 = 2.0;
@@ -29,13 +29,13 @@ impl Robust {
 }
 
 impl Newton {
-    /// Was a whole step less than half as long as possible?
+    /// Was a full step less than half of the optimal length?
     pub(in crate::solve::newton) fn is_too_short(&self, trial: &Trial) -> bool {
         self.model.totals.energy - trial.energy > MIN_DECREASE * trial.predicted
             && trial.predicted > ROUNDINGS * trial.rounding
     }
 
-    /// Goes on along an accepted step that was too short, or along the last two.
+    /// Extends an accepted step that was too short, or the sum of the last two steps.
     pub(in crate::solve::newton) fn extend_step(
         &mut self,
         is_whole: bool,
@@ -52,8 +52,7 @@ impl Newton {
         }
     }
 
-    /// Tries a length from `trial` along `d`, greater than that of the accepted step; accepts the length if the energy
-    /// falls.
+    /// Tries an extended length from `trial` along `d`; accepts the length if the energy falls.
     pub(super) fn extend(
         &mut self,
         law: &SheetLaw,

@@ -1,12 +1,12 @@
 //! Iterations by sweeps alone.
 //!
-//! Symptom: no length of a step lowers the energy (`steps-that-lead-uphill`). Cause: contact changes at many nodes in
-//! one step. Remedy: one iteration by projected sweeps alone, whose steps lead downhill.
+//! Symptom: no length of a step lowers the energy (`steps-that-raise-the-energy`). Cause: contact changes at many nodes in
+//! one step. Remedy: one iteration by projected sweeps alone, whose steps lower the energy.
 
 use super::{Newton, StepMethod};
 
 impl Newton {
-    /// Makes the step anew by sweeps alone; false if that was tried, or if curvature is to be turned off first.
+    /// Repeats the iteration by sweeps alone; false after sweeps alone, or if curvature has to be turned off first.
     pub(super) fn turns_to_sweeps(&mut self, is_uphill: bool) -> bool {
         let robust = &mut self.robust;
         if robust.has_sweeps_only() || !is_uphill && robust.has_curvature() {

@@ -1,19 +1,19 @@
-//! Symmetric scenes have symmetric solutions.
+//! Symmetric solutions of symmetric scenes.
 //!
-//! Symptom: a centred scene has an asymmetric solution (`lopsided-on-a-needle`). Cause: rounding and truncated
-//! iterations grow where a node stands on a steep dome. Remedy: steps are symmetrised, mirrored nodes have the
-//! same active constraints. A convex model of a symmetric shape has a symmetric minimum.
+//! Symptom: a centred scene has an asymmetric solution (`asymmetric-shape-on-needle`). Cause: asymmetry from
+//! rounding and truncated iterations grows at a node on a steep dome. Remedy: steps are symmetrised, mirrored nodes have
+//! equal active constraints. A convex model of a symmetric shape has a symmetric minimum.
 
 use super::Newton;
 use crate::contact::Dome;
 use crate::mesh::Sheet;
 use glam::{DVec2, DVec3};
 
-/// The mirrors in which a solution has to be its own image.
+/// The mirror symmetries to enforce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::solve) enum Mirrors {
     None,
-    /// Those of the dome and the grid.
+    /// Common symmetries of dome and grid.
     OfDome,
 }
 
@@ -61,7 +61,7 @@ pub(super) enum Mirror {
 }
 
 impl Mirror {
-    /// The mirrors that leave a dome and the grid as they are.
+    /// The common symmetries of a dome and the grid.
     fn of(dome: &Dome) -> Vec<Self> {
         let DVec2 { x, y } = dome.center;
         let [along_x, along_y] = dome.mirrored();
@@ -74,7 +74,7 @@ impl Mirror {
         all.into_iter().filter_map(|(mirror, holds)| holds.then_some(mirror)).collect()
     }
 
-    /// The node where the image of a node is, n nodes a side.
+    /// The mirror image of a node, n nodes a side.
     fn node(self, k: usize, n: usize) -> usize {
         let (i, j) = (k % n, k / n);
         let (i, j) = match self {
@@ -97,7 +97,7 @@ impl Mirror {
     }
 }
 
-/// Makes the positions or steps of the free nodes their own images, by the mean.
+/// Symmetrises positions or steps of the free nodes by the mean of node and image.
 fn symmetrize(mirrors: &[Mirror], sheet: &Sheet, free: &[u32], v: &mut [DVec3]) {
     let n = sheet.nodes_per_side();
     for mirror in mirrors {
@@ -132,7 +132,7 @@ mod tests {
     use crate::mesh::NodeKind;
 
     #[test]
-    fn what_is_made_symmetric_is_its_own_image_in_every_mirror() {
+    fn symmetrized_vectors_and_flags_equal_their_mirror_images() {
         let sheet = Sheet::new(17, 8.0);
         let free: Vec<u32> = (0..sheet.len())
             .filter(|&k| sheet.kinds()[k] == NodeKind::Free)
