@@ -72,7 +72,7 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         grids: after.grids - before.grids,
         stability_limits: after.stability_limits - before.stability_limits,
         previews: after.previews - before.previews,
-        taken_back: after.taken_back - before.taken_back,
+        reverted: after.reverted - before.reverted,
     }
 }
 

@@ -90,7 +90,7 @@ impl App {
         self.session.conclude();
         let fraction = running.fraction.max(self.session.fraction_done());
         self.solving = Some(RunningSolve { fraction, ..running });
-        if let Some(fault) = self.session.taken_back() {
+        if let Some(fault) = self.session.reverted() {
             let reason = no_shape(Some(fault));
             self.notice = Some(Notice::error(format!(
                 "The last change was undone. {reason} Redo repeats the change."

@@ -122,7 +122,7 @@ impl App {
             ui.label("This scene has not been computed, so there are no results.");
             ui.add_space(theme::SPACE);
             if ui.button("Continue computing").clicked() {
-                self.session.go_on();
+                self.session.resume();
             }
         });
     }

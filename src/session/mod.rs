@@ -63,7 +63,7 @@ pub struct Counters {
     /// Allocations of the solver's nested grids.
     pub grids: u64,
     /// Edits reverted because the solution was invalid.
-    pub taken_back: u64,
+    pub reverted: u64,
     /// Stacks of layers with computed stability limits of the paper's springs.
     pub stability_limits: u64,
     /// Displayed shapes before convergence: drafts and solutions of coarser grids.
@@ -103,7 +103,7 @@ pub struct Session {
     is_stopped: bool,
     /// The last scene with a valid solution.
     valid: Scene,
-    taken_back: Option<Invalid>,
+    reverted: Option<Invalid>,
     counters: Cell<Counters>,
 }
 
@@ -119,7 +119,7 @@ impl Session {
         let scene = checked.into_scene();
         Ok(Self {
             valid: scene.clone(),
-            taken_back: None,
+            reverted: None,
             scene,
             undo: Vec::new(),
             redo: Vec::new(),
@@ -255,8 +255,8 @@ impl Session {
         if !self.working {
             match self.solver.invalid() {
                 Some(reason @ (Invalid::NotFinite | Invalid::Inverted)) if self.take_back() => {
-                    self.taken_back = Some(reason);
-                    self.count(|c| c.taken_back += 1);
+                    self.reverted = Some(reason);
+                    self.count(|c| c.reverted += 1);
                     return Progress::Working;
                 }
                 Some(_) => {}
@@ -285,7 +285,7 @@ impl Session {
     }
 
     /// Cancels the running solve. Reverts to the last scene with a valid solution ([`Command::Redo`] restores the
-    /// reverted scene); without such a scene the solve stops without a result until [`Self::go_on`].
+    /// reverted scene); without such a scene the solve stops without a result until [`Self::resume`].
     pub fn cancel(&mut self) {
         if self.working && !self.take_back() {
             self.working = false;
@@ -302,14 +302,14 @@ impl Session {
     }
 
     /// Continues a cancelled solve.
-    pub fn go_on(&mut self) {
+    pub fn resume(&mut self) {
         self.working |= self.is_stopped;
         self.is_stopped = false;
     }
 
     /// Why the last edit was reverted; the first call after a reversion returns the reason.
-    pub fn taken_back(&mut self) -> Option<Invalid> {
-        self.taken_back.take()
+    pub fn reverted(&mut self) -> Option<Invalid> {
+        self.reverted.take()
     }
 
     /// Measures a new draft or final solution.
@@ -493,8 +493,8 @@ mod tests {
             session.apply(edit).unwrap();
             session.solver.end_with(reason);
             assert_eq!(session.advance(&mut || false), Progress::Working);
-            assert_eq!(session.taken_back(), Some(reason));
-            assert_eq!(session.taken_back(), None);
+            assert_eq!(session.reverted(), Some(reason));
+            assert_eq!(session.reverted(), None);
             while session.advance(&mut || false) == Progress::Working {}
             assert_eq!((session.scene(), session.shape()), (&scene, before.as_slice()));
             assert!(session.outcome().is_some_and(|o| o.projection_mm == Some(55.0)));
@@ -504,7 +504,7 @@ mod tests {
         session.apply(Command::Redo).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
         assert_eq!(session.scene(), &other);
-        assert_eq!(session.counters().taken_back, 2);
+        assert_eq!(session.counters().reverted, 2);
     }
 
     #[test]

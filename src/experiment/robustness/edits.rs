@@ -128,7 +128,7 @@ fn apply_invalid(rng: &mut Rng, session: &mut Session, findings: &mut Vec<Findin
 /// Runs a random number of solver slices and checks the displayed shape.
 fn slice(rng: &mut Rng, session: &mut Session, findings: &mut Vec<Finding>) {
     let mut pieces = rng.u32(0..60);
-    let (springs, before) = (session.scene().springs, session.counters().taken_back);
+    let (springs, before) = (session.scene().springs, session.counters().reverted);
     session.advance(&mut || {
         pieces = pieces.saturating_sub(1);
         pieces == 0
@@ -137,7 +137,7 @@ fn slice(rng: &mut Rng, session: &mut Session, findings: &mut Vec<Finding>) {
     require_at_most(findings, "displayed non-finite nodes", broken as f64, 0.0);
     // The paper's springs may have inverted shapes.
     if springs == Springs::Coupled {
-        let reverted = session.counters().taken_back - before;
+        let reverted = session.counters().reverted - before;
         require_at_most(findings, "reverted edits", reverted as f64, 0.0);
     }
 }
