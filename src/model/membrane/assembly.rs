@@ -158,10 +158,12 @@ fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool])
                 continue;
             }
             let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), 1.0 / spacing);
-            let [along0, across0] = tensions(law, [top, right]);
-            let [along1, across1] = tensions(law, [top, left]);
-            let [along2, across2] = tensions(law, [bottom, left]);
-            let [along3, across3] = tensions(law, [bottom, right]);
+            let mut pulls = [[top, right], [top, left], [bottom, left], [bottom, right]];
+            for columns in &mut pulls {
+                *columns = tensions(law, *columns);
+            }
+            let [[along0, across0], [along1, across1], [along2, across2], [along3, across3]] =
+                pulls;
             // Each edge pulls its two ends together; A/h of a triangle of half weight is h/4.
             let quarter = 0.25 * spacing;
             let (bottom, top) = ((along2 + along3) * quarter, (along0 + along1) * quarter);
