@@ -36,14 +36,15 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
         return Ok(vec![checked_scene(text, None)?]);
     }
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let at_line = |k, error| SceneError::Line { line: k + 1, source: Box::new(error) };
+    // Before any scene is built: checked scenes contain curves and need much memory.
+    if let Some((k, _)) = lines.clone().nth(MAX_SCENES) {
+        let allowed = format!("up to {MAX_SCENES} scenes");
+        return Err(at_line(k, out_of_range("file", "too long".to_owned(), &allowed)));
+    }
     let mut scenes = Vec::new();
     for (k, line) in lines {
-        let at_line = |error| SceneError::Line { line: k + 1, source: Box::new(error) };
-        if scenes.len() == MAX_SCENES {
-            let allowed = format!("up to {MAX_SCENES} scenes");
-            return Err(at_line(out_of_range("file", "too long".to_owned(), &allowed)));
-        }
-        scenes.push(checked_scene(line, scenes.last()).map_err(at_line)?);
+        scenes.push(checked_scene(line, scenes.last()).map_err(|error| at_line(k, error))?);
     }
     if scenes.is_empty() {
         return Err(out_of_range("file", "empty".to_owned(), "one scene per line"));

@@ -1,7 +1,7 @@
 //! The section cut: the removed part of the tissue and the cut faces.
 //!
 //! Cut faces are exact: every prism of a layer (a sheet triangle with thickness) is split into
-//! three tetrahedra and cut by the plane, which gives convex polygons in no particular order.
+//! three tetrahedra and cut by the plane into convex polygons in no particular order.
 
 use crate::view::body::Body;
 use glam::{Vec2, Vec3};

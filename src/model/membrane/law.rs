@@ -50,8 +50,8 @@ impl SheetLaw {
         }
     }
 
-    /// Tension per small strain \[kPa·mm\], the scale of forces: of the coupled springs stretched one way and
-    /// held across, Σ h·Ef′(0)/(1−ν²); of the paper's edge springs, Σ h·Ef′(0).
+    /// Small-strain stiffness \[kPa·mm\], the scale of forces: Σ h·Ef′(0)/(1−ν²) of coupled springs (no transverse
+    /// strain), Σ h·Ef′(0) of the paper's edge springs.
     pub(crate) fn stiffness(&self) -> f64 {
         match self {
             Self::Coupled(law) => law.small_strain_stiffness(),

@@ -4,7 +4,7 @@
 //! scenes that full multigrid solves.
 //!
 //! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step lowers the energy) |
-//! `step_extension`, `partan` (the model is too stiff) | `exact_step` (the model is far too stiff) | `domain`
+//! `step_extension`, `partan` (the model is too stiff) | `exact_step` (the model is much too stiff) | `domain`
 //! (springs outside of their law's domain) | `stability` (saddle points of the paper's springs) | `symmetry`.
 
 mod curvature;
