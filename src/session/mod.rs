@@ -328,7 +328,8 @@ impl Session {
         if let Some(fields) = self.fields.take() {
             let (recoveries, computed) = work_of(&fields);
             self.count(|c| {
-                (c.recoveries, c.fields) = (c.recoveries + recoveries, c.fields + computed)
+                c.recoveries += recoveries;
+                c.fields += computed;
             });
         }
     }

@@ -1,5 +1,7 @@
 //! Accessors of the solver: status, positions, forces, energy, work counters.
 
+use super::fas::FullMultigrid;
+use super::newton::NestedNewton;
 use super::{
     Displayed, Invalid, Method, Problem, Report, Solution, Solver, Stage, Verdict, initial_guess,
 };
@@ -127,8 +129,8 @@ impl Solver {
         if self.stage == Stage::Rest {
             return 0.0;
         }
-        self.multigrid.as_ref().map_or(0.0, |multigrid| multigrid.work_units())
-            + self.newton.as_ref().map_or(0.0, |newton| newton.work_units())
+        self.multigrid.as_ref().map_or(0.0, FullMultigrid::work_units)
+            + self.newton.as_ref().map_or(0.0, NestedNewton::work_units)
     }
 
     /// V-cycles of the finest grid.

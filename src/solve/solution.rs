@@ -134,7 +134,7 @@ impl Solution {
     #[must_use]
     pub fn record(&self) -> Record {
         Record {
-            inner: self.inner.iter().map(|p| p.to_array()).collect(),
+            inner: self.inner.iter().map(DVec3::to_array).collect(),
             offset_nodes: self.offset_nodes.iter().map(|(k, x)| (*k, x.to_array())).collect(),
             report: self.report.clone(),
         }

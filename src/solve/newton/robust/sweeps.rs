@@ -9,7 +9,7 @@ impl Newton {
     /// Repeats the iteration by sweeps alone; false after sweeps alone, or if curvature has to be turned off first.
     pub(super) fn turns_to_sweeps(&mut self, is_uphill: bool) -> bool {
         let robust = &mut self.robust;
-        if robust.has_sweeps_only() || !(is_uphill || !robust.has_curvature()) {
+        if robust.has_sweeps_only() || !is_uphill && robust.has_curvature() {
             return false;
         }
         robust.step_method = StepMethod::SweepsOnly;
