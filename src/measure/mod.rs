@@ -216,9 +216,9 @@ pub fn no_shape(invalid: Option<Invalid>) -> &'static str {
              springs are stable in tension."
         }
         Some(Invalid::Penetrated) => {
-            "The implant protrudes through the tissue between the nodes: the grid is too coarse, or the \
-             tissue yields at the implant's tip. No result is available. Use more nodes per side, a \
-             flatter implant or tissue whose stress rises with strain."
+            "The implant protrudes through the tissue between the nodes: the grid is too coarse for the \
+             implant, or the tissue yields at the implant's tip. No result is available. Use more nodes \
+             per side, a flatter implant or tissue whose stress rises with strain."
         }
         Some(Invalid::Inverted) => {
             "The solver produced an inverted surface; no result is available."
