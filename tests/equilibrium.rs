@@ -364,6 +364,28 @@ fn the_same_scene_gives_the_same_bits() {
 }
 
 #[test]
+fn a_restart_in_the_middle_of_a_cycle_leaves_no_trace() {
+    let mut scene = Scene::default();
+    scene.solver.nodes_per_side = 65;
+    let problem = scene.problem().unwrap();
+    scene.insertion = 0.7;
+    let other = scene.problem().unwrap();
+    let mut fresh = Solver::new(problem.clone());
+    while fresh.advance(&mut || false) == Progress::Working {}
+    for pieces in 1..60 {
+        let mut solver = Solver::new(other.clone());
+        let mut left = pieces;
+        solver.advance(&mut || {
+            left -= 1;
+            left == 0
+        });
+        solver.restart(problem.clone());
+        while solver.advance(&mut || false) == Progress::Working {}
+        assert_eq!(solver.positions(), fresh.positions(), "after {pieces} pieces");
+    }
+}
+
+#[test]
 fn an_edited_scene_reaches_the_shape_of_a_fresh_one() {
     for scene in odd_scenes() {
         let target = solved(&scene, 65, 1e-6);

@@ -2,7 +2,7 @@
 //!
 //! n is the dome's unit normal at a node, w the wall's.
 
-use super::Obstacle;
+use super::{Dome, Wall};
 use crate::mesh::stencil::outer;
 use glam::{DMat3, DVec3};
 
@@ -37,38 +37,43 @@ pub(crate) struct Reaction {
     pub(crate) active: u8,
     /// The dome's force per gradient of the gauge, zero unless the dome presses.
     pub(crate) per_gradient: f64,
+    /// The wall's force, zero unless the wall presses.
+    pub(crate) by_wall: f64,
 }
 
 impl Constraint {
     /// The constraint of a node at `x` with a contact offset, as a gauge.
-    pub(crate) fn new(obstacle: &Obstacle, x: DVec3, offset: f64) -> Self {
-        let gradient = obstacle.dome.gauge_gradient(x);
+    pub(crate) fn new(dome: &Dome, wall: Wall, x: DVec3, offset: f64) -> Self {
+        let gradient = dome.gauge_gradient(x);
         let steepness = gradient.length();
         Self {
             normal: gradient / steepness,
-            gap: (obstacle.dome.gauge(x) - offset) / steepness,
+            gap: (dome.gauge(x) - offset) / steepness,
             steepness,
-            wall_normal: obstacle.wall.normal(x),
-            height: obstacle.wall.gap(x),
+            wall_normal: wall.normal(x),
+            height: wall.gap(x),
         }
     }
 
     /// The reactions to a force of dome and wall within a distance of `touch` \[mm\].
     pub(crate) fn reaction(&self, force: DVec3, touch: f64) -> Reaction {
         let mut pressing = -force.dot(self.normal);
+        let mut by_wall_force = -force.dot(self.wall_normal);
         let (by_dome, by_wall) = (self.gap <= touch, self.height <= touch);
         let mut is_on_dome = by_dome && pressing >= 0.0;
-        let mut is_on_wall = by_wall && force.dot(self.wall_normal) <= 0.0;
+        let mut is_on_wall = by_wall && by_wall_force >= 0.0;
         if by_dome
             && by_wall
             && let Some([dome, wall]) = self.both(force)
         {
-            (pressing, is_on_dome, is_on_wall) = (dome, dome >= 0.0, wall >= 0.0);
+            (pressing, is_on_dome) = (dome, dome >= 0.0);
+            (by_wall_force, is_on_wall) = (wall, wall >= 0.0);
         }
         Reaction {
             active: if is_on_dome { ON_DOME } else { FREE }
                 | if is_on_wall { ON_WALL } else { FREE },
             per_gradient: if is_on_dome { pressing / self.steepness } else { 0.0 },
+            by_wall: if is_on_wall { by_wall_force } else { 0.0 },
         }
     }
 

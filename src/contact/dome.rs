@@ -59,6 +59,24 @@ impl Dome {
         self.base_radius * (1.0 - height * height).max(0.0).sqrt()
     }
 
+    /// The greatest half-axis \[mm\]: no point of the surface moves further than this length times a change of the gauge.
+    #[must_use]
+    pub fn greatest_half_axis(&self) -> f64 {
+        self.base_radius.max(self.projection)
+    }
+
+    /// Radius of curvature at the apex \[mm\].
+    #[must_use]
+    pub fn apex_radius(&self) -> f64 {
+        self.base_radius * self.base_radius / self.projection
+    }
+
+    /// Radius of curvature of a meridian at the base \[mm\].
+    #[must_use]
+    pub fn base_curvature_radius(&self) -> f64 {
+        self.projection * self.projection / self.base_radius
+    }
+
     /// Surface area above the wall \[mm²\] (closed form for the hemisphere; else by Simpson's rule
     /// over the polar angle, relative error below 1e-9).
     #[must_use]

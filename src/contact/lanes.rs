@@ -25,7 +25,7 @@ pub(crate) struct LaneObstacle {
 pub(crate) struct Touch {
     /// Gauge plus one at which each node touches.
     pub(crate) length: f32x4,
-    /// Nodes that a finer grid holds active, as a mask: they keep their gauge.
+    /// Nodes that are active on the finer grid, as a mask: these keep their gauge.
     pub(crate) active: f32x4,
 }
 
@@ -113,7 +113,7 @@ impl LaneObstacle {
 
     /// The displacements after a step `d` under the constraints.
     ///
-    /// A step that leads into the dome solves H d = f + μn with n·d = −gap, H⁻¹ the `compliance`, and ends
+    /// A step that leads into the dome solves D d = ω (f + τ) + μn with n·d = −gap, D⁻¹ the `compliance`, and ends
     /// on the surface: its fixed points are those of the contact problem. Nodes without compliance stay.
     #[inline(always)]
     pub(crate) fn step(
@@ -138,7 +138,7 @@ impl LaneObstacle {
             let back = self.along_gradient(add(position, d), g, touching);
             moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));
         }
-        let above = self.wall.projected(moved);
+        let above = self.wall.projected(rest, moved);
         [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
     }
 
@@ -146,7 +146,7 @@ impl LaneObstacle {
     /// surface.
     #[inline(always)]
     pub(crate) fn projected(&self, rest: [f32x4; 2], at: Vec3, touching: f32x4) -> Vec3 {
-        let at = self.wall.projected(at);
+        let at = self.wall.projected(rest, at);
         let Nodes { position, length, .. } = self.nodes(rest, at);
         add(at, self.outwards(position, length, touching))
     }
@@ -169,6 +169,7 @@ impl LaneObstacle {
         let back = self.along_gradient(add(position, c), g, touching);
         let is_put_back = touch.active | dot(back, g).simd_gt(f32x4::ZERO);
         self.wall.projected(
+            rest,
             [0, 1, 2].map(|a| at[a] + c[a] + is_put_back.bitselect(back[a], f32x4::ZERO)),
         )
     }
@@ -193,11 +194,18 @@ impl LaneObstacle {
         is_active
     }
 
-    /// The forces without what dome (on active nodes) and wall carry.
+    /// The forces minus the reactions of the dome, on active nodes, and of the wall.
     #[inline(always)]
-    pub(crate) fn unsupported(&self, nodes: &Nodes, at: Vec3, force: Vec3, active: f32x4) -> Vec3 {
+    pub(crate) fn unsupported(
+        &self,
+        nodes: &Nodes,
+        rest: [f32x4; 2],
+        at: Vec3,
+        force: Vec3,
+        active: f32x4,
+    ) -> Vec3 {
         let g = nodes.gradient;
         let pressing = active.bitselect(dot(force, g) / dot(g, g), f32x4::ZERO);
-        self.wall.unsupported(at, [0, 1, 2].map(|a| force[a] - g[a] * pressing))
+        self.wall.unsupported(rest, at, [0, 1, 2].map(|a| force[a] - g[a] * pressing))
     }
 }

@@ -1,7 +1,8 @@
 //! Dome and wall together: the complement of the admissible set.
 
+use super::active_set::Reaction;
 use super::{Dome, Wall};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// The obstacle of the tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,13 @@ impl Obstacle {
         if self.dome.gauge(point) < gauge { self.dome.project(point, gauge) } else { point }
     }
 
+    /// Second derivative of the constraints under a node, times their reactions \[kPa·mm\]: the part of the Hessian
+    /// that curved surfaces take away.
+    pub(crate) fn curvature(&self, point: DVec3, reaction: &Reaction) -> DMat3 {
+        self.dome.gauge_curvature(point) * reaction.per_gradient
+            + self.wall.curvature(point) * reaction.by_wall
+    }
+
     /// The obstacle in other units of length.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -37,6 +45,6 @@ impl Obstacle {
             projection: projection * factor,
             base_height: base_height * factor,
         };
-        Self { dome, wall: self.wall }
+        Self { dome, wall: self.wall.scaled(factor) }
     }
 }

@@ -4,7 +4,7 @@
 //! gap and normal at a point, and the projection onto its surface.
 
 use crate::mesh::vec3::Vec3;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use wide::f32x4;
 
 /// A chest wall.
@@ -43,6 +43,23 @@ impl Wall {
         }
     }
 
+    /// Second derivative of the gap \[1/mm\].
+    #[inline]
+    #[must_use]
+    pub fn curvature(self, _point: DVec3) -> DMat3 {
+        match self {
+            Self::Plane => DMat3::ZERO,
+        }
+    }
+
+    /// The wall in other units of length.
+    #[must_use]
+    pub fn scaled(self, _factor: f64) -> Self {
+        match self {
+            Self::Plane => Self::Plane,
+        }
+    }
+
     /// The step from a point above the wall, shortened along the normal where the step would pass the wall.
     #[inline]
     #[must_use]
@@ -52,17 +69,23 @@ impl Wall {
         }
     }
 
-    /// The displacements of four nodes that rest on the plane z = 0, on or above the wall.
+    /// The displacements of four nodes at the positions `rest` on the plane z = 0, on or above the wall. The wall is
+    /// in the units of the grid.
     #[inline(always)]
-    pub(crate) fn projected(self, [x, y, z]: Vec3) -> Vec3 {
+    pub(crate) fn projected(self, _rest: [f32x4; 2], [x, y, z]: Vec3) -> Vec3 {
         match self {
             Self::Plane => [x, y, z.fast_max(f32x4::ZERO)],
         }
     }
 
-    /// The forces on four nodes, without the normal part where a node presses on the wall.
+    /// The forces on four nodes minus the reaction of the wall.
     #[inline(always)]
-    pub(crate) fn unsupported(self, displacement: Vec3, [x, y, z]: Vec3) -> Vec3 {
+    pub(crate) fn unsupported(
+        self,
+        _rest: [f32x4; 2],
+        displacement: Vec3,
+        [x, y, z]: Vec3,
+    ) -> Vec3 {
         match self {
             Self::Plane => {
                 let zero = f32x4::ZERO;

@@ -382,16 +382,15 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
     let Problem { sheet, patch, obstacle, .. } = problem;
     let dome = &obstacle.dome;
     let least = LEAST_CELLS * sheet.spacing_mm();
-    let (radius, projection) = (dome.base_radius, dome.projection);
     let is_fully_in = dome.base_height >= 0.0;
-    let room = patch.pocket_radius_mm - dome.center.length() - radius;
+    let room = patch.pocket_radius_mm - dome.center.length() - dome.base_radius;
     if dome.apex().z <= 0.0 {
         None
-    } else if radius * radius / projection < least {
+    } else if dome.apex_radius() < least {
         Some("the implant's tip")
     } else if dome.wall_radius() < least {
         Some("the inserted part of the implant")
-    } else if is_fully_in && projection * projection / radius < least && room < least {
+    } else if is_fully_in && dome.base_curvature_radius() < least && room < least {
         Some("the implant's rim")
     } else if contact_nodes > 0 && (contact_nodes as f64) < PI * LEAST_CELLS * LEAST_CELLS {
         Some("the small contact area")

@@ -229,7 +229,8 @@ impl Sheet {
         0.5 * (self.rest[b] - self.rest[a]).perp_dot(self.rest[c] - self.rest[a])
     }
 
-    /// The next coarser sheet on the same disc, with half the cells a side; `None` below 17 nodes.
+    /// The next coarser sheet on the same disc, with half the cells a side; `None` below 17 nodes and where half the
+    /// number of cells is odd.
     #[must_use]
     pub fn coarser(&self) -> Option<Self> {
         let cells = self.nodes_per_side - 1;

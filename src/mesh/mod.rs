@@ -3,7 +3,7 @@
 //! `disc_grid` (nodes and cells, their shapes at rest) | `patch` (the simulated tissue and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `lanes`, `vec3` (the same grid for four f32 at a time).
 //!
-//! Uses nothing of this crate. Used by `contact`, `model`, `solve` and all to their right.
+//! Uses `number`. Used by `contact`, `model`, `solve` and all to their right.
 
 mod disc_grid;
 pub(crate) mod lanes;

@@ -3,7 +3,7 @@
 //! [`ElasticModel`] is the interface between a body and full multigrid. `membrane`: a sheet of bonded layers
 //! without bending stiffness, one node in a column.
 //!
-//! Uses `springs`, `mesh`, `contact` (the dome's apex). Used by `solve`, `measure` and `view`.
+//! Uses `number`, `springs`, `mesh`, `contact` (the dome's apex). Used by `solve`, `measure`, `experiment` and `view`.
 
 pub(crate) mod membrane;
 

@@ -49,7 +49,7 @@ pub fn principal_response(
 ) -> PrincipalResponse {
     let equivalent = equivalent_strain(strain, poisson_ratio);
     let secant = curve.secant(equivalent);
-    // What the slope is multiplied with vanishes as ē².
+    // The factor of `bend` in the stiffness vanishes as ē².
     let bend = if equivalent > 1e-9 {
         (curve.slope(equivalent) - secant) / (equivalent * equivalent)
     } else {

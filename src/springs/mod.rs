@@ -1,6 +1,6 @@
 //! Spring laws: tension of the sheet's springs from the curve `Ef` and Poisson's ratio ν.
 //!
-//! Pure functions, each beside its equation. Uses `curve`. Used by `model`, `solve`, `measure` and all to their
+//! Pure functions, each beside its equation. Uses `curve`, `number`. Used by `model`, `solve`, `measure` and all to their
 //! right.
 
 pub(crate) mod closed_form;

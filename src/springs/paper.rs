@@ -9,12 +9,12 @@
 //! so that an interior edge, which two cells share, weighs L·h, a border edge L/2·h and a diagonal
 //! L/2·h. With these weights uniaxial tension is exact: a sheet stretched by ε along an edge and by
 //! −νε across is in equilibrium under the nominal stress `Ef(ε)` (equation (1) of the paper).
-//! Whether that equilibrium is *stable* is another matter: see `experiment`.
+//! The equilibrium may be unstable: `stability`.
 //!
 //! **Domain.** Equations (3) and (6) divide by `1 − ν ε` and `1 − ν J`, the cell's width across the
-//! pull, and mean nothing once that is gone. Up to [`edge_strain_limit`] they are used as they
+//! pull; they are undefined where that width is zero or negative. Up to [`edge_strain_limit`] they are used as they
 //! stand; beyond it the tension goes on as a straight line with its last slope, so that it stays
-//! finite, and [`is_outside_domain`] tells so: a shape with such a spring has to be reported as
+//! finite, and [`is_outside_domain`] is true: a shape with such a spring is reported as
 //! unstable. The root in `J` is real for every ε ≥ 0, the only strains it is used for.
 
 use crate::curve::Curve;

@@ -173,7 +173,7 @@ impl Table {
         }
     }
 
-    /// The range's end; the caller evaluates exactly beyond it.
+    /// The range's end \[argument\]: beyond it values follow the last straight line.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.end

@@ -159,8 +159,9 @@ fn relative_residual(solver: &Solver) -> f64 {
         }
         let normal = dome.normal(x[k]);
         let is_on_dome = has_offset[k] || dome.closest_point(x[k]).0 <= touch;
-        let wall = x[k].z <= touch;
-        residual += unbalanced(forces[k], is_on_dome.then_some(normal), wall).length_squared();
+        let is_on_wall = problem.obstacle.wall.gap(x[k]) <= touch;
+        residual +=
+            unbalanced(forces[k], is_on_dome.then_some(normal), is_on_wall).length_squared();
     }
     // The lower bound keeps rounding errors of a sheet at rest small.
     let least = 1e-6 * solver.stiffness() * problem.sheet.spacing_mm();

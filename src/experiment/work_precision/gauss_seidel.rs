@@ -198,7 +198,7 @@ impl Level {
     /// Minimiser of the quadratic model of a node's energy outside of the dome and above the wall.
     #[inline]
     fn relaxed(&self, at: DVec3, touch: f64, force: DVec3, hessian: &DMat3) -> DVec3 {
-        let constraint = Constraint::new(&self.obstacle, at, touch);
+        let constraint = Constraint::new(&self.obstacle.dome, self.obstacle.wall, at, touch);
         let inverse = safe_inverse(*hessian);
         let (step, active) = constraint.step(force * OVER_RELAXATION, hessian, &inverse);
         let moved = at + step.clamp_length_max(MAX_STEP);

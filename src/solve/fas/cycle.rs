@@ -68,7 +68,8 @@ impl Plan {
         steps.push(Step::CheckConvergence);
     }
 
-    /// Blocks are recomputed in the first cycles of their own grid only, in robust mode in every cycle.
+    /// Blocks are recomputed in the first cycles of their own grid only, in robust mode in every cycle. The coarsest grid:
+    /// [`FullMultigrid::solve_coarsest`].
     fn renews_blocks(self, grid: usize) -> bool {
         let is_own = grid == self.top && self.cycles < PARAMETERS.block_cycles;
         is_own || self.mode == Mode::Robust

@@ -62,6 +62,7 @@ impl<M: ElasticModel> Level<M> {
 
     /// Places the obstacle, given in spacings of this grid.
     pub(super) fn place(&mut self, obstacle: Obstacle) {
+        self.are_forces_current = false;
         self.exact_obstacle = obstacle;
         self.obstacle = LaneObstacle::new(&obstacle);
     }
@@ -90,7 +91,7 @@ impl<M: ElasticModel> Level<M> {
                 contact_offset[at] = offset as f32;
             }
         });
-        greatest * dome.base_radius.max(dome.projection)
+        greatest * dome.greatest_half_axis()
     }
 
     pub(super) fn invert_blocks(&mut self, model: &M) {

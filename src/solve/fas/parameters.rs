@@ -15,7 +15,8 @@ pub(super) struct Parameters {
     pub(super) coarsest_smoothing: &'static [f32],
     /// Repetitions of [`Self::coarsest_smoothing`] in one solve on the coarsest grid.
     pub(super) coarsest_rounds: usize,
-    /// Number of first cycles of a grid that recompute the grid's nodal blocks.
+    /// Number of first cycles of a grid that recompute the grid's nodal blocks. The coarsest grid recomputes them in every
+    /// cycle of its own.
     pub(super) block_cycles: u32,
     /// Weighted fraction of active fine nodes around a coarse node above which the coarse node is active \[-\].
     pub(super) coarse_active_weight: f32,

@@ -143,7 +143,7 @@ pub(super) fn residual(
             }
             Contact::Inherited => load(active, k).simd_gt(zero),
         };
-        let r = obstacle.unsupported(&nodes, at, r, is_active);
+        let r = obstacle.unsupported(&nodes, group.rest, at, r, is_active);
         store_first(f, k, count, r);
         let lanes = dot(r, r).to_array();
         squares += lanes[..count].iter().map(|&r| f64::from(r)).sum::<f64>();

@@ -9,7 +9,7 @@ impl Newton {
     /// One step; after the last step the next phase is the correction.
     pub(super) fn conjugate_gradients(&mut self, CgState { step, start, rho }: CgState) {
         let Some((rho, left)) = self.cg_step(step, rho) else {
-            return self.has_indefinite_model();
+            return self.turn_to_definite_model();
         };
         self.phase = if step + 1 >= PARAMETERS.max_cg_steps || left <= PARAMETERS.cg_drop * start {
             Phase::Correct

@@ -27,7 +27,7 @@ impl Newton {
             };
             let offset = contact_edge::offset(gap);
             self.contact.offset[k] = offset;
-            greatest = greatest.max(offset.abs() * dome.base_radius.max(dome.projection));
+            greatest = greatest.max(offset.abs() * dome.greatest_half_axis());
         }
         let radius = dome.base_radius;
         let fraction = contact_edge::fraction(greatest / radius, tolerance / radius);
@@ -57,7 +57,7 @@ impl Newton {
         self.start(obstacle, self.mirrors());
         self.iterations = iterations.min(self.max_iterations / 2);
         let dome = &obstacle.dome;
-        self.contact.neglected_offset = greatest * dome.base_radius.max(dome.projection);
+        self.contact.neglected_offset = greatest * dome.greatest_half_axis();
         true
     }
 }

@@ -3,7 +3,8 @@
 //! An iteration minimises the quadratic model of the energy under the linearised constraints (not into the dome,
 //! not below the wall):
 //!
-//! 1. Linearise: forces, positive semidefinite Hessian, the dome's curvature at active nodes (`linearize`).
+//! 1. Linearise: forces, positive semidefinite Hessian, the obstacle's curvature at nodes under a reaction
+//!    (`linearize`).
 //! 2. Active set: projected block Gauss–Seidel sweeps (`active_set_step`).
 //! 3. Step of the inactive directions: conjugate gradients, a truncated V-cycle as preconditioner
 //!    (`conjugate_gradients`); 2 and 3 repeat until neither changes the step.
@@ -26,7 +27,7 @@ mod prolongation;
 mod robust;
 
 use super::linear::galerkin::Hierarchy;
-use crate::contact::active_set::{Constraint, FREE};
+use crate::contact::active_set::{Constraint, FREE, Reaction};
 use crate::contact::{Obstacle, TOUCH_F64};
 use crate::mesh::stencil::BlockStencil9;
 use crate::mesh::{NodeKind, Sheet};
@@ -37,7 +38,7 @@ use glam::{DMat3, DVec3};
 pub(super) use nested::{NestedNewton, Start};
 use parameters::{CELLS_PER_PIECE, PARAMETERS, cost};
 pub(super) use robust::symmetry::Mirrors;
-use robust::{HessianUse, Robust};
+use robust::{HessianUse, Robust, SafeguardPhase};
 
 /// State of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +72,7 @@ enum Phase {
         length: f64,
         halvings: u32,
     },
-    Robust(robust::Phase),
+    Robust(SafeguardPhase),
 }
 
 /// A conjugate-gradient iteration between two steps.
@@ -253,11 +254,11 @@ impl Newton {
         }
         self.iterations += 1;
         self.robust.hessian = HessianUse::Positive;
-        if self.has_left_domain(obstacle) {
+        if self.has_diverged(obstacle) {
             return State::Unstable;
         }
         let is_definite = self.add_contact(obstacle);
-        if !self.keeps_curvature(is_definite) {
+        if !self.accept_curvature(is_definite) {
             return State::Working;
         }
         for &k in &self.free {
@@ -296,24 +297,24 @@ impl Newton {
         let mut is_definite = true;
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;
-            let per_gradient = self.find_contact(obstacle, k, touch);
-            if self.robust.has_curvature() && per_gradient > 0.0 {
+            let reaction = self.find_contact(obstacle, k, touch);
+            if self.robust.has_curvature() && reaction.per_gradient > 0.0 {
                 let block = &mut self.model.hessian.diagonal[k];
-                *block -= obstacle.dome.gauge_curvature(self.x[k]) * per_gradient;
+                *block -= obstacle.curvature(self.x[k], &reaction);
                 is_definite &= is_positive_definite(block);
             }
         }
         is_definite
     }
 
-    /// Finds the active constraints of a node, of surfaces nearer than `touch` \[mm\]; returns the dome's force per
-    /// gradient of its gauge.
-    fn find_contact(&mut self, obstacle: &Obstacle, k: usize, touch: f64) -> f64 {
-        let constraint = Constraint::new(obstacle, self.x[k], self.contact.offset[k].abs());
+    /// Finds the active constraints of a node, of surfaces nearer than `touch` \[mm\], and their reactions.
+    fn find_contact(&mut self, obstacle: &Obstacle, k: usize, touch: f64) -> Reaction {
+        let offset = self.contact.offset[k].abs();
+        let constraint = Constraint::new(&obstacle.dome, obstacle.wall, self.x[k], offset);
         let reaction = constraint.reaction(self.forces[k], touch);
         self.contact.constraint[k] = constraint;
         self.contact.active[k] = reaction.active;
-        reaction.per_gradient
+        reaction
     }
 
     /// Norm of the nodal forces without contact forces, relative to the forces of all triangles.

@@ -34,7 +34,7 @@ impl Membrane {
     }
 }
 
-/// The border of a grid and what an evaluation of the forces computes on its way.
+/// The border of a grid and the intermediate values of an evaluation of the forces.
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     border: Border,

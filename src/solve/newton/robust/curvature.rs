@@ -6,6 +6,7 @@
 //! iterated with curvature again. A block that is indefinite at the solution marks a saddle point: the node would
 //! slide off (`active-node-on-needle-tip`, `unstable-node-on-needle-tip`).
 
+use super::super::Phase;
 use super::{Newton, Robust, State};
 
 /// Number of iterations without curvature.
@@ -58,7 +59,7 @@ impl Robust {
 
 impl Newton {
     /// Keeps the curvature of a definite model; else begins a model without curvature and returns false.
-    pub(in crate::solve::newton) fn keeps_curvature(&mut self, is_definite: bool) -> bool {
+    pub(in crate::solve::newton) fn accept_curvature(&mut self, is_definite: bool) -> bool {
         if !self.robust.has_curvature() {
             return true;
         }
@@ -68,9 +69,9 @@ impl Newton {
 
     /// Handles a model that is not positive along a conjugate direction: turns curvature off, or accepts the current
     /// correction if curvature is off.
-    pub(in crate::solve::newton) fn has_indefinite_model(&mut self) {
+    pub(in crate::solve::newton) fn turn_to_definite_model(&mut self) {
         if !self.turns_curvature_off() {
-            self.phase = super::super::Phase::Correct;
+            self.phase = Phase::Correct;
         }
     }
 
@@ -82,7 +83,7 @@ impl Newton {
         self.robust.curvature.off_until = Some(self.iterations + ITERATIONS_OFF);
         self.robust.has_earlier = false;
         self.last_step = f64::INFINITY;
-        self.phase = super::super::Phase::Linearize { row: 0 };
+        self.phase = Phase::Linearize { row: 0 };
         true
     }
 }

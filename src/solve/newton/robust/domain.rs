@@ -14,7 +14,7 @@ const MAX_DISTANCE: f64 = 1.5;
 
 impl Newton {
     /// Has the iteration diverged?
-    pub(in crate::solve::newton) fn has_left_domain(&mut self, obstacle: &Obstacle) -> bool {
+    pub(in crate::solve::newton) fn has_diverged(&mut self, obstacle: &Obstacle) -> bool {
         let totals = &self.model.totals;
         let outside = &mut self.robust.outside;
         *outside = if totals.outside_law { *outside + 1 } else { 0 };

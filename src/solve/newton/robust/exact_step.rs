@@ -8,7 +8,7 @@
 
 use super::super::conjugate_gradients::dot;
 use super::super::{CgState, Phase};
-use super::{HessianUse, Newton, Purpose, State};
+use super::{HessianUse, Newton, Purpose, SafeguardPhase, State};
 use crate::contact::Obstacle;
 use crate::model::membrane::law::SheetLaw;
 use crate::springs::Springs;
@@ -40,7 +40,7 @@ impl Newton {
     /// Begins the evaluation of the exact step. [`Self::step`] ends in [`State::Converged`] if the step is short enough
     /// or blocked several times in a row, else the iteration continues along it.
     pub(in crate::solve::newton) fn begin_exact_step(&mut self) {
-        let phase = super::Phase::ExactHessian { row: 0, purpose: Purpose::Step };
+        let phase = SafeguardPhase::ExactHessian { row: 0, purpose: Purpose::Step };
         self.phase = Phase::Robust(phase);
     }
 
@@ -48,7 +48,7 @@ impl Newton {
         self.free.iter().for_each(|&k| self.d[k as usize] = DVec3::ZERO);
         let start = self.set_residual();
         let cg = CgState { step: 0, start, rho: 0.0 };
-        self.phase = Phase::Robust(super::Phase::ExactStep(cg));
+        self.phase = Phase::Robust(SafeguardPhase::ExactStep(cg));
     }
 
     /// One step of conjugate gradients; after the last step tests the length of the exact step. `tolerance` \[mm\].
@@ -64,7 +64,7 @@ impl Newton {
             && left > CG_DROP * start
         {
             let cg = CgState { step: step + 1, start, rho };
-            self.phase = Phase::Robust(super::Phase::ExactStep(cg));
+            self.phase = Phase::Robust(SafeguardPhase::ExactStep(cg));
             return State::Working;
         }
         // z contains H p here.
@@ -99,7 +99,7 @@ impl Newton {
     }
 
     /// Counts a failed line search along an exact step; true at [`MAX_BLOCKED`].
-    pub(super) fn is_blocked(&mut self) -> bool {
+    pub(super) fn count_blocked_step(&mut self) -> bool {
         if !self.robust.is_exact_step() {
             return false;
         }

@@ -16,7 +16,7 @@ mod step_extension;
 mod sweeps;
 pub(super) mod symmetry;
 
-use super::{CgState, Newton, State};
+use super::{CgState, Newton, Phase, State};
 use crate::contact::{Dome, Obstacle, TOUCH_F64};
 use crate::model::membrane::assembly::Stiffness;
 use crate::model::membrane::law::SheetLaw;
@@ -62,7 +62,7 @@ pub(super) struct Robust {
 
 /// A safeguard's piece of work.
 #[derive(Clone, Copy)]
-pub(super) enum Phase {
+pub(super) enum SafeguardPhase {
     /// Extends a step or the sum of the last two steps; `energy` is the energy to undercut.
     Extend { length: f64, energy: f64, direction: Direction },
     /// Assembles rows of the exact Hessian from `row` on.
@@ -148,19 +148,19 @@ impl Newton {
         law: &SheetLaw,
         obstacle: &Obstacle,
         tolerance: f64,
-        phase: Phase,
+        phase: SafeguardPhase,
     ) -> State {
         match phase {
-            Phase::Extend { length, energy, direction } => {
+            SafeguardPhase::Extend { length, energy, direction } => {
                 self.extend(law, obstacle, length, energy, direction);
                 State::Working
             }
-            Phase::ExactHessian { row, purpose } => {
+            SafeguardPhase::ExactHessian { row, purpose } => {
                 self.assemble_exact_hessian(law, obstacle, row, purpose);
                 State::Working
             }
-            Phase::ExactStep(cg) => self.exact_cg(obstacle, cg, tolerance),
-            Phase::Stability { step, after } => self.search_eigenvalue(law, step, after),
+            SafeguardPhase::ExactStep(cg) => self.exact_cg(obstacle, cg, tolerance),
+            SafeguardPhase::Stability { step, after } => self.search_eigenvalue(law, step, after),
         }
     }
 
@@ -173,15 +173,14 @@ impl Newton {
         purpose: Purpose,
     ) {
         if let Some(row) = self.add_rows(law, row, Stiffness::True) {
-            self.phase = super::Phase::Robust(Phase::ExactHessian { row, purpose });
+            self.phase = Phase::Robust(SafeguardPhase::ExactHessian { row, purpose });
             return;
         }
         let touch = TOUCH_F64 * obstacle.dome.base_radius;
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;
-            let per_gradient = self.find_contact(obstacle, k, touch);
-            self.model.hessian.diagonal[k] -=
-                obstacle.dome.gauge_curvature(self.x[k]) * per_gradient;
+            let reaction = self.find_contact(obstacle, k, touch);
+            self.model.hessian.diagonal[k] -= obstacle.curvature(self.x[k], &reaction);
             self.constrain(k);
         }
         match purpose {
@@ -192,7 +191,7 @@ impl Newton {
 
     /// Ends a line search without a decrease of the energy.
     pub(super) fn reject_step(&mut self, is_uphill: bool) -> State {
-        if self.is_blocked() {
+        if self.count_blocked_step() {
             return State::Converged;
         }
         if self.turns_to_sweeps(is_uphill) || self.turns_curvature_off() {

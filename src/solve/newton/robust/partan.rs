@@ -6,7 +6,7 @@
 //! 1964).
 
 use super::super::Phase;
-use super::{Direction, Newton};
+use super::{Direction, Newton, SafeguardPhase};
 
 /// First length of an extension \[sum of two steps\].
 const PARTAN_LENGTH: f64 = 1.5;
@@ -24,7 +24,7 @@ impl Newton {
             }
             std::mem::swap(&mut self.trial, &mut self.robust.earlier);
             let (length, direction) = (PARTAN_LENGTH, Direction::TwoSteps);
-            self.phase = Phase::Robust(super::Phase::Extend { length, energy, direction });
+            self.phase = Phase::Robust(SafeguardPhase::Extend { length, energy, direction });
         } else {
             self.robust.earlier.copy_from_slice(&self.trial);
         }

@@ -6,7 +6,7 @@
 
 use super::super::conjugate_gradients::{apply, dot};
 use super::super::{Model, Phase, cost};
-use super::{Newton, Purpose, State};
+use super::{Newton, Purpose, SafeguardPhase, State};
 use crate::model::membrane::law::SheetLaw;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -22,7 +22,7 @@ impl Newton {
     /// Begins the search for the least eigenvalue; [`Self::step`] ends in `after` unless the eigenvalue is negative.
     pub(in crate::solve::newton) fn begin_stability(&mut self, after: State) {
         let purpose = Purpose::Stability(after);
-        self.phase = Phase::Robust(super::Phase::ExactHessian { row: 0, purpose });
+        self.phase = Phase::Robust(SafeguardPhase::ExactHessian { row: 0, purpose });
     }
 
     /// Begins with a direction that contains all wavelengths.
@@ -34,7 +34,7 @@ impl Newton {
             let start = DVec3::new((12.9 * t).sin(), (78.2 * t).sin(), (37.7 * t).sin());
             self.vectors.p[k] = self.model.projector[k] * start;
         }
-        self.phase = Phase::Robust(super::Phase::Stability { step: 0, after });
+        self.phase = Phase::Robust(SafeguardPhase::Stability { step: 0, after });
     }
 
     /// One step towards the least eigenvalue, the V-cycle of the last model as preconditioner.
@@ -80,7 +80,7 @@ impl Newton {
             let k = k as usize;
             v.p[k] = v.p[k] * cos + v.z[k] * (sin / norm);
         }
-        self.phase = Phase::Robust(super::Phase::Stability { step: step + 1, after });
+        self.phase = Phase::Robust(SafeguardPhase::Stability { step: step + 1, after });
         State::Working
     }
 }

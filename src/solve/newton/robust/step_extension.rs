@@ -7,7 +7,7 @@
 
 use super::super::line_search::Trial;
 use super::super::{Phase, cost};
-use super::{Direction, Newton, Robust};
+use super::{Direction, Newton, Robust, SafeguardPhase};
 use crate::contact::Obstacle;
 use crate::model::membrane::assembly;
 use crate::model::membrane::law::SheetLaw;
@@ -46,7 +46,7 @@ impl Newton {
             self.robust.has_earlier = false;
         } else if is_too_short {
             let (length, direction) = (FIRST_LENGTH, Direction::Step);
-            self.phase = Phase::Robust(super::Phase::Extend { length, energy, direction });
+            self.phase = Phase::Robust(SafeguardPhase::Extend { length, energy, direction });
         } else {
             self.extend_two_steps(energy);
         }
@@ -84,7 +84,7 @@ impl Newton {
         }
         if falls && length < MAX_LENGTH {
             let length = 2.0 * length - 1.0;
-            self.phase = Phase::Robust(super::Phase::Extend { length, energy, direction });
+            self.phase = Phase::Robust(SafeguardPhase::Extend { length, energy, direction });
         } else if direction == Direction::Step {
             self.extend_two_steps(energy.min(energy_before));
         }

@@ -3,6 +3,7 @@
 //! Symptom: no length of a step lowers the energy (`steps-that-raise-the-energy`). Cause: contact changes at many nodes in
 //! one step. Remedy: one iteration by projected sweeps alone, whose steps lower the energy.
 
+use super::super::Phase;
 use super::{Newton, StepMethod};
 
 impl Newton {
@@ -13,7 +14,7 @@ impl Newton {
             return false;
         }
         robust.step_method = StepMethod::SweepsOnly;
-        self.phase = super::super::Phase::Linearize { row: 0 };
+        self.phase = Phase::Linearize { row: 0 };
         true
     }
 }
