@@ -44,14 +44,14 @@ need_packages() {
   DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# Builds a tool of crates.io. Tools run for seconds: compiling them quickly saves more than it costs.
-# The words say how long it takes on two idle cores; dots show that it goes on.
+# Builds a tool of crates.io: build_tool WORDS OPT-LEVEL ARGUMENTS-OF-CARGO-INSTALL. Tools run for seconds: compiling
+# quickly saves more than it costs. The words say how long it takes on two idle cores; a line every 15 s shows progress.
 build_tool() {
-  local words="$1" log="$TOOLS_DIR/build.log" start=$SECONDS
-  shift
+  local words="$1" level="$2" log="$TOOLS_DIR/build.log" start=$SECONDS
+  shift 2
   mkdir -p "$TOOLS_DIR"
   say "$words, once"
-  CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_CODEGEN_UNITS=256 CARGO_PROFILE_RELEASE_LTO=off \
+  CARGO_PROFILE_RELEASE_OPT_LEVEL=$level CARGO_PROFILE_RELEASE_CODEGEN_UNITS=256 CARGO_PROFILE_RELEASE_LTO=off \
     CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_TERM_COLOR=never cargo install "$@" >"$log" 2>&1 &
   local job=$!
   while kill -0 "$job" 2>/dev/null; do
@@ -80,12 +80,14 @@ need_page_tools() {
   need_rust
   need_packages cc=build-essential npm=npm
   if ! has_version trunk "$TRUNK_VERSION"; then
-    build_tool "building trunk $TRUNK_VERSION (about 3 minutes)" --locked "trunk@$TRUNK_VERSION"
+    # Without TLS: trunk finds its own tools on the PATH and downloads none.
+    build_tool "building trunk $TRUNK_VERSION (about 2 minutes)" 0 \
+      --locked --no-default-features "trunk@$TRUNK_VERSION"
   fi
   local bindgen
   bindgen="$(locked_version wasm-bindgen)"
   if ! has_version wasm-bindgen "$bindgen"; then
-    build_tool "building wasm-bindgen $bindgen (about 1.5 minutes)" "wasm-bindgen-cli@$bindgen"
+    build_tool "building wasm-bindgen $bindgen (about 1.5 minutes)" 1 "wasm-bindgen-cli@$bindgen"
   fi
   # wasm-opt of older Binaryen breaks what wasm-bindgen makes today: only this version is used.
   if ! has_version "$TOOLS_DIR/node_modules/.bin/wasm-opt" "version_${BINARYEN_VERSION%%.*}"; then
@@ -100,7 +102,7 @@ need_test_tools() {
   need_page_tools
   need_packages chromium=chromium chromedriver=chromium-driver
   if ! has_version wasm-pack "$WASM_PACK_VERSION"; then
-    build_tool "building wasm-pack $WASM_PACK_VERSION (about 2 minutes)" --locked "wasm-pack@$WASM_PACK_VERSION"
+    build_tool "building wasm-pack $WASM_PACK_VERSION (about 2 minutes)" 1 --locked "wasm-pack@$WASM_PACK_VERSION"
   fi
   local driver
   driver="$(sed -n 's/.*"playwright-core": "\(.*\)".*/\1/p' tests/browser/package.json)"

@@ -14,7 +14,7 @@ pub(crate) const ON_DOME: u8 = 1;
 pub(crate) const ON_WALL: u8 = 2;
 
 /// 1 − (n·w)² below which dome and wall count as parallel.
-const LEAST_SPREAD: f64 = 1e-12;
+pub(crate) const LEAST_SPREAD: f64 = 1e-12;
 
 /// A node beside dome and wall.
 #[derive(Clone, Copy, Debug, Default)]

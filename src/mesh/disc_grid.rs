@@ -59,6 +59,13 @@ pub fn rounded_nodes_per_side(asked: usize) -> usize {
     (cells + unit / 2) / unit * unit + 1
 }
 
+/// Nodes a side of the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number
+/// of cells is odd.
+pub(crate) fn coarser_nodes_per_side(nodes_per_side: usize) -> Option<usize> {
+    let cells = nodes_per_side - 1;
+    (cells >= 16 && cells.is_multiple_of(4)).then_some(cells / 2 + 1)
+}
+
 impl Sheet {
     /// A sheet on the disc of the given radius \[mm\] with an odd number of nodes a side, at least 5.
     ///
@@ -206,15 +213,21 @@ impl Sheet {
         self.cells[j * (self.nodes_per_side - 1) + i]
     }
 
+    /// The triangles of cell (i, j), as indices of [`Self::corners`], and their weight.
+    pub(crate) fn local_triangles(&self, i: usize, j: usize) -> (&'static [[usize; 3]], f64) {
+        const ALL: &[[usize; 3]] = &CELL_TRIANGLES;
+        match self.cell(i, j) {
+            CellKind::Whole => (ALL, 0.5),
+            CellKind::WithoutCorner(k) => (&ALL[usize::from(k)..=usize::from(k)], 1.0),
+            CellKind::Outside => (&[], 0.0),
+        }
+    }
+
     /// The triangles of cell (i, j) with their weights: the sum of weight times rest area is the area of the sheet.
     pub fn cell_triangles(&self, i: usize, j: usize) -> impl Iterator<Item = ([usize; 3], f64)> {
         let corners = self.corners(i, j);
-        let (range, weight) = match self.cell(i, j) {
-            CellKind::Whole => (0..4, 0.5),
-            CellKind::WithoutCorner(k) => (usize::from(k)..usize::from(k) + 1, 1.0),
-            CellKind::Outside => (0..0, 0.0),
-        };
-        range.map(move |k| (CELL_TRIANGLES[k].map(|c| corners[c]), weight))
+        let (triangles, weight) = self.local_triangles(i, j);
+        triangles.iter().map(move |local| (local.map(|c| corners[c]), weight))
     }
 
     /// Every triangle of the sheet with its weight.
@@ -233,8 +246,7 @@ impl Sheet {
     /// number of cells is odd.
     #[must_use]
     pub fn coarser(&self) -> Option<Self> {
-        let cells = self.nodes_per_side - 1;
-        (cells >= 16 && cells.is_multiple_of(4)).then(|| Self::new(cells / 2 + 1, self.radius_mm))
+        coarser_nodes_per_side(self.nodes_per_side).map(|n| Self::new(n, self.radius_mm))
     }
 }
 

@@ -107,6 +107,27 @@ pub(crate) struct Extrapolated {
     pub(crate) is_mean: bool,
 }
 
+/// A row of cells with free corners only, in groups of four; the first and the last group may contain other cells.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CellRow {
+    /// Stored node at the first corner of the first group.
+    pub(crate) start: usize,
+    pub(crate) groups: usize,
+    /// Half-open range of the cells, counted from the first group's first cell.
+    from: usize,
+    to: usize,
+}
+
+impl CellRow {
+    /// Which cells of a group belong to the row.
+    #[inline(always)]
+    pub(crate) fn counts(&self, group: usize) -> f32x4 {
+        let columns = f32x4::new([0.0, 1.0, 2.0, 3.0]) + (4 * group) as f32;
+        let (from, to) = (f32x4::splat(self.from as f32), f32x4::splat(self.to as f32));
+        columns.simd_ge(from) & columns.simd_lt(to)
+    }
+}
+
 /// A triangle at the border; its shape at rest differs from the grid's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BorderTriangle {
@@ -208,6 +229,22 @@ impl Layout {
             }
         }
         (layout, border)
+    }
+
+    /// The rows of cells with free corners only.
+    pub(crate) fn cell_rows(&self) -> impl Iterator<Item = CellRow> {
+        self.regular.iter().enumerate().filter(|(_, (from, to))| from < to).map(
+            |(j, &(from, to))| {
+                let (from, to) = (from as usize, to as usize);
+                let first = from / 4;
+                CellRow {
+                    start: j * self.pitch + 4 * first,
+                    groups: to.div_ceil(4) - first,
+                    from: from - 4 * first,
+                    to: to - 4 * first,
+                }
+            },
+        )
     }
 
     /// Length of an array over the stored nodes.
@@ -469,11 +506,4 @@ pub(crate) fn store_first(field: &mut Field, k: usize, count: usize, lanes: [f32
     field.x[k..k + count].copy_from_slice(&x[..count]);
     field.y[k..k + count].copy_from_slice(&y[..count]);
     field.z[k..k + count].copy_from_slice(&z[..count]);
-}
-
-/// Lanes of the block `b` that lie in a half-open range of columns.
-#[inline(always)]
-pub(crate) fn in_range(b: usize, from: usize, to: usize) -> f32x4 {
-    let columns = f32x4::new([0.0, 1.0, 2.0, 3.0]) + (4 * b) as f32;
-    columns.simd_ge(f32x4::splat(from as f32)) & columns.simd_lt(f32x4::splat(to as f32))
 }

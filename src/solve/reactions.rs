@@ -2,6 +2,7 @@
 
 use super::Solution;
 use crate::contact::TOUCH;
+use crate::contact::active_set::LEAST_SPREAD;
 use crate::mesh::NodeKind;
 use crate::model::membrane::assembly;
 use crate::model::membrane::law::SheetLaw;
@@ -52,7 +53,7 @@ pub(super) fn of(solution: &Solution, law: &SheetLaw) -> Reactions {
         let on_wall = wall.gap(x[k]) <= touch && spring_force[k].dot(up) < 0.0;
         let across = if on_wall { normal[k] - up * normal[k].dot(up) } else { normal[k] };
         let squared = across.length_squared();
-        if squared > 1e-12 {
+        if squared > LEAST_SPREAD {
             force[k] = (-spring_force[k].dot(across) / squared).max(0.0);
         }
     }

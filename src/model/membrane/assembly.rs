@@ -10,7 +10,7 @@ use super::deformation::{is_square, square_edges};
 use super::law::{PaperLaw, SheetLaw};
 use super::triangle::{Principal, Rest};
 use crate::mesh::stencil::{BlockStencil9, outer};
-use crate::mesh::{CELL_TRIANGLES, CellKind, Sheet};
+use crate::mesh::{CellKind, Sheet};
 use crate::model::COMPRESSIVE;
 use crate::springs::coupled::CoupledLaw;
 use glam::{DMat3, DVec2, DVec3};
@@ -205,14 +205,13 @@ fn accumulate(
     for j in rows {
         let (first, last) = cell_span(sheet, j);
         for i in first..last {
-            let (range, weight) = match sheet.cell(i, j) {
-                CellKind::Whole => (0..4, 0.5),
-                CellKind::WithoutCorner(k) => (usize::from(k)..usize::from(k) + 1, 1.0),
-                CellKind::Outside => continue,
-            };
+            let (triangles, weight) = sheet.local_triangles(i, j);
+            if triangles.is_empty() {
+                continue;
+            }
             let corners = sheet.corners(i, j);
             let mut blocks = [DMat3::ZERO; 10];
-            for local in &CELL_TRIANGLES[range] {
+            for local in triangles {
                 let nodes = local.map(|c| corners[c]);
                 let mut triangle = Triangle {
                     rest: Rest::new(nodes.map(|k| rest[k]), weight),

@@ -22,14 +22,15 @@ mod transfer;
 
 use super::Problem;
 use super::initial_guess;
-use crate::mesh::Sheet;
 use crate::mesh::lanes::{Field, Mirrored};
+use crate::mesh::{Sheet, coarser_nodes_per_side};
 use crate::model::ElasticModel;
 use convergence::Convergence;
 pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 pub(super) use parameters::LEAST_TOLERANCE;
+use std::iter::successors;
 
 /// State of the scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,12 +90,8 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
 impl<M: ElasticModel> FullMultigrid<M> {
     /// Grids of up to `nodes_per_side` nodes a side.
     pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored, model: M) -> Self {
-        let mut sides = vec![nodes_per_side];
-        let mut cells = nodes_per_side - 1;
-        while cells >= 16 && cells.is_multiple_of(4) {
-            cells /= 2;
-            sides.push(cells + 1);
-        }
+        let sides: Vec<usize> =
+            successors(Some(nodes_per_side), |&n| coarser_nodes_per_side(n)).collect();
         let levels: Vec<Level<M>> =
             sides.iter().rev().map(|&n| Level::new(n, mirrored, n == nodes_per_side)).collect();
         let finest = levels[sides.len() - 1].layout.len();

@@ -11,19 +11,23 @@ fn fine_row(coarse: &Layout, fine: &Layout, j: usize) -> usize {
     (2 * j - ghost_row) * fine.pitch - ghost_column
 }
 
+/// The values around a fine node, weighted by bilinear interpolation from that node; the weights sum to four.
+#[inline(always)]
+fn weighted_sum(values: &[f32], node: usize, pitch: usize) -> f32 {
+    let (below, above) = (node - pitch, node + pitch);
+    let edges = values[node - 1] + values[node + 1] + values[below] + values[above];
+    let corners = values[below - 1] + values[below + 1] + values[above - 1] + values[above + 1];
+    values[node] + 0.5 * edges + 0.25 * corners
+}
+
 /// Restricts a residual by the transpose of bilinear interpolation; the residual is zero at nodes that are not free.
 /// The factor ½ converts to spacings of the coarse grid.
 pub(super) fn restrict(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Field) {
-    let pitch = fine.pitch;
     for (from, to) in from.planes().zip(to.planes_mut()) {
         coarse.free_rows(|j, first, last| {
             let row = fine_row(coarse, fine, j);
             for i in first..last {
-                let f = row + 2 * i;
-                let (below, above) = (f - pitch, f + pitch);
-                let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
-                let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
-                to[j * coarse.pitch + i] = 0.5 * from[f] + 0.25 * edges + 0.125 * corners;
+                to[j * coarse.pitch + i] = 0.5 * weighted_sum(from, row + 2 * i, fine.pitch);
             }
         });
     }
@@ -50,15 +54,10 @@ pub(super) fn restrict_active_set(
     least_weight: f32,
     to: &mut [f32],
 ) {
-    let pitch = fine.pitch;
     coarse.free_rows(|j, first, last| {
         let row = fine_row(coarse, fine, j);
         for i in first..last {
-            let f = row + 2 * i;
-            let (below, above) = (f - pitch, f + pitch);
-            let edges = from[f - 1] + from[f + 1] + from[below] + from[above];
-            let corners = from[below - 1] + from[below + 1] + from[above - 1] + from[above + 1];
-            let weight = 0.25 * from[f] + 0.125 * edges + 0.0625 * corners;
+            let weight = 0.25 * weighted_sum(from, row + 2 * i, fine.pitch);
             to[j * coarse.pitch + i] = f32::from(u8::from(weight > least_weight));
         }
     });

@@ -6,7 +6,7 @@
 
 use super::Scratch;
 use super::coupled::{CoupledLanes, Law};
-use crate::mesh::lanes::{Field, Layout, in_range};
+use crate::mesh::lanes::{CellRow, Field, Layout};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::add_stretch;
@@ -126,13 +126,8 @@ fn all_forces<L: Law + ?Sized>(
     Scratch { border, on_border, row }: &mut Scratch,
 ) {
     f.fill_zero();
-    for (j, &(from, to)) in layout.regular.iter().enumerate() {
-        if from >= to {
-            continue;
-        }
-        let (from, to) = (from as usize, to as usize);
-        let (first, last) = (from / 4, (to - 1) / 4);
-        let (start, count) = (j * layout.pitch + 4 * first, last - first + 1);
+    for cells in layout.cell_rows() {
+        let (start, count) = (cells.start, cells.groups);
         // One block more: the nodes to the right of the last cells.
         let lower = Row::new(u, start, count + 1);
         let upper = Row::new(u, start + layout.pitch, count + 1);
@@ -140,15 +135,14 @@ fn all_forces<L: Law + ?Sized>(
         let row = &mut row[..count];
         // Three short loops: one long one would wait for its own square roots.
         measure_row(lower, upper, row);
-        for cells in row.iter_mut() {
-            for triangle in &mut cells.triangles {
+        for four in row.iter_mut() {
+            for triangle in &mut four.triangles {
                 let [i1, s, t] = *triangle;
                 let (p, q) = law.tension(i1, s, t);
                 (triangle[0], triangle[1]) = (p, q);
             }
         }
-        let spare = 4 * first;
-        pull_row(lower, upper, row, sums, (from - spare, to - spare));
+        pull_row(lower, upper, row, sums, cells);
     }
     border.add_forces(law, u, f, on_border);
 }
@@ -191,15 +185,14 @@ pub(super) fn measure_row(lower: Row, upper: Row, row: &mut [CellLanes]) {
     }
 }
 
-/// Adds the forces of a row of cells on the rows of nodes below and above; cells outside of the half-open range do
-/// not count.
+/// Adds the forces of a row of cells on the rows of nodes below and above.
 #[inline(always)]
 fn pull_row(
     lower: Row,
     upper: Row,
     row: &[CellLanes],
     (mut f_lower, mut f_upper): (Sums, Sums),
-    (from, to): (usize, usize),
+    counted: CellRow,
 ) {
     let count = row.len();
     let (mut a, mut d) = (lower.block(0), upper.block(0));
@@ -220,7 +213,7 @@ fn pull_row(
         let mut on_left = edge(pa + pd + qa * bb + qd * tt, left, la, bottom, ld, top);
         let mut on_right = edge(pb + pc + qb * bb + qc * tt, right, lb, bottom, lc, top);
         if b == 0 || b + 1 == count {
-            let counts = in_range(b, from, to);
+            let counts = counted.counts(b);
             for force in [&mut on_bottom, &mut on_top, &mut on_left, &mut on_right] {
                 *force = force.map(|part| part & counts);
             }
@@ -248,25 +241,14 @@ pub(super) fn blocks(
     Scratch { border, on_border, .. }: &mut Scratch,
 ) {
     blocks.fill_zero();
-    for (j, &(from, to)) in layout.regular.iter().enumerate() {
-        if from < to {
-            let row = j * layout.pitch;
-            block_row(law, u, row, layout.pitch, (from as usize, to as usize), blocks);
-        }
+    for cells in layout.cell_rows() {
+        block_row(law, u, cells, layout.pitch, blocks);
     }
     border.add_blocks(law, u, blocks, on_border);
 }
 
-fn block_row(
-    law: &CoupledLanes,
-    u: &Field,
-    row: usize,
-    pitch: usize,
-    (from, to): (usize, usize),
-    blocks: &mut NodeBlocks,
-) {
-    let (first, last) = (from / 4, (to - 1) / 4);
-    let (start, count) = (row + 4 * first, last - first + 1);
+fn block_row(law: &CoupledLanes, u: &Field, cells: CellRow, pitch: usize, blocks: &mut NodeBlocks) {
+    let (start, count) = (cells.start, cells.groups);
     let (lower, upper) = (Row::new(u, start, count + 1), Row::new(u, start + pitch, count + 1));
     let (mut a, mut d) = (lower.block(0), upper.block(0));
     let mut before = [f32x4::ZERO; 6];
@@ -274,7 +256,7 @@ fn block_row(
         let mut block = [f32x4::ZERO; 6];
         if b < count {
             let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
-            let counts = in_range(first + b, from, to);
+            let counts = cells.counts(b);
             block = cell_block(law, &Cells::new(a, a_next, d, d_next)).map(|part| part & counts);
             (a, d) = (a_next, d_next);
         }

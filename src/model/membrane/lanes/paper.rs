@@ -3,7 +3,7 @@
 
 use super::Scratch;
 use super::border::{Border, BorderScratch, gathered};
-use crate::mesh::lanes::{Field, Layout, in_range};
+use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale, sub};
 use crate::model::membrane::law::PaperLaw;
 use crate::model::{NodeBlocks, Tension};
@@ -107,13 +107,9 @@ fn springs(layout: &Layout, u: &Field, mut visit: impl FnMut([usize; 2], Spring,
         ([0, pitch + 1], Spring::Diagonal, [1.0, 1.0]),
         ([1, pitch], Spring::Diagonal, [-1.0, 1.0]),
     ];
-    for (j, &(from, to)) in layout.regular.iter().enumerate() {
-        let (from, to) = (from as usize, to as usize);
-        for b in from / 4..to.div_ceil(4) {
-            if from >= to {
-                continue;
-            }
-            let (k, counts) = (j * pitch + 4 * b, in_range(b, from, to));
+    for cells in layout.cell_rows() {
+        for group in 0..cells.groups {
+            let (k, counts) = (cells.start + 4 * group, cells.counts(group));
             for (ends, spring, [x, y]) in of_cell {
                 let ends = ends.map(|end| k + end);
                 let (p, q) = (u.load(ends[0]), u.load(ends[1]));

@@ -3,7 +3,7 @@
 use super::Scratch;
 use super::coupled::{CoupledLanes, Law};
 use super::forces::{Row, measure_row};
-use crate::mesh::lanes::{Field, Layout, in_range};
+use crate::mesh::lanes::{Field, Layout};
 use crate::model::Tension;
 use wide::f32x4;
 
@@ -16,13 +16,8 @@ pub(super) fn tension(
     scratch: &mut Scratch,
 ) -> Tension {
     let (mut sum, mut least) = (0.0, f32x4::ZERO);
-    for (j, &(from, to)) in layout.regular.iter().enumerate() {
-        if from >= to {
-            continue;
-        }
-        let (from, to) = (from as usize, to as usize);
-        let (first, last) = (from / 4, (to - 1) / 4);
-        let (start, count) = (j * layout.pitch + 4 * first, last - first + 1);
+    for counted in layout.cell_rows() {
+        let (start, count) = (counted.start, counted.groups);
         let row = &mut scratch.row[..count];
         let lower = Row::new(u, start, count + 1);
         measure_row(lower, Row::new(u, start + layout.pitch, count + 1), row);
@@ -34,7 +29,7 @@ pub(super) fn tension(
             let squares = m11 * (m11 * g11 + m12 * g12 * 2.0)
                 + m22 * (m22 * g22 + m12 * g12 * 2.0)
                 + m12 * m12 * (g11 + g22);
-            let counts = in_range(first + b, from, to);
+            let counts = counted.counts(b);
             sum += f64::from((squares & counts).reduce_add());
             let (mean, half) = ((m11 + m22) * f32x4::HALF, (m11 - m22) * f32x4::HALF);
             least = least.fast_min((mean - (half * half + m12 * m12).sqrt()) & counts);
