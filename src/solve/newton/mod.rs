@@ -40,6 +40,9 @@ use parameters::{CELLS_PER_PIECE, PARAMETERS, cost};
 pub(super) use robust::symmetry::Mirrors;
 use robust::{HessianUse, Robust, SafeguardPhase};
 
+/// Least scale of forces \[small-strain stiffness × spacing\]: in a sheet at rest the forces are rounding.
+const MIN_FORCE_SCALE: f64 = 1e-9;
+
 /// State of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum State {
@@ -331,7 +334,7 @@ impl Newton {
     /// The scale of forces \[kPa·mm²\]. The lower bound keeps rounding from being compared with rounding in a sheet at
     /// rest.
     fn force_scale(&self, law: &SheetLaw) -> f64 {
-        let rounding = 1e-9 * law.stiffness() * self.sheet.spacing_mm();
+        let rounding = MIN_FORCE_SCALE * law.stiffness() * self.sheet.spacing_mm();
         self.model.totals.force_scale().max(rounding)
     }
 
