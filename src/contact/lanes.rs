@@ -113,8 +113,10 @@ impl LaneObstacle {
 
     /// The displacements after a step `d` under the constraints.
     ///
-    /// A step that leads into the dome solves D d = ω (f + τ) + μn with n·d = −gap, D⁻¹ the `compliance`, and ends
-    /// on the surface: its fixed points are those of the contact problem. Nodes without compliance stay.
+    /// With the gauge's gradient g and gap = length − touching, a step d of gap + g·d < 0 leads into the dome. The step
+    /// under the constraint solves D d = ω (f + τ) + μg with g·d = −gap, D⁻¹ the `compliance`, and ends on the surface:
+    /// the fixed points of this step are those of the contact problem. Nodes active on the finer grid keep their gauge
+    /// (gap = 0); nodes without compliance stay.
     #[inline(always)]
     pub(crate) fn step(
         &self,
@@ -127,13 +129,14 @@ impl LaneObstacle {
         let mut d = step;
         let Nodes { position, length, gradient: g } = self.nodes(rest, at);
         let touching = touch.active.bitselect(length, touch.length);
-        let penetration = length - touching + dot(g, d);
+        let gap = length - touching;
+        let gap_after = gap + dot(g, d);
         let is_movable = compliance[0].simd_gt(f32x4::ZERO);
-        let is_active = (touch.active | penetration.simd_lt(f32x4::ZERO)) & is_movable;
+        let is_active = (touch.active | gap_after.simd_lt(f32x4::ZERO)) & is_movable;
         let mut moved = add(at, d);
         if is_active.any() {
             let s = times(compliance, g);
-            let multiplier = penetration / dot(g, s).fast_max(f32x4::splat(1e-30));
+            let multiplier = gap_after / dot(g, s).fast_max(f32x4::splat(1e-30));
             d = [0, 1, 2].map(|a| d[a] - s[a] * multiplier);
             let back = self.along_gradient(add(position, d), g, touching);
             moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));

@@ -131,8 +131,8 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
         let one = R::splat(1.0);
         let inverse = one / (t * s);
         let secant = self.secant(self.equivalent_strain(i1, t));
-        let beta = secant * (((t - one) * self.nu - one) * self.plane) * inverse;
-        (secant * self.shear + beta * s, beta)
+        let q = secant * (((t - one) * self.nu - one) * self.plane) * inverse;
+        (secant * self.shear + q * s, q)
     }
 }
 

@@ -1,8 +1,15 @@
 //! Convergence of full multigrid: error estimate, balance of forces, contact offsets, relaxation of oscillations.
 //!
 //! The error after a cycle is estimated from the change of the cycle and the ratio ρ of the last two changes, as
-//! the sum of a geometric series: ρ/(1 − ρ) times the change. A small change alone is no evidence: the
-//! relative residual is bounded too.
+//! the sum of a geometric series; constants of [`PARAMETERS`], R the base radius, `residual` the relative residual:
+//!
+//! ```text
+//! ρ     = change/previous change, clamped to [min_convergence_factor, max_convergence_factor];
+//!         min_convergence_factor without a previous change
+//! error = max(error_safety·change·ρ/(1 − ρ), error_per_residual·residual·R) + neglected contact offset
+//! ```
+//!
+//! A small change alone is no evidence: the relative residual is bounded too (`check_balance`).
 
 use super::level::Level;
 use super::parameters::PARAMETERS;
@@ -52,8 +59,9 @@ pub(super) struct Convergence {
     pub(super) cycles: u32,
     /// Slow cycles in a row.
     slow_cycles: u32,
-    /// Number of stagnations with a large residual, and the relative residual at the last stagnation.
+    /// Balance tests whose residual fell by less than `stagnation_factor` since the previous test.
     stagnations: u32,
+    /// Relative residual of the last balance test \[-\].
     stagnation_residual: f64,
     pub(super) offsets: Offsets,
     /// Error of neglected contact offsets \[mm\].
@@ -169,8 +177,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
                 return State::Working;
             }
         }
-        let is_clear = self.convergence.offsets != Offsets::Unclear || !is_enough;
-        if is_clear && is_enough && (self.stop != Stop::Tolerance || self.is_error_tolerable()) {
+        let is_clear = self.convergence.offsets != Offsets::Unclear;
+        // The error is tested again: `find_contact_offsets` changed the neglected offset.
+        if is_enough && is_clear && (self.stop != Stop::Tolerance || self.is_error_tolerable()) {
             let ending = self.check_balance();
             if ending != State::Working {
                 return ending;
@@ -207,7 +216,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
         ending.error + neglected_offset <= self.tolerance * self.base_radius
     }
 
-    /// Tests the balance of forces: a small residual is convergence, a second stagnation with a large residual failure.
+    /// Tests the balance of forces: a small residual is convergence; `max_stagnations` tests whose residual fell by
+    /// less than `stagnation_factor` since the previous test are failure.
     fn check_balance(&mut self) -> State {
         self.find_relative_residual();
         let Self { convergence, base_radius, tolerance, .. } = self;
@@ -293,13 +303,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let last_update = &mut convergence.last_update;
         let (product, square) = layout.products(u, before, last_update);
         let rho = if convergence.has_last_update && square > 0.0 { product / square } else { 0.0 };
-        convergence.has_last_update = rho > PARAMETERS.oscillation;
-        if convergence.has_last_update {
-            last_update.set_difference(u, before);
-        } else {
+        let oscillates = rho <= PARAMETERS.oscillation || rho.is_nan();
+        convergence.has_last_update = !oscillates;
+        if oscillates {
             u.blend(before, (rho / (rho - 1.0)) as f32);
             level.project_feasible();
             convergence.forget_changes();
+        } else {
+            last_update.set_difference(u, before);
         }
     }
 }

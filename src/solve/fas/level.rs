@@ -25,12 +25,13 @@ pub(super) struct Level<M: ElasticModel> {
     are_forces_current: bool,
     /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
-    /// Right-hand side of a coarse grid; `None` on the finest.
+    /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
     pub(super) tau: Option<Field>,
     pub(super) inverse: NodeBlocks,
     /// 1 at active nodes, else 0.
     pub(super) active: Vec<f32>,
-    /// Gauge of an active node with contact offset; negative if contact ends before the node.
+    /// Contact offset of each node \[-\]. Its magnitude is the gauge at which an active node is held; the sign,
+    /// negative if contact ends before the node, is read by `write_positions` alone.
     pub(super) contact_offset: Vec<f32>,
     scratch: M::Scratch,
 }

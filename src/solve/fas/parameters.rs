@@ -56,9 +56,10 @@ pub(super) struct Parameters {
     pub(super) error_per_residual: f64,
     /// Length of a step at the rounding level \[roundings of the greatest displacement\].
     pub(super) roundings: f32,
-    /// Number of stagnations with a large residual that ends the scheme.
+    /// Number of stagnations that ends the scheme: balance tests whose residual fell by less than
+    /// [`Self::stagnation_factor`] since the previous test.
     pub(super) max_stagnations: u32,
-    /// Fraction of the residual of the last stagnation above which the residual stagnates again \[-\].
+    /// Fraction of the residual of the last balance test above which the residual stagnates \[-\].
     pub(super) stagnation_factor: f64,
     /// The greatest contact offset for f32 \[tolerances\]: one active node more or less changes the shape by about
     /// the offset. Fixed by `free-node-counted-as-active`.

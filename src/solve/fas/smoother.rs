@@ -8,8 +8,8 @@ use crate::mesh::vec3::{Vec3, add, dot, times};
 use crate::model::NodeBlocks;
 use wide::f32x4;
 
-/// Factor of the hardening d³ \[-\]: a node that moves by d across the sheet strains the adjacent springs by d²/2,
-/// which the blocks at the old position do not contain.
+/// Factor of the hardening in d ← d/√(1 + HARDENING·|d|⁴/(ω r·d)) \[-\], lengths in grid spacings: a move d across the
+/// sheet strains the adjacent springs by d²/2, which D, the blocks at the old position, does not contain.
 const HARDENING: f32 = 4.0;
 
 /// Rule for the active nodes of a grid.
@@ -28,9 +28,10 @@ pub(super) struct Conditions<'a> {
     pub(super) contact: Contact,
     /// Inverse nodal blocks D⁻¹.
     pub(super) inverse: &'a NodeBlocks,
-    /// A coarse grid's right-hand side.
+    /// The FAS defect term τ of a coarse grid.
     pub(super) tau: Option<&'a Field>,
-    /// Contact offset of each node, as a gauge.
+    /// Contact offset of each node \[-\]. Its magnitude is the gauge at which an active node is held; the sign,
+    /// negative if contact ends before the node, is read by `write_positions` alone.
     pub(super) contact_offset: &'a [f32],
 }
 
@@ -66,7 +67,8 @@ pub(super) fn step(
     layout.mirror(u);
 }
 
-/// The step D⁻¹r times `omega`, bounded, and shortened by the hardening of the adjacent springs.
+/// The step d = ω D⁻¹r, bounded by [`MAX_STEP`], then shortened by the hardening of the adjacent springs:
+/// d ← d/√(1 + HARDENING·|d|⁴/(ω r·d)), see [`HARDENING`].
 #[inline(always)]
 fn hardened(r: Vec3, newton_step: Vec3, omega: f32) -> Vec3 {
     let most = f32x4::splat(MAX_STEP);
