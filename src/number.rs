@@ -31,6 +31,10 @@ pub(crate) trait Real:
 
     fn sqrt(self) -> Self;
 
+    fn ln(self) -> Self;
+
+    fn exp(self) -> Self;
+
     fn max(self, other: Self) -> Self;
 
     fn min(self, other: Self) -> Self;
@@ -63,6 +67,16 @@ impl Real for f64 {
     #[inline(always)]
     fn sqrt(self) -> f64 {
         f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> f64 {
+        f64::ln(self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> f64 {
+        f64::exp(self)
     }
 
     #[inline(always)]
@@ -113,6 +127,16 @@ impl Real for f32x4 {
     #[inline(always)]
     fn sqrt(self) -> f32x4 {
         f32x4::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> f32x4 {
+        f32x4::ln(self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> f32x4 {
+        f32x4::exp(self)
     }
 
     #[inline(always)]

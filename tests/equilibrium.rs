@@ -576,3 +576,20 @@ fn a_result_warns_of_a_coarse_grid() {
         }
     }
 }
+
+#[test]
+fn the_result_warns_of_wrinkles_by_stress() {
+    let warns = |center: f64, pocket: f64, poisson_ratio: f64| {
+        let scene = json!({
+            "implant": { "base_radius_mm": 40, "center_mm": [center, 0] }, "pocket_radius_mm": pocket,
+            "layers": [ { "poisson_ratio": poisson_ratio,
+                          "curve": { "kind": "linear", "modulus_kpa": 50 } } ],
+            "solver": { "nodes_per_side": 65 },
+        });
+        let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+        outcome.warnings.iter().any(|warning| warning.contains("wrinkle"))
+    };
+    // Strains are compressive in both; the least stress is +0.095 E and −0.016 E.
+    assert!(!warns(20.0, 60.0, 0.45));
+    assert!(warns(25.0, 65.0, 0.0));
+}

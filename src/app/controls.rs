@@ -6,7 +6,7 @@ use super::messages::{Notice, Offer};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
-use crate::scene::{Implant, Layer, Scene, Springs, limits};
+use crate::scene::{Body, Implant, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
@@ -225,7 +225,12 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
 /// Springs, resolution and tolerance.
 pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
     group(ui, "Method", |ui| {
-        springs(ui, &mut scene.springs);
+        tissue_model(ui, scene);
+        if scene.is_layered() {
+            attachment(ui, scene);
+        } else {
+            springs(ui, &mut scene.springs);
+        }
         if let Some(limits) = session.stability_limits() {
             stability::show(ui, scene, limits, session.greatest_strain());
         }
@@ -233,6 +238,60 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
         resolution(ui, &mut scene.solver.nodes_per_side);
         tolerance(ui, &mut scene.solver.tolerance);
     });
+}
+
+/// The choice of the tissue model.
+fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
+    let name = |model: TissueModel| match model {
+        TissueModel::Layered => "Skin on solid layers",
+        TissueModel::Sheet => "One sheet",
+    };
+    let present = if scene.is_layered() { TissueModel::Layered } else { TissueModel::Sheet };
+    let response = labelled_box(ui, "Tissue model", name(present), |ui| {
+        for model in [TissueModel::Layered, TissueModel::Sheet] {
+            if choice(ui, present == model, name(model)).clicked() && present != model {
+                scene.set_tissue_model(model);
+            }
+        }
+    });
+    response.on_hover_text(
+        "Skin on solid layers: the fat thins over the implant, and the skin over the pocket draws on the \
+         skin beyond the pocket. One sheet: all layers stretch alike and are held at the pocket's edge; \
+         force and strain are then too high.",
+    );
+}
+
+/// Patch and attachment of layered tissue.
+fn attachment(ui: &mut Ui, scene: &mut Scene) {
+    let pocket = scene.pocket_radius_mm;
+    let Some(body) = &mut scene.body else { return };
+    let usual = Body::around(pocket, TissueModel::Layered);
+    let (least, most) = Body::patch_range(pocket);
+    Control {
+        allowed: Some(least..=most),
+        limit_reason: &format!("{least:.0} to {most:.0} mm around this pocket"),
+        tooltip: "Radius of the computed tissue around the pocket's centre; the tissue is held at its edge.",
+        ..length((least, most), "Computed radius", usual.patch_radius_mm)
+    }
+    .show(ui, &mut body.patch_radius_mm);
+    let (least, most) = limits::ATTACHMENT_STIFFNESS;
+    Control {
+        label: "Attachment stiffness",
+        unit: "kPa/mm",
+        range: least..=most,
+        reset: usual.attachment.stiffness_kpa_per_mm,
+        decimals: 1,
+        step: 0.1,
+        logarithmic: true,
+        tooltip: "How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm.",
+        ..Control::default()
+    }
+    .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
+    Control {
+        tooltip: "Width over which the hold rises from zero at the pocket's edge.",
+        ..length(limits::ATTACHMENT_RAMP_MM, "Attachment ramp", usual.attachment.ramp_mm)
+    }
+    .show(ui, &mut body.attachment.ramp_mm);
 }
 
 fn springs(ui: &mut Ui, springs: &mut Springs) {

@@ -134,9 +134,12 @@ fn tissue_faces(session: &Session) -> [Polyline; 2] {
     let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);
     let (x, stack) = (session.shape(), session.solution().stack());
     let outer = |k: usize| {
-        let thickness: f64 = stack.thickness_mm.iter().map(|t| f64::from(t[k])).sum();
+        let along_normal = stack.thickness_mm.len() - stack.between.len();
+        let layers = stack.thickness_mm[..along_normal].iter();
+        let thickness: f64 = layers.map(|t| f64::from(t[k])).sum();
+        let x = stack.between.last().map_or(x[k], |face| face[k].as_dvec3());
         let normal = stack.normal[k].as_dvec3();
-        [x[k].x + normal.x * thickness, x[k].z + normal.z * thickness]
+        [x.x + normal.x * thickness, x.z + normal.z * thickness]
     };
     [row.clone().map(|k| [x[k].x, x[k].z]).collect(), row.map(outer).collect()]
 }

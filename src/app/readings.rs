@@ -32,6 +32,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, previous: PreviousResults) {
         return;
     }
     warnings(ui, session.result());
+    cover(ui, outcome);
     shape(ui, outcome);
     contact(ui, outcome);
     tissue(ui, outcome);
@@ -84,6 +85,32 @@ fn shape(ui: &mut Ui, outcome: &Outcome) {
             ui,
             "Geometric gain directly after insertion. With tissue expanders about 35 % of the geometric \
              gain was realised in vivo.",
+        );
+    });
+}
+
+/// What only layered tissue has: cover over the implant, thickness of the layers, pull at the pocket's edge.
+fn cover(ui: &mut Ui, outcome: &Outcome) {
+    let Some(skin) = outcome.skin_area else { return };
+    let error = position_error(outcome);
+    group(ui, "Cover", |ui| {
+        rows(ui, "cover", |ui| {
+            row(ui, error, "Cover over the apex", outcome.cover_mm.map(|c| c.apex), 1, "mm");
+            row(ui, error, "Least cover", outcome.cover_mm.map(|c| c.least), 1, "mm");
+            for layer in &outcome.layers {
+                let name = format!("Thinnest {}", layer.tissue);
+                row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
+            }
+            let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
+                - (skin.pocket_after_cm2 - skin.pocket_before_cm2);
+            row(ui, error, "Skin area gained beyond the pocket", Some(drawn), 1, "cm²");
+            let pull = outcome.attachment_traction_kpa.map(|t| t.max);
+            row(ui, error, "Pull at the pocket's edge", pull, 2, "kPa");
+        });
+        hint(
+            ui,
+            "Skin and the tissue under it deform separately; the skin over the pocket draws on the skin \
+             beyond the pocket.",
         );
     });
 }

@@ -112,23 +112,33 @@ impl App {
 
     fn quantity_box(&mut self, ui: &mut Ui) {
         let layers = &self.session.scene().layers;
+        let is_layered = self.session.scene().is_layered();
+        let tissue = |k: usize| layers.get(k).map_or("layer", |layer| &layer.tissue);
         let name = |quantity: Quantity| match quantity {
             Quantity::Tissue => "Natural colours".to_owned(),
+            Quantity::Strain if is_layered => "Strain, skin".to_owned(),
             Quantity::Strain => "Strain".to_owned(),
             Quantity::AreaStretch => "Area stretch".to_owned(),
-            Quantity::Stress(k) => {
-                format!("Stress, {}", layers.get(k).map_or("layer", |layer| &layer.tissue))
-            }
+            Quantity::Stress(k) => format!("Stress, {}", tissue(k)),
             Quantity::Pressure => "Contact pressure".to_owned(),
+            Quantity::LayerStrain(k) => format!("Strain, {}", tissue(k)),
+            Quantity::Thickness(k) => format!("Thickness, {}", tissue(k)),
+            Quantity::Cover => "Cover over the implant".to_owned(),
+            Quantity::Traction => "Pull at the pocket's edge".to_owned(),
         };
-        if let Quantity::Stress(k) = self.options.quantity
-            && k >= layers.len()
-        {
-            self.options.quantity = Quantity::Stress(0);
+        let mut choices = vec![Quantity::Tissue, Quantity::Strain];
+        if is_layered {
+            choices.extend((1..layers.len()).map(Quantity::LayerStrain));
+            choices.push(Quantity::Cover);
+            choices.extend((0..layers.len()).map(Quantity::Thickness));
+            choices.push(Quantity::Traction);
         }
-        let mut choices =
-            vec![Quantity::Tissue, Quantity::Strain, Quantity::AreaStretch, Quantity::Pressure];
+        choices.extend([Quantity::AreaStretch, Quantity::Pressure]);
         choices.extend((0..layers.len()).map(Quantity::Stress));
+        // A layer or the tissue model may be gone.
+        if !choices.contains(&self.options.quantity) {
+            self.options.quantity = Quantity::Strain;
+        }
         let response = egui::ComboBox::from_id_salt("quantity")
             .width(130.0)
             .selected_text(name(self.options.quantity))

@@ -35,7 +35,7 @@ pub(super) struct Edge {
 impl Contact {
     /// The contact of a solution.
     pub(super) fn new(solution: &Solution) -> Self {
-        let (reactions, deformation) = (solution.reactions(), solution.deformation());
+        let (reactions, deformation) = (solution.reactions(), solution.inner_deformation());
         let force = reactions.force.clone();
         let nodes = force.len();
         let area = (0..nodes).map(|k| deformation.deformed_area(k)).collect();
@@ -139,7 +139,9 @@ impl Contact {
         let problem = solution.problem();
         let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
         let pocket_radius = problem.patch.pocket_radius_mm;
-        let is_centred = dome.center.length() <= 1e-9 * dome.base_radius;
+        // The gap opens with the square of the distance under a membrane only.
+        let is_centred =
+            dome.center.length() <= 1e-9 * dome.base_radius && solution.outer().is_empty();
         let reach = (0..sheet.len())
             .filter(|&k| self.touches(k))
             .map(|k| sheet.rest()[k].length())

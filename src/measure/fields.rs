@@ -1,6 +1,7 @@
 //! Nodal fields of a solution, each computed at its first use.
 
 use super::contact::Contact;
+use super::layered::{self, NodalLoads};
 use super::layers;
 use crate::solve::Solution;
 use std::cell::{Cell, OnceCell};
@@ -17,6 +18,14 @@ pub enum Field {
     Stress(usize),
     /// Contact pressure \[kPa\].
     ContactPressure,
+    /// Layered tissue: greatest principal engineering strain of a layer \[-\], counted from the skin.
+    LayerStrain(usize),
+    /// Layered tissue: deformed thickness of a layer over its thickness at rest \[-\], counted from the skin.
+    ThicknessStretch(usize),
+    /// Layered tissue: distance of the skin's outer surface from the implant's dome \[mm\].
+    Cover,
+    /// Layered tissue: pull of the attachment around the pocket \[kPa\].
+    Traction,
 }
 
 /// The fields of one solution.
@@ -29,6 +38,13 @@ pub struct Fields {
     /// One for each layer.
     stress_kpa: Vec<OnceCell<Vec<f32>>>,
     contact_pressure_kpa: OnceCell<Vec<f32>>,
+    /// One for each layer.
+    layer_strain: Vec<OnceCell<Vec<f32>>>,
+    thickness_stretch: Vec<OnceCell<Vec<f32>>>,
+    cover_mm: OnceCell<Vec<f32>>,
+    traction_kpa: OnceCell<Vec<f32>>,
+    /// Greatest strain and stress of each solid layer at the nodes, from the inner face outwards.
+    solids: OnceCell<Vec<NodalLoads>>,
     computed: Cell<u64>,
 }
 
@@ -42,6 +58,11 @@ impl Fields {
             area_stretch: OnceCell::new(),
             stress_kpa: vec![OnceCell::new(); solution.problem().materials.len()],
             contact_pressure_kpa: OnceCell::new(),
+            layer_strain: vec![OnceCell::new(); solution.problem().materials.len()],
+            thickness_stretch: vec![OnceCell::new(); solution.problem().materials.len()],
+            cover_mm: OnceCell::new(),
+            traction_kpa: OnceCell::new(),
+            solids: OnceCell::new(),
             computed: Cell::new(0),
             solution,
         }
@@ -65,6 +86,16 @@ impl Fields {
                 None => return &[],
             },
             Field::ContactPressure => &self.contact_pressure_kpa,
+            Field::LayerStrain(layer) => match self.layer_strain.get(layer) {
+                Some(cell) => cell,
+                None => return &[],
+            },
+            Field::ThicknessStretch(layer) => match self.thickness_stretch.get(layer) {
+                Some(cell) => cell,
+                None => return &[],
+            },
+            Field::Cover => &self.cover_mm,
+            Field::Traction => &self.traction_kpa,
         };
         cell.get_or_init(|| {
             self.computed.set(self.computed.get() + 1);
@@ -86,10 +117,30 @@ impl Fields {
             Field::AreaStretch => Some(deformation.area_stretch(node)),
             Field::Stress(layer) => {
                 let material = self.solution.problem().materials.get(layer)?;
-                Some(layers::stress(material, deformation, node))
+                match self.solid(layer) {
+                    Some(solid) => Some(f64::from(solid.stress[node])),
+                    None => Some(layers::stress(material, deformation, node)),
+                }
             }
             Field::ContactPressure => Some(self.contact().pressure_at(node)),
+            Field::LayerStrain(layer) => match self.solid(layer) {
+                Some(solid) => Some(f64::from(solid.strain[node])),
+                None => Some(deformation.principal(node)[0]),
+            },
+            Field::ThicknessStretch(layer) => {
+                let rest = self.solution.problem().materials.get(layer)?.thickness_mm;
+                let thickness = self.solution.stack().thickness_mm.get(layer)?[node];
+                Some(f64::from(thickness) / rest)
+            }
+            Field::Cover => Some(layered::cover_at(&self.solution, node)),
+            Field::Traction => Some(layered::traction_at(&self.solution, node)),
         }
+    }
+
+    /// The loads of a solid layer; `None` for the skin and in a sheet.
+    fn solid(&self, layer: usize) -> Option<&NodalLoads> {
+        let solids = self.solids.get_or_init(|| self.solution.nodal_loads());
+        (layer > 0).then(|| solids.get(self.solution.problem().materials.len() - 1 - layer))?
     }
 
     pub(super) fn contact(&self) -> &Contact {

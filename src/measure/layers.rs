@@ -1,6 +1,7 @@
 //! Stresses of the layers.
 
 use crate::curve::Curve;
+use crate::mesh::{NodeKind, Sheet};
 use crate::model::membrane::deformation::Deformation;
 use crate::model::membrane::stack::first_alike;
 use crate::springs::Material;
@@ -20,6 +21,26 @@ pub(super) struct Load {
 /// Greatest principal nominal (Biot) stress of a layer at a node \[kPa\].
 pub(super) fn stress(material: &Material, deformation: &Deformation, node: usize) -> f64 {
     biot_stress(&material.curve, material.poisson_ratio, deformation.principal(node))[0]
+}
+
+/// Least principal tension of the membrane's free nodes, negative in compression, relative to its small-strain stiffness
+/// Σ h·Ef′(0) \[-\]; zero without compression.
+pub(super) fn least_stress(
+    materials: &[Material],
+    deformation: &Deformation,
+    sheet: &Sheet,
+) -> f64 {
+    let stiffness: f64 =
+        materials.iter().map(|m| m.thickness_mm * m.curve.small_strain_modulus()).sum();
+    let tension = |node: usize| -> f64 {
+        let strain = deformation.principal(node);
+        let of = |m: &Material| m.thickness_mm * biot_stress(&m.curve, m.poisson_ratio, strain)[1];
+        materials.iter().map(of).sum()
+    };
+    // A node without a negative strain has no negative stress.
+    let is_wanted =
+        |k: &usize| sheet.kinds()[*k] == NodeKind::Free && deformation.principal(*k)[1] < 0.0;
+    deformation.inside().filter(is_wanted).map(tension).fold(0.0, f64::min) / stiffness
 }
 
 /// The load of every layer.

@@ -12,6 +12,7 @@
 pub mod bands;
 mod contact;
 mod fields;
+pub(crate) mod layered;
 mod layers;
 mod profile;
 mod surface;
@@ -19,12 +20,13 @@ mod surface;
 pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
 pub use fields::{Field, Fields};
+pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 #[cfg(all(test, feature = "command-line"))]
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 
 use crate::model::membrane::deformation::Summary;
-use crate::solve::{Invalid, Method, Problem, Report, Verdict};
+use crate::solve::{Invalid, Method, Problem, Report, Tissue, Verdict};
 use crate::springs::Springs;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -56,7 +58,7 @@ pub enum Status {
 /// The result of a scene. Fields that do not apply are `None`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Outcome {
-    /// Always [`RESULT_SCHEMA`].
+    /// [`RESULT_SCHEMA`], of layered tissue [`RESULT_SCHEMA_2`].
     pub schema: String,
     /// How the solve ended.
     pub status: Status,
@@ -92,6 +94,18 @@ pub struct Outcome {
     pub layers: Vec<LayerOutcome>,
     /// 41 points along +x from the pocket's centre, material radius 0 … pocket radius.
     pub profile: Vec<ProfilePoint>,
+    /// Layered tissue: 41 points of the skin's membrane along +x, material radius 0 … patch radius.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profile_skin: Vec<ProfilePoint>,
+    /// Layered tissue: thickness between implant and outer skin surface \[mm\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cover_mm: Option<Cover>,
+    /// Layered tissue: area of the skin before and after.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skin_area: Option<SkinArea>,
+    /// Layered tissue: greatest pull of the attachment around the pocket \[kPa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub attachment_traction_kpa: Option<Traction>,
     /// What the solver did.
     pub solver: SolverOutcome,
     /// Warnings in plain sentences.
@@ -127,6 +141,12 @@ pub struct LayerOutcome {
     pub max_stress_kpa: Option<f64>,
     /// Does a strain lie on the line beyond the curve's data?
     pub beyond_curve_data: bool,
+    /// Layered tissue: least and greatest deformed thickness \[mm\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_mm: Option<Thickness>,
+    /// Layered tissue: greatest principal stretch \[-\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_stretch: Option<f64>,
 }
 
 /// A point of the profile.
@@ -194,9 +214,18 @@ pub fn measure(fields: &Fields, tissues: &[String]) -> Outcome {
         outcome.warnings.push(no_shape(report.invalid).to_owned());
         return outcome;
     }
-    let summary = solution.deformation().summary(&problem.sheet, STRAIN_BANDS);
+    let weights = match problem.tissue {
+        Tissue::Sheet => None,
+        Tissue::Layered { .. } => {
+            Some(layered::pocket_weights(&problem.sheet, problem.patch.pocket_radius_mm))
+        }
+    };
+    let weight = |k: usize| weights.as_ref().map_or(1.0, |weights| weights[k]);
+    let summary = solution.deformation().summary(STRAIN_BANDS, weight);
     outcome.measure_shape(fields, &summary);
-    outcome.warn(problem, &summary, fields.contact().nodes());
+    let least_stress =
+        layers::least_stress(problem.membrane(), solution.deformation(), &problem.sheet);
+    outcome.warn(problem, &summary, fields.contact().nodes(), least_stress);
     if report.is_left_at_rest {
         outcome.warnings.push(
             "The insertion is below the solver tolerance; the tissue was left undeformed. Reduce the \
@@ -236,9 +265,15 @@ impl Outcome {
             tissue: tissue.clone(),
             max_stress_kpa: None,
             beyond_curve_data: false,
+            thickness_mm: None,
+            max_stretch: None,
         };
         Self {
-            schema: RESULT_SCHEMA.to_owned(),
+            schema: match problem.tissue {
+                Tissue::Sheet => RESULT_SCHEMA,
+                Tissue::Layered { .. } => RESULT_SCHEMA_2,
+            }
+            .to_owned(),
             status: match report.verdict {
                 Verdict::Converged => Status::Converged,
                 Verdict::NotConverged => Status::NotConverged,
@@ -260,6 +295,10 @@ impl Outcome {
             strain: None,
             layers: tissues.iter().map(layer).collect(),
             profile: Vec::new(),
+            profile_skin: Vec::new(),
+            cover_mm: None,
+            skin_area: None,
+            attachment_traction_kpa: None,
             solver: SolverOutcome {
                 nodes_per_side: problem.sheet.nodes_per_side(),
                 nodes_solved: report.nodes_solved,
@@ -319,13 +358,15 @@ impl Outcome {
                 .map(|(limit, fraction)| (format!("{limit:.2}"), fraction))
                 .collect(),
         });
-        for (layer, load) in
-            self.layers.iter_mut().zip(layers::loads(&problem.materials, deformation))
-        {
+        let loads = layers::loads(problem.membrane(), deformation);
+        for (layer, load) in self.layers.iter_mut().zip(loads) {
             layer.max_stress_kpa = Some(load.max_stress);
             layer.beyond_curve_data = load.is_beyond_data;
         }
         self.profile = profile::along_x(solution);
+        if matches!(problem.tissue, Tissue::Layered { .. }) {
+            self.measure_layers(solution);
+        }
     }
 
     fn warn(
@@ -333,6 +374,7 @@ impl Outcome {
         problem: &Problem,
         summary: &Summary<{ STRAIN_BANDS.len() }>,
         contact_nodes: usize,
+        least_stress: f64,
     ) {
         if self.status == Status::NotConverged {
             self.warnings.push(
@@ -362,7 +404,7 @@ impl Outcome {
                     .to_owned(),
             );
         }
-        if summary.least < -WRINKLING_STRAIN {
+        if least_stress < -WRINKLING_STRESS {
             self.warnings.push(
                 "Part of the tissue is under compression and may wrinkle; a model without bending \
                  stiffness does not resolve wrinkles."
@@ -399,8 +441,8 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
     }
 }
 
-/// Compressive strain above which the result warns of wrinkles \[-\].
-const WRINKLING_STRAIN: f64 = 0.02;
+/// Compressive stress above which the result warns of wrinkles \[small-strain modulus\].
+const WRINKLING_STRESS: f64 = 0.01;
 
 /// Area of the pocket at rest \[mm²\].
 fn pocket_area(problem: &Problem) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::{PROFILE_POINTS, ProfilePoint};
 use crate::contact::TOUCH_F64;
-use crate::mesh::NodeKind;
+use crate::mesh::{NodeKind, Sheet};
 use crate::solve::Solution;
 use glam::{DVec2, DVec3};
 
@@ -13,13 +13,22 @@ use glam::{DVec2, DVec3};
 /// the edge. On the outer side the last node in contact has its position with contact offset, on the extension of the
 /// free sheet.
 pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
-    let (sheet, x) = (&solution.problem().sheet, solution.inner());
+    let sheet = &solution.problem().sheet;
+    let row = sheet.nodes_per_side() / 2 * sheet.nodes_per_side();
     let pocket_radius = solution.problem().patch.pocket_radius_mm;
+    beside_edges(sheet, solution.inner(), pocket_radius, &edges(solution, row))
+}
+
+/// 41 points of a face, material radius 0 … `radius` in equal steps.
+pub(super) fn along(sheet: &Sheet, x: &[DVec3], radius: f64) -> Vec<ProfilePoint> {
+    beside_edges(sheet, x, radius, &[])
+}
+
+fn beside_edges(sheet: &Sheet, x: &[DVec3], radius: f64, edges: &[Edge]) -> Vec<ProfilePoint> {
     let n = sheet.nodes_per_side();
     let half = n / 2;
     let row = half * n;
     let (h, rest) = (sheet.spacing_mm(), sheet.rest());
-    let edges = edges(solution, row);
     // Stretch along and across the row at its i-th node.
     let stretches = |i: usize| {
         let k = row + i;
@@ -34,7 +43,7 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
     };
     (0..PROFILE_POINTS)
         .map(|point| {
-            let s = pocket_radius * point as f64 / (PROFILE_POINTS - 1) as f64;
+            let s = radius * point as f64 / (PROFILE_POINTS - 1) as f64;
             let column = s / h + half as f64;
             let middle = (column.floor() as usize).clamp(1, n - 3);
             let mut stretch = DVec2::ZERO;
@@ -43,7 +52,7 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
                 stretch += DVec2::new(along, across) * weight;
             }
             let (mut low, mut passed) = (middle, None);
-            for edge in &edges {
+            for edge in edges {
                 let is_inside = (edge.position - column) * edge.outwards > 0.0;
                 // Nodes low − 1 … low + 2 lie on the point's side of the edge's node, this node included.
                 let is_right = is_inside != (edge.outwards > 0.0);

@@ -91,6 +91,13 @@ pub(crate) fn load(values: &[f32], k: usize) -> f32x4 {
     f32x4::new([lanes[0], lanes[1], lanes[2], lanes[3]])
 }
 
+/// Lanes shifted to the right; the first one is the last of the four before.
+#[inline(always)]
+pub(crate) fn shifted_right(before: f32x4, now: f32x4) -> f32x4 {
+    let (a, b) = (before.to_array(), now.to_array());
+    f32x4::new([a[3], b[0], b[1], b[2]])
+}
+
 #[inline(always)]
 pub(crate) fn store(values: &mut [f32], k: usize, lanes: f32x4) {
     values[k..k + 4].copy_from_slice(&lanes.to_array());
@@ -174,6 +181,8 @@ pub(crate) struct Layout {
     pub(crate) extrapolated: Vec<Extrapolated>,
     /// Source nodes of all [`Self::extrapolated`], in the same order.
     pub(crate) sources: Vec<u32>,
+    /// Stored index of the first node of the layer whose cells [`Self::cell_rows`] returns.
+    origin: usize,
 }
 
 impl Layout {
@@ -196,6 +205,7 @@ impl Layout {
             regular: Vec::with_capacity(rows - 1),
             extrapolated: Vec::new(),
             sources: Vec::new(),
+            origin: 0,
         };
         let is_free = |i: usize, j: usize| {
             sheet.kinds()[(j + first[1]) * nodes_per_side + i + first[0]] == NodeKind::Free
@@ -238,13 +248,29 @@ impl Layout {
                 let (from, to) = (from as usize, to as usize);
                 let first = from / 4;
                 CellRow {
-                    start: j * self.pitch + 4 * first,
+                    start: self.origin + j * self.pitch + 4 * first,
                     groups: to.div_ceil(4) - first,
                     from: from - 4 * first,
                     to: to - 4 * first,
                 }
             },
         )
+    }
+
+    /// The same cells of another layer of nodes.
+    pub(crate) fn of_layer(&self, layer: usize) -> Self {
+        Self { origin: layer * self.len(), ..self.clone() }
+    }
+
+    /// Stored index of the first node of the layer whose cells [`Self::cell_rows`] returns.
+    pub(crate) fn origin(&self) -> usize {
+        self.origin
+    }
+
+    /// Has the stored cell (i, j) a free corner?
+    pub(crate) fn touches_free(&self, i: usize, j: usize) -> bool {
+        let is_free = |i: usize, j: usize| self.is_free(i as isize, j as isize);
+        is_free(i, j) || is_free(i + 1, j) || is_free(i, j + 1) || is_free(i + 1, j + 1)
     }
 
     /// Length of an array over the stored nodes.

@@ -13,4 +13,4 @@ pub(crate) mod vec3;
 
 pub(crate) use disc_grid::coarser_nodes_per_side;
 pub use disc_grid::{CELL_TRIANGLES, CellKind, NodeKind, Sheet, rounded_nodes_per_side};
-pub use patch::{Edge, Patch};
+pub use patch::{Attachment, Edge, Patch};

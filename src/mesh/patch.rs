@@ -17,9 +17,36 @@ pub enum Edge {
     /// The edge is fixed at its position at rest.
     #[default]
     Clamped,
+    /// The edge is fixed, and the inner face is attached to the wall between the pocket and the edge.
+    Attached(Attachment),
+}
+
+/// Isotropic springs between the inner face beyond the pocket and the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attachment {
+    /// Stiffness per area beyond the ramp \[kPa/mm\].
+    pub stiffness_kpa_per_mm: f64,
+    /// Width over which the stiffness rises from zero at the pocket's radius \[mm\].
+    pub ramp_mm: f64,
 }
 
 impl Patch {
+    /// What holds the inner face between the pocket and the edge.
+    #[must_use]
+    pub fn attachment(&self) -> Option<Attachment> {
+        match self.edge {
+            Edge::Clamped => None,
+            Edge::Attached(attachment) => Some(attachment),
+        }
+    }
+
+    /// Radius beyond which the tissue is held at rest, or nearly so \[mm\].
+    #[must_use]
+    pub fn reach_mm(&self) -> f64 {
+        let held = |attachment: Attachment| self.pocket_radius_mm + attachment.ramp_mm;
+        self.attachment().map_or(self.radius_mm, |a| held(a).min(self.radius_mm))
+    }
+
     /// The pocket alone, clamped at its rim: the tissue around the pocket does not move.
     #[must_use]
     pub fn clamped_at_pocket(pocket_radius_mm: f64) -> Self {

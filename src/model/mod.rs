@@ -1,14 +1,17 @@
 //! Elastic bodies over a grid: energy, forces, stiffness.
 //!
 //! [`ElasticModel`] is the interface between a body and full multigrid. `membrane`: a sheet of bonded layers
-//! without bending stiffness, one node in a column.
+//! without bending stiffness, one node in a column. `layered`: skin on solid layers. `columns`: what a smoother inverts.
 //!
 //! Uses `number`, `springs`, `mesh`, `contact` (the dome's apex). Used by `solve`, `measure`, `experiment` and `view`.
 
+pub(crate) mod columns;
+pub(crate) mod layered;
 pub(crate) mod membrane;
 
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
 use crate::mesh::vec3::{Block, inverted};
+use columns::Stiffness;
 
 /// An elastic body over a grid, in four f32 lanes. Lengths are in grid spacings; the stiffness at small
 /// strain is one.
@@ -16,22 +19,28 @@ pub(crate) trait ElasticModel {
     /// Precomputed geometry and scratch arrays of one grid.
     type Scratch: Clone + std::fmt::Debug;
 
+    /// Diagonal blocks of the stiffness, of nodes or columns.
+    type Stiffness: Stiffness;
+
     /// Nodes in a column through the thickness; the first node lies on the inner face.
-    const LAYERS: usize;
+    fn layers(&self) -> usize;
 
     /// The scratch of a grid with these triangles at the border.
-    fn scratch(layout: &Layout, border: &[BorderTriangle]) -> Self::Scratch;
+    fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Self::Scratch;
+
+    /// Fits the scratch to a grid of the given spacing \[mm\].
+    fn place(&self, _layout: &Layout, _spacing: f64, _scratch: &mut Self::Scratch) {}
 
     /// Sets `f` to −∂E/∂u; entries of ghost and clamped nodes are unspecified.
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Self::Scratch);
 
-    /// Sets `blocks` to the diagonal 3×3 blocks of the stiffness, without negative modes; entries of nodes
+    /// Sets `blocks` to the diagonal blocks of the stiffness, without negative modes; entries of nodes
     /// that are not free are unspecified.
     fn blocks(
         &self,
         layout: &Layout,
         u: &Field,
-        blocks: &mut NodeBlocks,
+        blocks: &mut Self::Stiffness,
         scratch: &mut Self::Scratch,
     );
 
@@ -69,7 +78,7 @@ pub(crate) struct NodeBlocks {
 }
 
 impl NodeBlocks {
-    pub(crate) fn new(length: usize) -> Self {
+    pub(crate) fn zeros(length: usize) -> Self {
         Self { parts: [0; 6].map(|_| vec![0.0; length]) }
     }
 

@@ -4,7 +4,7 @@ use super::{Scene, SceneError, read};
 use crate::contact::{Dome, Obstacle};
 use crate::curve::Curve;
 use crate::mesh::{Patch, Sheet, rounded_nodes_per_side};
-use crate::solve::Problem;
+use crate::solve::{Problem, Tissue};
 use crate::springs::Material;
 use glam::DVec2;
 use std::sync::Arc;
@@ -77,8 +77,15 @@ impl CheckedScene {
             implant.projection_mm,
             *insertion,
         );
-        let patch = Patch::clamped_at_pocket(*pocket_radius_mm);
+        let (patch, tissue) = match self.scene.body.filter(|_| self.scene.is_layered()) {
+            None => (Patch::clamped_at_pocket(*pocket_radius_mm), Tissue::Sheet),
+            Some(body) => {
+                let cells = solver.cells_through.unwrap_or_default();
+                (body.patch(*pocket_radius_mm), cells.tissue(&self.materials))
+            }
+        };
         Problem {
+            tissue,
             sheet: Sheet::new(rounded_nodes_per_side(solver.nodes_per_side), patch.radius_mm),
             patch,
             obstacle: Obstacle::on_flat_wall(dome),

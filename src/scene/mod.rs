@@ -8,6 +8,7 @@
 //!
 //! Uses `curve`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
+mod body;
 mod checked;
 pub mod read;
 mod repair;
@@ -15,14 +16,17 @@ mod repair;
 use crate::curve::{CurveError, CurveSpec, List, Pair, number, object};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
+pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// The schema that this version reads and writes.
+/// The schema of a sheet, and of a scene without schema.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
+/// The schema with a choice of tissue model.
+pub const SCENE_SCHEMA_2: &str = "implant-preview/scene/2";
 
 /// Allowed ranges, as inclusive bounds \[mm, unless said otherwise\].
 pub mod limits {
@@ -38,6 +42,12 @@ pub mod limits {
     pub const POISSON_RATIO: (f64, f64) = (0.0, 0.5);
     /// Sheet nodes per side.
     pub const NODES_PER_SIDE: (usize, usize) = (17, 1025);
+    /// Greatest radius of the patch of layered tissue \[mm\]; the least is pocket + 20 mm.
+    pub const PATCH_RADIUS_MAX_MM: f64 = 260.0;
+    /// Stiffness of the attachment \[kPa/mm\].
+    pub const ATTACHMENT_STIFFNESS: (f64, f64) = (0.1, 50.0);
+    /// Width of the attachment's ramp \[mm\].
+    pub const ATTACHMENT_RAMP_MM: (f64, f64) = (1.0, 40.0);
     /// Layers in a scene.
     pub const LAYERS: (usize, usize) = (1, 8);
     /// Position tolerance \[fraction of the base radius\].
@@ -49,12 +59,15 @@ pub mod limits {
 #[serde(try_from = "SceneFile")]
 #[schemars(with = "SceneFile")]
 pub struct Scene {
-    /// Always [`SCENE_SCHEMA`].
+    /// [`SCENE_SCHEMA`] or [`SCENE_SCHEMA_2`].
     pub schema: String,
     /// The dome.
     pub implant: Implant,
-    /// Radius a of the surgeon's pocket \[mm\]: the sheet is clamped on this circle.
+    /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
     pub pocket_radius_mm: f64,
+    /// Tissue model and patch of `scene/2`; `None` in `scene/1`, a sheet.
+    #[serde(flatten)]
+    pub body: Option<Body>,
     /// Insertion t \[-\], 0 (flat) to 1 (full height).
     pub insertion: f64,
     /// Layers from the skin inwards, 1 to 8.
@@ -102,11 +115,14 @@ pub struct SolverSettings {
     pub nodes_per_side: usize,
     /// Greatest node position error allowed, relative to the dome's base radius, 1e-7 to 1e-2.
     pub tolerance: f64,
+    /// Cells through the thickness of the solid layers of layered tissue: "auto", or 1 to 8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells_through: Option<CellsThrough>,
 }
 
 impl Default for SolverSettings {
     fn default() -> Self {
-        Self { nodes_per_side: 129, tolerance: 1e-4 }
+        Self { nodes_per_side: 129, tolerance: 1e-4, cells_through: None }
     }
 }
 
@@ -121,6 +137,12 @@ struct SceneFile {
     implant: ImplantFile,
     /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
     pocket_radius_mm: Option<f64>,
+    /// `scene/2` only. Default: layered.
+    tissue_model: Option<TissueModel>,
+    /// `scene/2` only: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
+    patch_radius_mm: Option<f64>,
+    /// `scene/2` only.
+    attachment: Option<AttachmentSettings>,
     #[serde(default = "full_insertion")]
     insertion: f64,
     #[serde(default = "default_layers", deserialize_with = "layers")]
@@ -253,6 +275,20 @@ impl SceneFile {
         let radius = file.implant.base_radius_mm;
         let center_mm = file.implant.center_mm.0;
         let [x, y] = center_mm;
+        let pocket_radius_mm = file
+            .pocket_radius_mm
+            .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM));
+        let asks_for_body = file.tissue_model.is_some()
+            || file.patch_radius_mm.is_some()
+            || file.attachment.is_some();
+        let body = (asks_for_body || file.schema == SCENE_SCHEMA_2).then(|| {
+            let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
+            Body {
+                patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
+                attachment: file.attachment.unwrap_or_default(),
+                ..default
+            }
+        });
         Scene {
             schema: file.schema,
             implant: Implant {
@@ -260,9 +296,8 @@ impl SceneFile {
                 projection_mm: file.implant.projection_mm.unwrap_or(radius),
                 center_mm,
             },
-            pocket_radius_mm: file
-                .pocket_radius_mm
-                .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM)),
+            pocket_radius_mm,
+            body,
             insertion: file.insertion,
             layers: file.layers,
             springs: file.springs,
@@ -278,6 +313,7 @@ impl Default for Scene {
             schema: scene_schema(),
             implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0, 0.0] },
             pocket_radius_mm: 70.0,
+            body: None,
             insertion: full_insertion(),
             layers: default_layers(),
             springs: Springs::default(),
@@ -311,9 +347,13 @@ impl Scene {
 
     /// Checks every field but the curves.
     fn check_limits(&self) -> Result<(), SceneError> {
-        if self.schema != SCENE_SCHEMA {
+        if self.schema != SCENE_SCHEMA && self.schema != SCENE_SCHEMA_2 {
             let schema = one_line(&format!("{:?}", self.schema), 40);
-            return Err(out_of_range("schema", schema, SCENE_SCHEMA));
+            return Err(out_of_range(
+                "schema",
+                schema,
+                &format!("{SCENE_SCHEMA} or {SCENE_SCHEMA_2}"),
+            ));
         }
         let implant = &self.implant;
         within("implant.base_radius_mm", implant.base_radius_mm, limits::BASE_RADIUS_MM, " mm")?;
@@ -342,6 +382,7 @@ impl Scene {
                 ),
             ));
         }
+        self.check_body()?;
         within("insertion", self.insertion, (0.0, 1.0), "")?;
         let (least, most) = limits::LAYERS;
         if !(least..=most).contains(&self.layers.len()) {
@@ -383,6 +424,51 @@ impl Scene {
 }
 
 impl Scene {
+    /// Is the tissue layered?
+    #[must_use]
+    pub fn is_layered(&self) -> bool {
+        self.body.is_some_and(|body| body.tissue_model == TissueModel::Layered)
+    }
+
+    /// Sets the tissue model; the scene is one of `scene/2` afterwards.
+    pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
+        self.schema = SCENE_SCHEMA_2.to_owned();
+        let default = Body::around(self.pocket_radius_mm, tissue_model);
+        self.body = Some(Body { tissue_model, ..self.body.unwrap_or(default) });
+        if tissue_model == TissueModel::Layered {
+            self.springs = Springs::Coupled;
+        }
+    }
+
+    /// Checks the fields of `scene/2`.
+    fn check_body(&self) -> Result<(), SceneError> {
+        let is_second = self.schema == SCENE_SCHEMA_2;
+        if is_second != self.body.is_some() || !is_second && self.solver.cells_through.is_some() {
+            return Err(out_of_range(
+                "schema",
+                self.schema.clone(),
+                &format!(
+                    "{SCENE_SCHEMA_2} with tissue_model, patch_radius_mm, attachment or cells_through"
+                ),
+            ));
+        }
+        let Some(body) = self.body else { return Ok(()) };
+        let range = Body::patch_range(self.pocket_radius_mm);
+        within("patch_radius_mm", body.patch_radius_mm, range, " mm")?;
+        let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = body.attachment;
+        let field = "attachment.stiffness_kpa_per_mm";
+        within(field, stiffness_kpa_per_mm, limits::ATTACHMENT_STIFFNESS, " kPa/mm")?;
+        within("attachment.ramp_mm", ramp_mm, limits::ATTACHMENT_RAMP_MM, " mm")?;
+        if self.is_layered() && self.springs == Springs::Nikolaev {
+            return Err(out_of_range(
+                "springs",
+                "nikolaev".to_owned(),
+                "coupled with tissue_model layered; the paper's springs belong to a sheet",
+            ));
+        }
+        Ok(())
+    }
+
     /// The problem of the scene, for the solver.
     ///
     /// # Errors
@@ -399,12 +485,17 @@ impl Scene {
                 schema: _,
                 implant,
                 pocket_radius_mm,
+                body,
                 insertion,
                 layers: _,
                 springs,
                 solver,
             } = scene;
-            (*implant, *pocket_radius_mm, *insertion, *springs, *solver)
+            // Patch and attachment belong to layered tissue.
+            let body = body.filter(|_| scene.is_layered());
+            let cells = solver.cells_through.unwrap_or_default();
+            let grid = (solver.nodes_per_side, solver.tolerance, body.map(|_| cells));
+            (*implant, *pocket_radius_mm, body, *insertion, *springs, grid)
         };
         let layer = |layer: &Layer, other: &Layer| {
             let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;

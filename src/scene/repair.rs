@@ -1,6 +1,6 @@
 //! Repairs a scene whose implant does not fit into its pocket after an edit, and reports the change.
 
-use super::{Scene, limits};
+use super::{Body, Scene, limits};
 
 /// The change that made the implant fit into its pocket.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +56,10 @@ impl Scene {
         if self.pocket_radius_mm < least * (1.0 - 1e-9) {
             self.pocket_radius_mm = least;
             repair = Some(Repair::PocketWidened { radius_mm: least });
+        }
+        if let Some(body) = &mut self.body {
+            let (least, _) = Body::patch_range(self.pocket_radius_mm);
+            body.patch_radius_mm = body.patch_radius_mm.max(least);
         }
         repair
     }

@@ -1,9 +1,10 @@
 //! Accessors of the solver: status, positions, forces, energy, work counters.
 
-use super::fas::FullMultigrid;
+use super::multigrid::Multigrid;
 use super::newton::NestedNewton;
 use super::{
-    Displayed, Invalid, Method, Problem, Report, Solution, Solver, Stage, Verdict, initial_guess,
+    Displayed, Invalid, Method, Problem, Report, Shape, Solution, Solver, Stage, Verdict,
+    initial_guess,
 };
 use crate::model::membrane::assembly;
 use crate::model::membrane::law::SheetLaw;
@@ -20,15 +21,20 @@ impl Solver {
     /// A copy of the current state as a solution.
     #[must_use]
     pub fn solution(&self) -> Solution {
-        let (x, offset_nodes) = (self.x.clone(), self.offset_nodes.clone());
-        Solution::new(&self.problem, &self.law, x, offset_nodes, self.report())
+        let shape = Shape {
+            inner: self.x.clone(),
+            offset_nodes: self.offset_nodes.clone(),
+            outer: self.outer.clone(),
+        };
+        Solution::new(&self.problem, &self.law, shape, self.report())
     }
 
     /// The current state as a solution; consumes the solver.
     #[must_use]
     pub fn into_solution(self) -> Solution {
         let report = self.report();
-        Solution::new(&self.problem, &self.law, self.x, self.offset_nodes, report)
+        let shape = Shape { inner: self.x, offset_nodes: self.offset_nodes, outer: self.outer };
+        Solution::new(&self.problem, &self.law, shape, report)
     }
 
     /// Method, status, work and accuracy of the current state.
@@ -129,7 +135,7 @@ impl Solver {
         if self.stage == Stage::Rest {
             return 0.0;
         }
-        self.multigrid.as_ref().map_or(0.0, FullMultigrid::work_units)
+        self.multigrid.as_ref().map_or(0.0, Multigrid::work_units)
             + self.newton.as_ref().map_or(0.0, NestedNewton::work_units)
     }
 
@@ -154,7 +160,7 @@ impl Solver {
     pub fn forces_and_scale(&self) -> (Vec<DVec3>, f64) {
         let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
         let x = self.solution().balanced();
-        let totals = assembly::forces(&self.problem.sheet, &self.law, &x, &mut forces);
+        let totals = assembly::forces(&self.problem.sheet, self.law.membrane(), &x, &mut forces);
         (forces, totals.force_scale())
     }
 
@@ -162,13 +168,13 @@ impl Solver {
     /// strain), Σ h·Ef′(0) for the paper's springs.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
-        self.law.stiffness()
+        self.law.membrane().stiffness()
     }
 
     /// Elastic energy \[kPa·mm³\] of a shape of this problem's sheet, shape (nodes_per_side², ).
     #[must_use]
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        assembly::energy(&self.problem.sheet, &self.law, x)
+        assembly::energy(&self.problem.sheet, self.law.membrane(), x)
     }
 
     /// The initial guess: a shape from geometry alone \[mm\], shape (nodes_per_side², ).
@@ -219,7 +225,7 @@ impl Solver {
     /// The coupled springs' law with its tables; `None` for the paper's springs.
     #[must_use]
     pub fn coupled_law(&self) -> Option<&CoupledLaw> {
-        match &*self.law {
+        match self.law.membrane() {
             SheetLaw::Coupled(law) => Some(law),
             SheetLaw::Paper(_) => None,
         }
@@ -234,6 +240,6 @@ impl Solver {
     /// The greatest error of the law's tables, relative to their peak stress \[-\].
     #[must_use]
     pub fn table_error(&self) -> f64 {
-        self.law.table_error()
+        self.law.membrane().table_error()
     }
 }

@@ -1,5 +1,5 @@
 //! Initial guess from geometry alone: in every vertical plane through the dome's axis the taut profile over
-//! the dome and down to the patch's edge, uniformly stretched along its length.
+//! the dome and down to a circle, uniformly stretched along its length.
 
 use crate::contact::Dome;
 use crate::mesh::{NodeKind, Sheet};
@@ -10,6 +10,11 @@ const MERIDIAN: usize = 64;
 
 /// Positions \[mm\] of every node; clamped and outside nodes at rest on the wall.
 pub(crate) fn taut_profile(sheet: &Sheet, dome: &Dome) -> Vec<DVec3> {
+    taut_within(sheet, dome, sheet.radius_mm())
+}
+
+/// [`taut_profile`] down to a circle of this radius \[mm\], beyond which nodes are at rest.
+pub(crate) fn taut_within(sheet: &Sheet, dome: &Dome, radius: f64) -> Vec<DVec3> {
     let meridian = meridian(dome);
     let mut profile = Vec::with_capacity(MERIDIAN + 2);
     sheet
@@ -20,11 +25,11 @@ pub(crate) fn taut_profile(sheet: &Sheet, dome: &Dome) -> Vec<DVec3> {
         .map(|(k, (&rest, kind))| {
             let from_axis = rest - dome.center;
             let distance = from_axis.length();
-            if *kind != NodeKind::Free {
+            if *kind != NodeKind::Free || rest.length() >= radius {
                 return sheet.rest_position(k);
             }
             let direction = if distance > 0.0 { from_axis / distance } else { DVec2::X };
-            let reach = distance_to_border(dome.center, direction, sheet.radius_mm());
+            let reach = distance_to_border(dome.center, direction, radius);
             pull_taut(&meridian, reach, &mut profile);
             let at = along(&profile, distance / reach);
             (dome.center + direction * at.x).extend(at.y)

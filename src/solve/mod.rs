@@ -15,6 +15,7 @@ mod accessors;
 mod fas;
 pub(crate) mod initial_guess;
 pub(crate) mod linear;
+mod multigrid;
 mod newton;
 mod problem;
 mod reactions;
@@ -23,16 +24,16 @@ pub(crate) mod validity;
 
 #[doc(hidden)]
 pub use fas::kernels;
-pub use problem::{Method, Options, Problem, Progress};
+pub use problem::{Method, Options, Problem, Progress, Tissue};
 pub use reactions::Reactions;
+use solution::Shape;
 pub use solution::{Displayed, Record, Report, Solution, Verdict};
 pub use validity::Invalid;
 
-use crate::model::membrane::lanes::Membrane;
-use crate::model::membrane::law::SheetLaw;
 use crate::springs::Springs;
-use fas::{FullMultigrid, Stop};
+use fas::Stop;
 use glam::DVec3;
+use multigrid::{Law, Multigrid};
 use newton::{Mirrors, NestedNewton, Start};
 use std::sync::Arc;
 
@@ -40,15 +41,17 @@ use std::sync::Arc;
 pub struct Solver {
     problem: Arc<Problem>,
     options: Options,
-    law: Arc<SheetLaw>,
+    law: Law,
     /// Does the multigrid have another law than [`Self::law`]?
     is_multigrid_law_stale: bool,
-    multigrid: Option<FullMultigrid<Membrane>>,
+    multigrid: Option<Multigrid>,
     newton: Option<NestedNewton>,
     stage: Stage,
     fell_back: bool,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
+    /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
+    outer: Vec<Vec<DVec3>>,
     offset_nodes: Vec<(usize, DVec3)>,
     invalid: Option<Invalid>,
     displayed: Displayed,
@@ -82,12 +85,13 @@ impl Solver {
     /// A solver with options at the start of a problem.
     #[must_use]
     pub fn with_options(problem: Problem, options: Options) -> Self {
-        let law = SheetLaw::new(problem.springs, &problem.materials);
+        let law = Law::new(&problem);
         let mut solver = Self {
             x: problem.sheet.rest_positions(),
+            outer: outer_at_rest(&problem, &law),
             offset_nodes: Vec::new(),
             invalid: None,
-            law: Arc::new(law),
+            law,
             is_multigrid_law_stale: true,
             options,
             multigrid: None,
@@ -108,12 +112,22 @@ impl Solver {
 
     /// Starts another problem with the tables and grids that both problems share.
     pub fn restart(&mut self, problem: Problem) {
-        let same_law =
-            problem.springs == self.problem.springs && problem.materials == self.problem.materials;
-        let same_grid = problem.sheet == self.problem.sheet;
+        let same_law = problem.springs == self.problem.springs
+            && problem.materials == self.problem.materials
+            && problem.tissue == self.problem.tissue;
+        let same_grid =
+            problem.sheet == self.problem.sheet && problem.tissue == self.problem.tissue;
+        let same_patch = problem.patch == self.problem.patch;
         if !same_law {
-            self.law = Arc::new(SheetLaw::new(problem.springs, &problem.materials));
+            self.law = Law::new(&problem);
             self.tables_built += 1;
+        }
+        // Layers of another thickness rest at other heights.
+        if !(same_grid && (same_law || self.outer.is_empty())) {
+            self.outer = outer_at_rest(&problem, &self.law);
+            if !self.outer.is_empty() {
+                self.x = problem.sheet.rest_positions();
+            }
         }
         if !same_grid {
             self.x = problem.sheet.rest_positions();
@@ -122,7 +136,8 @@ impl Solver {
         }
         let before = std::mem::replace(&mut self.problem, Arc::new(problem));
         let is_warm = same_grid && self.verdict == Verdict::Converged;
-        self.is_multigrid_law_stale |= !same_law;
+        let is_layered = self.law.layered().is_some();
+        self.is_multigrid_law_stale |= !same_law || is_layered && !same_patch;
         self.start();
         // Newton's method continues from the last solution, moved as the dome's geometry moved.
         if self.stage == Stage::Newton && is_warm && self.newton.is_some() {
@@ -151,13 +166,15 @@ impl Solver {
             Method::Automatic if self.may_rest() => {
                 self.stage = Stage::Rest;
                 self.x = self.problem.sheet.rest_positions();
+                self.outer = outer_at_rest(&self.problem, &self.law);
                 self.offset_nodes.clear();
                 self.revision += 1;
                 self.end(Verdict::Converged);
             }
-            Method::Automatic => self.start_multigrid(Stop::Tolerance),
             Method::Multigrid { cycles } => self.start_multigrid(Stop::Cycles(cycles)),
-            Method::Newton => self.start_newton(Start::Cold),
+            // Newton's method belongs to the sheet.
+            Method::Newton if self.law.layered().is_none() => self.start_newton(Start::Cold),
+            Method::Automatic | Method::Newton => self.start_multigrid(Stop::Tolerance),
         }
     }
 
@@ -167,20 +184,28 @@ impl Solver {
         let mirrored =
             self.problem.obstacle.dome.mirrored().map(|holds| self.options.use_symmetry && holds);
         let multigrid = match self.multigrid.take() {
-            Some(mut multigrid) if multigrid.fits(n, mirrored) => {
+            Some(mut multigrid) if multigrid.fits(n, mirrored, &self.law) => {
                 if self.is_multigrid_law_stale {
-                    multigrid.set_model(Membrane::new(&self.law));
+                    multigrid.set_model(&self.problem, &self.law);
                 }
                 multigrid
             }
             _ => {
                 self.grids_built += 1;
-                FullMultigrid::new(n, mirrored, Membrane::new(&self.law))
+                Multigrid::new(&self.problem, &self.law, mirrored)
             }
         };
         self.is_multigrid_law_stale = false;
         let multigrid = self.multigrid.insert(multigrid);
         multigrid.start(&self.problem, stop, self.options.draft_tolerance);
+    }
+
+    /// The stopping criterion of the options.
+    fn stop(&self) -> Stop {
+        match self.options.method {
+            Method::Multigrid { cycles } => Stop::Cycles(cycles),
+            Method::Automatic | Method::Newton => Stop::Tolerance,
+        }
     }
 
     fn start_newton(&mut self, start: Start) {
@@ -252,7 +277,8 @@ impl Solver {
         if multigrid.invalid(&self.problem).is_some() {
             return false;
         }
-        multigrid.write_positions(&self.problem, &mut self.x, &mut self.offset_nodes);
+        let (x, offset_nodes, outer) = (&mut self.x, &mut self.offset_nodes, &mut self.outer);
+        multigrid.write_positions(&self.problem, &self.law, x, offset_nodes, outer);
         self.displayed = displayed;
         self.revision += 1;
         true
@@ -281,6 +307,18 @@ impl Solver {
                     self.end(Verdict::Converged);
                 }
             }
+            fas::State::Failed if self.law.layered().is_some() && !self.fell_back => {
+                self.fell_back = true;
+                let stop = self.stop();
+                if let Some(multigrid) = &mut self.multigrid {
+                    multigrid.start_gently(&self.problem, stop);
+                }
+            }
+            fas::State::Failed if self.law.layered().is_some() => {
+                self.invalid = self.multigrid.as_ref().and_then(|m| m.invalid(&self.problem));
+                self.display_multigrid(Displayed::Final);
+                self.end(Verdict::NotConverged);
+            }
             fas::State::Failed => {
                 self.fell_back = true;
                 self.start_newton(Start::Cold);
@@ -293,6 +331,9 @@ impl Solver {
     /// offsets far above the tolerance; under compression, where multigrid may stall before a wrinkled equilibrium;
     /// for the paper's springs, whose stationary shape may be a saddle point.
     fn needs_newton(&self) -> bool {
+        if self.law.layered().is_some() {
+            return false;
+        }
         let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
             let ending = multigrid.ending();
             ending.is_compressive || ending.leaves_contact_offsets
@@ -307,7 +348,7 @@ impl Solver {
         let revision = newton.finest().revision();
         let Problem { springs, obstacle, tolerance, .. } = &*self.problem;
         let tolerance_mm = tolerance * obstacle.dome.base_radius;
-        let state = newton.step(*springs, &self.law, obstacle, tolerance_mm);
+        let state = newton.step(*springs, self.law.membrane(), obstacle, tolerance_mm);
         if newton.is_on_finest() && newton.finest().revision() != revision {
             self.invalid = newton.finest().invalid(&obstacle.dome, *tolerance);
             if self.invalid.is_none() {
@@ -340,10 +381,22 @@ impl Solver {
         self.displayed = Displayed::Final;
     }
 
+    /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); empty for a sheet.
+    #[must_use]
+    pub fn outer(&self) -> &[Vec<DVec3>] {
+        &self.outer
+    }
+
     /// Ends the solve as if the last shape were invalid.
     #[cfg(test)]
     pub(crate) fn end_with(&mut self, invalid: Invalid) {
         self.invalid = Some(invalid);
         self.end(Verdict::NotConverged);
     }
+}
+
+/// The layers of nodes above the inner face at rest.
+fn outer_at_rest(problem: &Problem, law: &Law) -> Vec<Vec<DVec3>> {
+    let at = |height: f64| problem.sheet.rest().iter().map(|p| p.extend(height)).collect();
+    law.layered().map_or_else(Vec::new, |law| law.heights()[1..].iter().map(|z| at(*z)).collect())
 }

@@ -16,10 +16,36 @@ pub struct Problem {
     pub obstacle: Obstacle,
     /// Layers from the skin inwards.
     pub materials: Vec<Material>,
-    /// The spring law.
+    /// The tissue model.
+    pub tissue: Tissue,
+    /// The spring law of a sheet.
     pub springs: Springs,
     /// Greatest node position error allowed \[base radius\].
     pub tolerance: f64,
+}
+
+impl Problem {
+    /// The layers of the membrane: all layers of a sheet, the skin of layered tissue.
+    #[must_use]
+    pub fn membrane(&self) -> &[Material] {
+        match self.tissue {
+            Tissue::Sheet => &self.materials,
+            Tissue::Layered { .. } => &self.materials[..1],
+        }
+    }
+}
+
+/// The tissue model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tissue {
+    /// All layers are one membrane.
+    #[default]
+    Sheet,
+    /// The first layer is a membrane, the skin; the others are solids under it.
+    Layered {
+        /// Cells through the thickness of the solids, 1 to 8; each solid has one at least.
+        cells_through: usize,
+    },
 }
 
 /// State of a solve between two slices.

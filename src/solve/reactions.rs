@@ -4,8 +4,6 @@ use super::Solution;
 use crate::contact::TOUCH;
 use crate::contact::active_set::LEAST_SPREAD;
 use crate::mesh::NodeKind;
-use crate::model::membrane::assembly;
-use crate::model::membrane::law::SheetLaw;
 use glam::DVec3;
 
 /// Contact with the dome at every node; arrays of shape (nodes_per_side², ).
@@ -25,7 +23,7 @@ impl Reactions {
     }
 }
 
-pub(super) fn of(solution: &Solution, law: &SheetLaw) -> Reactions {
+pub(super) fn of(solution: &Solution) -> Reactions {
     let problem = solution.problem();
     let (sheet, dome, wall) = (&problem.sheet, &problem.obstacle.dome, problem.obstacle.wall);
     let x = solution.inner();
@@ -45,7 +43,7 @@ pub(super) fn of(solution: &Solution, law: &SheetLaw) -> Reactions {
         touching[k] = true;
         normal[k] = dome.normal(x[k]);
     }
-    let spring_force = assembly::forces_at(sheet, law, &solution.balanced(), &touching);
+    let spring_force = solution.forces_on_inner(&touching);
     let mut force = vec![0.0; sheet.len()];
     for k in (0..sheet.len()).filter(|&k| touching[k]) {
         // At a node on dome and wall the wall carries the part along its own normal.

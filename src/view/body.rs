@@ -68,6 +68,11 @@ impl Body {
         if is_new {
             *self = Self::triangulated(sheet, grid);
         }
+        if !stack.between.is_empty() {
+            self.set_computed_faces(shape, stack);
+            self.add_ring_points(problem);
+            return is_new;
+        }
         let along = stack_directions(problem, &self.border, stack);
         let inner = &mut self.levels[layers];
         inner.clear();
@@ -80,6 +85,18 @@ impl Body {
         }
         self.add_ring_points(problem);
         is_new
+    }
+
+    /// Sets the levels to computed faces; the skin lies along the normals of its membrane.
+    fn set_computed_faces(&mut self, shape: &[DVec3], stack: &Stack) {
+        let layers = self.layers();
+        let mut faces = stack.faces(shape.iter().map(|p| p.as_vec3()).collect());
+        for level in &mut self.levels {
+            level.clear();
+        }
+        for (level, face) in self.levels.iter_mut().rev().zip(faces.drain(..=layers)) {
+            level.extend(face);
+        }
     }
 
     /// Triangles and ring without points.

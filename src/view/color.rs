@@ -23,6 +23,14 @@ pub enum Quantity {
     Stress(usize),
     /// Contact pressure on the implant.
     Pressure,
+    /// Layered tissue: greatest principal strain of a layer, counted from the skin, in the clinical bands.
+    LayerStrain(usize),
+    /// Layered tissue: thickness of a layer relative to its thickness at rest.
+    Thickness(usize),
+    /// Layered tissue: distance between implant and skin.
+    Cover,
+    /// Layered tissue: pull of the attachment around the pocket.
+    Traction,
 }
 
 /// The scale of a colour bar.
@@ -52,6 +60,10 @@ impl Quantity {
             Self::AreaStretch => Some(Field::AreaStretch),
             Self::Stress(layer) => Some(Field::Stress(layer)),
             Self::Pressure => Some(Field::ContactPressure),
+            Self::LayerStrain(layer) => Some(Field::LayerStrain(layer)),
+            Self::Thickness(layer) => Some(Field::ThicknessStretch(layer)),
+            Self::Cover => Some(Field::Cover),
+            Self::Traction => Some(Field::Traction),
         }
     }
 
@@ -59,17 +71,30 @@ impl Quantity {
     #[must_use]
     pub fn scale(&self, values: &[f32], layers: &[Layer]) -> Option<Scale> {
         let greatest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
+        let name = |layer: usize| layers.get(layer).map_or("layer", |l| l.tissue.as_str());
         Some(match *self {
             Self::Tissue => return None,
             Self::Strain => strain_scale(),
+            Self::LayerStrain(layer) => {
+                Scale { title: format!("Strain of {}", name(layer)), ..strain_scale() }
+            }
+            Self::Thickness(layer) => {
+                let high = nice_above(f64::from(greatest).max(1.0)) as f32;
+                even(format!("Thickness of {}", name(layer)), "×", 0.0, high, sequential)
+            }
+            // Cover far beside the implant is of no interest.
+            Self::Cover => even("Cover".to_owned(), "mm", 0.0, 20.0, sequential),
+            Self::Traction => {
+                let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
+                even("Pull at the pocket's edge".to_owned(), "kPa", 0.0, high, sequential)
+            }
             Self::AreaStretch => {
                 let high = nice_above(f64::from(greatest - 1.0).max(0.1)) as f32 + 1.0;
                 even("Area stretch".to_owned(), "×", 1.0, high, sequential)
             }
             Self::Stress(layer) => {
-                let tissue = layers.get(layer).map_or("layer", |l| l.tissue.as_str());
                 let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
-                even(format!("Stress in {tissue}"), "kPa", 0.0, high, sequential)
+                even(format!("Stress in {}", name(layer)), "kPa", 0.0, high, sequential)
             }
             Self::Pressure => {
                 let high = nice_above(f64::from(greatest).max(1e-3)) as f32;

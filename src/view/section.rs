@@ -94,12 +94,17 @@ fn cut(body: &Body, first_layer: usize, face: Face, caps: &mut Vec<CapTriangle>)
     let (Some(outer), Some(inner)) = (body.levels.get(first_layer), body.levels.last()) else {
         return;
     };
-    // A column is a straight line from the outermost to the innermost point: if all columns of a triangle lie on one
-    // side, no layer is cut.
+    // If all points of the columns of a triangle lie on one side, no layer is cut.
     let side = |p: Vec3| face.normal.dot(p - face.axis);
     let is_shown = |p: Vec3| face.along.is_none_or(|along| along.dot(p - face.axis) >= 0.0);
-    let columns: Vec<Side> =
-        outer.iter().zip(inner).map(|(a, b)| Side::of(side(*a), side(*b))).collect();
+    let mut columns: Vec<Side> = outer.iter().map(|p| Side::of(side(*p))).collect();
+    for level in &body.levels[first_layer + 1..] {
+        for (column, p) in columns.iter_mut().zip(level) {
+            if *column != Side::of(side(*p)) {
+                *column = Side::Both;
+            }
+        }
+    }
     for &triangle in &body.triangles {
         let [a, b, c] = triangle.map(|c| columns[c as usize]);
         if a == b && b == c && a != Side::Both {
@@ -127,12 +132,8 @@ enum Side {
 }
 
 impl Side {
-    fn of(a: f32, b: f32) -> Self {
-        match (a < 0.0, b < 0.0) {
-            (false, false) => Self::Front,
-            (true, true) => Self::Back,
-            _ => Self::Both,
-        }
+    fn of(distance: f32) -> Self {
+        if distance < 0.0 { Self::Back } else { Self::Front }
     }
 }
 

@@ -7,6 +7,7 @@ mod renderer;
 
 use super::widgets::arrow_keys;
 use crate::session::Session;
+use crate::solve::{Problem, Tissue};
 use crate::view::camera::Camera;
 use crate::view::color::Quantity;
 use crate::view::pick::{self, Hit};
@@ -72,6 +73,16 @@ pub(crate) struct Viewport {
     picture: Picture,
     /// Start of the picture's clock.
     start: Instant,
+}
+
+/// What is drawn on tissue and wall.
+struct Drawn {
+    /// The springs?
+    net: bool,
+    /// Radius of the circle where the implant meets the chest wall \[mm\].
+    foot_radius: f32,
+    /// Radius of the pocket's edge \[cells\]; 0: no line.
+    pocket: f32,
 }
 
 impl Viewport {
@@ -157,7 +168,13 @@ impl Viewport {
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
         let foot_radius = session.problem().obstacle.dome.wall_radius() as f32;
-        self.draw(ui, &painter, area, section, (options.net, foot_radius));
+        // A sheet ends at the pocket's edge.
+        let Problem { sheet, patch, tissue, .. } = session.problem();
+        let pocket = match tissue {
+            Tissue::Sheet => 0.0,
+            Tissue::Layered { .. } => (patch.pocket_radius_mm / sheet.spacing_mm()) as f32,
+        };
+        self.draw(ui, &painter, area, section, Drawn { net: options.net, foot_radius, pocket });
         if let Some(scale) = &self.picture.scale
             && self.picture.body.layers() > 0
         {
@@ -243,7 +260,7 @@ impl Viewport {
         painter: &egui::Painter,
         area: Rect,
         section: Section,
-        (net, foot_radius): (bool, f32),
+        Drawn { net, foot_radius, pocket }: Drawn,
     ) {
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
@@ -267,6 +284,7 @@ impl Viewport {
             net,
             grid_centre: 0.5 * self.picture.body.nodes_per_side.saturating_sub(1) as f32,
             foot_radius,
+            pocket,
         };
         let renderer = Arc::clone(renderer);
         let paint = egui_glow::CallbackFn::new(move |_, painter| {

@@ -123,6 +123,9 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<St
                 format!("Strain {:.0} %", 100.0 * value(Field::PrincipalStrain)),
                 format!("Area ratio {:.2}", value(Field::AreaStretch)),
             ];
+            if session.scene().is_layered() {
+                lines.push(format!("Cover {:.1} mm", value(Field::Cover)));
+            }
             let pressure = value(Field::ContactPressure);
             if pressure > 0.0 {
                 lines.push(format!("Pressure {} kPa", three_figures(pressure)));

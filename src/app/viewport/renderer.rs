@@ -46,6 +46,8 @@ pub(crate) struct Frame {
     pub(crate) net: bool,
     /// Middle of the grid \[cells\].
     pub(crate) grid_centre: f32,
+    /// Radius of the pocket's edge, drawn as a line \[cells\]; 0: no line.
+    pub(crate) pocket: f32,
     /// Radius of the circle where the implant meets the chest wall \[mm\].
     pub(crate) foot_radius: f32,
 }
@@ -168,6 +170,7 @@ impl Renderer {
             gl.uniform_1_f32(self.uniform(gl, "u_foot").as_ref(), frame.foot_radius);
             let centre = frame.grid_centre;
             gl.uniform_2_f32(self.uniform(gl, "u_grid_centre").as_ref(), centre, centre);
+            gl.uniform_1_f32(self.uniform(gl, "u_pocket").as_ref(), frame.pocket);
             gl.uniform_1_i32(self.uniform(gl, "u_net").as_ref(), i32::from(frame.net));
             gl.uniform_1_i32(self.uniform(gl, "u_table").as_ref(), 0);
             gl.active_texture(glow::TEXTURE0);

@@ -10,6 +10,7 @@ uniform vec3 u_planes[2];
 uniform vec3 u_axis;
 uniform bool u_net;
 uniform vec2 u_grid_centre;
+uniform float u_pocket;      // radius of the pocket's edge on the grid [cells]; 0: no line
 uniform float u_foot;        // radius of the circle in which the implant meets the wall [mm]
 
 in vec3 v_position;
@@ -97,6 +98,12 @@ void main() {
             springs(grid, width, 2.0 * spacing),
             smoothstep(0.3, 0.9, fract(level)));
         color = mix(color, color * 0.30, 0.42 * net);
+    }
+
+    if (u_pocket > 0.0 && u_material == 0 && v_grid.x > -0.5) {
+        float across = abs(length(v_grid - u_grid_centre) - u_pocket);
+        float edge = 1.0 - smoothstep(0.8, 1.8, across / max(max(width.x, width.y), 1e-6));
+        color = mix(color, vec3(0.05, 0.05, 0.09), 0.75 * edge);
     }
 
     out_color = vec4(pow(clamp(color, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);

@@ -25,10 +25,15 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
         schema: SCENE_SCHEMA.to_owned(),
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0; 2] },
         pocket_radius_mm: 70.0,
+        body: None,
         insertion: insertion(rng),
         layers: layers(rng),
         springs: if rng.u8(0..100) < 85 { Springs::Coupled } else { Springs::Nikolaev },
-        solver: SolverSettings { nodes_per_side: nodes(rng), tolerance: tolerance(rng) },
+        solver: SolverSettings {
+            nodes_per_side: nodes(rng),
+            tolerance: tolerance(rng),
+            cells_through: None,
+        },
     };
     dome_and_pocket(rng, &mut scene);
     scene

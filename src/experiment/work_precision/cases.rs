@@ -46,7 +46,7 @@ impl Case {
     /// All scenes except the default are in `tests/reference/membrane.json`.
     #[must_use]
     pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {
-        let solver = SolverSettings { nodes_per_side, tolerance };
+        let solver = SolverSettings { nodes_per_side, tolerance, cells_through: None };
         let (pocket_radius_mm, insertion, layers) = match self {
             Self::Default => return Scene { solver, ..Scene::default() },
             Self::LinearThird => (60.0, 1.0, vec![linear_third()]),

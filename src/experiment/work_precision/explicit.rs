@@ -92,14 +92,14 @@ impl<'a> Explicit<'a> {
         let Problem { sheet, obstacle, springs, materials, .. } = problem;
         let (layout, border) = Layout::new(sheet.nodes_per_side(), [false; 2]);
         let length = layout.len();
-        let field = || Field::new(length, Membrane::LAYERS);
+        let model = Membrane::new(&SheetLaw::new(*springs, materials));
+        let field = || Field::new(length, model.layers());
         let per_spacing = 1.0 / sheet.spacing_mm();
         let rest = |(nodes, weight): ([usize; 3], f64)| {
             (nodes, Rest::new(nodes.map(|k| sheet.rest()[k] * per_spacing), weight))
         };
         let mut new = Self {
-            model: Membrane::new(&SheetLaw::new(*springs, materials)),
-            scratch: Membrane::scratch(&layout, &border),
+            scratch: model.scratch(&layout, &border),
             obstacle: LaneObstacle::new(&obstacle.scaled(per_spacing)),
             triangles: sheet.triangles().map(rest).collect(),
             u: field(),
@@ -113,6 +113,7 @@ impl<'a> Explicit<'a> {
             quotient: [0.0; 2],
             least_frequency: f64::INFINITY,
             layout,
+            model,
             problem,
             law,
             damping,

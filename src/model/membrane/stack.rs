@@ -2,9 +2,12 @@
 
 use super::deformation::{Deformation, LEAST_AREA_STRETCH, thickness_exponent};
 use crate::springs::Material;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The layers' deformed geometry at every node.
+///
+/// In a sheet the layers lie along the normals; in layered tissue the faces between the layers are computed, and only the skin
+/// lies along the normals of its membrane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stack {
     /// Unit normals of the deformed sheet, pointing to the skin, shape (nodes_per_side², ); straight
@@ -13,6 +16,9 @@ pub struct Stack {
     /// Deformed thickness of each layer \[mm\], from the skin inwards, shape (layers, nodes_per_side²);
     /// zero outside the sheet.
     pub thickness_mm: Vec<Vec<f32>>,
+    /// Positions of the faces between the inner face and the skin \[mm\], from the inside outwards, where they are computed;
+    /// shape (layers − 1, nodes_per_side²).
+    pub between: Vec<Vec<Vec3>>,
 }
 
 impl Stack {
@@ -22,16 +28,46 @@ impl Stack {
         Self {
             normal: (0..deformation.len()).map(normal).collect(),
             thickness_mm: thickness_mm(materials, deformation),
+            between: Vec::new(),
         }
     }
 
-    /// Positions of the faces: `inner`, the faces between the layers, the skin; each face is the face below, moved
-    /// along `directions` by the thickness of the layer between. Shape (layers + 1, `inner.len()`).
+    /// The stack of layered tissue. `faces` are the inner face and the outer face of each solid, `deformation` is that of
+    /// the skin.
+    pub(crate) fn layered(
+        materials: &[Material],
+        deformation: &Deformation,
+        faces: &[&[DVec3]],
+    ) -> Self {
+        let mut stack = Self::new(&materials[..1], deformation);
+        for pair in faces.windows(2) {
+            let apart = pair[0].iter().zip(pair[1]).map(|(a, b)| a.distance(*b) as f32);
+            let mut thickness = vec![0.0; deformation.len()];
+            for (k, value) in apart.enumerate() {
+                thickness[k] = value;
+            }
+            stack.thickness_mm.insert(1, thickness);
+        }
+        let face = |face: &&[DVec3]| face.iter().map(|p| p.as_vec3()).collect();
+        stack.between = faces[1..].iter().map(face).collect();
+        stack
+    }
+
+    /// Positions of the faces: `inner`, the faces between the layers, the skin. Shape (layers + 1, `inner.len()`).
     #[must_use]
-    pub fn faces(&self, inner: Vec<Vec3>, directions: &[Vec3]) -> Vec<Vec<Vec3>> {
+    pub fn faces(&self, inner: Vec<Vec3>) -> Vec<Vec<Vec3>> {
+        self.faces_along(inner, &self.normal)
+    }
+
+    /// [`Self::faces`]; a face that is not computed is the face below, moved along `directions` by the thickness of the
+    /// layer between.
+    #[must_use]
+    pub fn faces_along(&self, inner: Vec<Vec3>, directions: &[Vec3]) -> Vec<Vec<Vec3>> {
         let mut faces = Vec::with_capacity(self.thickness_mm.len() + 1);
         faces.push(inner);
-        for thickness in self.thickness_mm.iter().rev() {
+        faces.extend(self.between.iter().cloned());
+        let layers = self.thickness_mm.len();
+        for thickness in self.thickness_mm[..layers - self.between.len()].iter().rev() {
             let below = &faces[faces.len() - 1];
             faces.push(offset(below, directions, thickness).collect());
         }

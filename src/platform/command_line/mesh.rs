@@ -88,10 +88,11 @@ mod tests {
         let sheet = Sheet::new(33, 50.0);
         let inner = sheet.rest().iter().map(|p| p.extend(0.0).as_vec3()).collect();
         let stack = Stack {
+            between: Vec::new(),
             thickness_mm: vec![vec![thickness; sheet.len()]],
             normal: vec![Vec3::Z; sheet.len()],
         };
-        let faces = stack.faces(inner, &stack.normal);
+        let faces = stack.faces(inner);
         Surface::new(&of_faces(&sheet, &stack, &faces))
     }
 

@@ -1,7 +1,7 @@
 //! Convergence of full multigrid: error estimate, balance of forces, contact offsets, relaxation of oscillations.
 //!
 //! The error after a cycle is estimated from the change of the cycle and the ratio ρ of the last two changes, as
-//! the sum of a geometric series; constants of [`PARAMETERS`], R the base radius, `residual` the relative residual:
+//! the sum of a geometric series; constants of [`Parameters`], R the base radius, `residual` the relative residual:
 //!
 //! ```text
 //! ρ     = change/previous change, clamped to [min_convergence_factor, max_convergence_factor];
@@ -12,7 +12,7 @@
 //! A small change alone is no evidence: the relative residual is bounded too (`check_balance`).
 
 use super::level::Level;
-use super::parameters::PARAMETERS;
+use super::parameters::Parameters;
 use super::smoother::Contact;
 use super::{FullMultigrid, Mode, State, Stop};
 use crate::contact::contact_edge;
@@ -106,8 +106,7 @@ impl Convergence {
     }
 
     /// Estimates the error from the change of a cycle \[mm\]; returns whether the cycle was slow.
-    fn estimate_error(&mut self, change: f64) -> bool {
-        let parameters = &PARAMETERS;
+    fn estimate_error(&mut self, change: f64, parameters: &Parameters) -> bool {
         let least = parameters.min_convergence_factor;
         let mut rate = least;
         let mut is_slow = false;
@@ -132,8 +131,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if !change.is_finite() {
             return State::Failed;
         }
-        let is_slow = self.convergence.estimate_error(change);
-        if is_slow && self.grid > 0 && change > PARAMETERS.start_tolerance * self.base_radius {
+        let is_slow = self.convergence.estimate_error(change, self.parameters);
+        let parameters = self.parameters;
+        if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.base_radius {
             self.mode = Mode::Robust;
         }
         if self.is_on_finest() { self.check_solution() } else { self.check_start() }
@@ -141,11 +141,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Ends a cycle of a coarser grid, whose solution is only a start.
     fn check_start(&mut self) -> State {
-        let Self { convergence, grid, base_radius, .. } = self;
-        let is_enough = convergence.ending.error <= PARAMETERS.start_tolerance * *base_radius;
+        let Self { convergence, grid, base_radius, parameters, .. } = self;
+        let is_enough = convergence.ending.error <= parameters.start_tolerance * *base_radius;
         let most = match grid {
-            0 => PARAMETERS.max_coarsest_cycles,
-            _ => PARAMETERS.max_start_cycles,
+            0 => parameters.max_coarsest_cycles,
+            _ => parameters.max_start_cycles,
         };
         if is_enough || convergence.cycles >= most {
             // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well.
@@ -187,8 +187,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         self.convergence.residual_squares = None;
         let Convergence { cycles, slow_cycles, .. } = self.convergence;
+        let parameters = self.parameters;
         let is_exhausted =
-            cycles >= PARAMETERS.max_cycles || slow_cycles >= PARAMETERS.max_slow_cycles;
+            cycles >= parameters.max_cycles || slow_cycles >= parameters.max_slow_cycles;
         if self.stop == Stop::Tolerance && is_exhausted {
             return State::Failed;
         }
@@ -220,23 +221,23 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// less than `stagnation_factor` since the previous test are failure.
     fn check_balance(&mut self) -> State {
         self.find_relative_residual();
-        let Self { convergence, base_radius, tolerance, .. } = self;
+        let Self { convergence, base_radius, tolerance, parameters, .. } = self;
         let residual = convergence.ending.relative_residual;
-        let least = PARAMETERS.error_per_residual * residual * *base_radius;
+        let least = parameters.error_per_residual * residual * *base_radius;
         convergence.ending.error =
             convergence.ending.error.max(least) + convergence.neglected_offset;
-        let (low, high) = PARAMETERS.residual_bounds;
+        let (low, high) = parameters.residual_bounds;
         let is_balanced = convergence.ending.error <= *tolerance * *base_radius
             && (residual <= tolerance.clamp(low, high)
-                || residual <= high && self.levels[self.grid].is_rounded());
+                || residual <= high && self.levels[self.grid].is_rounded(parameters.roundings));
         if is_balanced || self.stop != Stop::Tolerance {
             return State::Converged;
         }
         let convergence = &mut self.convergence;
-        let is_stagnant = residual > PARAMETERS.stagnation_factor * convergence.stagnation_residual;
+        let is_stagnant = residual > parameters.stagnation_factor * convergence.stagnation_residual;
         convergence.stagnations += u32::from(is_stagnant);
         convergence.stagnation_residual = residual;
-        let has_failed = convergence.stagnations >= PARAMETERS.max_stagnations;
+        let has_failed = convergence.stagnations >= parameters.max_stagnations;
         if has_failed { State::Failed } else { State::Working }
     }
 
@@ -268,7 +269,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         } else {
             contact_edge::fraction(greatest, self.tolerance)
         };
-        let is_large = fraction * greatest > PARAMETERS.max_contact_offset * self.tolerance;
+        let is_large = fraction * greatest > self.parameters.max_contact_offset * self.tolerance;
         let leaves_offsets = !is_study && is_large;
         self.convergence.ending.leaves_contact_offsets = leaves_offsets;
         if leaves_offsets {
@@ -297,13 +298,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// oscillate from cycle to cycle (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46, 1926, for one
     /// vector).
     fn aitken_relax(&mut self) {
+        let parameters = self.parameters;
         let level = &mut self.levels[self.grid];
         let Level { layout, u, before, .. } = level;
         let convergence = &mut self.convergence;
         let last_update = &mut convergence.last_update;
         let (product, square) = layout.products(u, before, last_update);
         let rho = if convergence.has_last_update && square > 0.0 { product / square } else { 0.0 };
-        let oscillates = rho <= PARAMETERS.oscillation || rho.is_nan();
+        let oscillates = rho <= parameters.oscillation || rho.is_nan();
         convergence.has_last_update = !oscillates;
         if oscillates {
             u.blend(before, (rho / (rho - 1.0)) as f32);

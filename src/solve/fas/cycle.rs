@@ -13,8 +13,8 @@
 //!
 //! A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31, 1977.
 
-use super::parameters::PARAMETERS;
-use super::smoother::Contact;
+use super::parameters::{Parameters, Smoothing};
+use super::smoother::{Contact, Damping};
 use super::{FullMultigrid, Mode};
 use crate::model::ElasticModel;
 
@@ -46,9 +46,12 @@ pub(super) enum Step {
 pub(super) struct Plan {
     /// The grid being solved.
     pub(super) top: usize,
+    /// Is that grid the finest?
+    pub(super) is_finest: bool,
     /// Number of previous cycles of this grid.
     pub(super) cycles: u32,
     pub(super) mode: Mode,
+    pub(super) parameters: &'static Parameters,
 }
 
 impl Plan {
@@ -59,13 +62,18 @@ impl Plan {
             if self.renews_blocks(grid) {
                 steps.push(Step::InvertBlocks { grid });
             }
-            steps.extend(self.smoothing(grid));
+            let smooth = |&omega: &f32| Step::Smooth { grid, omega };
+            if self.is_first(grid) && !self.is_finest {
+                steps.extend(self.parameters.starting_smoothing.iter().map(smooth));
+            }
+            steps.extend(self.smoothing(grid).before.iter().map(smooth));
             steps.push(Step::Restrict { grid });
         }
         steps.push(Step::SolveCoarsest);
         for grid in 1..=self.top {
             steps.push(Step::Correct { grid });
-            steps.extend(self.smoothing(grid));
+            let smooth = |&omega: &f32| Step::Smooth { grid, omega };
+            steps.extend(self.smoothing(grid).after.iter().map(smooth));
         }
         steps.push(Step::CheckConvergence);
     }
@@ -73,24 +81,29 @@ impl Plan {
     /// Blocks are recomputed in the first cycles of their own grid only, in robust mode in every cycle. The coarsest grid:
     /// [`FullMultigrid::solve_coarsest`].
     fn renews_blocks(self, grid: usize) -> bool {
-        let is_own = grid == self.top && self.cycles < PARAMETERS.block_cycles;
+        let is_own = grid == self.top && self.cycles < self.parameters.block_cycles;
         is_own || self.mode == Mode::Robust
     }
 
-    fn smoothing(self, grid: usize) -> impl Iterator<Item = Step> {
-        let is_first = grid == self.top && self.cycles == 0;
-        let omegas = if is_first { PARAMETERS.first_smoothing } else { PARAMETERS.smoothing };
-        omegas.iter().map(move |&omega| Step::Smooth { grid, omega })
+    fn is_first(self, grid: usize) -> bool {
+        grid == self.top && self.cycles == 0
+    }
+
+    fn smoothing(self, grid: usize) -> Smoothing {
+        let Parameters { first_smoothing, smoothing, .. } = self.parameters;
+        if self.is_first(grid) { *first_smoothing } else { *smoothing }
     }
 }
 
 impl<M: ElasticModel> FullMultigrid<M> {
     /// Begins a cycle of the grid being solved.
     pub(super) fn begin_cycle(&mut self) {
-        let Self { levels, grid, convergence, mode, steps, .. } = self;
+        let is_finest = self.is_on_finest();
+        let Self { levels, grid, convergence, mode, steps, parameters, .. } = self;
         let level = &mut levels[*grid];
         level.before.copy_from(&level.u);
-        Plan { top: *grid, cycles: convergence.cycles, mode: *mode }.v_cycle(steps);
+        let (top, cycles, mode) = (*grid, convergence.cycles, *mode);
+        Plan { top, is_finest, cycles, mode, parameters }.v_cycle(steps);
         self.next_step = 0;
     }
 
@@ -103,14 +116,15 @@ impl<M: ElasticModel> FullMultigrid<M> {
             }
             Step::Smooth { grid, omega } => {
                 let contact = self.contact(grid);
-                let evaluations = self.levels[grid].smooth(&self.model, contact, omega);
+                let damping = self.damping(omega);
+                let evaluations = self.levels[grid].smooth(&self.model, contact, damping);
                 self.count(grid, evaluations);
             }
             Step::Restrict { grid } => {
                 let contact = self.contact(grid);
                 let weight = match self.mode {
-                    Mode::Fast => PARAMETERS.coarse_active_weight,
-                    Mode::Robust => PARAMETERS.robust_active_weight,
+                    Mode::Fast => self.parameters.coarse_active_weight,
+                    Mode::Robust => self.parameters.robust_active_weight,
                 };
                 let (coarser, finer) = self.levels.split_at_mut(grid);
                 let (coarse, fine) = (&mut coarser[grid - 1], &mut finer[0]);
@@ -129,17 +143,22 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     fn solve_coarsest(&mut self) {
         let contact = self.contact(0);
+        let damping = |omega| Damping { omega, has_hardening: self.parameters.has_hardening };
         let level = &mut self.levels[0];
         if self.grid == 0 || self.mode == Mode::Robust {
             level.invert_blocks(&self.model);
         }
-        for _ in 0..PARAMETERS.coarsest_rounds {
-            for &omega in PARAMETERS.coarsest_smoothing {
-                level.smooth(&self.model, contact, omega);
+        for _ in 0..self.parameters.coarsest_rounds {
+            for &omega in self.parameters.coarsest_smoothing {
+                level.smooth(&self.model, contact, damping(omega));
             }
         }
-        let steps = PARAMETERS.coarsest_rounds * PARAMETERS.coarsest_smoothing.len();
+        let steps = self.parameters.coarsest_rounds * self.parameters.coarsest_smoothing.len();
         self.count(0, steps as f64);
+    }
+
+    pub(super) fn damping(&self, omega: f32) -> Damping {
+        Damping { omega, has_hardening: self.parameters.has_hardening }
     }
 
     fn contact(&self, grid: usize) -> Contact {
@@ -155,12 +174,15 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::MEMBRANE;
     use super::*;
 
     #[test]
     fn a_later_cycle_of_three_grids_smooths_twice_on_the_way_down_and_up() {
         let mut steps = Vec::new();
-        Plan { top: 2, cycles: 3, mode: Mode::Fast }.v_cycle(&mut steps);
+        let plan =
+            Plan { top: 2, is_finest: true, cycles: 3, mode: Mode::Fast, parameters: &MEMBRANE };
+        plan.v_cycle(&mut steps);
         let smooth = |grid: usize| [1.6, 0.5].map(|omega| Step::Smooth { grid, omega });
         let mut expected = Vec::new();
         for grid in [2, 1] {

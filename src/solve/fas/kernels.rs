@@ -4,8 +4,8 @@
 //! the shape unchanged in any number of runs.
 
 use super::level::Level;
-use super::parameters::PARAMETERS;
-use super::smoother::Contact;
+use super::parameters::MEMBRANE;
+use super::smoother::{Contact, Damping};
 use super::{FullMultigrid, State, Stop, smoother, transfer};
 use crate::mesh::lanes::Field;
 use crate::model::membrane::lanes::Membrane;
@@ -81,7 +81,7 @@ impl Kernels {
         }
         let mirrored = problem.obstacle.dome.mirrored();
         let n = problem.sheet.nodes_per_side();
-        let mut scheme = FullMultigrid::new(n, mirrored, Membrane::new(&law));
+        let mut scheme = FullMultigrid::new(n, mirrored, Membrane::new(&law), &MEMBRANE);
         scheme.start(problem, Stop::Tolerance, None);
         let ended = loop {
             match scheme.step() {
@@ -138,7 +138,7 @@ impl Kernels {
         match kernel {
             Kernel::Force => fine.find_forces(model),
             Kernel::Blocks => fine.invert_blocks(model),
-            Kernel::Step => fine.step_at(carried, PARAMETERS.smoothing[0]),
+            Kernel::Step => fine.step_at(carried, MEMBRANE.smoothing.before[0]),
             Kernel::Residual => fine.residual_of(residual, marks),
             Kernel::Restriction => {
                 let Level { layout, tau: Some(tau), .. } = coarse else { return };
@@ -169,7 +169,8 @@ impl Level<Membrane> {
         let Self { layout, obstacle, u, tau, inverse, active, contact_offset, .. } = self;
         let conditions =
             Self::conditions(obstacle, Contact::OneSided, inverse, tau, contact_offset);
-        smoother::step(layout, &conditions, omega, f, active, u);
+        let damping = Damping { omega, has_hardening: true };
+        smoother::step(layout, &conditions, damping, f, active, u);
     }
 
     /// Replaces given forces by their residual.
@@ -200,6 +201,7 @@ mod tests {
             obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::new(x, 0.0), 55.0, 55.0, 1.0)),
             materials: vec![Material { curve, poisson_ratio: 0.45, thickness_mm: 1.5 }],
             springs: Springs::Coupled,
+            tissue: crate::solve::Tissue::Sheet,
             tolerance: 1e-5,
         }
     }

@@ -1,13 +1,13 @@
 //! One grid of the hierarchy: state, right-hand side, and the operations of a cycle on the grid.
 
-use super::parameters::PARAMETERS;
-use super::smoother::{self, Conditions, Contact};
+use super::smoother::{self, Conditions, Contact, Damping};
 use super::transfer;
 use crate::contact::contact_edge;
 use crate::contact::lanes::LaneObstacle;
 use crate::contact::{Dome, Obstacle};
 use crate::mesh::lanes::{Field, Layout, Mirrored};
-use crate::model::{ElasticModel, NodeBlocks, Tension};
+use crate::model::columns::Stiffness;
+use crate::model::{ElasticModel, Tension};
 use glam::{DVec2, DVec3};
 
 /// A grid with its state and scratch.
@@ -27,7 +27,7 @@ pub(super) struct Level<M: ElasticModel> {
     pub(super) before: Field,
     /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
     pub(super) tau: Option<Field>,
-    pub(super) inverse: NodeBlocks,
+    pub(super) inverse: M::Stiffness,
     /// 1 at active nodes, else 0.
     pub(super) active: Vec<f32>,
     /// Contact offset of each node \[-\]. Its magnitude is the gauge at which an active node is held; the sign,
@@ -37,13 +37,19 @@ pub(super) struct Level<M: ElasticModel> {
 }
 
 impl<M: ElasticModel> Level<M> {
-    pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored, is_finest: bool) -> Self {
+    pub(super) fn new(
+        nodes_per_side: usize,
+        mirrored: Mirrored,
+        is_finest: bool,
+        model: &M,
+    ) -> Self {
         let (mut layout, border) = Layout::new(nodes_per_side, mirrored);
         if !is_finest {
             layout.find_extrapolation();
         }
         let length = layout.len();
-        let field = || Field::new(length, M::LAYERS);
+        let layers = model.layers();
+        let field = || Field::new(length, layers);
         let nowhere = Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, 1.0, 1.0, 1.0));
         Self {
             obstacle: LaneObstacle::new(&nowhere),
@@ -53,12 +59,17 @@ impl<M: ElasticModel> Level<M> {
             are_forces_current: false,
             before: field(),
             tau: (!is_finest).then(field),
-            inverse: NodeBlocks::new(length),
+            inverse: M::Stiffness::new(length, layers),
             active: vec![0.0; length],
             contact_offset: vec![0.0; length],
-            scratch: M::scratch(&layout, &border),
+            scratch: model.scratch(&layout, &border),
             layout,
         }
+    }
+
+    /// Fits the model to the grid's spacing \[mm\].
+    pub(super) fn fit(&mut self, model: &M, spacing: f64) {
+        model.place(&self.layout, spacing, &mut self.scratch);
     }
 
     /// Places the obstacle, given in spacings of this grid.
@@ -109,23 +120,23 @@ impl<M: ElasticModel> Level<M> {
     pub(super) fn conditions<'a>(
         obstacle: &'a LaneObstacle,
         contact: Contact,
-        inverse: &'a NodeBlocks,
+        inverse: &'a M::Stiffness,
         tau: &'a Option<Field>,
         contact_offset: &'a [f32],
-    ) -> Conditions<'a> {
+    ) -> Conditions<'a, M::Stiffness> {
         let tau = tau.as_ref().filter(|_| contact == Contact::Inherited);
         Conditions { obstacle, contact, inverse, tau, contact_offset }
     }
 
     /// One damped step; returns the number of force evaluations.
-    pub(super) fn smooth(&mut self, model: &M, contact: Contact, omega: f32) -> f64 {
+    pub(super) fn smooth(&mut self, model: &M, contact: Contact, step: Damping) -> f64 {
         let is_known = std::mem::take(&mut self.are_forces_current);
         if !is_known {
             self.find_forces(model);
         }
         let Self { layout, obstacle, u, f, tau, inverse, active, contact_offset, .. } = self;
         let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
-        smoother::step(layout, &conditions, omega, f, active, u);
+        smoother::step(layout, &conditions, step, f, active, u);
         f64::from(u8::from(!is_known))
     }
 
@@ -140,11 +151,11 @@ impl<M: ElasticModel> Level<M> {
 
     /// Is the step of the residual at the rounding level of f32? On a flat dome strains are small differences
     /// of positions.
-    pub(super) fn is_rounded(&self) -> bool {
+    pub(super) fn is_rounded(&self, roundings: f32) -> bool {
         let Self { layout, u, f, inverse, .. } = self;
         let farthest = layout.greatest_length(|k| u.at(k)).max(1.0);
-        let step = layout.greatest_length(|k| inverse.times(k, f.at(k)));
-        step <= PARAMETERS.roundings * f32::EPSILON * farthest
+        let step = layout.greatest_length(|k| inverse.inner().times(k, f.at(k)));
+        step <= roundings * f32::EPSILON * farthest
     }
 
     pub(super) fn tension(&mut self, model: &M) -> Tension {
@@ -202,7 +213,10 @@ impl<M: ElasticModel> Level<M> {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::mesh::Sheet;
+    use crate::mesh::{Attachment, Sheet};
+    use crate::model::layered::LayeredLaw;
+    use crate::model::layered::exact::Exact;
+    use crate::model::layered::lanes::Layered;
     use crate::model::membrane::assembly;
     use crate::model::membrane::lanes::Membrane;
     use crate::model::membrane::law::SheetLaw;
@@ -226,7 +240,7 @@ mod tests {
                 let n = 33;
                 let law = SheetLaw::new(springs, &materials);
                 let sheet = Sheet::new(n, (n / 2) as f64);
-                let mut level = Level::<Membrane>::new(n, mirrored, true);
+                let mut level = Level::new(n, mirrored, true, &Membrane::new(&law));
                 let first = level.layout.first();
                 // A bulge with ripples, symmetric about both axes.
                 let bulge = |p: DVec2| {
@@ -261,6 +275,104 @@ mod tests {
                         let force = DVec3::new(x, y, z) * law.stiffness();
                         let error = force.distance(exact[(j + first[1]) * n + i + first[0]]);
                         assert!(error < 1e-4 * greatest, "{springs:?} ({i}, {j}): {error:.1e}");
+                    }
+                });
+            }
+        }
+    }
+
+    /// Forces of the layered body in lanes of f32 equal those in f64, which are the gradient of the energy.
+    #[test]
+    fn layered_forces_equal_the_exact_forces_and_the_gradient_of_the_energy() {
+        let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
+            curve: Curve::new(spec).unwrap(),
+            poisson_ratio,
+            thickness_mm,
+        };
+        let materials = [
+            material(&CurveSpec::Skin {}, 0.45, 1.5),
+            material(&CurveSpec::Adipose {}, 0.3, 8.0),
+            material(&CurveSpec::Linear { modulus_kpa: 12.0 }, 0.45, 5.0),
+        ];
+        let law = LayeredLaw::new(&materials, 3);
+        let n = 33;
+        let sheet = Sheet::new(n, 80.0);
+        let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
+        let pocket_radius = 40.0;
+        let exact = Exact { sheet: &sheet, law: &law, pocket_radius, attachment };
+        let heights = law.heights();
+        let bulge = |p: DVec2, layer: usize| {
+            let s = p.length() / 80.0;
+            let z = (18.0 - 2.0 * layer as f64) * (1.0 - s * s)
+                + (0.11 * p.x).cos() * (0.13 * p.y).cos();
+            DVec3::new(0.06 * p.x * (p.y * 0.05).cos(), -0.04 * p.y, z) * (1.0 - s * s)
+        };
+        let layers = heights.len();
+        let mut x: Vec<Vec<DVec3>> =
+            heights.iter().map(|z| sheet.rest().iter().map(|p| p.extend(*z)).collect()).collect();
+        for (l, x) in x.iter_mut().enumerate() {
+            for (k, p) in sheet.rest().iter().enumerate() {
+                if sheet.kinds()[k] == crate::mesh::NodeKind::Free {
+                    x[k] += bulge(*p, l);
+                }
+            }
+        }
+        let forces = exact.forces(&x);
+        let greatest = forces.iter().flatten().map(|f| f.length()).fold(0.0, f64::max);
+        // The gradient at some nodes: in the ring of four points, at the border, in the middle.
+        for (l, k) in [
+            (0, 16 * n + 16),
+            (1, 16 * n + 24),
+            (2, 12 * n + 20),
+            (3, 16 * n + 30),
+            (1, 5 * n + 6),
+            (0, 16 * n + 27),
+        ] {
+            if sheet.kinds()[k] != crate::mesh::NodeKind::Free {
+                continue;
+            }
+            for axis in 0..3 {
+                let moved = |by: f64| {
+                    let mut x = x.clone();
+                    x[l][k][axis] += by;
+                    exact.energy(&x)
+                };
+                let slope = (moved(1e-4) - moved(-1e-4)) / 2e-4;
+                let error = (forces[l][k][axis] + slope).abs();
+                assert!(error < 1e-4 * greatest, "{l} {k} {axis}: {error:e} of {greatest:e}");
+            }
+        }
+        for mirrored in [[false; 2], [true, false], [true; 2]] {
+            let model = Layered::new(&law, pocket_radius, attachment);
+            let mut level = Level::new(n, mirrored, true, &model);
+            level.fit(&model, sheet.spacing_mm());
+            let Level { layout, u, .. } = &mut level;
+            let first = layout.first();
+            let length = layout.len();
+            for l in 0..layers {
+                layout.free_rows(|j, from, to| {
+                    for i in from..to {
+                        let k = (j + first[1]) * n + i + first[0];
+                        let d = bulge(sheet.rest()[k], l) / sheet.spacing_mm();
+                        let at = l * length + j * layout.pitch + i;
+                        (u.x[at], u.y[at], u.z[at]) = (d.x as f32, d.y as f32, d.z as f32);
+                    }
+                });
+            }
+            layout.mirror(u);
+            level.find_forces(&model);
+            let unit = law.skin.stiffness() * sheet.spacing_mm();
+            let Level { layout, f, .. } = &level;
+            for (l, exact) in forces.iter().enumerate() {
+                layout.free_rows(|j, from, to| {
+                    for i in from..to {
+                        let at = f.at(l * length + j * layout.pitch + i).map(f64::from);
+                        let k = (j + first[1]) * n + i + first[0];
+                        let error = (DVec3::from(at) * unit).distance(exact[k]);
+                        assert!(
+                            error < 1e-4 * greatest,
+                            "{mirrored:?} {l} ({i}, {j}): {error:.1e}"
+                        );
                     }
                 });
             }

@@ -29,7 +29,8 @@ use convergence::Convergence;
 pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
-pub(super) use parameters::LEAST_TOLERANCE;
+use parameters::Parameters;
+pub(super) use parameters::{LAYERED, LAYERED_GENTLE, LEAST_TOLERANCE, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -67,6 +68,7 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     /// From the coarsest to the finest.
     levels: Vec<Level<M>>,
     model: M,
+    parameters: &'static Parameters,
     base_radius: f64,
     /// Of the finest grid \[mm\].
     spacing: f64,
@@ -89,14 +91,24 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
 
 impl<M: ElasticModel> FullMultigrid<M> {
     /// Grids of up to `nodes_per_side` nodes a side.
-    pub(super) fn new(nodes_per_side: usize, mirrored: Mirrored, model: M) -> Self {
-        let sides: Vec<usize> =
-            successors(Some(nodes_per_side), |&n| coarser_nodes_per_side(n)).collect();
-        let levels: Vec<Level<M>> =
-            sides.iter().rev().map(|&n| Level::new(n, mirrored, n == nodes_per_side)).collect();
+    pub(super) fn new(
+        nodes_per_side: usize,
+        mirrored: Mirrored,
+        model: M,
+        parameters: &'static Parameters,
+    ) -> Self {
+        let coarser = |&n: &usize| {
+            coarser_nodes_per_side(n).filter(|coarse| *coarse > parameters.least_cells)
+        };
+        let sides: Vec<usize> = successors(Some(nodes_per_side), coarser).collect();
+        let levels: Vec<Level<M>> = sides
+            .iter()
+            .rev()
+            .map(|&n| Level::new(n, mirrored, n == nodes_per_side, &model))
+            .collect();
         let finest = levels[sides.len() - 1].layout.len();
         Self {
-            model,
+            parameters,
             base_radius: 1.0,
             spacing: 1.0,
             tolerance: 0.0,
@@ -106,17 +118,19 @@ impl<M: ElasticModel> FullMultigrid<M> {
             steps: Vec::with_capacity(8 * levels.len() + 2),
             next_step: 0,
             mode: Mode::Fast,
-            convergence: Convergence::new(Field::new(finest, M::LAYERS)),
+            convergence: Convergence::new(Field::new(finest, model.layers())),
             row: vec![0.0; nodes_per_side + 8],
             work_units: 0.0,
             levels,
+            model,
         }
     }
 
-    /// Do the grids fit a problem of this size and symmetry?
-    pub(super) fn fits(&self, nodes_per_side: usize, mirrored: Mirrored) -> bool {
+    /// Do the grids fit a problem of this size and symmetry, with this number of nodes in a column?
+    pub(super) fn fits(&self, nodes_per_side: usize, mirrored: Mirrored, layers: usize) -> bool {
         let layout = &self.finest().layout;
-        layout.nodes_per_side == nodes_per_side && layout.mirrored == mirrored
+        (layout.nodes_per_side, layout.mirrored) == (nodes_per_side, mirrored)
+            && self.model.layers() == layers
     }
 
     fn finest(&self) -> &Level<M> {
@@ -152,6 +166,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.convergence.ending
     }
 
+    /// Replaces the constants of the scheme.
+    pub(super) fn set_parameters(&mut self, parameters: &'static Parameters) {
+        self.parameters = parameters;
+    }
+
     /// Replaces the elastic model.
     pub(super) fn set_model(&mut self, model: M) {
         self.model = model;
@@ -167,11 +186,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.tolerance = tolerance.max(LEAST_TOLERANCE);
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
-            let per_spacing = 1.0 / (self.spacing * f64::from(1 << (finest - l)));
-            level.place(obstacle.scaled(per_spacing));
+            let spacing = self.spacing * f64::from(1 << (finest - l));
+            level.fit(&self.model, spacing);
+            // A failed solve may leave numbers that are not finite at clamped nodes.
+            level.u.fill_zero();
+            level.place(obstacle.scaled(1.0 / spacing));
         }
-        self.levels[0].start_from_geometry(problem);
         self.work_units = 0.0;
+        self.levels[0].start_from_geometry(problem);
         self.mode = Mode::Fast;
         self.begin_grid(0);
     }
@@ -218,7 +240,8 @@ impl<M: ElasticModel> Level<M> {
         let Self { layout, u, .. } = self;
         let n = layout.nodes_per_side;
         let sheet = Sheet::new(n, problem.sheet.radius_mm());
-        let guess = initial_guess::taut_profile(&sheet, &problem.obstacle.dome);
+        let guess =
+            initial_guess::taut_within(&sheet, &problem.obstacle.dome, problem.patch.reach_mm());
         let per_spacing = 1.0 / sheet.spacing_mm();
         let first = layout.first();
         for layer in u.layers() {

@@ -2,14 +2,28 @@
 //!
 //! Scenes are files of `tests/stress`; `docs/notes/solver.md` has the history.
 
+/// Damping factors of the steps before and after the correction of the coarser grid \[-\].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Smoothing {
+    pub(super) before: &'static [f32],
+    pub(super) after: &'static [f32],
+}
+
 /// The constants of the scheme.
-pub(super) struct Parameters {
+#[derive(Debug)]
+pub(in crate::solve) struct Parameters {
     /// Damping factors of the smoothing steps of a cycle \[-\]: close to the inverse roots of a Chebyshev
     /// polynomial on the upper part of the spectrum of D⁻¹H, the longest step first. Change them together
     /// with the smoother or the blocks.
-    pub(super) smoothing: &'static [f32],
+    pub(super) smoothing: Smoothing,
     /// The same in the first cycle of a grid, whose start is smooth: interpolated from a coarser grid \[-\].
-    pub(super) first_smoothing: &'static [f32],
+    pub(super) first_smoothing: Smoothing,
+    /// Damping factors of further steps at the start of a grid below the finest \[-\].
+    pub(super) starting_smoothing: &'static [f32],
+    /// Is a step shortened by the hardening of the adjacent springs?
+    pub(super) has_hardening: bool,
+    /// The least number of cells a side of a grid with a finer one.
+    pub(super) least_cells: usize,
     /// Damping factors on the coarsest grid, for its whole spectrum \[-\]. The interval is wider than the
     /// spectrum at a small insertion: over a steep dome the spectrum is wider (test `domes_off_centre_need_few_cycles`).
     pub(super) coarsest_smoothing: &'static [f32],
@@ -66,9 +80,13 @@ pub(super) struct Parameters {
     pub(super) max_contact_offset: f64,
 }
 
-pub(super) const PARAMETERS: Parameters = Parameters {
-    smoothing: &[1.6, 0.5],
-    first_smoothing: &[0.9],
+/// The constants for a membrane.
+pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
+    smoothing: Smoothing { before: &[1.6, 0.5], after: &[1.6, 0.5] },
+    first_smoothing: Smoothing { before: &[0.9], after: &[0.9] },
+    starting_smoothing: &[],
+    has_hardening: true,
+    least_cells: 8,
     coarsest_smoothing: &[2.9, 0.3, 0.82, 0.4],
     coarsest_rounds: 3,
     block_cycles: 2,
@@ -94,3 +112,59 @@ pub(super) const PARAMETERS: Parameters = Parameters {
 
 /// The least tolerance of node positions that f32 resolves \[base radius\].
 pub(in crate::solve) const LEAST_TOLERANCE: f64 = 2e-6;
+
+/// Inverse roots of Chebyshev polynomials on [0.25, 6] \[-\].
+const LAYERED_SMOOTHING: Smoothing = Smoothing {
+    before: &[1.5744, 0.3200, 0.1781],
+    after: &[2.5594, 0.6968, 0.3200, 0.2077, 0.1707],
+};
+
+/// Inverse roots of Chebyshev polynomials on [0.45, 9] \[-\].
+const GENTLE_SMOOTHING: Smoothing = Smoothing {
+    before: &[0.9778, 0.2116, 0.1187],
+    after: &[1.5169, 0.4520, 0.2116, 0.1382, 0.1138],
+};
+
+/// The constants for layered tissue where [`LAYERED`] fails: smaller steps, blocks renewed in every cycle.
+pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
+    smoothing: GENTLE_SMOOTHING,
+    first_smoothing: GENTLE_SMOOTHING,
+    starting_smoothing: &[0.2; 16],
+    coarsest_smoothing: &[0.2; 24],
+    block_cycles: u32::MAX,
+    max_cycles: 80,
+    max_slow_cycles: 16,
+    max_stagnations: 6,
+    ..LAYERED
+};
+
+/// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5.2 on the dome and 7 on steep
+/// domes: the stiff modes are smooth changes of thickness, the soft ones checkerboards.
+pub(in crate::solve) const LAYERED: Parameters = Parameters {
+    smoothing: LAYERED_SMOOTHING,
+    first_smoothing: LAYERED_SMOOTHING,
+    starting_smoothing: &[0.3; 16],
+    has_hardening: false,
+    least_cells: 16,
+    coarsest_smoothing: &[0.3; 12],
+    coarsest_rounds: 2,
+    block_cycles: 2,
+    coarse_active_weight: 0.45,
+    robust_active_weight: 0.15,
+    max_cycles: 40,
+    max_start_cycles: 4,
+    start_tolerance: 3e-3,
+    max_coarsest_cycles: 60,
+    min_convergence_factor: 0.4,
+    max_convergence_factor: 0.95,
+    error_safety: 1.5,
+    slow_factor: 0.9,
+    max_slow_cycles: 6,
+    oscillation: -0.25,
+    residual_bounds: (2e-3, 1e-2),
+    error_per_residual: 0.05,
+    roundings: 16.0,
+    max_stagnations: 3,
+    stagnation_factor: 0.9,
+    max_contact_offset: 10.0,
+};

@@ -3,9 +3,9 @@
 //! The blocks' part of a step is here, the constraints' part in [`crate::contact::lanes`].
 
 use crate::contact::lanes::{LaneObstacle, MAX_STEP, Touch};
-use crate::mesh::lanes::{Field, Layout, load, store_first};
-use crate::mesh::vec3::{Vec3, add, dot, times};
-use crate::model::NodeBlocks;
+use crate::mesh::lanes::{Field, Group, Layout, load, store_first};
+use crate::mesh::vec3::{Block, Vec3, add, dot, scale, sub, times};
+use crate::model::columns::Stiffness;
 use wide::f32x4;
 
 /// Factor of the hardening in d ← d/√(1 + HARDENING·|d|⁴/(ω r·d)) \[-\], lengths in grid spacings: a move d across the
@@ -22,12 +22,20 @@ pub(super) enum Contact {
     Inherited,
 }
 
+/// Length of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Damping {
+    pub(super) omega: f32,
+    /// Is the step shortened by the hardening of the adjacent springs?
+    pub(super) has_hardening: bool,
+}
+
 /// Conditions at the nodes of a grid.
-pub(super) struct Conditions<'a> {
+pub(super) struct Conditions<'a, S> {
     pub(super) obstacle: &'a LaneObstacle,
     pub(super) contact: Contact,
     /// Inverse nodal blocks D⁻¹.
-    pub(super) inverse: &'a NodeBlocks,
+    pub(super) inverse: &'a S,
     /// The FAS defect term τ of a coarse grid.
     pub(super) tau: Option<&'a Field>,
     /// Contact offset of each node \[-\]. Its magnitude is the gauge at which an active node is held; the sign,
@@ -35,11 +43,11 @@ pub(super) struct Conditions<'a> {
     pub(super) contact_offset: &'a [f32],
 }
 
-/// One step of length `omega`: u += ω D⁻¹ (f + τ) under the constraints; `active` marks active nodes.
-pub(super) fn step(
+/// One step of length ω: u += ω D⁻¹ (f + τ) under the constraints; `active` marks active nodes.
+pub(super) fn step<S: Stiffness>(
     layout: &Layout,
-    conditions: &Conditions,
-    omega: f32,
+    conditions: &Conditions<S>,
+    damping: Damping,
     f: &Field,
     active: &[f32],
     u: &mut Field,
@@ -48,12 +56,10 @@ pub(super) fn step(
     let zero = f32x4::ZERO;
     layout.free_groups(|group| {
         let k = group.first;
-        let mut r = f.load(k);
-        if let Some(tau) = tau {
-            r = add(r, tau.load(k));
-        }
-        let block = inverse.load(k);
-        let d = hardened(r, times(block, r), omega);
+        let residual = |k: usize| match tau {
+            Some(tau) => add(f.load(k), tau.load(k)),
+            None => f.load(k),
+        };
         let touch = Touch {
             length: load(contact_offset, k).abs() + 1.0,
             active: match contact {
@@ -61,10 +67,36 @@ pub(super) fn step(
                 Contact::Inherited => load(active, k).simd_gt(zero),
             },
         };
-        let moved = obstacle.step(group.rest, u.load(k), d, block, touch);
+        let at = u.load(k);
+        let mut moved = at;
+        let inner = |r: Vec3, block: Block| {
+            let newton_step = times(block, r);
+            if damping.has_hardening {
+                let d = hardened(r, newton_step, damping.omega);
+                moved = obstacle.step(group.rest, at, d, block, touch);
+                return sub(moved, at);
+            }
+            // The reaction of the dome is a large part of r: bounds come after the constraint.
+            let d = scale(newton_step, f32x4::splat(damping.omega));
+            let step = sub(obstacle.step(group.rest, at, d, block, touch), at);
+            let bounded = scale(step, shortening(step));
+            moved = add(at, bounded);
+            bounded
+        };
+        inverse.solve(k, damping.omega, residual, inner, |k, step| {
+            let to = u.load(k);
+            u.store(k, add(to, step));
+        });
         u.store(k, moved);
     });
     layout.mirror(u);
+}
+
+/// The factor that shortens a step to [`MAX_STEP`].
+#[inline(always)]
+fn shortening(step: Vec3) -> f32x4 {
+    let length = dot(step, step).sqrt().fast_max(f32x4::splat(1e-20));
+    (f32x4::splat(MAX_STEP) / length).fast_min(f32x4::ONE)
 }
 
 /// The step d = ω D⁻¹r, bounded by [`MAX_STEP`], then shortened by the hardening of the adjacent springs:
@@ -82,10 +114,23 @@ fn hardened(r: Vec3, newton_step: Vec3, omega: f32) -> Vec3 {
 /// Moves every node that is inside the dome or below the wall onto the surface.
 pub(super) fn project_feasible(layout: &Layout, obstacle: &LaneObstacle, u: &mut Field) {
     layout.free_groups(|group| {
-        let moved = obstacle.projected(group.rest, u.load(group.first), f32x4::ONE);
+        let at = u.load(group.first);
+        let moved = obstacle.projected(group.rest, at, f32x4::ONE);
         store_first(u, group.first, group.count, moved);
+        carry_column(u, &group, sub(moved, at), None);
     });
     layout.mirror(u);
+}
+
+/// Moves the nodes above the inner face with it, by `shift` and, if given, by their own corrections.
+#[inline(always)]
+fn carry_column(u: &mut Field, group: &Group, shift: Vec3, correction: Option<&Field>) {
+    for layer in u.layers().skip(1) {
+        let k = layer + group.first;
+        let own = correction.map_or(shift, |correction| add(shift, correction.load(k)));
+        let moved = add(u.load(k), own);
+        store_first(u, k, group.count, moved);
+    }
 }
 
 /// Adds the correction of a coarser grid: active nodes move along the dome, no node enters the dome.
@@ -103,17 +148,19 @@ pub(super) fn apply_correction(
             length: load(contact_offset, k).abs() + 1.0,
             active: load(active, k).simd_gt(f32x4::ZERO),
         };
-        let moved = obstacle.corrected(group.rest, u.load(k), correction.load(k), touch);
+        let (at, own) = (u.load(k), correction.load(k));
+        let moved = obstacle.corrected(group.rest, at, own, touch);
         store_first(u, k, group.count, moved);
+        carry_column(u, &group, sub(moved, add(at, own)), Some(correction));
     });
     layout.mirror(u);
 }
 
 /// Replaces f by the residual f + τ without the reactions of dome and wall; zero at nodes that are not free.
 /// One-sided contact renews the active set. Returns the sum of squares.
-pub(super) fn residual(
+pub(super) fn residual<S: Stiffness>(
     layout: &Layout,
-    conditions: &Conditions,
+    conditions: &Conditions<S>,
     u: &Field,
     active: &mut [f32],
     f: &mut Field,
@@ -138,7 +185,8 @@ pub(super) fn residual(
         let is_active = match contact {
             Contact::OneSided => {
                 let touching = load(contact_offset, k).abs() + 1.0;
-                let is_active = LaneObstacle::active(&nodes, r, || inverse.load(k), touching);
+                let is_active =
+                    LaneObstacle::active(&nodes, r, || inverse.inner().load(k), touching);
                 let marks = is_active.bitselect(f32x4::ONE, zero).to_array();
                 active[k..k + count].copy_from_slice(&marks[..count]);
                 is_active
@@ -154,7 +202,26 @@ pub(super) fn residual(
     for plane in f.planes_mut() {
         plane[last..].fill(0.0);
     }
+    squares += outer_residual(layout, tau, f);
     layout.mirror(f);
     layout.mirror_marks(active);
+    squares
+}
+
+/// Adds τ above the inner face; returns the sum of squares there.
+fn outer_residual(layout: &Layout, tau: Option<&Field>, f: &mut Field) -> f64 {
+    let mut squares = 0.0;
+    for layer in f.layers().skip(1) {
+        layout.free_groups(|group| {
+            let k = layer + group.first;
+            let mut r = f.load(k);
+            if let Some(tau) = tau {
+                r = add(r, tau.load(k));
+            }
+            store_first(f, k, group.count, r);
+            let lanes = dot(r, r).to_array();
+            squares += lanes[..group.count].iter().map(|&r| f64::from(r)).sum::<f64>();
+        });
+    }
     squares
 }

@@ -31,11 +31,12 @@ fn the_energy_falls_in_every_cycle() {
             obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::from(center), 50.0, projection, 1.0)),
             materials: layers.into_iter().map(|(spec, nu)| material(spec, nu)).collect(),
             springs,
+            tissue: crate::solve::Tissue::Sheet,
             tolerance: LEAST_TOLERANCE,
         };
         let law = SheetLaw::new(springs, &problem.materials);
         let mirrored = problem.obstacle.dome.mirrored();
-        let mut scheme = FullMultigrid::new(65, mirrored, Membrane::new(&law));
+        let mut scheme = FullMultigrid::new(65, mirrored, Membrane::new(&law), &MEMBRANE);
         scheme.start(&problem, Stop::Tolerance, None);
         let mut x: Vec<DVec3> = problem.sheet.rest_positions();
         let mut energies = Vec::new();

@@ -6,7 +6,7 @@
 
 use super::Scratch;
 use super::coupled::{CoupledLanes, Law};
-use crate::mesh::lanes::{CellRow, Field, Layout};
+use crate::mesh::lanes::{CellRow, Field, Layout, shifted_right};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::add_stretch;
@@ -18,13 +18,6 @@ use wide::f32x4;
 fn shifted_left(now: f32x4, next: f32x4) -> f32x4 {
     let (a, b) = (now.to_array(), next.to_array());
     f32x4::new([a[1], a[2], a[3], b[0]])
-}
-
-/// Lanes shifted to the right; the first one is the last of the four before.
-#[inline(always)]
-fn shifted_right(before: f32x4, now: f32x4) -> f32x4 {
-    let (a, b) = (before.to_array(), now.to_array());
-    f32x4::new([a[3], b[0], b[1], b[2]])
 }
 
 /// A row of nodes in blocks of four.

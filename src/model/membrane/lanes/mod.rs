@@ -1,4 +1,4 @@
-//! The membrane in four f32 lanes: the one [`ElasticModel`] of full multigrid.
+//! The membrane in four f32 lanes: an [`ElasticModel`] of full multigrid.
 //!
 //! `coupled`, `paper` (laws and their springs) | `forces` (regular cells) | `border` (triangles at the
 //! border) | `tension`.
@@ -44,10 +44,13 @@ pub(crate) struct Scratch {
 
 impl ElasticModel for Membrane {
     type Scratch = Scratch;
+    type Stiffness = NodeBlocks;
 
-    const LAYERS: usize = 1;
+    fn layers(&self) -> usize {
+        1
+    }
 
-    fn scratch(layout: &Layout, border: &[BorderTriangle]) -> Scratch {
+    fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Scratch {
         let border = Border::new(border);
         Scratch {
             on_border: BorderScratch::new(&border),

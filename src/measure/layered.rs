@@ -1,0 +1,268 @@
+//! What a result of layered tissue adds: cover, skin area, traction of the attachment, loads of the solid layers.
+
+use super::profile;
+use super::{Outcome, ProfilePoint};
+use crate::mesh::{NodeKind, Sheet};
+use crate::model::layered::exact::CellState;
+use crate::solve::Solution;
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// The schema of a result of layered tissue.
+pub const RESULT_SCHEMA_2: &str = "implant-preview/result/2";
+
+/// Thickness of the tissue between implant and outer skin surface \[mm\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Cover {
+    /// Above the implant's highest point.
+    pub apex: f64,
+    /// The least distance of the skin's outer surface from the implant's dome.
+    pub least: f64,
+    /// Where the least cover is: x and y of the skin's outer surface \[mm\].
+    pub least_at_mm: [f64; 2],
+}
+
+/// Area of the skin's membrane \[cm²\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SkinArea {
+    /// Over the pocket, at rest.
+    pub pocket_before_cm2: f64,
+    /// The same skin, deformed.
+    pub pocket_after_cm2: f64,
+    /// Of the whole patch, at rest.
+    pub patch_before_cm2: f64,
+    /// Of the whole patch, deformed.
+    pub patch_after_cm2: f64,
+}
+
+/// The attachment's greatest pull on the inner face \[kPa\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Traction {
+    /// Force per area at rest.
+    pub max: f64,
+    /// Where the traction is greatest: x and y at rest \[mm\].
+    pub at_mm: [f64; 2],
+}
+
+/// Least and greatest deformed thickness of a layer \[mm\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Thickness {
+    /// Least.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+/// Weight of each node in sums over the pocket: the part of the node's surroundings inside of the pocket, to second order.
+pub(super) fn pocket_weights(sheet: &Sheet, pocket_radius: f64) -> Vec<f64> {
+    let h = sheet.spacing_mm();
+    let inside = |r: f64| ((pocket_radius - r) / h + 0.5).clamp(0.0, 1.0);
+    sheet.rest().iter().map(|p| inside(p.length())).collect()
+}
+
+impl Outcome {
+    /// Adds the fields of layered tissue.
+    pub(super) fn measure_layers(&mut self, solution: &Solution) {
+        let problem = solution.problem();
+        let (sheet, patch) = (&problem.sheet, &problem.patch);
+        let faces = solution.faces();
+        let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
+        self.cover_mm = cover(solution, &outer);
+        let apex = problem.obstacle.dome.apex().z;
+        self.skin_projection_mm = Some(self.cover_mm.map_or(apex, |cover| apex + cover.apex));
+        let deformation = solution.deformation();
+        let area = |weight: &dyn Fn(usize) -> f64| {
+            let sums = deformation.inside().fold((0.0, 0.0), |(rest, deformed), k| {
+                let w = weight(k);
+                let (r, d) = (deformation.rest_area(k), deformation.deformed_area(k));
+                (rest + w * r, deformed + w * d)
+            });
+            sums.1 / sums.0
+        };
+        let weights = pocket_weights(sheet, patch.pocket_radius_mm);
+        let circle = |radius: f64| PI * radius * radius / 100.0;
+        let (pocket, whole) = (circle(patch.pocket_radius_mm), circle(patch.radius_mm));
+        self.skin_area = Some(SkinArea {
+            pocket_before_cm2: pocket,
+            pocket_after_cm2: pocket * area(&|k| weights[k]),
+            patch_before_cm2: whole,
+            patch_after_cm2: whole * area(&|_| 1.0),
+        });
+        self.attachment_traction_kpa = traction(solution);
+        let stack = solution.stack();
+        for (layer, thickness) in self.layers.iter_mut().zip(&stack.thickness_mm) {
+            let free = (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free);
+            let range = free.fold((f64::MAX, f64::MIN), |(least, greatest), k| {
+                let value = f64::from(thickness[k]);
+                (least.min(value), greatest.max(value))
+            });
+            layer.thickness_mm = Some(Thickness { least: range.0, greatest: range.1 });
+        }
+        let skin = deformation.inside().map(|k| deformation.principal(k)[0]).fold(0.0, f64::max);
+        self.layers[0].max_stretch = Some(1.0 + skin);
+        let count = self.layers.len();
+        for (solid, load) in solution.solid_loads().into_iter().enumerate() {
+            // Solids are listed from the inner face outwards.
+            let layer = count - 1 - solid;
+            let curve = &problem.materials[layer].curve;
+            self.layers[layer].max_stretch = Some(load.stretch);
+            self.layers[layer].max_stress_kpa = Some(load.stress);
+            self.layers[layer].beyond_curve_data = curve.is_beyond_data(load.strain);
+        }
+        self.profile_skin = skin_profile(solution);
+    }
+}
+
+/// 41 points of the skin along +x, material radius 0 … patch radius.
+fn skin_profile(solution: &Solution) -> Vec<ProfilePoint> {
+    profile::along(
+        &solution.problem().sheet,
+        solution.membrane(),
+        solution.problem().patch.radius_mm,
+    )
+}
+
+/// The load of a solid layer.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SolidLoad {
+    /// Greatest principal stretch \[-\].
+    pub(crate) stretch: f64,
+    /// Greatest principal nominal stress \[kPa\].
+    pub(crate) stress: f64,
+    /// Greatest equivalent strain exp(e) − 1 \[-\].
+    pub(crate) strain: f64,
+}
+
+impl Solution {
+    /// The loads of the solid layers, from the inner face outwards, at the middles of the cells.
+    pub(crate) fn solid_loads(&self) -> Vec<SolidLoad> {
+        let mut loads = Vec::new();
+        self.visit_cells(|state: &CellState| {
+            if loads.len() <= state.solid {
+                loads.resize(state.solid + 1, SolidLoad::default());
+            }
+            let load = &mut loads[state.solid];
+            load.stretch = load.stretch.max(state.greatest_stretch());
+            load.stress = load.stress.max(state.greatest_stress());
+            load.strain = load.strain.max(state.equivalent.exp_m1());
+        });
+        loads
+    }
+}
+
+/// Greatest principal strain \[-\] and nominal stress \[kPa\] of a solid layer at the nodes, means of the adjacent cells;
+/// shape (nodes_per_side², ).
+#[derive(Clone, Debug, Default)]
+pub(super) struct NodalLoads {
+    pub(super) strain: Vec<f32>,
+    pub(super) stress: Vec<f32>,
+}
+
+impl Solution {
+    /// The loads of the solid layers at the nodes, from the inner face outwards.
+    pub(super) fn nodal_loads(&self) -> Vec<NodalLoads> {
+        let nodes = self.problem().sheet.len();
+        let mut loads: Vec<NodalLoads> = Vec::new();
+        let mut cells: Vec<Vec<f32>> = Vec::new();
+        self.visit_cells(|state: &CellState| {
+            while loads.len() <= state.solid {
+                loads.push(NodalLoads { strain: vec![0.0; nodes], stress: vec![0.0; nodes] });
+                cells.push(vec![0.0; nodes]);
+            }
+            let strain = (state.greatest_stretch() - 1.0) as f32;
+            let stress = state.greatest_stress() as f32;
+            for &k in &state.corners {
+                loads[state.solid].strain[k] += strain;
+                loads[state.solid].stress[k] += stress;
+                cells[state.solid][k] += 1.0;
+            }
+        });
+        for (load, cells) in loads.iter_mut().zip(cells) {
+            for (k, count) in cells.into_iter().enumerate().filter(|(_, count)| *count > 0.0) {
+                load.strain[k] /= count;
+                load.stress[k] /= count;
+            }
+        }
+        loads
+    }
+}
+
+/// Distance of the skin's outer surface from the dome at a node \[mm\].
+pub(super) fn cover_at(solution: &Solution, node: usize) -> f64 {
+    let stack = solution.stack();
+    let outer =
+        solution.membrane()[node] + (stack.normal[node] * stack.thickness_mm[0][node]).as_dvec3();
+    solution.problem().obstacle.dome.closest_point(outer).0
+}
+
+/// Pull of the attachment at a node \[kPa\].
+pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
+    let problem = solution.problem();
+    let (sheet, patch) = (&problem.sheet, &problem.patch);
+    patch.attachment().map_or(0.0, |attachment| {
+        let radius = sheet.rest()[node].length();
+        let moved = solution.inner()[node].distance(sheet.rest_position(node));
+        attachment.stiffness(patch.pocket_radius_mm, radius) * moved
+    })
+}
+
+/// The cover over the implant; `outer` is the skin's outer surface. `None` without an implant above the wall.
+fn cover(solution: &Solution, outer: &[DVec3]) -> Option<Cover> {
+    let problem = solution.problem();
+    let (sheet, dome) = (&problem.sheet, &problem.obstacle.dome);
+    let apex = dome.apex();
+    if apex.z <= 0.0 {
+        return None;
+    }
+    let height = height_above(sheet, outer, apex.x, apex.y)?;
+    let mut least = (f64::INFINITY, [apex.x, apex.y]);
+    for (k, point) in outer.iter().enumerate() {
+        if sheet.kinds()[k] != NodeKind::Free {
+            continue;
+        }
+        // A bound without roots keeps far nodes out of the search.
+        if dome.gauge(*point) * dome.projection.min(dome.base_radius) > least.0 {
+            continue;
+        }
+        let distance = dome.closest_point(*point).0;
+        if distance < least.0 {
+            least = (distance, [point.x, point.y]);
+        }
+    }
+    Some(Cover { apex: height - apex.z, least: least.0, least_at_mm: least.1 })
+}
+
+/// Height of a surface above a point of the wall \[mm\], by a parabola in each direction about the nearest node.
+fn height_above(sheet: &Sheet, x: &[DVec3], px: f64, py: f64) -> Option<f64> {
+    let n = sheet.nodes_per_side();
+    let free = (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free);
+    let apart = |k: usize| (x[k].x - px).powi(2) + (x[k].y - py).powi(2);
+    let k = free.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
+    let along = |low: usize, high: usize, target: f64, coordinate: &dyn Fn(usize) -> f64| {
+        let (a, b, c) = (coordinate(low), coordinate(k), coordinate(high));
+        // Newton's divided differences through three points.
+        let first = (x[k].z - x[low].z) / (b - a);
+        let second = ((x[high].z - x[k].z) / (c - b) - first) / (c - a);
+        (target - b) * (first + second * (target - a))
+    };
+    let height =
+        x[k].z + along(k - 1, k + 1, px, &|k| x[k].x) + along(k - n, k + n, py, &|k| x[k].y);
+    height.is_finite().then_some(height)
+}
+
+/// The greatest traction of the attachment.
+fn traction(solution: &Solution) -> Option<Traction> {
+    let problem = solution.problem();
+    let (sheet, patch) = (&problem.sheet, &problem.patch);
+    patch.attachment()?;
+    let mut greatest = Traction { max: 0.0, at_mm: [0.0; 2] };
+    for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+        let pull = traction_at(solution, k);
+        if pull > greatest.max {
+            greatest = Traction { max: pull, at_mm: sheet.rest()[k].to_array() };
+        }
+    }
+    Some(greatest)
+}

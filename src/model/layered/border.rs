@@ -1,0 +1,203 @@
+//! Cells at the border of the patch, whose nodes lie on its circle, four at a time.
+//!
+//! The gradient is that at the middle of the bilinear cell. A cell with a corner outside of the patch is half of a
+//! parallelogram: the fourth corner is the linear continuation of the other three.
+
+use super::cell::{self, Corners, modes, on_faces, turned, turned_back};
+use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
+use crate::mesh::lanes::{Field, Layout};
+use crate::mesh::vec3::{add, scale, sub};
+use crate::mesh::{CellKind, Sheet};
+use crate::model::columns::ColumnBlocks;
+use glam::{DMat2, DVec2};
+use wide::f32x4;
+
+/// All cells at the border.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Border {
+    fours: Vec<Four>,
+}
+
+#[derive(Clone, Debug)]
+struct Four {
+    /// Stored nodes at each corner; of a missing corner any node.
+    corners: [[u32; 4]; 4],
+    /// 1 where the corner is missing.
+    missing: [f32x4; 4],
+    /// The slopes in the spacing's directions per slope along the cell's sides: ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y.
+    sides: [f32x4; 4],
+    /// Area, in those of a regular cell; zero in unused lanes.
+    weight: f32x4,
+}
+
+/// A cell at the border.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BorderCell {
+    /// Nodes of the sheet, counter-clockwise from the least x and y.
+    pub(super) corners: [usize; 4],
+    pub(super) missing: Option<usize>,
+    /// The slopes along X and Y per slope along the sides, by columns.
+    pub(super) sides: DMat2,
+    /// Area \[rest units squared\].
+    pub(super) area: f64,
+}
+
+impl BorderCell {
+    /// ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y.
+    pub(super) fn sides(&self) -> [f64; 4] {
+        let [x, y] = [self.sides.x_axis, self.sides.y_axis];
+        [x.x, x.y, y.x, y.y]
+    }
+
+    /// Of cell (i, j) of a sheet; `None` outside of it.
+    pub(super) fn new(sheet: &Sheet, i: usize, j: usize) -> Option<Self> {
+        let mut corners = sheet.corners(i, j);
+        let missing = match sheet.cell(i, j) {
+            CellKind::Outside => return None,
+            CellKind::Whole => None,
+            CellKind::WithoutCorner(k) => Some(usize::from(k)),
+        };
+        let mut rest = corners.map(|k| sheet.rest()[k]);
+        if let Some(k) = missing {
+            let [next, opposite, last] = [1, 2, 3].map(|step| rest[(k + step) % 4]);
+            rest[k] = next + last - opposite;
+            corners[k] = corners[(k + 1) % 4];
+        }
+        let [a, b, c, d] = rest;
+        let along_x: DVec2 = 0.5 * ((b - a) + (c - d));
+        let along_y: DVec2 = 0.5 * ((d - a) + (c - b));
+        let jacobian = DMat2::from_cols(along_x, along_y);
+        let share = if missing.is_some() { 0.5 } else { 1.0 };
+        Some(Self {
+            corners,
+            missing,
+            sides: jacobian.inverse(),
+            area: jacobian.determinant() * share,
+        })
+    }
+}
+
+impl Border {
+    pub(super) fn new(layout: &Layout) -> Self {
+        let n = layout.nodes_per_side;
+        let sheet = Sheet::new(n, (n / 2) as f64);
+        let first = layout.first();
+        let stored = |k: usize| ((k / n - first[1]) * layout.pitch + k % n - first[0]) as u32;
+        let mut cells = Vec::new();
+        for j in 0..layout.rows - 1 {
+            let (from, to) = layout.regular[j];
+            for i in (0..from as usize).chain(to as usize..layout.columns - 1) {
+                cells.extend(BorderCell::new(&sheet, i + first[0], j + first[1]));
+            }
+        }
+        let four = |cells: &[BorderCell]| {
+            let cell = |lane: usize| cells[lane.min(cells.len() - 1)];
+            let lanes = |value: &dyn Fn(BorderCell) -> f64| {
+                f32x4::new([0, 1, 2, 3].map(|lane| value(cell(lane)) as f32))
+            };
+            let areas = [0, 1, 2, 3]
+                .map(|lane| if lane < cells.len() { cells[lane].area as f32 } else { 0.0 });
+            Four {
+                corners: [0, 1, 2, 3]
+                    .map(|corner| [0, 1, 2, 3].map(|lane| stored(cell(lane).corners[corner]))),
+                missing: [0, 1, 2, 3].map(|corner| {
+                    lanes(&|cell| if cell.missing == Some(corner) { 1.0 } else { 0.0 })
+                }),
+                sides: [0, 1, 2, 3].map(|side| lanes(&|cell| cell.sides()[side])),
+                weight: f32x4::new(areas),
+            }
+        };
+        Self { fours: cells.chunks(4).map(four).collect() }
+    }
+
+    /// Adds the forces of a layer of cells between the nodes at `from` and those `length` further.
+    pub(super) fn add_forces(
+        &self,
+        law: &LaneLaw,
+        shape: &Shape,
+        from: usize,
+        length: usize,
+        u: &Field,
+        f: &mut Field,
+    ) {
+        for four in &self.fours {
+            let faces = [from, from + length].map(|layer| four.gather(u, layer));
+            let mut modes = modes(&faces[0], &faces[1]);
+            modes.linear = turned(modes.linear, four.sides);
+            let mut force = cell::center(law, &modes, shape.slope, &shape.variation);
+            force.linear = turned_back(force.linear, four.sides);
+            let force = force.weighted(four.weight);
+            for (face, layer) in on_faces(&force).iter().zip([from, from + length]) {
+                four.pull(face, layer, f);
+            }
+        }
+    }
+
+    /// Adds the blocks of a layer of cells.
+    pub(super) fn add_blocks(
+        &self,
+        law: &LaneLaw,
+        shape: &Shape,
+        from: usize,
+        length: usize,
+        u: &Field,
+        blocks: &mut ColumnBlocks,
+    ) {
+        for four in &self.fours {
+            let faces = [from, from + length].map(|layer| four.gather(u, layer));
+            let stiffness = CellStiffness::new(law, &modes(&faces[0], &faces[1]), shape);
+            for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
+                let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
+                let weight = four.weight * (f32x4::ONE - four.missing[corner]);
+                let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
+                for (lane, &node) in four.corners[corner].iter().enumerate() {
+                    let at = node as usize + from;
+                    for (at, block) in [at, at + length].into_iter().zip(diagonal) {
+                        for (part, value) in blocks.diagonal.parts.iter_mut().zip(block) {
+                            part[at] += value.to_array()[lane];
+                        }
+                    }
+                    for (part, value) in blocks.above.iter_mut().zip(above) {
+                        part[at] += value.to_array()[lane];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Four {
+    /// The sums over the corners of a face.
+    fn gather(&self, u: &Field, layer: usize) -> Corners<f32x4> {
+        let mut at = self.corners.map(|nodes| {
+            let [a, b, c, d] = nodes.map(|k| u.at(k as usize + layer));
+            [0, 1, 2].map(|axis| f32x4::new([a[axis], b[axis], c[axis], d[axis]]))
+        });
+        for k in 0..4 {
+            let [next, opposite, last] = [1, 2, 3].map(|step| at[(k + step) % 4]);
+            let continued = sub(add(next, last), opposite);
+            at[k] = add(at[k], scale(sub(continued, at[k]), self.missing[k]));
+        }
+        Corners::new(at)
+    }
+
+    /// Subtracts what the cells pull at their corners.
+    fn pull(&self, face: &Corners<f32x4>, layer: usize, f: &mut Field) {
+        let mut pull = face.spread();
+        for k in 0..4 {
+            // The continuation hands its force on.
+            let handed = scale(pull[k], self.missing[k]);
+            pull[k] = sub(pull[k], handed);
+            for (step, sign) in [(1, 1.0), (2, -1.0), (3, 1.0)] {
+                let to = (k + step) % 4;
+                pull[to] = add(pull[to], scale(handed, f32x4::splat(sign)));
+            }
+        }
+        for (nodes, pull) in self.corners.iter().zip(pull) {
+            let [x, y, z] = pull.map(f32x4::to_array);
+            for (lane, &k) in nodes.iter().enumerate() {
+                f.add(k as usize + layer, [-x[lane], -y[lane], -z[lane]]);
+            }
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! The layered body in f64: energy and forces of all nodes, from the same laws and cells as `lanes`.
+
+use super::LayeredLaw;
+use super::attachment::PAIRS;
+use super::border::BorderCell;
+use super::cell::{self, Corners, Variation, modes, on_faces, turned, turned_back};
+use super::law::Matrix;
+use crate::mesh::{Attachment, NodeKind, Sheet};
+use crate::model::membrane::assembly;
+use glam::{DMat3, DVec3};
+
+/// The body over a sheet.
+pub(crate) struct Exact<'a> {
+    pub(crate) sheet: &'a Sheet,
+    pub(crate) law: &'a LayeredLaw,
+    pub(crate) pocket_radius: f64,
+    pub(crate) attachment: Option<Attachment>,
+}
+
+/// The deformation in the middle of a cell.
+pub(crate) struct CellState {
+    /// Index of the tissue, from the inner face outwards.
+    pub(crate) solid: usize,
+    /// Deformation gradient.
+    pub(crate) gradient: DMat3,
+    /// Nominal stress \[kPa\].
+    pub(crate) stress: DMat3,
+    /// Equivalent logarithmic strain e \[-\].
+    pub(crate) equivalent: f64,
+    /// Corners of the cell in the sheet.
+    pub(crate) corners: [usize; 4],
+}
+
+impl CellState {
+    /// Greatest principal stretch \[-\].
+    pub(crate) fn greatest_stretch(&self) -> f64 {
+        let (values, _) = principal(self.gradient.transpose() * self.gradient);
+        values.into_iter().fold(0.0, f64::max).sqrt()
+    }
+
+    /// Greatest principal nominal (Biot) stress \[kPa\]: N·UP̂ for the principal directions N of U, P = R P̂.
+    pub(crate) fn greatest_stress(&self) -> f64 {
+        let (values, directions) = principal(self.gradient.transpose() * self.gradient);
+        let along = |k: usize| {
+            let stretched = self.gradient * directions[k];
+            (self.stress * directions[k]).dot(stretched) / values[k].max(1e-12).sqrt()
+        };
+        (0..3).map(along).fold(f64::MIN, f64::max)
+    }
+}
+
+/// Eigenvalues and unit eigenvectors of a symmetric matrix, by Jacobi's rotations.
+fn principal(mut a: DMat3) -> ([f64; 3], [DVec3; 3]) {
+    let mut v = DMat3::IDENTITY;
+    for _ in 0..8 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let (app, aqq, apq) = (a.col(p)[p], a.col(q)[q], a.col(q)[p]);
+            if apq.abs() <= 1e-15 * (app.abs() + aqq.abs()) {
+                continue;
+            }
+            let theta = 0.5 * (2.0 * apq).atan2(aqq - app);
+            let (s, c) = theta.sin_cos();
+            let mut rotation = DMat3::IDENTITY;
+            rotation.col_mut(p)[p] = c;
+            rotation.col_mut(q)[q] = c;
+            rotation.col_mut(q)[p] = s;
+            rotation.col_mut(p)[q] = -s;
+            a = rotation.transpose() * a * rotation;
+            v *= rotation;
+        }
+    }
+    ([a.x_axis.x, a.y_axis.y, a.z_axis.z], [v.x_axis, v.y_axis, v.z_axis])
+}
+
+/// A cell with its shape and rule.
+struct Place {
+    cell: BorderCell,
+    /// Parity of the four points in the innermost layer of cells; `None`: one point.
+    parity: Option<f64>,
+}
+
+impl Exact<'_> {
+    fn places(&self) -> impl Iterator<Item = Place> {
+        let (n, sheet) = (self.sheet.nodes_per_side(), self.sheet);
+        let half = (n / 2) as f64;
+        let unit = Sheet::new(n, half);
+        let spacing = sheet.spacing_mm();
+        (0..(n - 1) * (n - 1)).filter_map(move |c| {
+            let (i, j) = (c % (n - 1), c / (n - 1));
+            let cell = BorderCell::new(&unit, i, j)?;
+            let is_regular = cell.missing.is_none()
+                && cell.corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free);
+            let middle = [i, j].map(|k| (k as f64 + 0.5 - half) * spacing);
+            let distance = middle[0].hypot(middle[1]);
+            let has_points =
+                is_regular && super::lanes::has_points(distance, self.pocket_radius, spacing);
+            let sign = if (i + j + n / 2 * 2).is_multiple_of(2) { 1.0 } else { -1.0 };
+            Some(Place { cell, parity: has_points.then_some(sign) })
+        })
+    }
+
+    /// Displacements of the corners of a face \[spacings\].
+    fn face(&self, cell: &BorderCell, height: f64, x: &[DVec3]) -> Corners<f64> {
+        let per_spacing = 1.0 / self.sheet.spacing_mm();
+        let mut at = cell.corners.map(|k| {
+            let rest = self.sheet.rest_position(k) + DVec3::new(0.0, 0.0, height);
+            ((x[k] - rest) * per_spacing).to_array()
+        });
+        if let Some(k) = cell.missing {
+            let [next, opposite, last] = [1, 2, 3].map(|step| at[(k + step) % 4]);
+            at[k] = [0, 1, 2].map(|a| next[a] + last[a] - opposite[a]);
+        }
+        Corners::new(at)
+    }
+
+    /// Forces −∂E/∂x \[kPa·mm²\] on all layers of nodes at the positions `x` \[mm\].
+    pub(crate) fn forces(&self, x: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+        let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
+        assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
+        let heights = self.law.heights();
+        let spacing = self.sheet.spacing_mm();
+        for Place { cell, parity } in self.places() {
+            for (layer, cells) in self.law.cells.iter().enumerate() {
+                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
+                let slope = spacing / cells.height_mm;
+                let law = &self.law.solids[cells.solid];
+                let mut modes = modes(&faces[0], &faces[1]);
+                modes.linear = turned(modes.linear, cell.sides());
+                let mut force = match parity {
+                    Some(sign) => {
+                        let sign = if layer % 2 == 0 { sign } else { -sign };
+                        cell::four_points(law, &modes, slope, sign)
+                    }
+                    None => cell::center(law, &modes, slope, &Variation::new(slope)),
+                };
+                force.linear = turned_back(force.linear, cell.sides());
+                let weight = cell.area * spacing * cells.height_mm;
+                for (face, l) in on_faces(&force.weighted(weight)).iter().zip([layer, layer + 1]) {
+                    let mut pull = face.spread().map(DVec3::from);
+                    if let Some(k) = cell.missing {
+                        let handed = std::mem::take(&mut pull[k]);
+                        pull[(k + 1) % 4] += handed;
+                        pull[(k + 2) % 4] -= handed;
+                        pull[(k + 3) % 4] += handed;
+                    }
+                    for (corner, &k) in cell.corners.iter().enumerate() {
+                        forces[l][k] -= pull[corner];
+                    }
+                }
+            }
+        }
+        self.attached(|corners, integrals| {
+            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+                let moved = |k: usize| x[0][corners[k]] - self.sheet.rest_position(corners[k]);
+                forces[0][corners[a]] -= moved(b) * *value;
+                if a != b {
+                    forces[0][corners[b]] -= moved(a) * *value;
+                }
+            }
+        });
+        forces
+    }
+
+    /// Calls `visit` with the state in the middle of every cell.
+    pub(crate) fn visit(&self, x: &[Vec<DVec3>], mut visit: impl FnMut(&CellState)) {
+        let heights = self.law.heights();
+        let spacing = self.sheet.spacing_mm();
+        for Place { cell, .. } in self.places() {
+            for (layer, cells) in self.law.cells.iter().enumerate() {
+                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
+                let linear = turned(modes(&faces[0], &faces[1]).linear, cell.sides());
+                let columns = cell::gradient(linear, spacing / cells.height_mm);
+                let (stress, equivalent) = self.law.solids[cells.solid].response(columns);
+                visit(&CellState {
+                    solid: cells.solid,
+                    gradient: matrix(columns),
+                    stress: matrix(stress),
+                    equivalent,
+                    corners: cell.corners,
+                });
+            }
+        }
+    }
+
+    /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\].
+    #[cfg(test)]
+    pub(crate) fn energy(&self, x: &[Vec<DVec3>]) -> f64 {
+        let mut energy = assembly::energy(self.sheet, &self.law.skin, &x[x.len() - 1]);
+        let heights = self.law.heights();
+        let spacing = self.sheet.spacing_mm();
+        for Place { cell, parity } in self.places() {
+            for (layer, cells) in self.law.cells.iter().enumerate() {
+                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
+                let law = &self.law.solids[cells.solid];
+                let mut modes = modes(&faces[0], &faces[1]);
+                modes.linear = turned(modes.linear, cell.sides());
+                let parity = parity.map(|sign| if layer % 2 == 0 { sign } else { -sign });
+                let slope = spacing / cells.height_mm;
+                let strains = cell::equivalent_strains(law, &modes, slope, parity);
+                let mean = strains.iter().map(|e| law.energy(*e)).sum::<f64>() / 4.0;
+                energy += mean * cell.area * spacing * spacing * cells.height_mm;
+            }
+        }
+        self.attached(|corners, integrals| {
+            let moved = corners.map(|k| x[0][k] - self.sheet.rest_position(k));
+            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+                let twice = if a == b { 0.5 } else { 1.0 };
+                energy += twice * value * moved[a].dot(moved[b]);
+            }
+        });
+        energy
+    }
+
+    /// Calls `visit` with the corners and the integrals \[kPa·mm\] of every attached cell.
+    fn attached(&self, mut visit: impl FnMut([usize; 4], [f64; 10])) {
+        let Some(attachment) = self.attachment else { return };
+        let (n, spacing) = (self.sheet.nodes_per_side(), self.sheet.spacing_mm());
+        let half = (n / 2) as f64;
+        for c in 0..(n - 1) * (n - 1) {
+            let (i, j) = (c % (n - 1), c / (n - 1));
+            let corners = self.sheet.corners(i, j);
+            if !corners.iter().any(|&k| self.sheet.kinds()[k] == NodeKind::Free) {
+                continue;
+            }
+            let at = [i, j].map(|k| (k as f64 - half) * spacing);
+            if let Some(integrals) = attachment.integrals(self.pocket_radius, at, spacing) {
+                visit(corners, integrals.map(|value| value * spacing * spacing));
+            }
+        }
+    }
+}
+
+fn matrix(columns: Matrix<f64>) -> DMat3 {
+    let [x, y, z] = columns.map(DVec3::from);
+    DMat3::from_cols(x, y, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_values_and_directions_diagonalise_a_matrix() {
+        let a = DMat3::from_cols(
+            DVec3::new(2.0, -0.3, 0.7),
+            DVec3::new(-0.3, 1.1, 0.4),
+            DVec3::new(0.7, 0.4, 1.9),
+        );
+        let (values, directions) = principal(a);
+        for (value, direction) in values.into_iter().zip(directions) {
+            assert!((a * direction - direction * value).length() < 1e-12);
+            assert!((direction.length() - 1.0).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,395 @@
+//! The layered body in four f32 lanes: an [`ElasticModel`] of full multigrid.
+//!
+//! The outermost layer of nodes carries the skin, a [`Membrane`]; between two layers of nodes lies a layer of cells.
+
+use super::LayeredLaw;
+use super::attachment::PAIRS;
+use super::border::Border;
+use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
+use super::law::Matrix;
+use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
+use crate::mesh::Attachment;
+use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, shifted_right, store};
+use crate::mesh::vec3::{Vec3, add, dot, scale, sub};
+use crate::model::columns::{ColumnBlocks, MAX_LAYERS};
+use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
+use crate::model::{ElasticModel, Tension};
+use wide::f32x4;
+
+/// The greatest change of a cell's height in one step \[cell heights\].
+const MAX_COMPRESSION: f64 = 0.25;
+/// Width of the ring on either side of the pocket's edge in which cells have four points \[mm\].
+const RING_MM: f64 = 15.0;
+
+/// Has a cell at this distance from the pocket's centre four points?
+pub(super) fn has_points(distance: f64, pocket_radius: f64, spacing: f64) -> bool {
+    (distance - pocket_radius).abs() <= RING_MM.max(1.5 * spacing)
+}
+
+/// The layered body, scaled so that the skin's stiffness at small strain is one.
+#[derive(Clone, Debug)]
+pub(crate) struct Layered {
+    skin: Membrane,
+    /// Layers of cells, from the inner face outwards.
+    cells: Vec<CellLayer>,
+    pocket_radius: f64,
+    attachment: Option<Attachment>,
+    /// The skin's stiffness \[kPa·mm\].
+    stiffness: f64,
+}
+
+#[derive(Clone, Debug)]
+struct CellLayer {
+    /// Stresses times the cells' height over the skin's stiffness.
+    law: LaneLaw,
+    height: f64,
+}
+
+/// The geometry of one grid.
+#[derive(Clone, Debug)]
+pub(crate) struct Scratch {
+    skin: SkinScratch,
+    /// The layout of the layer that carries the skin.
+    outer: Layout,
+    border: Border,
+    /// Of each layer of cells.
+    shapes: Vec<Shape>,
+    /// Of the cell at each stored node: 1 for four points, else 0.
+    has_points: Vec<f32>,
+    /// Of the cell at each stored node: integrals of the attachment for [`PAIRS`], scaled.
+    attachment: [Vec<f32>; 10],
+    /// What the arrays above are computed for.
+    geometry: Option<Geometry>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Geometry {
+    spacing: f64,
+    pocket_radius: f64,
+    attachment: Option<Attachment>,
+    stiffness: f64,
+}
+
+impl Layered {
+    pub(crate) fn new(
+        law: &LayeredLaw,
+        pocket_radius: f64,
+        attachment: Option<Attachment>,
+    ) -> Self {
+        let stiffness = law.skin.stiffness();
+        let layer = |cells: &super::Cells| CellLayer {
+            law: law.solids[cells.solid].scaled(cells.height_mm / stiffness),
+            height: cells.height_mm,
+        };
+        Self {
+            skin: Membrane::new(&law.skin),
+            cells: law.cells.iter().map(layer).collect(),
+            pocket_radius,
+            attachment,
+            stiffness,
+        }
+    }
+}
+
+/// The corners of four cells of a face.
+#[inline(always)]
+fn at_corners(u: &Field, k: usize, pitch: usize) -> [Vec3; 4] {
+    [u.load(k), u.load(k + 1), u.load(k + pitch + 1), u.load(k + pitch)]
+}
+
+/// What the last four cells pull at the next four nodes, of a face.
+#[derive(Clone, Copy, Default)]
+struct Carry {
+    lower: Vec3,
+    upper: Vec3,
+}
+
+impl Carry {
+    /// Subtracts what four cells pull at their corners from the forces at k.
+    #[inline(always)]
+    fn pull(&mut self, f: &mut Field, k: usize, pitch: usize, [a, b, c, d]: [Vec3; 4]) {
+        let shift = |before: Vec3, now: Vec3| [0, 1, 2].map(|p| shifted_right(before[p], now[p]));
+        let lower = add(a, shift(self.lower, b));
+        let upper = add(d, shift(self.upper, c));
+        f.store(k, sub(f.load(k), lower));
+        f.store(k + pitch, sub(f.load(k + pitch), upper));
+        (self.lower, self.upper) = (b, c);
+    }
+
+    /// Subtracts what is left at the end of a row.
+    #[inline(always)]
+    fn finish(&mut self, f: &mut Field, k: usize, pitch: usize) {
+        self.pull(f, k, pitch, [[f32x4::ZERO; 3]; 4]);
+        *self = Self::default();
+    }
+}
+
+impl Layered {
+    /// Adds the forces of the regular cells.
+    fn add_cells(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &Scratch) {
+        let (length, pitch) = (layout.len(), layout.pitch);
+        for row in layout.cell_rows() {
+            let parity = first_parity(layout, row.start);
+            let mut carries = [Carry::default(); MAX_LAYERS];
+            for group in 0..row.groups {
+                let k = row.start + 4 * group;
+                let counts = row.counts(group);
+                let points = load(&scratch.has_points, k).simd_gt(f32x4::ZERO);
+                let is_edge = group == 0 || group + 1 == row.groups;
+                let mut inner = Corners::new(at_corners(u, k, pitch));
+                let mut pull = Corners::<f32x4>::default();
+                for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
+                    let at = k + layer * length;
+                    let outer = Corners::new(at_corners(u, at + length, pitch));
+                    let sign = if layer % 2 == 0 { parity } else { -parity };
+                    let forces = cells.forces(&modes(&inner, &outer), shape, points, sign);
+                    let [on_inner, on_outer] = on_faces(&forces);
+                    pull.add(&on_inner);
+                    carries[layer].pull(f, at, pitch, counted(pull.spread(), counts, is_edge));
+                    (inner, pull) = (outer, on_outer);
+                }
+                let last = self.cells.len();
+                let at = k + last * length;
+                carries[last].pull(f, at, pitch, counted(pull.spread(), counts, is_edge));
+            }
+            let end = row.start + 4 * row.groups;
+            for (layer, carry) in carries[..=self.cells.len()].iter_mut().enumerate() {
+                carry.finish(f, end + layer * length, pitch);
+            }
+        }
+    }
+
+    /// Adds the forces of the attachment.
+    fn add_attachment(layout: &Layout, u: &Field, f: &mut Field, scratch: &Scratch) {
+        attached_groups(layout, &scratch.attachment[0], |k| {
+            let at = at_corners(u, k, layout.pitch);
+            let mut pull = [[f32x4::ZERO; 3]; 4];
+            for (values, [a, b]) in scratch.attachment.iter().zip(PAIRS) {
+                let weight = load(values, k);
+                pull[a] = add(pull[a], scale(at[b], weight));
+                if a != b {
+                    pull[b] = add(pull[b], scale(at[a], weight));
+                }
+            }
+            for (corner, pull) in CORNERS.into_iter().zip(pull) {
+                let to = k + corner[0] + corner[1] * layout.pitch;
+                f.store(to, sub(f.load(to), pull));
+            }
+        });
+    }
+}
+
+/// The parities of four cells from a stored cell on; alternating like a chessboard about the grid's centre.
+fn first_parity(layout: &Layout, start: usize) -> f32x4 {
+    let [x, y] = layout.center();
+    let (i, j) = (start % layout.pitch + x, start / layout.pitch + y);
+    let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
+    f32x4::new([sign, -sign, sign, -sign])
+}
+
+#[inline(always)]
+fn counted(corners: [Vec3; 4], counts: f32x4, is_edge: bool) -> [Vec3; 4] {
+    if is_edge { corners.map(|corner| corner.map(|part| part & counts)) } else { corners }
+}
+
+/// Calls `visit` with the groups of four cells of which one is attached.
+fn attached_groups(layout: &Layout, stiffness: &[f32], mut visit: impl FnMut(usize)) {
+    for j in 0..layout.rows - 1 {
+        for k in (j * layout.pitch..j * layout.pitch + layout.columns - 1).step_by(4) {
+            if stiffness[k..k + 4].iter().any(|k| *k > 0.0) {
+                visit(k);
+            }
+        }
+    }
+}
+
+impl CellLayer {
+    /// The derivatives of the energy of four cells by their modes.
+    #[inline(always)]
+    fn forces(
+        &self,
+        modes: &Modes<f32x4>,
+        shape: &Shape,
+        points: f32x4,
+        parity: f32x4,
+    ) -> Modes<f32x4> {
+        if !points.any() {
+            return cell::center(&self.law, modes, shape.slope, &shape.variation);
+        }
+        let four = cell::four_points(&self.law, modes, shape.slope, parity);
+        if points.all() {
+            return four;
+        }
+        let one = cell::center(&self.law, modes, shape.slope, &shape.variation);
+        let pick = |a: Vec3, b: Vec3| [0, 1, 2].map(|k| points.bitselect(a[k], b[k]));
+        let pick3 = |a: Matrix<f32x4>, b: Matrix<f32x4>| [0, 1, 2].map(|k| pick(a[k], b[k]));
+        Modes {
+            linear: pick3(four.linear, one.linear),
+            twist: pick3(four.twist, one.twist),
+            d: pick(four.d, one.d),
+        }
+    }
+}
+
+impl ElasticModel for Layered {
+    type Scratch = Scratch;
+    type Stiffness = ColumnBlocks;
+
+    fn layers(&self) -> usize {
+        self.cells.len() + 1
+    }
+
+    fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Scratch {
+        let outer = layout.of_layer(self.cells.len());
+        let shift = outer.origin();
+        let triangles: Vec<BorderTriangle> = border
+            .iter()
+            .map(|triangle| BorderTriangle {
+                nodes: triangle.nodes.map(|k| k + shift as u32),
+                ..*triangle
+            })
+            .collect();
+        Scratch {
+            skin: self.skin.scratch(&outer, &triangles),
+            border: Border::new(layout),
+            shapes: vec![Shape::default(); self.cells.len()],
+            has_points: vec![0.0; layout.len()],
+            attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
+            geometry: None,
+            outer,
+        }
+    }
+
+    fn place(&self, layout: &Layout, spacing: f64, scratch: &mut Scratch) {
+        let geometry = Geometry {
+            spacing,
+            pocket_radius: self.pocket_radius,
+            attachment: self.attachment,
+            stiffness: self.stiffness,
+        };
+        for (shape, cells) in scratch.shapes.iter_mut().zip(&self.cells) {
+            let slope = spacing / cells.height;
+            *shape = Shape { slope: f32x4::splat(slope as f32), variation: Variation::new(slope) };
+        }
+        if scratch.geometry == Some(geometry) {
+            return;
+        }
+        scratch.geometry = Some(geometry);
+        let [x0, y0] = layout.center().map(|center| center as f64);
+        // Forces are in units of the stiffness times the spacing.
+        let unit = spacing * spacing / self.stiffness;
+        for j in 0..layout.rows - 1 {
+            for i in 0..layout.columns - 1 {
+                let k = j * layout.pitch + i;
+                let corner = [(i as f64 - x0) * spacing, (j as f64 - y0) * spacing];
+                let distance = (corner[0] + 0.5 * spacing).hypot(corner[1] + 0.5 * spacing);
+                let is_in_ring = has_points(distance, self.pocket_radius, spacing);
+                scratch.has_points[k] = if is_in_ring { 1.0 } else { 0.0 };
+                let integrals = self
+                    .attachment
+                    .filter(|_| layout.touches_free(i, j))
+                    .and_then(|a| a.integrals(self.pocket_radius, corner, spacing));
+                for (pair, values) in scratch.attachment.iter_mut().enumerate() {
+                    values[k] = integrals.map_or(0.0, |all| (all[pair] * unit) as f32);
+                }
+            }
+        }
+    }
+
+    fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
+        self.skin.forces(&scratch.outer, u, f, &mut scratch.skin);
+        self.add_cells(layout, u, f, scratch);
+        Self::add_attachment(layout, u, f, scratch);
+        for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
+            scratch.border.add_forces(&cells.law, shape, layer * layout.len(), layout.len(), u, f);
+        }
+    }
+
+    fn blocks(&self, layout: &Layout, u: &Field, blocks: &mut ColumnBlocks, scratch: &mut Scratch) {
+        blocks.fill_zero();
+        self.skin.blocks(&scratch.outer, u, &mut blocks.diagonal, &mut scratch.skin);
+        let length = layout.len();
+        for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
+            let height = f64::from(1.0 / shape.slope.to_array()[0]);
+            blocks.limits[layer] = (MAX_COMPRESSION * height) as f32;
+            for row in layout.cell_rows() {
+                for group in 0..row.groups {
+                    let k = row.start + 4 * group + layer * length;
+                    cells.add_blocks(layout, u, k, shape, row.counts(group), blocks);
+                }
+            }
+            scratch.border.add_blocks(&cells.law, shape, layer * length, length, u, blocks);
+        }
+        // An upper bound: the sum of each row.
+        attached_groups(layout, &scratch.attachment[0], |k| {
+            let mut sums = [f32x4::ZERO; 4];
+            for (values, [a, b]) in scratch.attachment.iter().zip(PAIRS) {
+                let weight = load(values, k);
+                sums[a] += weight;
+                if a != b {
+                    sums[b] += weight;
+                }
+            }
+            for (corner, sum) in CORNERS.into_iter().zip(sums) {
+                let zero = f32x4::ZERO;
+                let to = k + corner[0] + corner[1] * layout.pitch;
+                blocks.diagonal.add(to, [sum, zero, zero, sum, zero, sum]);
+            }
+        });
+    }
+
+    fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Scratch) -> Tension {
+        let mut tension = self.skin.tension(&scratch.outer, u, &mut scratch.skin);
+        let (length, pitch) = (layout.len(), layout.pitch);
+        for row in layout.cell_rows() {
+            for group in 0..row.groups {
+                let k = row.start + 4 * group;
+                for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
+                    let at = k + layer * length;
+                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
+                    let modes = modes(&faces[0], &faces[1]);
+                    let force = cell::center(&cells.law, &modes, shape.slope, &shape.variation);
+                    let squares = force.linear.map(|f| dot(f, f));
+                    let squares = squares[0] + squares[1] + squares[2];
+                    tension.squares += f64::from((squares & row.counts(group)).reduce_add());
+                }
+            }
+        }
+        // Only the skin may wrinkle, and its bending is not resolved: no other method does better.
+        tension.least = 0.0;
+        tension
+    }
+
+    fn has_contact_offsets(&self) -> bool {
+        false
+    }
+}
+
+impl CellLayer {
+    /// Adds the blocks of four cells whose first corner is at k.
+    fn add_blocks(
+        &self,
+        layout: &Layout,
+        u: &Field,
+        k: usize,
+        shape: &Shape,
+        counts: f32x4,
+        blocks: &mut ColumnBlocks,
+    ) {
+        let (length, pitch) = (layout.len(), layout.pitch);
+        let faces = [k, k + length].map(|k| Corners::new(at_corners(u, k, pitch)));
+        let stiffness = CellStiffness::new(&self.law, &modes(&faces[0], &faces[1]), shape);
+        for [i, j] in CORNERS {
+            let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
+            let weight = f32x4::ONE & counts;
+            let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
+            let at = k + i + j * pitch;
+            blocks.diagonal.add(at, diagonal[0]);
+            blocks.diagonal.add(at + length, diagonal[1]);
+            for (part, lanes) in blocks.above.iter_mut().zip(above) {
+                let total = load(part, at) + lanes;
+                store(part, at, total);
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Tissue as a body: the skin, a membrane, on layers of solid tissue; one node a layer of cells and one more in a
+//! column.
+//!
+//! `law` (solid tissue) | `cell` (eight nodes) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
+//! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64).
+
+pub(crate) mod attachment;
+mod border;
+mod cell;
+pub(crate) mod exact;
+pub(crate) mod lanes;
+pub(crate) mod law;
+mod stiffness;
+
+use super::columns::MAX_LAYERS;
+use super::membrane::law::SheetLaw;
+use crate::springs::table::Table;
+use crate::springs::{Material, Springs};
+use law::SolidLaw;
+
+/// The greatest number of cells through the thickness.
+pub(crate) const MAX_CELLS: usize = MAX_LAYERS - 1;
+
+/// A layer of cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cells {
+    /// Index of the tissue in [`LayeredLaw::solids`].
+    pub(crate) solid: usize,
+    /// Height at rest \[mm\].
+    pub(crate) height_mm: f64,
+}
+
+/// The laws of the layers, and the layers of cells.
+#[derive(Clone, Debug)]
+pub(crate) struct LayeredLaw {
+    pub(crate) skin: SheetLaw,
+    /// From the inner face outwards.
+    pub(crate) solids: Vec<SolidLaw<f64, Table>>,
+    /// From the inner face outwards.
+    pub(crate) cells: Vec<Cells>,
+}
+
+impl LayeredLaw {
+    /// The laws of materials from the skin inwards, with `cells_through` cells through the thickness or more: each solid has one
+    /// at least.
+    pub(crate) fn new(materials: &[Material], cells_through: usize) -> Self {
+        let (skin, solids) = materials.split_at(materials.len().min(1));
+        let heights: Vec<f64> = solids.iter().rev().map(|m| m.thickness_mm).collect();
+        let cells = shared_out(&heights, cells_through)
+            .into_iter()
+            .enumerate()
+            .flat_map(|(solid, count)| {
+                let height_mm = heights[solid] / count as f64;
+                std::iter::repeat_n(Cells { solid, height_mm }, count)
+            })
+            .collect();
+        Self {
+            skin: SheetLaw::new(Springs::Coupled, skin),
+            solids: solids.iter().rev().map(SolidLaw::new).collect(),
+            cells,
+        }
+    }
+}
+
+impl LayeredLaw {
+    /// Heights of the layers of nodes at rest \[mm\], the inner face's included.
+    pub(crate) fn heights(&self) -> Vec<f64> {
+        let mut heights = vec![0.0];
+        for cells in &self.cells {
+            heights.push(heights[heights.len() - 1] + cells.height_mm);
+        }
+        heights
+    }
+
+    /// The layer of nodes on the outer face of each solid, from the inner face outwards.
+    pub(crate) fn outer_nodes(&self) -> Vec<usize> {
+        let is_last =
+            |k: usize| self.cells.get(k + 1).is_none_or(|next| next.solid != self.cells[k].solid);
+        (0..self.cells.len()).filter(|&k| is_last(k)).map(|k| k + 1).collect()
+    }
+}
+
+/// Number of cells of each solid: one, and the others where cells are highest.
+fn shared_out(heights: &[f64], cells: usize) -> Vec<usize> {
+    let mut counts = vec![1; heights.len()];
+    for _ in heights.len()..cells.min(MAX_CELLS) {
+        let highest = (0..heights.len()).max_by(|&a, &b| {
+            let height = |k: usize| heights[k] / counts[k] as f64;
+            height(a).total_cmp(&height(b))
+        });
+        if let Some(k) = highest {
+            counts[k] += 1;
+        }
+    }
+    counts
+}
+
+/// Cells through the thickness of solids \[mm\]: two up to 15 mm, four beyond.
+pub(crate) fn automatic_cells(materials: &[Material]) -> usize {
+    let thickness: f64 = materials.iter().skip(1).map(|m| m.thickness_mm).sum();
+    let cells = if thickness > 15.0 { 4 } else { 2 };
+    cells.max(materials.len().saturating_sub(1)).min(MAX_CELLS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_shared_out_by_height() {
+        assert_eq!(shared_out(&[10.0], 2), [2]);
+        assert_eq!(shared_out(&[5.0, 10.0], 4), [1, 3]);
+        assert_eq!(shared_out(&[1.0, 1.0, 30.0], 2), [1, 1, 1]);
+        assert_eq!(shared_out(&[], 4), [0; 0]);
+    }
+}

@@ -1,0 +1,126 @@
+//! The diagonal blocks of four cells' stiffness, positive by construction, at the middle of the cells.
+//!
+//! With g = F⁻ᵀ∇N and t = P∇N/sec of the nodes a and b,
+//!
+//! K_ab = sec·{½(3/I₁)(∇Nₐ·∇N_b) I + ½min(1, 3/I₁) g_b gₐᵀ − ⅓ gₐ g_bᵀ + variation}/(1+ν) + sec·gₐ g_bᵀ/(3(1−2ν))
+//! + (sec′/e) tₐ t_bᵀ,
+//!
+//! where the softening part sec′ < 0 is bounded.
+
+use super::cell::{self, Modes, Variation};
+use super::law::{Deformed, Matrix, SolidLaw, combined};
+use crate::mesh::vec3::{Block, Vec3, add_outer, scale};
+use crate::springs::table::Buckets;
+use wide::f32x4;
+
+/// Least slope of the stress in the blocks, relative to the secant: a softening tissue keeps a fifth.
+const MOST_SOFTENING: f32 = 0.8;
+
+pub(super) type LaneLaw = SolidLaw<f32x4, Buckets<f32x4>>;
+
+/// Column and row of the corners, counter-clockwise.
+pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+
+/// A layer of cells in spacings of a grid.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shape {
+    /// Spacing over height.
+    pub(super) slope: f32x4,
+    pub(super) variation: Variation<f32x4>,
+}
+
+/// What the stiffness of four cells is made of.
+pub(super) struct CellStiffness {
+    deformed: Deformed<f32x4>,
+    /// Nominal stress per secant, by columns; the third times the slope.
+    pull: Matrix<f32x4>,
+    /// Coefficients of I (∇Nₐ·∇N_b), g_b gₐᵀ, gₐ g_bᵀ, tₐ t_bᵀ.
+    isotropic: f32x4,
+    crossed: f32x4,
+    straight: f32x4,
+    bend: f32x4,
+    /// Isotropic part of what varies inside of the cell: for one node, for a node and the node above.
+    variation: [f32x4; 2],
+    /// The squares of ∇N: lateral parts together, the part through the thickness.
+    squares: [f32x4; 2],
+    slope: f32x4,
+}
+
+impl CellStiffness {
+    #[inline(always)]
+    pub(super) fn new(law: &LaneLaw, modes: &Modes<f32x4>, shape: &Shape) -> Self {
+        let deformed = Deformed::new(cell::gradient(modes.linear, shape.slope));
+        let iso = deformed.isochoric();
+        let log = deformed.log_volume();
+        let e = law.equivalent(iso.g + shape.variation.mean_square(modes), log);
+        let (secant, bend) = law.secant_and_bend(e);
+        let one = f32x4::ONE;
+        let [x, y, z] = deformed.stress(&iso, law.shear, law.dilatation(log, deformed.volume));
+        let relief = f32x4::splat(3.0) / iso.i1;
+        let limited = relief.fast_min(one);
+        let floor = -secant * MOST_SOFTENING / (e * e).fast_max(f32x4::splat(1e-6));
+        let softening = bend.fast_min(f32x4::ZERO).fast_max(floor) * limited;
+        let shear = secant * law.shear;
+        let v = &shape.variation;
+        let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
+        let along = v.through * half + v.d;
+        Self {
+            pull: [x, y, scale(z, shape.slope)],
+            isotropic: shear * half * relief,
+            crossed: shear * half * limited,
+            straight: secant * law.bulk - shear * f32x4::splat(1.0 / 3.0),
+            bend: bend.fast_max(f32x4::ZERO) + softening,
+            variation: [
+                shear * (v.in_plane * quarter + along),
+                shear * (v.in_plane * quarter - along),
+            ],
+            squares: [
+                f32x4::splat(2.0 / 16.0),
+                shape.slope * shape.slope * f32x4::splat(1.0 / 16.0),
+            ],
+            slope: shape.slope,
+            deformed,
+        }
+    }
+
+    /// g and t of a node, from the signs of its corner: F^(−T)∇N and P∇N/sec.
+    #[inline(always)]
+    fn vectors(&self, [sx, sy, sz]: [f32; 3]) -> [Vec3; 2] {
+        let quarter = f32x4::splat(0.25);
+        let signs = [quarter * sx, quarter * sy, quarter * sz];
+        let inverse = f32x4::ONE / self.deformed.volume.fast_max(f32x4::splat(0.05));
+        let [x, y, z] = self.deformed.cofactors;
+        let g = combined([x, y, scale(z, self.slope)], signs.map(|s| s * inverse));
+        [g, combined(self.pull, signs)]
+    }
+
+    /// The blocks of the lower node, of the upper node, and of the pair, for a corner; times `weight`.
+    #[inline(always)]
+    pub(super) fn blocks(&self, sx: f32, sy: f32, weight: f32x4) -> ([Block; 2], [f32x4; 9]) {
+        let nodes = [-1.0, 1.0].map(|sz| self.vectors([sx, sy, sz]));
+        let [lateral, through] = self.squares;
+        let own = (self.isotropic * (lateral + through) + self.variation[0]) * weight;
+        let (both, bend) = ((self.crossed + self.straight) * weight, self.bend * weight);
+        let diagonal = nodes.map(|[g, t]| {
+            let mut block = [f32x4::ZERO; 6];
+            add_outer(&mut block, scale(g, both), g);
+            add_outer(&mut block, scale(t, bend), t);
+            for part in [0, 3, 5] {
+                block[part] += own;
+            }
+            block
+        });
+        let [[ga, ta], [gb, tb]] = nodes;
+        let pair = (self.isotropic * (lateral - through) + self.variation[1]) * weight;
+        let mut above = [f32x4::ZERO; 9];
+        let (crossed, straight) = (self.crossed * weight, self.straight * weight);
+        for r in 0..3 {
+            for c in 0..3 {
+                above[3 * r + c] =
+                    gb[r] * ga[c] * crossed + ga[r] * gb[c] * straight + ta[r] * tb[c] * bend;
+            }
+            above[4 * r] += pair;
+        }
+        (diagonal, above)
+    }
+}

@@ -1,0 +1,169 @@
+//! Full multigrid for either tissue model.
+
+use super::Problem;
+use super::fas::{Ending, FullMultigrid, LAYERED, LAYERED_GENTLE, MEMBRANE, State, Stop};
+use super::problem::Tissue;
+use super::validity::Invalid;
+use crate::mesh::lanes::Mirrored;
+use crate::model::layered::LayeredLaw;
+use crate::model::layered::lanes::Layered;
+use crate::model::membrane::lanes::Membrane;
+use crate::model::membrane::law::SheetLaw;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The laws of a problem.
+#[derive(Clone, Debug)]
+pub(super) enum Law {
+    Sheet(Arc<SheetLaw>),
+    Layered(Arc<LayeredLaw>),
+}
+
+impl Law {
+    pub(super) fn new(problem: &Problem) -> Self {
+        match problem.tissue {
+            Tissue::Sheet => {
+                Self::Sheet(Arc::new(SheetLaw::new(problem.springs, &problem.materials)))
+            }
+            Tissue::Layered { cells_through } => {
+                Self::Layered(Arc::new(LayeredLaw::new(&problem.materials, cells_through)))
+            }
+        }
+    }
+
+    /// The law of the sheet, or of the skin.
+    pub(super) fn membrane(&self) -> &SheetLaw {
+        match self {
+            Self::Sheet(law) => law,
+            Self::Layered(law) => &law.skin,
+        }
+    }
+
+    pub(super) fn layered(&self) -> Option<&LayeredLaw> {
+        match self {
+            Self::Sheet(_) => None,
+            Self::Layered(law) => Some(law),
+        }
+    }
+}
+
+/// The scheme for one tissue model.
+pub(super) enum Multigrid {
+    Sheet(Box<FullMultigrid<Membrane>>),
+    Layered(Box<FullMultigrid<Layered>>),
+}
+
+macro_rules! delegate {
+    ($self:ident, $scheme:ident => $call:expr) => {
+        match $self {
+            Self::Sheet($scheme) => $call,
+            Self::Layered($scheme) => $call,
+        }
+    };
+}
+
+fn layered(problem: &Problem, law: &LayeredLaw) -> Layered {
+    Layered::new(law, problem.patch.pocket_radius_mm, problem.patch.attachment())
+}
+
+impl Multigrid {
+    pub(super) fn new(problem: &Problem, law: &Law, mirrored: Mirrored) -> Self {
+        let n = problem.sheet.nodes_per_side();
+        match law {
+            Law::Sheet(law) => Self::Sheet(Box::new(FullMultigrid::new(
+                n,
+                mirrored,
+                Membrane::new(law),
+                &MEMBRANE,
+            ))),
+            Law::Layered(law) => Self::Layered(Box::new(FullMultigrid::new(
+                n,
+                mirrored,
+                layered(problem, law),
+                &LAYERED,
+            ))),
+        }
+    }
+
+    /// Do the grids fit a problem of this size, symmetry and law?
+    pub(super) fn fits(&self, nodes_per_side: usize, mirrored: Mirrored, law: &Law) -> bool {
+        match (self, law) {
+            (Self::Sheet(scheme), Law::Sheet(_)) => scheme.fits(nodes_per_side, mirrored, 1),
+            (Self::Layered(scheme), Law::Layered(law)) => {
+                scheme.fits(nodes_per_side, mirrored, law.cells.len() + 1)
+            }
+            _ => false,
+        }
+    }
+
+    /// Replaces the model, of the same kind.
+    pub(super) fn set_model(&mut self, problem: &Problem, law: &Law) {
+        match (self, law) {
+            (Self::Sheet(scheme), Law::Sheet(law)) => scheme.set_model(Membrane::new(law)),
+            (Self::Layered(scheme), Law::Layered(law)) => scheme.set_model(layered(problem, law)),
+            _ => {}
+        }
+    }
+
+    pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
+        if let Self::Layered(scheme) = self {
+            scheme.set_parameters(&LAYERED);
+        }
+        delegate!(self, scheme => scheme.start(problem, stop, draft));
+    }
+
+    /// Starts again with smaller steps; false for a sheet, whose fallback is Newton's method.
+    pub(super) fn start_gently(&mut self, problem: &Problem, stop: Stop) -> bool {
+        let Self::Layered(scheme) = self else { return false };
+        scheme.set_parameters(&LAYERED_GENTLE);
+        scheme.start(problem, stop, None);
+        true
+    }
+
+    pub(super) fn step(&mut self) -> State {
+        delegate!(self, scheme => scheme.step())
+    }
+
+    pub(super) fn finest_cycles(&self) -> u32 {
+        delegate!(self, scheme => scheme.finest_cycles())
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        delegate!(self, scheme => scheme.nodes())
+    }
+
+    pub(super) fn lanes(&self) -> usize {
+        delegate!(self, scheme => scheme.lanes())
+    }
+
+    pub(super) fn work_units(&self) -> f64 {
+        delegate!(self, scheme => scheme.work_units())
+    }
+
+    pub(super) fn ending(&self) -> Ending {
+        delegate!(self, scheme => scheme.ending())
+    }
+
+    pub(super) fn preview(&mut self) -> usize {
+        delegate!(self, scheme => scheme.preview())
+    }
+
+    pub(super) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
+        delegate!(self, scheme => scheme.invalid(problem))
+    }
+
+    /// Writes the positions \[mm\] of the inner face and of the layers of nodes above.
+    pub(super) fn write_positions(
+        &self,
+        problem: &Problem,
+        law: &Law,
+        x: &mut [DVec3],
+        offset_nodes: &mut Vec<(usize, DVec3)>,
+        outer: &mut [Vec<DVec3>],
+    ) {
+        delegate!(self, scheme => scheme.write_positions(problem, x, offset_nodes));
+        if let (Self::Layered(scheme), Some(law)) = (self, law.layered()) {
+            scheme.write_layers(problem, &law.heights(), outer);
+        }
+    }
+}

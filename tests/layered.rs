@@ -1,0 +1,273 @@
+//! Layered tissue compared with the axisymmetric reference, its invariants, and the contracts of `scene/2` and
+//! `result/2`.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::measure::{Outcome, Status};
+use implant_preview::scene::{CheckedScene, Scene};
+use implant_preview::simulate::{run, simulate};
+use implant_preview::solve::{Options, Solver};
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// A case of `tests/reference/layered.json` on its two finest meshes.
+struct Case {
+    fine: Value,
+    finest: Value,
+}
+
+impl Case {
+    fn all() -> Vec<Self> {
+        let file: Value = serde_json::from_str(include_str!("reference/layered.json")).unwrap();
+        let all = file["cases"].as_array().unwrap().clone();
+        all.chunks(3)
+            .map(|meshes| Self { fine: meshes[1].clone(), finest: meshes[2].clone() })
+            .collect()
+    }
+
+    /// The limit of a result on ever finer meshes, of first order: 144 and 216 cells along the radius.
+    fn limit(&self, of: impl Fn(&Value) -> f64) -> f64 {
+        let (fine, finest) = (of(&self.fine["result"]), of(&self.finest["result"]));
+        finest + 2.0 * (finest - fine)
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+fn scene_of(case: &Value, nodes: usize, tolerance: f64) -> Scene {
+    let mut layers = case["layers"].clone();
+    for layer in layers.as_array_mut().unwrap() {
+        if let Value::String(kind) = layer["curve"].clone() {
+            layer["curve"] = json!({ "kind": kind });
+        }
+    }
+    let scene = json!({
+        "schema": "implant-preview/scene/2",
+        "implant": { "base_radius_mm": case["base_radius_mm"], "projection_mm": case["projection_mm"] },
+        "pocket_radius_mm": case["pocket_radius_mm"],
+        "patch_radius_mm": case["patch_radius_mm"],
+        "attachment": { "stiffness_kpa_per_mm": case["attachment_kpa_per_mm"],
+                        "ramp_mm": case["attachment_ramp_mm"] },
+        "insertion": case["insertion"],
+        "layers": layers,
+        "solver": { "nodes_per_side": nodes, "tolerance": tolerance },
+    });
+    Scene::from_json(&scene.to_string()).unwrap()
+}
+
+/// Errors of a result: greatest error of the skin's profile / base radius, relative errors of the force and of the
+/// membrane's height above the apex.
+fn errors(case: &Case, outcome: &Outcome) -> [f64; 3] {
+    let radius = number(&case.finest["base_radius_mm"]);
+    let profile = &outcome.profile_skin;
+    assert_eq!(profile.len(), 41);
+    let skin = profile
+        .iter()
+        .enumerate()
+        .map(|(k, point)| {
+            let expected = [0, 1].map(|axis| case.limit(|r| number(&r["skin"][k][axis])));
+            (point.r_mm - expected[0]).hypot(point.z_mm - expected[1]) / radius
+        })
+        .fold(0.0, f64::max);
+    let force =
+        outcome.contact_force_n.unwrap() / case.limit(|r| number(&r["contact_force_n"])) - 1.0;
+    // The reference's cover ends at the membrane.
+    let apex = number(&case.finest["projection_mm"]);
+    let cover = (profile[0].z_mm - apex) / case.limit(|r| number(&r["cover_at_apex_mm"])) - 1.0;
+    [skin, force.abs(), cover.abs()]
+}
+
+#[test]
+fn the_shape_converges_to_the_axisymmetric_reference() {
+    for case in Case::all() {
+        let of = |nodes| errors(&case, &simulate(&scene_of(&case.finest, nodes, 1e-4)).unwrap());
+        let (coarse, fine) = (of(33), of(65));
+        let name = &case.finest["name"];
+        println!("{name}: skin, force, cover {coarse:.4?} at 33, {fine:.4?} at 65");
+        let [skin, force, cover] = fine;
+        assert!(skin < 8e-3 && force < 0.03 && cover < 0.02, "{name}: {fine:?}");
+        assert!(skin < coarse[0], "{name}: {coarse:?} {fine:?}");
+    }
+}
+
+fn distance(a: &Solver, b: &Solver) -> f64 {
+    let radius = a.problem().obstacle.dome.base_radius;
+    let layers = |solver: &Solver| {
+        let mut layers = vec![solver.positions().to_vec()];
+        layers.extend(solver.outer().iter().cloned());
+        layers
+    };
+    let (a, b) = (layers(a), layers(b));
+    let apart = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a.distance(*b));
+    apart.fold(0.0, f64::max) / radius
+}
+
+fn solved(scene: &Scene, options: Options) -> Solver {
+    let mut solver = Solver::with_options(scene.problem().unwrap(), options);
+    solver.advance(&mut || false);
+    solver
+}
+
+/// Random scenes within realistic ranges, half of them off centre.
+fn realistic(count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut between = move |low: f64, high: f64| low + (high - low) * rng.f64();
+    (0..count)
+        .map(|k| {
+            let radius = between(40.0, 90.0);
+            let offset = if k % 2 == 0 { 0.0 } else { between(0.0, 0.25 * radius) };
+            let angle = between(0.0, TAU);
+            let pocket = (radius * between(1.0, 1.3)).max(radius + offset);
+            let stiffness = between(2.0, 20.0);
+            let curve = match k % 3 {
+                0 => json!({ "kind": "linear", "modulus_kpa": stiffness }),
+                _ => json!({ "kind": "adipose" }),
+            };
+            let scene = json!({
+                "schema": "implant-preview/scene/2",
+                "implant": { "base_radius_mm": radius, "projection_mm": radius * between(0.39, 1.07),
+                             "center_mm": [offset * angle.cos(), offset * angle.sin()] },
+                "pocket_radius_mm": pocket.min(200.0),
+                "insertion": between(0.2, 1.0),
+                "layers": [
+                    { "thickness_mm": between(1.0, 2.5), "poisson_ratio": between(0.3, 0.48) },
+                    { "tissue": "adipose", "thickness_mm": between(5.0, 40.0),
+                      "poisson_ratio": between(0.3, 0.48), "curve": curve } ],
+                "solver": { "nodes_per_side": nodes, "tolerance": 1e-3 },
+            });
+            Scene::from_json(&scene.to_string()).unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn realistic_scenes_converge_and_the_error_estimate_holds() {
+    let scenes = realistic(24, 33, 3);
+    let (mut converged, mut above) = (0, 0);
+    for (k, scene) in scenes.iter().enumerate() {
+        let rough = solved(scene, Options::default());
+        let report = rough.report();
+        let outcome = simulate(scene).unwrap();
+        if outcome.status != Status::Converged {
+            println!("{k}: {:?}", outcome.status);
+            continue;
+        }
+        converged += 1;
+        let mut exact = scene.clone();
+        exact.solver.tolerance = 2e-5;
+        let error = distance(&rough, &solved(&exact, Options::default()));
+        let estimate = report.estimated_position_error.unwrap();
+        if error > estimate + 2e-5 {
+            println!("{k}: error {error:.1e}, estimate {estimate:.1e}");
+            above += 1;
+        }
+        assert!(error < 3.0 * estimate + 2e-5, "{k}: error {error:.1e}, estimate {estimate:.1e}");
+    }
+    assert!(converged >= 23, "{converged} of 24");
+    assert!(above <= 3, "{above} errors above their estimate");
+}
+
+#[test]
+fn a_quarter_and_a_half_of_the_patch_have_the_shape_of_the_whole() {
+    for center in [[0.0, 0.0], [8.0, 0.0]] {
+        let mut scene = realistic(1, 33, 8).remove(0);
+        scene.implant.center_mm = center;
+        scene.pocket_radius_mm = scene.implant.base_radius_mm + 20.0;
+        scene.solver.tolerance = 1e-5;
+        scene.repair();
+        let part = solved(&scene, Options::default());
+        let whole = solved(&scene, Options { use_symmetry: false, ..Options::default() });
+        let apart = distance(&part, &whole);
+        assert!(apart < 1e-4, "{center:?}: {apart:.1e}");
+        assert!(part.nodes_solved() < whole.nodes_solved());
+    }
+}
+
+fn default_scene(nodes: usize) -> Scene {
+    let scene = json!({ "schema": "implant-preview/scene/2", "implant": { "base_radius_mm": 55 },
+        "pocket_radius_mm": 70, "solver": { "nodes_per_side": nodes, "tolerance": 1e-3 } });
+    Scene::from_json(&scene.to_string()).unwrap()
+}
+
+#[test]
+fn results_add_cover_layers_skin_area_and_traction() {
+    let outcome = simulate(&default_scene(65)).unwrap();
+    assert_eq!(outcome.schema, "implant-preview/result/2");
+    let cover = outcome.cover_mm.unwrap();
+    // 6.1 mm of fat and skin of 1.5 mm, stretched 1.21-fold both ways.
+    assert!((cover.apex - 7.2).abs() < 0.1 && cover.least <= cover.apex + 1e-3, "{cover:?}");
+    let skin = outcome.skin_area.unwrap();
+    assert!((skin.pocket_after_cm2 / skin.pocket_before_cm2 - 1.2454).abs() < 5e-3, "{skin:?}");
+    let gained = skin.patch_after_cm2 - skin.patch_before_cm2;
+    assert!(gained > skin.pocket_after_cm2 - skin.pocket_before_cm2, "{skin:?}");
+    assert_eq!(outcome.area_after_cm2, Some(skin.pocket_after_cm2));
+    let fat = &outcome.layers[1];
+    assert!((fat.thickness_mm.unwrap().least - 6.1).abs() < 0.1, "{fat:?}");
+    assert!(fat.max_stretch.unwrap() > 1.2);
+    let traction = outcome.attachment_traction_kpa.unwrap();
+    let at = traction.at_mm[0].hypot(traction.at_mm[1]);
+    assert!(traction.max > 0.1 && (70.0..85.0).contains(&at), "{traction:?}");
+    assert_eq!((outcome.profile.len(), outcome.profile_skin.len()), (41, 41));
+    assert!((outcome.profile[40].s_mm - 70.0).abs() < 1e-9);
+    assert!((outcome.profile_skin[40].s_mm - 130.0).abs() < 1e-9);
+    assert_eq!(outcome.contact_angle_deg, None);
+}
+
+#[test]
+fn a_sheet_of_scene_2_is_that_of_scene_1() {
+    let first = Scene::from_json(
+        r#"{ "implant": { "base_radius_mm": 50 }, "solver": { "nodes_per_side": 33 } }"#,
+    );
+    let second = Scene::from_json(
+        r#"{ "schema": "implant-preview/scene/2", "tissue_model": "sheet", "implant": { "base_radius_mm": 50 },
+             "solver": { "nodes_per_side": 33 } }"#,
+    );
+    let (first, second) = (first.unwrap(), second.unwrap());
+    assert_eq!(simulate(&first).unwrap(), simulate(&second).unwrap());
+    assert!(!first.to_json().contains("tissue_model"));
+    let mut layered = second.clone();
+    layered.set_tissue_model(implant_preview::scene::TissueModel::Layered);
+    for scene in [second, layered] {
+        assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    }
+}
+
+#[test]
+fn invalid_fields_of_scene_2_are_refused_in_one_line() {
+    let refused = |fields: &str| {
+        let scene = format!(
+            r#"{{ "schema": "implant-preview/scene/2", "implant": {{ "base_radius_mm": 55 }}, {fields} }}"#
+        );
+        let error = Scene::from_json(&scene).unwrap_err().to_string();
+        assert!(error.lines().count() == 1 && error.len() < 250, "{error}");
+        error
+    };
+    assert!(refused(r#""springs": "nikolaev""#).contains("springs"));
+    assert!(
+        refused(r#""patch_radius_mm": 75"#)
+            .contains("patch_radius_mm is 75; allowed: 90 to 260 mm")
+    );
+    assert!(refused(r#""attachment": { "stiffness_kpa_per_mm": 0 }"#).contains("0.1 to 50 kPa/mm"));
+    assert!(refused(r#""attachment": { "ramp_mm": 41 }"#).contains("1 to 40 mm"));
+    assert!(refused(r#""attachment": { "width": 1 }"#).contains("unknown field"));
+    assert!(refused(r#""tissue_model": "jelly""#).contains("layered"));
+    assert!(refused(r#""solver": { "cells_through": 9 }"#).contains("1 to 8"));
+    assert!(refused(r#""solver": { "cells_through": "many" }"#).contains("auto"));
+    let first = r#"{ "implant": { "base_radius_mm": 55 }, "tissue_model": "layered",
+                     "schema": "implant-preview/scene/1" }"#;
+    assert!(Scene::from_json(first).unwrap_err().to_string().contains("scene/2"));
+}
+
+#[test]
+fn a_record_of_layered_tissue_restores_its_solution() {
+    let checked = CheckedScene::new(default_scene(33)).unwrap();
+    let simulation = run(&checked, Options::default(), None);
+    let json = serde_json::to_string(&simulation.solution.record()).unwrap();
+    let record = serde_json::from_str(&json).unwrap();
+    let restored = implant_preview::solve::Solution::restore(checked.problem(), record).unwrap();
+    assert_eq!(restored.faces(), simulation.solution.faces());
+    assert_eq!(restored.faces().len(), 3);
+    assert_eq!(restored.reactions().force, simulation.solution.reactions().force);
+}
