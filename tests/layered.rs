@@ -144,7 +144,7 @@ fn realistic(count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
 
 #[test]
 fn realistic_scenes_converge_and_the_error_estimate_holds() {
-    let scenes = realistic(24, 33, 3);
+    let scenes = realistic(48, 33, 3);
     let (mut converged, mut above) = (0, 0);
     for (k, scene) in scenes.iter().enumerate() {
         let rough = solved(scene, Options::default());
@@ -163,10 +163,10 @@ fn realistic_scenes_converge_and_the_error_estimate_holds() {
             println!("{k}: error {error:.1e}, estimate {estimate:.1e}");
             above += 1;
         }
-        assert!(error < 3.0 * estimate + 2e-5, "{k}: error {error:.1e}, estimate {estimate:.1e}");
+        assert!(error < 2.0 * estimate + 2e-5, "{k}: error {error:.1e}, estimate {estimate:.1e}");
     }
-    assert!(converged >= 23, "{converged} of 24");
-    assert!(above <= 3, "{above} errors above their estimate");
+    assert!(converged >= 47, "{converged} of 48");
+    assert!(above <= 2, "{above} errors above their estimate");
 }
 
 #[test]
@@ -202,9 +202,10 @@ fn results_add_cover_layers_skin_area_and_traction() {
     assert!((skin.pocket_after_cm2 / skin.pocket_before_cm2 - 1.2454).abs() < 5e-3, "{skin:?}");
     let gained = skin.patch_after_cm2 - skin.patch_before_cm2;
     assert!(gained > skin.pocket_after_cm2 - skin.pocket_before_cm2, "{skin:?}");
-    assert_eq!(outcome.area_after_cm2, Some(skin.pocket_after_cm2));
+    assert!((outcome.area_after_cm2.unwrap() - skin.pocket_after_cm2).abs() < 1e-9);
     let fat = &outcome.layers[1];
-    assert!((fat.thickness_mm.unwrap().least - 6.1).abs() < 0.1, "{fat:?}");
+    // 6.1 mm at the apex, a little less beside it.
+    assert!((fat.thickness_mm.unwrap().least - 6.0).abs() < 0.15, "{fat:?}");
     assert!(fat.max_stretch.unwrap() > 1.2);
     let traction = outcome.attachment_traction_kpa.unwrap();
     let at = traction.at_mm[0].hypot(traction.at_mm[1]);
@@ -270,4 +271,26 @@ fn a_record_of_layered_tissue_restores_its_solution() {
     assert_eq!(restored.faces(), simulation.solution.faces());
     assert_eq!(restored.faces().len(), 3);
     assert_eq!(restored.reactions().force, simulation.solution.reactions().force);
+}
+
+#[test]
+fn fine_grids_thin_fat_and_domes_off_centre_need_no_second_attempt() {
+    let scene = |nodes: usize, fat: f64, center: [f64; 2]| {
+        let mut scene = default_scene(nodes);
+        scene.layers[1].thickness_mm = fat;
+        scene.implant.center_mm = center;
+        scene
+    };
+    // Each once ended in an oscillation at the pocket's edge, or in cells much flatter than wide.
+    for (nodes, fat, center) in [
+        (97, 10.0, [0.0, 0.0]),
+        (129, 10.0, [6.0, 0.0]),
+        (65, 1.0, [0.0, 0.0]),
+        (65, 20.0, [4.0, 3.0]),
+    ] {
+        let outcome = simulate(&scene(nodes, fat, center)).unwrap();
+        let solver = &outcome.solver;
+        assert_eq!(outcome.status, Status::Converged, "{nodes} {fat} {center:?}");
+        assert!(!solver.fell_back, "{nodes} {fat} {center:?}");
+    }
 }

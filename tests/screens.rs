@@ -251,6 +251,39 @@ fn layers_are_added_exchanged_and_removed() {
 }
 
 #[test]
+fn the_tissue_model_is_chosen_and_layered_tissue_adds_its_controls_and_readings() {
+    let mut harness = app(WIDE, |_| {});
+    let force = |harness: &Harness<'static, App>| {
+        harness.state().outcome().unwrap().contact_force_n.unwrap()
+    };
+    let sheet = force(&harness);
+    assert!(harness.query_by_label("Cover over the apex").is_none());
+    harness.get_by_role_and_label(Role::ComboBox, "Tissue model").click();
+    harness.run();
+    harness.get_by_label("Skin on solid layers").click();
+    settle(&mut harness);
+    assert!(harness.state().session().scene().is_layered());
+    // A sheet is more than twice as stiff.
+    assert!(force(&harness) < 0.5 * sheet, "{} of {sheet}", force(&harness));
+    for name in ["Cover over the apex", "Least cover", "Pull at the pocket's edge"] {
+        assert!(harness.query_by_label(name).is_some(), "{name}");
+    }
+    let stiffness = "Attachment stiffness (kPa/mm)";
+    for name in ["Computed radius (mm)", stiffness, "Attachment ramp (mm)"] {
+        assert!(harness.query_by_role_and_label(Role::Slider, name).is_some(), "{name}");
+    }
+    assert!(harness.query_by_role_and_label(Role::ComboBox, "Springs").is_none());
+    type_into(&mut harness, stiffness, "5");
+    let attachment = harness.state().session().scene().body.unwrap().attachment;
+    assert!((attachment.stiffness_kpa_per_mm - 5.0).abs() < 1e-12);
+    harness.get_by_role_and_label(Role::ComboBox, "Tissue model").click();
+    harness.run();
+    harness.get_by_label("One sheet").click();
+    settle(&mut harness);
+    assert!((force(&harness) - sheet).abs() < 1e-9);
+}
+
+#[test]
 fn an_idle_app_solves_nothing_and_requests_no_repaint() {
     let mut harness = app(WIDE, |_| {});
     let counters = harness.state().session().counters();

@@ -144,8 +144,9 @@ impl Solution {
                 loads.resize(state.solid + 1, SolidLoad::default());
             }
             let load = &mut loads[state.solid];
-            load.stretch = load.stretch.max(state.greatest_stretch());
-            load.stress = load.stress.max(state.greatest_stress());
+            let (stretch, stress) = state.greatest_stretch_and_stress();
+            load.stretch = load.stretch.max(stretch);
+            load.stress = load.stress.max(stress);
             load.strain = load.strain.max(state.equivalent.exp_m1());
         });
         loads
@@ -171,8 +172,8 @@ impl Solution {
                 loads.push(NodalLoads { strain: vec![0.0; nodes], stress: vec![0.0; nodes] });
                 cells.push(vec![0.0; nodes]);
             }
-            let strain = (state.greatest_stretch() - 1.0) as f32;
-            let stress = state.greatest_stress() as f32;
+            let (stretch, stress) = state.greatest_stretch_and_stress();
+            let (strain, stress) = ((stretch - 1.0) as f32, stress as f32);
             for &k in &state.corners {
                 loads[state.solid].strain[k] += strain;
                 loads[state.solid].stress[k] += stress;

@@ -48,7 +48,8 @@ pub const PROFILE_POINTS: usize = 41;
 pub enum Status {
     /// The estimated position error is within the tolerance.
     Converged,
-    /// The estimated position error is above the tolerance; the figures are those of the last iterate.
+    /// The estimated position error is above the tolerance; the figures are those of the last iterate, or missing where
+    /// the last iterate of layered tissue is no shape.
     NotConverged,
     /// The paper's springs have no stable shape in this scene, or the implant protrudes between the nodes;
     /// the result has no shape.
@@ -62,19 +63,19 @@ pub struct Outcome {
     pub schema: String,
     /// How the solve ended.
     pub status: Status,
-    /// Stretch of the sheet at the dome's apex \[-\] (off centre: √(area stretch) at the highest point).
+    /// Stretch of the membrane (the sheet, or the skin of layered tissue) at the dome's apex \[-\] (off centre: √(area stretch) at the highest point).
     pub apex_stretch: Option<f64>,
     /// Polar angle from the apex at which contact ends \[degrees\]; centred hemisphere only.
     pub contact_angle_deg: Option<f64>,
     /// Material radius at which contact ends \[mm\]; centred dome only.
     pub contact_material_radius_mm: Option<f64>,
-    /// Vertical force between dome and sheet \[N\].
+    /// Vertical force between dome and tissue \[N\].
     pub contact_force_n: Option<f64>,
     /// Contact pressure \[kPa\].
     pub contact_pressure_kpa: Option<Pressure>,
     /// Contact pressure \[mmHg\].
     pub contact_pressure_mmhg: Option<Pressure>,
-    /// Height of the implant's tip above the wall, over which the sheet is highest \[mm\].
+    /// Height of the implant's tip above the wall, over which the tissue is highest \[mm\].
     pub projection_mm: Option<f64>,
     /// Height of the outer skin surface's highest point above the wall \[mm\].
     pub skin_projection_mm: Option<f64>,
@@ -82,13 +83,13 @@ pub struct Outcome {
     pub implant_volume_ml: f64,
     /// Area of the pocket πa² \[cm²\].
     pub area_before_cm2: f64,
-    /// Area of the deformed sheet \[cm²\].
+    /// Area of the deformed membrane over the pocket \[cm²\].
     pub area_after_cm2: Option<f64>,
     /// After / before \[-\].
     pub area_ratio: Option<f64>,
     /// After − before \[cm²\].
     pub area_gain_cm2: Option<f64>,
-    /// Strains of the sheet.
+    /// Strains of the membrane.
     pub strain: Option<Strains>,
     /// One entry a layer, from the skin inwards.
     pub layers: Vec<LayerOutcome>,
@@ -121,14 +122,14 @@ pub struct Pressure {
     pub max: f64,
 }
 
-/// Strains of the sheet \[-\].
+/// Strains of the membrane over the pocket \[-\]; the greatest strain is that of the whole patch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Strains {
     /// Greatest principal engineering strain, λ₁ − 1.
     pub max_principal: f64,
     /// Mean area strain, area ratio − 1.
     pub mean_area: f64,
-    /// Fraction of the sheet (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
+    /// Fraction of the membrane (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
     pub fraction_above: BTreeMap<String, f64>,
 }
 
@@ -186,7 +187,8 @@ pub struct SolverOutcome {
     pub method: SolverMethod,
     /// Multigrid cycles of the finest level.
     pub cycles: u32,
-    /// Did Newton's method replace multigrid because multigrid did not converge?
+    /// Did multigrid not converge at first? Then Newton's method replaced it, for layered tissue a second attempt with
+    /// smaller steps.
     pub fell_back: bool,
     /// Work \[evaluations of all nodal forces on the finest grid\].
     pub work_units: f64,

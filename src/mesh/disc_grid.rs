@@ -1,4 +1,4 @@
-//! The sheet: a square grid of nodes on the pocket's disc, its border fitted to the circle.
+//! The sheet: a square grid of nodes on the patch's disc, its border fitted to the circle.
 //!
 //! Nodes with |r − a| < h/2 move radially onto the circle in the reference shape and are clamped;
 //! nodes farther out do not belong to the sheet. Where one corner of a cell is outside, the
@@ -34,7 +34,7 @@ pub enum CellKind {
 /// Each triangle is counter-clockwise and starts at its right angle.
 pub const CELL_TRIANGLES: [[usize; 3]; 4] = [[2, 3, 1], [3, 0, 2], [0, 1, 3], [1, 2, 0]];
 
-/// A square grid over the pocket's disc. Flat arrays in row-major order, row j along y.
+/// A square grid over the patch's disc. Flat arrays in row-major order, row j along y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
     nodes_per_side: usize,

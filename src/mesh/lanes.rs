@@ -481,23 +481,25 @@ impl Layout {
         a.layers().map(of_layer).fold(0.0, greater)
     }
 
-    /// ⟨u − before, step⟩ and ⟨step, step⟩ over the free nodes.
-    pub(crate) fn products(&self, u: &Field, before: &Field, step: &Field) -> (f64, f64) {
-        let (mut product, mut square) = (0.0, 0.0);
+    /// ⟨u − before, step⟩, ⟨step, step⟩ and ⟨u − before, u − before⟩ over the free nodes.
+    pub(crate) fn products(&self, u: &Field, before: &Field, step: &Field) -> [f64; 3] {
+        let (mut product, mut square, mut own) = (0.0, 0.0, 0.0);
         for layer in u.layers() {
             self.free_rows(|j, from, to| {
-                let (mut row_product, mut row_square) = (0.0_f32, 0.0_f32);
+                let (mut row_product, mut row_square, mut row_own) = (0.0_f32, 0.0_f32, 0.0_f32);
                 for k in layer + j * self.pitch + from..layer + j * self.pitch + to {
                     let (p, q, s) = (u.at(k), before.at(k), step.at(k));
-                    row_product +=
-                        (p[0] - q[0]) * s[0] + (p[1] - q[1]) * s[1] + (p[2] - q[2]) * s[2];
+                    let r = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+                    row_product += r[0] * s[0] + r[1] * s[1] + r[2] * s[2];
+                    row_own += r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
                     row_square += s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
                 }
                 product += f64::from(row_product);
                 square += f64::from(row_square);
+                own += f64::from(row_own);
             });
         }
-        (product, square)
+        [product, square, own]
     }
 }
 

@@ -1,4 +1,4 @@
-//! Grids on the pocket's disc.
+//! Grids on the patch's disc.
 //!
 //! `disc_grid` (nodes and cells, their shapes at rest) | `patch` (the simulated tissue and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `lanes`, `vec3` (the same grid for four f32 at a time).

@@ -1,13 +1,14 @@
 //! The equilibrium: the minimum of the tissue's energy outside of the implant and above the wall.
 //!
-//! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the sheet, a dome moved along an axis
-//! on half of the sheet. Newton's method on nested grids in f64 (`newton`) is the fallback; it also refines solutions
-//! below the resolution of f32, resolves configurations with compressive stress up to the wrinkled equilibrium, and
-//! checks the stability of the paper's springs, whose energy has saddle points. A piece of work is a few passes over
-//! the grid, so that a page can respond between two pieces.
+//! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
+//! on half of the patch, for either tissue model (`multigrid`). For a sheet Newton's method on nested grids in f64
+//! (`newton`) is the fallback; it also refines solutions below the resolution of f32, resolves configurations with
+//! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
+//! saddle points. For layered tissue the fallback is a second attempt with smaller steps. A piece of work is a few
+//! passes over the grid, so that a page can respond between two pieces.
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
-//! `fas` | `newton` | `linear` (systems of Newton's method) | `validity` | `reactions`.
+//! `fas` | `multigrid` | `newton` | `linear` (systems of Newton's method) | `validity` | `reactions`.
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
@@ -303,6 +304,11 @@ impl Solver {
             fas::State::Converged => {
                 if self.options.method == Method::Automatic && self.needs_newton() {
                     self.start_newton(Start::FromSolution);
+                } else if self.law.layered().is_some()
+                    && self.estimated_position_error() > self.problem.tolerance
+                {
+                    // The tolerance is below the resolution of f32.
+                    self.end(Verdict::NotConverged);
                 } else {
                     self.end(Verdict::Converged);
                 }
@@ -315,7 +321,11 @@ impl Solver {
                 }
             }
             fas::State::Failed if self.law.layered().is_some() => {
-                self.invalid = self.multigrid.as_ref().and_then(|m| m.invalid(&self.problem));
+                if let Some(multigrid) = &mut self.multigrid {
+                    // The scheme may have failed on a coarse grid.
+                    multigrid.preview();
+                    self.invalid = multigrid.invalid(&self.problem);
+                }
                 self.display_multigrid(Displayed::Final);
                 self.end(Verdict::NotConverged);
             }

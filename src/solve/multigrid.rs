@@ -112,12 +112,12 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts again with smaller steps; false for a sheet, whose fallback is Newton's method.
-    pub(super) fn start_gently(&mut self, problem: &Problem, stop: Stop) -> bool {
-        let Self::Layered(scheme) = self else { return false };
-        scheme.set_parameters(&LAYERED_GENTLE);
-        scheme.start(problem, stop, None);
-        true
+    /// Starts again with smaller steps; the fallback of a sheet is Newton's method instead.
+    pub(super) fn start_gently(&mut self, problem: &Problem, stop: Stop) {
+        if let Self::Layered(scheme) = self {
+            scheme.set_parameters(&LAYERED_GENTLE);
+            scheme.start(problem, stop, None);
+        }
     }
 
     pub(super) fn step(&mut self) -> State {

@@ -58,7 +58,8 @@ pub struct Report {
     /// Nodes that one pass over the finest grid visits: [`Self::nodes_solved`], each row filled up to whole
     /// groups of four.
     pub nodes_swept: usize,
-    /// Did Newton's method take over because full multigrid did not converge?
+    /// Did full multigrid not converge at first? Then Newton's method took over, for layered tissue a second attempt with
+    /// smaller steps.
     pub fell_back: bool,
     /// Did the sheet stay at rest because the insertion is below the tolerance?
     pub is_left_at_rest: bool,

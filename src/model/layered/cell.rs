@@ -3,10 +3,10 @@
 //! The displacement of a cell on \[−½, ½\]³ is u = b₀ + b₁ξ + b₂η + b₃ζ + b₁₂ξη + b₁₃ξζ + b₂₃ηζ + dξηζ. Lateral lengths
 //! are in spacings; `slope` is the spacing over the cell's height.
 //!
-//! J is the mean over the cell (mean dilatation): cells do not lock. Two rules of integration:
+//! ln J is one number of the cell: cells do not lock. Two rules of integration:
 //!
-//! * [`center`]: one point; what varies inside of the cell adds its mean square to g.
-//! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell. Accurate where a
+//! * [`center`]: one point, J in the middle; what varies inside of the cell adds its mean square to g.
+//! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell, J their mean. Accurate where a
 //!   softening tissue concentrates strain; 2.3 times the work.
 
 use super::law::{Deformed, Matrix, SolidLaw, combined, log_volume};
@@ -197,6 +197,27 @@ fn at_points<R: Real>(modes: &Modes<R>, slope: R, parity: R) -> [Matrix<R>; 4] {
         let z = add(z, add(add(scale(xz, sx), scale(yz, sy)), scale(d, sz)));
         gradient([x, y, z], slope)
     })
+}
+
+/// The deformation at a point, and the point's coordinates.
+pub(super) type Placed<R> = (Deformed<R>, [R; 3]);
+
+/// The deformation at the four points of a parity, and the mean of J.
+#[inline(always)]
+pub(super) fn deformed_points<R: Real>(
+    modes: &Modes<R>,
+    slope: R,
+    parity: R,
+) -> ([Placed<R>; 4], R) {
+    let points = at_points(modes, slope, parity).map(Deformed::new);
+    let volume = mean_volume(&points);
+    let mut signs = SIGNS.into_iter();
+    let with_place = points.map(|point| {
+        let [sx, sy] = signs.next().unwrap_or_default();
+        let at = [R::splat(POINT * sx), R::splat(POINT * sy), R::splat(POINT * sx * sy) * parity];
+        (point, at)
+    });
+    (with_place, volume)
 }
 
 const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];

@@ -4,6 +4,7 @@ use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell::{self, Corners, Variation, modes, on_faces, turned, turned_back};
+use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
 use crate::mesh::{Attachment, NodeKind, Sheet};
 use crate::model::membrane::assembly;
@@ -32,20 +33,17 @@ pub(crate) struct CellState {
 }
 
 impl CellState {
-    /// Greatest principal stretch \[-\].
-    pub(crate) fn greatest_stretch(&self) -> f64 {
-        let (values, _) = principal(self.gradient.transpose() * self.gradient);
-        values.into_iter().fold(0.0, f64::max).sqrt()
-    }
-
-    /// Greatest principal nominal (Biot) stress \[kPa\]: N·UP̂ for the principal directions N of U, P = R P̂.
-    pub(crate) fn greatest_stress(&self) -> f64 {
+    /// Greatest principal stretch \[-\] and greatest principal nominal (Biot) stress \[kPa\]. The law is isotropic: with a
+    /// principal direction N of U, FN = λ RN and the stress is PN·RN.
+    pub(crate) fn greatest_stretch_and_stress(&self) -> (f64, f64) {
         let (values, directions) = principal(self.gradient.transpose() * self.gradient);
-        let along = |k: usize| {
-            let stretched = self.gradient * directions[k];
-            (self.stress * directions[k]).dot(stretched) / values[k].max(1e-12).sqrt()
-        };
-        (0..3).map(along).fold(f64::MIN, f64::max)
+        let (mut stretch, mut stress) = (0.0_f64, f64::MIN);
+        for (value, direction) in values.into_iter().zip(directions) {
+            let length = value.max(1e-12).sqrt();
+            stretch = stretch.max(length);
+            stress = stress.max((self.stress * direction).dot(self.gradient * direction) / length);
+        }
+        (stretch, stress)
     }
 }
 
@@ -53,20 +51,31 @@ impl CellState {
 fn principal(mut a: DMat3) -> ([f64; 3], [DVec3; 3]) {
     let mut v = DMat3::IDENTITY;
     for _ in 0..8 {
+        let mut is_diagonal = true;
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let (app, aqq, apq) = (a.col(p)[p], a.col(q)[q], a.col(q)[p]);
-            if apq.abs() <= 1e-15 * (app.abs() + aqq.abs()) {
+            if apq.abs() <= 1e-12 * (app.abs() + aqq.abs()) {
                 continue;
             }
-            let theta = 0.5 * (2.0 * apq).atan2(aqq - app);
-            let (s, c) = theta.sin_cos();
-            let mut rotation = DMat3::IDENTITY;
-            rotation.col_mut(p)[p] = c;
-            rotation.col_mut(q)[q] = c;
-            rotation.col_mut(q)[p] = s;
-            rotation.col_mut(p)[q] = -s;
-            a = rotation.transpose() * a * rotation;
-            v *= rotation;
+            is_diagonal = false;
+            let cotangent = (aqq - app) / (2.0 * apq);
+            let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+            let c = 1.0 / tangent.hypot(1.0);
+            let s = tangent * c;
+            // Columns p and q of A and V, then the rows of A.
+            for matrix in [&mut a, &mut v] {
+                let (x, y) = (matrix.col(p), matrix.col(q));
+                *matrix.col_mut(p) = x * c - y * s;
+                *matrix.col_mut(q) = x * s + y * c;
+            }
+            for k in 0..3 {
+                let (x, y) = (a.col(k)[p], a.col(k)[q]);
+                a.col_mut(k)[p] = x * c - y * s;
+                a.col_mut(k)[q] = x * s + y * c;
+            }
+        }
+        if is_diagonal {
+            break;
         }
     }
     ([a.x_axis.x, a.y_axis.y, a.z_axis.z], [v.x_axis, v.y_axis, v.z_axis])
@@ -92,8 +101,7 @@ impl Exact<'_> {
                 && cell.corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free);
             let middle = [i, j].map(|k| (k as f64 + 0.5 - half) * spacing);
             let distance = middle[0].hypot(middle[1]);
-            let has_points =
-                is_regular && super::lanes::has_points(distance, self.pocket_radius, spacing);
+            let has_points = is_regular && is_in_ring(distance, self.pocket_radius, spacing);
             let sign = if (i + j + n / 2 * 2).is_multiple_of(2) { 1.0 } else { -1.0 };
             Some(Place { cell, parity: has_points.then_some(sign) })
         })
@@ -126,6 +134,7 @@ impl Exact<'_> {
                 let law = &self.law.solids[cells.solid];
                 let mut modes = modes(&faces[0], &faces[1]);
                 modes.linear = turned(modes.linear, cell.sides());
+                let parity = parity.filter(|_| is_large(spacing, cells.height_mm));
                 let mut force = match parity {
                     Some(sign) => {
                         let sign = if layer % 2 == 0 { sign } else { -sign };
@@ -194,7 +203,9 @@ impl Exact<'_> {
                 let law = &self.law.solids[cells.solid];
                 let mut modes = modes(&faces[0], &faces[1]);
                 modes.linear = turned(modes.linear, cell.sides());
-                let parity = parity.map(|sign| if layer % 2 == 0 { sign } else { -sign });
+                let parity = parity
+                    .filter(|_| is_large(spacing, cells.height_mm))
+                    .map(|sign| if layer % 2 == 0 { sign } else { -sign });
                 let slope = spacing / cells.height_mm;
                 let strains = cell::equivalent_strains(law, &modes, slope, parity);
                 let mean = strains.iter().map(|e| law.energy(*e)).sum::<f64>() / 4.0;
@@ -248,7 +259,7 @@ mod tests {
         );
         let (values, directions) = principal(a);
         for (value, direction) in values.into_iter().zip(directions) {
-            assert!((a * direction - direction * value).length() < 1e-12);
+            assert!((a * direction - direction * value).length() < 1e-11);
             assert!((direction.length() - 1.0).abs() < 1e-12);
         }
     }

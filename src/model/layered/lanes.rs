@@ -18,12 +18,24 @@ use wide::f32x4;
 
 /// The greatest change of a cell's height in one step \[cell heights\].
 const MAX_COMPRESSION: f64 = 0.25;
-/// Width of the ring on either side of the pocket's edge in which cells have four points \[mm\].
-const RING_MM: f64 = 15.0;
+/// Widths of the ring inside and outside of the pocket's edge in which cells have four points \[mm\]: a softening tissue
+/// concentrates its strain there. Rings of 15 mm on either side change the skin by 0.01 % of the base radius.
+const RING_MM: (f64, f64) = (4.0, 10.0);
+/// The least of these widths \[spacings\].
+const LEAST_RING: f64 = 1.5;
+/// Spacing times height below which a cell has one point \[mm²\]: four points have no stable shape where the strain concentrates
+/// within a fine cell.
+const LEAST_SECTION_MM2: f64 = 9.0;
 
-/// Has a cell at this distance from the pocket's centre four points?
-pub(super) fn has_points(distance: f64, pocket_radius: f64, spacing: f64) -> bool {
-    (distance - pocket_radius).abs() <= RING_MM.max(1.5 * spacing)
+/// Is a cell at this distance from the pocket's centre in the ring in which cells have four points?
+pub(super) fn is_in_ring(distance: f64, pocket_radius: f64, spacing: f64) -> bool {
+    let least = LEAST_RING * spacing;
+    (-RING_MM.0.max(least)..=RING_MM.1.max(least)).contains(&(distance - pocket_radius))
+}
+
+/// Is a cell large enough for four points?
+pub(super) fn is_large(spacing: f64, height: f64) -> bool {
+    spacing * height >= LEAST_SECTION_MM2
 }
 
 /// The layered body, scaled so that the skin's stiffness at small strain is one.
@@ -54,8 +66,8 @@ pub(crate) struct Scratch {
     border: Border,
     /// Of each layer of cells.
     shapes: Vec<Shape>,
-    /// Of the cell at each stored node: 1 for four points, else 0.
-    has_points: Vec<f32>,
+    /// Of the cells at each stored node: 1 in the ring of four points, else 0.
+    in_ring: Vec<f32>,
     /// Of the cell at each stored node: integrals of the attachment for [`PAIRS`], scaled.
     attachment: [Vec<f32>; 10],
     /// What the arrays above are computed for.
@@ -134,7 +146,7 @@ impl Layered {
             for group in 0..row.groups {
                 let k = row.start + 4 * group;
                 let counts = row.counts(group);
-                let points = load(&scratch.has_points, k).simd_gt(f32x4::ZERO);
+                let points = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
                 let is_edge = group == 0 || group + 1 == row.groups;
                 let mut inner = Corners::new(at_corners(u, k, pitch));
                 let mut pull = Corners::<f32x4>::default();
@@ -142,6 +154,7 @@ impl Layered {
                     let at = k + layer * length;
                     let outer = Corners::new(at_corners(u, at + length, pitch));
                     let sign = if layer % 2 == 0 { parity } else { -parity };
+                    let points = points & shape.points;
                     let forces = cells.forces(&modes(&inner, &outer), shape, points, sign);
                     let [on_inner, on_outer] = on_faces(&forces);
                     pull.add(&on_inner);
@@ -253,7 +266,7 @@ impl ElasticModel for Layered {
             skin: self.skin.scratch(&outer, &triangles),
             border: Border::new(layout),
             shapes: vec![Shape::default(); self.cells.len()],
-            has_points: vec![0.0; layout.len()],
+            in_ring: vec![0.0; layout.len()],
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
             outer,
@@ -269,7 +282,12 @@ impl ElasticModel for Layered {
         };
         for (shape, cells) in scratch.shapes.iter_mut().zip(&self.cells) {
             let slope = spacing / cells.height;
-            *shape = Shape { slope: f32x4::splat(slope as f32), variation: Variation::new(slope) };
+            let zero = f32x4::ZERO;
+            *shape = Shape {
+                slope: f32x4::splat(slope as f32),
+                variation: Variation::new(slope),
+                points: if is_large(spacing, cells.height) { zero.simd_eq(zero) } else { zero },
+            };
         }
         if scratch.geometry == Some(geometry) {
             return;
@@ -283,8 +301,8 @@ impl ElasticModel for Layered {
                 let k = j * layout.pitch + i;
                 let corner = [(i as f64 - x0) * spacing, (j as f64 - y0) * spacing];
                 let distance = (corner[0] + 0.5 * spacing).hypot(corner[1] + 0.5 * spacing);
-                let is_in_ring = has_points(distance, self.pocket_radius, spacing);
-                scratch.has_points[k] = if is_in_ring { 1.0 } else { 0.0 };
+                let is_in_ring = is_in_ring(distance, self.pocket_radius, spacing);
+                scratch.in_ring[k] = if is_in_ring { 1.0 } else { 0.0 };
                 let integrals = self
                     .attachment
                     .filter(|_| layout.touches_free(i, j))
@@ -313,9 +331,13 @@ impl ElasticModel for Layered {
             let height = f64::from(1.0 / shape.slope.to_array()[0]);
             blocks.limits[layer] = (MAX_COMPRESSION * height) as f32;
             for row in layout.cell_rows() {
+                let parity = first_parity(layout, row.start);
+                let parity = if layer % 2 == 0 { parity } else { -parity };
                 for group in 0..row.groups {
-                    let k = row.start + 4 * group + layer * length;
-                    cells.add_blocks(layout, u, k, shape, row.counts(group), blocks);
+                    let k = row.start + 4 * group;
+                    let points = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
+                    let lanes = [row.counts(group), points & shape.points, parity];
+                    cells.add_blocks(layout, u, k + layer * length, shape, lanes, blocks);
                 }
             }
             scratch.border.add_blocks(&cells.law, shape, layer * length, length, u, blocks);
@@ -366,30 +388,41 @@ impl ElasticModel for Layered {
 }
 
 impl CellLayer {
-    /// Adds the blocks of four cells whose first corner is at k.
+    /// Adds the blocks of four cells whose first corner is at k; `points` marks the cells with four points, of these parities.
     fn add_blocks(
         &self,
         layout: &Layout,
         u: &Field,
         k: usize,
         shape: &Shape,
-        counts: f32x4,
+        [counts, points, parity]: [f32x4; 3],
         blocks: &mut ColumnBlocks,
     ) {
         let (length, pitch) = (layout.len(), layout.pitch);
         let faces = [k, k + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-        let stiffness = CellStiffness::new(&self.law, &modes(&faces[0], &faces[1]), shape);
-        for [i, j] in CORNERS {
-            let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
-            let weight = f32x4::ONE & counts;
-            let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
-            let at = k + i + j * pitch;
-            blocks.diagonal.add(at, diagonal[0]);
-            blocks.diagonal.add(at + length, diagonal[1]);
-            for (part, lanes) in blocks.above.iter_mut().zip(above) {
-                let total = load(part, at) + lanes;
-                store(part, at, total);
+        let modes = modes(&faces[0], &faces[1]);
+        let mut add = |stiffness: &CellStiffness, weight: f32x4| {
+            for [i, j] in CORNERS {
+                let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
+                let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
+                let at = k + i + j * pitch;
+                blocks.diagonal.add(at, diagonal[0]);
+                blocks.diagonal.add(at + length, diagonal[1]);
+                for (part, lanes) in blocks.above.iter_mut().zip(above) {
+                    let total = load(part, at) + lanes;
+                    store(part, at, total);
+                }
             }
+        };
+        let (one, zero) = (f32x4::ONE & counts, f32x4::ZERO);
+        if points.any() {
+            for stiffness in &CellStiffness::at_points(&self.law, &modes, shape, parity) {
+                add(stiffness, points.bitselect(one, zero));
+            }
+        }
+        if !points.all() {
+            let stiffness = CellStiffness::new(&self.law, &modes, shape);
+            add(&stiffness, points.bitselect(zero, one));
         }
     }
 }

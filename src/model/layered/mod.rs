@@ -95,10 +95,20 @@ fn shared_out(heights: &[f64], cells: usize) -> Vec<usize> {
     counts
 }
 
-/// Cells through the thickness of solids \[mm\]: two up to 15 mm, four beyond.
-pub(crate) fn automatic_cells(materials: &[Material]) -> usize {
+/// Thickness up to which solids have one cell \[mm\]: flatter cells are very stiff.
+const THIN_MM: f64 = 4.0;
+
+/// Cells through the thickness of the solids on a grid of the given spacing \[mm\]: four of thick tissue and where two would be much
+/// higher than wide, one of thin tissue, else two.
+pub(crate) fn automatic_cells(materials: &[Material], spacing_mm: f64) -> usize {
     let thickness: f64 = materials.iter().skip(1).map(|m| m.thickness_mm).sum();
-    let cells = if thickness > 15.0 { 4 } else { 2 };
+    let cells = if thickness > 15.0 || thickness > 3.75 * spacing_mm && thickness > THIN_MM {
+        4
+    } else if thickness > THIN_MM {
+        2
+    } else {
+        1
+    };
     cells.max(materials.len().saturating_sub(1)).min(MAX_CELLS)
 }
 

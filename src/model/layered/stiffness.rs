@@ -8,8 +8,8 @@
 //! where the softening part sec′ < 0 is bounded.
 
 use super::cell::{self, Modes, Variation};
-use super::law::{Deformed, Matrix, SolidLaw, combined};
-use crate::mesh::vec3::{Block, Vec3, add_outer, scale};
+use super::law::{Deformed, Matrix, SolidLaw, combined, log_volume};
+use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;
 use wide::f32x4;
 
@@ -27,6 +27,8 @@ pub(super) struct Shape {
     /// Spacing over height.
     pub(super) slope: f32x4,
     pub(super) variation: Variation<f32x4>,
+    /// May cells have four points? As a mask.
+    pub(super) points: f32x4,
 }
 
 /// What the stiffness of four cells is made of.
@@ -34,6 +36,8 @@ pub(super) struct CellStiffness {
     deformed: Deformed<f32x4>,
     /// Nominal stress per secant, by columns; the third times the slope.
     pull: Matrix<f32x4>,
+    /// sec/(1+ν).
+    shear: f32x4,
     /// Coefficients of I (∇Nₐ·∇N_b), g_b gₐᵀ, gₐ g_bᵀ, tₐ t_bᵀ.
     isotropic: f32x4,
     crossed: f32x4,
@@ -41,8 +45,8 @@ pub(super) struct CellStiffness {
     bend: f32x4,
     /// Isotropic part of what varies inside of the cell: for one node, for a node and the node above.
     variation: [f32x4; 2],
-    /// The squares of ∇N: lateral parts together, the part through the thickness.
-    squares: [f32x4; 2],
+    /// The point of the cell on \[−½, ½\]³.
+    at: Vec3,
     slope: f32x4,
 }
 
@@ -50,9 +54,57 @@ impl CellStiffness {
     #[inline(always)]
     pub(super) fn new(law: &LaneLaw, modes: &Modes<f32x4>, shape: &Shape) -> Self {
         let deformed = Deformed::new(cell::gradient(modes.linear, shape.slope));
-        let iso = deformed.isochoric();
         let log = deformed.log_volume();
-        let e = law.equivalent(iso.g + shape.variation.mean_square(modes), log);
+        let v = &shape.variation;
+        let mut new = Self::of(law, deformed, log, v.mean_square(modes), shape.slope);
+        let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
+        let along = v.through * half + v.d;
+        new.variation = [
+            new.shear * (v.in_plane * quarter + along),
+            new.shear * (v.in_plane * quarter - along),
+        ];
+        new
+    }
+
+    /// Of cells with four points: the points' stiffness to changes of shape, a quarter each, and the middle's to changes of volume,
+    /// which is that of the mean.
+    pub(super) fn at_points(
+        law: &LaneLaw,
+        modes: &Modes<f32x4>,
+        shape: &Shape,
+        parity: f32x4,
+    ) -> [Self; 5] {
+        let zero = f32x4::ZERO;
+        let (points, volume) = cell::deformed_points(modes, shape.slope, parity);
+        let log = log_volume(volume);
+        let quarter = f32x4::splat(0.25);
+        let [a, b, c, d] = points.map(|(deformed, at)| {
+            let mut point = Self::of(law, deformed, log, zero, shape.slope);
+            point.straight = -point.shear * f32x4::splat(1.0 / 3.0);
+            for part in
+                [&mut point.isotropic, &mut point.crossed, &mut point.straight, &mut point.bend]
+            {
+                *part *= quarter;
+            }
+            Self { at, ..point }
+        });
+        let mut middle = Self::new(law, modes, shape);
+        middle.straight += middle.shear * f32x4::splat(1.0 / 3.0);
+        (middle.isotropic, middle.crossed, middle.bend) = (zero, zero, zero);
+        middle.variation = [zero; 2];
+        [a, b, c, d, middle]
+    }
+
+    #[inline(always)]
+    fn of(
+        law: &LaneLaw,
+        deformed: Deformed<f32x4>,
+        log: f32x4,
+        mean_square: f32x4,
+        slope: f32x4,
+    ) -> Self {
+        let iso = deformed.isochoric();
+        let e = law.equivalent(iso.g + mean_square, log);
         let (secant, bend) = law.secant_and_bend(e);
         let one = f32x4::ONE;
         let [x, y, z] = deformed.stress(&iso, law.shear, law.dilatation(log, deformed.volume));
@@ -61,47 +113,40 @@ impl CellStiffness {
         let floor = -secant * MOST_SOFTENING / (e * e).fast_max(f32x4::splat(1e-6));
         let softening = bend.fast_min(f32x4::ZERO).fast_max(floor) * limited;
         let shear = secant * law.shear;
-        let v = &shape.variation;
-        let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
-        let along = v.through * half + v.d;
         Self {
-            pull: [x, y, scale(z, shape.slope)],
-            isotropic: shear * half * relief,
-            crossed: shear * half * limited,
+            pull: [x, y, scale(z, slope)],
+            shear,
+            isotropic: shear * f32x4::HALF * relief,
+            crossed: shear * f32x4::HALF * limited,
             straight: secant * law.bulk - shear * f32x4::splat(1.0 / 3.0),
             bend: bend.fast_max(f32x4::ZERO) + softening,
-            variation: [
-                shear * (v.in_plane * quarter + along),
-                shear * (v.in_plane * quarter - along),
-            ],
-            squares: [
-                f32x4::splat(2.0 / 16.0),
-                shape.slope * shape.slope * f32x4::splat(1.0 / 16.0),
-            ],
-            slope: shape.slope,
+            variation: [f32x4::ZERO; 2],
+            at: [f32x4::ZERO; 3],
+            slope,
             deformed,
         }
     }
 
-    /// g and t of a node, from the signs of its corner: F^(−T)∇N and P∇N/sec.
+    /// g, t and ∇N of a node, from the signs of its corner: F^(−T)∇N, P∇N/sec.
     #[inline(always)]
-    fn vectors(&self, [sx, sy, sz]: [f32; 3]) -> [Vec3; 2] {
-        let quarter = f32x4::splat(0.25);
-        let signs = [quarter * sx, quarter * sy, quarter * sz];
+    fn vectors(&self, [sx, sy, sz]: [f32; 3]) -> [Vec3; 3] {
+        let half = f32x4::HALF;
+        // N is the product of these; its slopes have one factor replaced by the sign.
+        let [p, q, r] = [0, 1, 2].map(|axis| self.at[axis] * [sx, sy, sz][axis] + half);
+        let slopes = [q * r * sx, p * r * sy, p * q * sz];
         let inverse = f32x4::ONE / self.deformed.volume.fast_max(f32x4::splat(0.05));
         let [x, y, z] = self.deformed.cofactors;
-        let g = combined([x, y, scale(z, self.slope)], signs.map(|s| s * inverse));
-        [g, combined(self.pull, signs)]
+        let g = combined([x, y, scale(z, self.slope)], slopes.map(|s| s * inverse));
+        [g, combined(self.pull, slopes), [slopes[0], slopes[1], slopes[2] * self.slope]]
     }
 
     /// The blocks of the lower node, of the upper node, and of the pair, for a corner; times `weight`.
     #[inline(always)]
     pub(super) fn blocks(&self, sx: f32, sy: f32, weight: f32x4) -> ([Block; 2], [f32x4; 9]) {
         let nodes = [-1.0, 1.0].map(|sz| self.vectors([sx, sy, sz]));
-        let [lateral, through] = self.squares;
-        let own = (self.isotropic * (lateral + through) + self.variation[0]) * weight;
         let (both, bend) = ((self.crossed + self.straight) * weight, self.bend * weight);
-        let diagonal = nodes.map(|[g, t]| {
+        let diagonal = nodes.map(|[g, t, n]| {
+            let own = (self.isotropic * dot(n, n) + self.variation[0]) * weight;
             let mut block = [f32x4::ZERO; 6];
             add_outer(&mut block, scale(g, both), g);
             add_outer(&mut block, scale(t, bend), t);
@@ -110,8 +155,8 @@ impl CellStiffness {
             }
             block
         });
-        let [[ga, ta], [gb, tb]] = nodes;
-        let pair = (self.isotropic * (lateral - through) + self.variation[1]) * weight;
+        let [[ga, ta, na], [gb, tb, nb]] = nodes;
+        let pair = (self.isotropic * dot(na, nb) + self.variation[1]) * weight;
         let mut above = [f32x4::ZERO; 9];
         let (crossed, straight) = (self.crossed * weight, self.straight * weight);
         for r in 0..3 {

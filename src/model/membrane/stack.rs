@@ -41,12 +41,9 @@ impl Stack {
     ) -> Self {
         let mut stack = Self::new(&materials[..1], deformation);
         for pair in faces.windows(2) {
-            let apart = pair[0].iter().zip(pair[1]).map(|(a, b)| a.distance(*b) as f32);
-            let mut thickness = vec![0.0; deformation.len()];
-            for (k, value) in apart.enumerate() {
-                thickness[k] = value;
-            }
-            stack.thickness_mm.insert(1, thickness);
+            // Along the skin's normal: columns of sheared tissue are longer.
+            let apart = |k: usize| (pair[1][k] - pair[0][k]).dot(deformation.normal(k)).max(0.0);
+            stack.thickness_mm.insert(1, (0..deformation.len()).map(|k| apart(k) as f32).collect());
         }
         let face = |face: &&[DVec3]| face.iter().map(|p| p.as_vec3()).collect();
         stack.between = faces[1..].iter().map(face).collect();

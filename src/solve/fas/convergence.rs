@@ -73,12 +73,16 @@ pub(super) struct Convergence {
     /// The change of the last cycle as a field of the finest grid, unless a relaxation followed.
     last_update: Field,
     has_last_update: bool,
+    /// The result of the last cycle before mixing; empty unless cycles are mixed.
+    last_result: Field,
+    /// Convergence factors of the last two cycles without mixing \[-\], zero while unknown.
+    unmixed_rates: [f64; 2],
     pub(super) ending: Ending,
 }
 
 impl Convergence {
-    /// `last_update` is a field of the finest grid.
-    pub(super) fn new(last_update: Field) -> Self {
+    /// `last_update` is a field of the finest grid, and `last_result` where cycles are mixed.
+    pub(super) fn new(last_update: Field, last_result: Field) -> Self {
         Self {
             cycles: 0,
             slow_cycles: 0,
@@ -90,13 +94,17 @@ impl Convergence {
             last_change: f64::INFINITY,
             last_update,
             has_last_update: false,
+            last_result,
+            unmixed_rates: [0.0; 2],
             ending: Ending::NONE,
         }
     }
 
     /// Resets the state for another grid.
     pub(super) fn reset(&mut self) {
-        *self = Self::new(std::mem::take(&mut self.last_update));
+        let fields = [&mut self.last_update, &mut self.last_result].map(std::mem::take);
+        let [last_update, last_result] = fields;
+        *self = Self::new(last_update, last_result);
     }
 
     /// Discards the last change: the state changed by other means than a cycle.
@@ -111,7 +119,11 @@ impl Convergence {
         let mut rate = least;
         let mut is_slow = false;
         if self.last_change.is_finite() {
+            // Mixing lowers the ratio of changes, but the result of a cycle is not mixed yet.
+            let [one, two] = self.unmixed_rates;
             rate = (change / self.last_change.max(f64::MIN_POSITIVE))
+                .max(one)
+                .max(two)
                 .clamp(least, parameters.max_convergence_factor);
             is_slow = change > parameters.slow_factor * self.last_change;
             self.slow_cycles = if is_slow { self.slow_cycles + 1 } else { 0 };
@@ -193,7 +205,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if self.stop == Stop::Tolerance && is_exhausted {
             return State::Failed;
         }
-        self.aitken_relax();
+        if self.parameters.mixes {
+            self.mix();
+        } else {
+            self.aitken_relax();
+        }
         self.begin_cycle();
         let error = self.convergence.ending.error;
         if self.draft_tolerance.is_some_and(|draft| error <= draft * self.base_radius) {
@@ -294,6 +310,34 @@ impl<M: ElasticModel> FullMultigrid<M> {
         Offsets::Applied
     }
 
+    /// Mixes the results g of the last two cycles so that the change r = g − u, linear between them, is least:
+    /// u ← g − θ(g − g′), θ = ⟨r, r − r′⟩/⟨r − r′, r − r′⟩.
+    fn mix(&mut self) {
+        let level = &mut self.levels[self.grid];
+        let Level { layout, u, before, .. } = level;
+        let Convergence { last_update, last_result, has_last_update, unmixed_rates, .. } =
+            &mut self.convergence;
+        let [product, square, own] = layout.products(u, before, last_update);
+        let theta = (own - product) / (own - 2.0 * product + square);
+        // θ = ρ/(ρ − 1) for changes that fall by a factor ρ.
+        if *has_last_update && theta < 0.0 {
+            unmixed_rates[1] = unmixed_rates[0];
+            unmixed_rates[0] = theta / (theta - 1.0);
+        }
+        last_update.set_difference(u, before);
+        if *has_last_update && theta.is_finite() {
+            let (least, most) = self.parameters.mixing_bounds;
+            // The result of this cycle replaces that of the last one, which the blend needs first.
+            before.copy_from(u);
+            u.blend(last_result, theta.clamp(least, most) as f32);
+            last_result.copy_from(before);
+            level.project_feasible();
+        } else {
+            last_result.copy_from(u);
+        }
+        self.convergence.has_last_update = true;
+    }
+
     /// Relaxes an oscillating change: coarse grids are slightly too soft at the contact edge, where the sheet may
     /// oscillate from cycle to cycle (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46, 1926, for one
     /// vector).
@@ -303,7 +347,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let Level { layout, u, before, .. } = level;
         let convergence = &mut self.convergence;
         let last_update = &mut convergence.last_update;
-        let (product, square) = layout.products(u, before, last_update);
+        let [product, square, _] = layout.products(u, before, last_update);
         let rho = if convergence.has_last_update && square > 0.0 { product / square } else { 0.0 };
         let oscillates = rho <= parameters.oscillation || rho.is_nan();
         convergence.has_last_update = !oscillates;

@@ -46,8 +46,6 @@ pub(super) enum Step {
 pub(super) struct Plan {
     /// The grid being solved.
     pub(super) top: usize,
-    /// Is that grid the finest?
-    pub(super) is_finest: bool,
     /// Number of previous cycles of this grid.
     pub(super) cycles: u32,
     pub(super) mode: Mode,
@@ -63,9 +61,6 @@ impl Plan {
                 steps.push(Step::InvertBlocks { grid });
             }
             let smooth = |&omega: &f32| Step::Smooth { grid, omega };
-            if self.is_first(grid) && !self.is_finest {
-                steps.extend(self.parameters.starting_smoothing.iter().map(smooth));
-            }
             steps.extend(self.smoothing(grid).before.iter().map(smooth));
             steps.push(Step::Restrict { grid });
         }
@@ -98,12 +93,11 @@ impl Plan {
 impl<M: ElasticModel> FullMultigrid<M> {
     /// Begins a cycle of the grid being solved.
     pub(super) fn begin_cycle(&mut self) {
-        let is_finest = self.is_on_finest();
         let Self { levels, grid, convergence, mode, steps, parameters, .. } = self;
         let level = &mut levels[*grid];
         level.before.copy_from(&level.u);
         let (top, cycles, mode) = (*grid, convergence.cycles, *mode);
-        Plan { top, is_finest, cycles, mode, parameters }.v_cycle(steps);
+        Plan { top, cycles, mode, parameters }.v_cycle(steps);
         self.next_step = 0;
     }
 
@@ -180,8 +174,7 @@ mod tests {
     #[test]
     fn a_later_cycle_of_three_grids_smooths_twice_on_the_way_down_and_up() {
         let mut steps = Vec::new();
-        let plan =
-            Plan { top: 2, is_finest: true, cycles: 3, mode: Mode::Fast, parameters: &MEMBRANE };
+        let plan = Plan { top: 2, cycles: 3, mode: Mode::Fast, parameters: &MEMBRANE };
         plan.v_cycle(&mut steps);
         let smooth = |grid: usize| [1.6, 0.5].map(|omega| Step::Smooth { grid, omega });
         let mut expected = Vec::new();

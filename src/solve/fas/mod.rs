@@ -1,7 +1,7 @@
 //! Full multigrid by the full approximation scheme, in lanes of four f32.
 //!
 //! Nested iteration: the coarsest grid starts from a taut profile, every finer grid from the prolongated solution
-//! of the coarser grid; V-cycles reduce the error. Every grid is fitted to the pocket's circle. No matrix is
+//! of the coarser grid; V-cycles reduce the error. Every grid is fitted to the patch's circle. No matrix is
 //! assembled: a cycle evaluates forces and nodal blocks. The grid being solved determines the active set; coarser
 //! grids inherit the set by restriction.
 //!
@@ -40,7 +40,7 @@ pub(super) enum State {
     /// The error is below the draft tolerance for the first time; the tolerance is not reached.
     Draft,
     Converged,
-    /// The scheme does not converge; Newton's method replaces it.
+    /// The scheme does not converge.
     Failed,
 }
 
@@ -118,7 +118,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
             steps: Vec::with_capacity(8 * levels.len() + 2),
             next_step: 0,
             mode: Mode::Fast,
-            convergence: Convergence::new(Field::new(finest, model.layers())),
+            convergence: Convergence::new(
+                Field::new(finest, model.layers()),
+                if parameters.mixes {
+                    Field::new(finest, model.layers())
+                } else {
+                    Field::default()
+                },
+            ),
             row: vec![0.0; nodes_per_side + 8],
             work_units: 0.0,
             levels,

@@ -18,8 +18,11 @@ pub(in crate::solve) struct Parameters {
     pub(super) smoothing: Smoothing,
     /// The same in the first cycle of a grid, whose start is smooth: interpolated from a coarser grid \[-\].
     pub(super) first_smoothing: Smoothing,
-    /// Damping factors of further steps at the start of a grid below the finest \[-\].
-    pub(super) starting_smoothing: &'static [f32],
+    /// Are the results of cycles mixed (D. G. Anderson, J. ACM 12, 1965, of depth one)? Otherwise oscillations alone are
+    /// relaxed.
+    pub(super) mixes: bool,
+    /// Bounds of the mixing factor θ \[-\].
+    pub(super) mixing_bounds: (f64, f64),
     /// Is a step shortened by the hardening of the adjacent springs?
     pub(super) has_hardening: bool,
     /// The least number of cells a side of a grid with a finer one.
@@ -84,7 +87,8 @@ pub(in crate::solve) struct Parameters {
 pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     smoothing: Smoothing { before: &[1.6, 0.5], after: &[1.6, 0.5] },
     first_smoothing: Smoothing { before: &[0.9], after: &[0.9] },
-    starting_smoothing: &[],
+    mixes: false,
+    mixing_bounds: (0.0, 0.0),
     has_hardening: true,
     least_cells: 8,
     coarsest_smoothing: &[2.9, 0.3, 0.82, 0.4],
@@ -113,51 +117,51 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
 /// The least tolerance of node positions that f32 resolves \[base radius\].
 pub(in crate::solve) const LEAST_TOLERANCE: f64 = 2e-6;
 
-/// Inverse roots of Chebyshev polynomials on [0.25, 6] \[-\].
-const LAYERED_SMOOTHING: Smoothing = Smoothing {
-    before: &[1.5744, 0.3200, 0.1781],
-    after: &[2.5594, 0.6968, 0.3200, 0.2077, 0.1707],
-};
+/// Inverse roots of Chebyshev polynomials on [0.45, 10] \[-\].
+const LAYERED_SMOOTHING: Smoothing =
+    Smoothing { before: &[0.5410, 0.1163], after: &[1.2293, 0.2943, 0.1418, 0.1038] };
 
-/// Inverse roots of Chebyshev polynomials on [0.45, 9] \[-\].
+/// Inverse roots of Chebyshev polynomials on [0.8, 20] \[-\].
 const GENTLE_SMOOTHING: Smoothing = Smoothing {
-    before: &[0.9778, 0.2116, 0.1187],
-    after: &[1.5169, 0.4520, 0.2116, 0.1382, 0.1138],
+    before: &[0.4794, 0.0962, 0.0534],
+    after: &[0.7875, 0.2102, 0.0962, 0.0623, 0.0512],
 };
 
 /// The constants for layered tissue where [`LAYERED`] fails: smaller steps, blocks renewed in every cycle.
 pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     smoothing: GENTLE_SMOOTHING,
     first_smoothing: GENTLE_SMOOTHING,
-    starting_smoothing: &[0.2; 16],
     coarsest_smoothing: &[0.2; 24],
     block_cycles: u32::MAX,
     max_cycles: 80,
+    max_start_cycles: 4,
     max_slow_cycles: 16,
     max_stagnations: 6,
     ..LAYERED
 };
 
-/// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5.2 on the dome and 7 on steep
-/// domes: the stiff modes are smooth changes of thickness, the soft ones checkerboards.
+/// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5 on the dome, 7 on steep domes
+/// and 10 where four points meet a concentrated strain: the stiff modes are smooth changes of thickness, the soft ones
+/// checkerboards.
 pub(in crate::solve) const LAYERED: Parameters = Parameters {
     smoothing: LAYERED_SMOOTHING,
     first_smoothing: LAYERED_SMOOTHING,
-    starting_smoothing: &[0.3; 16],
+    mixes: true,
+    mixing_bounds: (-4.0, 0.5),
     has_hardening: false,
     least_cells: 16,
-    coarsest_smoothing: &[0.3; 12],
+    coarsest_smoothing: &[0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 1.2, 0.15],
     coarsest_rounds: 2,
     block_cycles: 2,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
     max_cycles: 40,
-    max_start_cycles: 4,
+    max_start_cycles: 2,
     start_tolerance: 3e-3,
     max_coarsest_cycles: 60,
-    min_convergence_factor: 0.4,
+    min_convergence_factor: 0.6,
     max_convergence_factor: 0.95,
-    error_safety: 1.5,
+    error_safety: 4.0,
     slow_factor: 0.9,
     max_slow_cycles: 6,
     oscillation: -0.25,
