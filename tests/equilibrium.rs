@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+use implant_preview::experiment::axisymmetric;
 use implant_preview::measure::Fields;
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::mesh::NodeKind;
 use implant_preview::scene::Scene;
 use implant_preview::simulate::{measure, simulate};
 use implant_preview::solve::{Method, Options, Progress, Solver, Verdict};
+use implant_preview::springs::coupled::{CoupledLaw, LawLayer};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -592,4 +594,72 @@ fn the_result_warns_of_wrinkles_by_stress() {
     // Strains are compressive in both; the least stress is +0.095 E and −0.016 E.
     assert!(!warns(20.0, 60.0, 0.45));
     assert!(warns(25.0, 65.0, 0.0));
+}
+
+/// Mean and greatest contact pressure \[kPa\] on a centred dome from the axisymmetric reference: κ₁T₁/λ₂ + κ₂T₂/λ₁ with the
+/// curvatures of the half-ellipsoid.
+fn exact_pressure(scene: &Scene) -> [f64; 2] {
+    let problem = scene.problem().unwrap();
+    let dome = &problem.obstacle.dome;
+    let solution =
+        axisymmetric::solve(dome, problem.patch.pocket_radius_mm, &problem.materials).unwrap();
+    let layers: Vec<LawLayer> = problem
+        .materials
+        .iter()
+        .map(|m| LawLayer {
+            curve: &m.curve,
+            poisson_ratio: m.poisson_ratio,
+            thickness_mm: m.thickness_mm,
+        })
+        .collect();
+    let law = CoupledLaw::new(&layers);
+    let (mut force, mut area, mut greatest) = (0.0, 0.0, 0.0_f64);
+    let steps = 20_000;
+    for k in 0..steps {
+        let s = solution.contact_material_radius_mm * (f64::from(k) + 0.5) / f64::from(steps);
+        let point = solution.point(s);
+        let [one, two] = [point.stretch_meridional, point.stretch_hoop];
+        let [t_one, t_two] = law.response([one - 1.0, two - 1.0]).tension;
+        let sin = point.r_mm / dome.base_radius;
+        let (across, along) = (dome.base_radius, dome.projection);
+        let speed = (across * across * (1.0 - sin * sin) + along * along * sin * sin).sqrt();
+        let curvature = [across * along / speed.powi(3), along / (across * speed)];
+        let pressure = curvature[0] * t_one / two + curvature[1] * t_two / one;
+        let element = point.r_mm * one;
+        force += pressure * element;
+        area += element;
+        greatest = greatest.max(pressure);
+    }
+    [force / area, greatest]
+}
+
+#[test]
+fn mean_and_greatest_contact_pressure_are_those_of_the_reference() {
+    let errors = |scene: &Scene| {
+        let [mean, max] = exact_pressure(scene);
+        let pressure = simulate(scene).unwrap().contact_pressure_kpa.unwrap();
+        [pressure.mean / mean - 1.0, pressure.max / max - 1.0]
+    };
+    for case in cases() {
+        if number_of(&case, "pocket_radius_mm") <= number_of(&case, "dome_radius_mm") {
+            continue;
+        }
+        let [coarse, fine] = [65, 129].map(|nodes| errors(&scene_of(&case, nodes)));
+        println!("{}: mean and greatest {coarse:.4?} at 65, {fine:.4?} at 129", case["name"]);
+        assert!(coarse.iter().all(|error| error.abs() < 5e-3), "{coarse:?}");
+        assert!(fine.iter().all(|error| error.abs() < 1e-3), "{fine:?}");
+    }
+    // A flat dome has its greatest pressure at the contact's edge.
+    for (nodes, bounds) in [(65, [0.015, 0.1]), (129, [0.004, 0.02]), (257, [0.002, 0.01])] {
+        let mut scene = Scene::default();
+        scene.implant.projection_mm = 20.0;
+        (scene.solver.nodes_per_side, scene.solver.tolerance) = (nodes, 1e-6);
+        let [mean, max] = errors(&scene);
+        println!("flat at {nodes}: mean {mean:.4}, greatest {max:.4}");
+        assert!(mean.abs() < bounds[0] && max.abs() < bounds[1]);
+    }
+}
+
+fn number_of(case: &Value, name: &str) -> f64 {
+    case[name].as_f64().unwrap()
 }

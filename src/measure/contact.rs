@@ -3,10 +3,13 @@
 use super::Pressure;
 use crate::mesh::NodeKind;
 use crate::solve::Solution;
-use glam::{DVec3, dvec3};
+use glam::{DMat3, DVec3, dvec3};
 
 /// Range of distances from the contact of the nodes that locate the contact edge \[grid spacings\].
 const EDGE_BAND: (f64, f64) = (1.0, 6.0);
+
+/// Columns and rows to either side from which the pressure at the contact's edge is extrapolated.
+const REACH: usize = 4;
 
 /// Contact at every node; all arrays of shape (nodes_per_side², ).
 #[derive(Clone, Debug)]
@@ -15,11 +18,13 @@ pub(super) struct Contact {
     force: Vec<f64>,
     /// Deformed area around each node \[mm²\].
     area: Vec<f64>,
-    /// Do the node and its eight neighbours touch the dome?
+    /// Do the node and its neighbours of two rings touch the dome? Of one ring where the contact is small.
     inside: Vec<bool>,
     nodes_per_side: usize,
     /// Vertical force \[kPa·mm²\].
     vertical_force: f64,
+    /// Pressure \[kPa\]; zero outside of the contact.
+    at_nodes: Vec<f64>,
     /// Mean and greatest pressure \[kPa\].
     pressure: Option<Pressure>,
 }
@@ -40,13 +45,28 @@ impl Contact {
         let nodes = force.len();
         let area = (0..nodes).map(|k| deformation.deformed_area(k)).collect();
         let n = solution.problem().sheet.nodes_per_side();
-        let inside = (0..nodes)
-            .map(|k| force[k] > 0.0 && around(k, n).as_flattened().iter().all(|&k| force[k] > 0.0))
-            .collect();
+        // A node with a contact offset disturbs the forces on its neighbours: two rings of nodes are left out.
+        let within = |marks: &[bool]| -> Vec<bool> {
+            let is_within =
+                |k: usize| marks[k] && around(k, n).as_flattened().iter().all(|&k| marks[k]);
+            (0..nodes).map(is_within).collect()
+        };
+        let touching: Vec<bool> = force.iter().map(|force| *force > 0.0).collect();
+        let one_ring = within(&touching);
+        let two_rings = within(&one_ring);
+        let inside = if two_rings.contains(&true) { two_rings } else { one_ring };
         let vertical_force = force.iter().zip(&reactions.normal).map(|(f, n)| f * n.z).sum();
-        let mut contact =
-            Self { force, area, inside, nodes_per_side: n, vertical_force, pressure: None };
-        contact.pressure = contact.find_pressure();
+        let at_nodes = vec![0.0; nodes];
+        let mut contact = Self {
+            force,
+            area,
+            inside,
+            nodes_per_side: n,
+            vertical_force,
+            at_nodes,
+            pressure: None,
+        };
+        contact.find_pressure();
         contact
     }
 
@@ -74,33 +94,10 @@ impl Contact {
         around(node, self.nodes_per_side)
     }
 
-    /// The mean pressure over a node inside of the contact and its neighbours \[kPa\].
-    fn pressure_inside(&self, node: usize) -> f64 {
-        let (force, area) = self.sums(self.around(node).as_flattened().iter().copied());
-        force / area
-    }
-
     /// Contact pressure at a node \[kPa\], the field with the greatest value of [`Self::pressure`]; zero
     /// outside of the contact.
-    ///
-    /// Only a part of the area around a node at the contact edge is in contact, so that force / area underestimates
-    /// the pressure there: such a node takes the mean pressure of the adjacent interior nodes. A contact without
-    /// interior nodes has its mean pressure everywhere.
     pub(super) fn pressure_at(&self, node: usize) -> f64 {
-        let Some(Pressure { mean, max }) = self.pressure.filter(|_| self.touches(node)) else {
-            return 0.0;
-        };
-        if max <= mean {
-            return mean;
-        }
-        if self.inside[node] {
-            return self.pressure_inside(node);
-        }
-        let beside = self.around(node);
-        let beside = beside.as_flattened().iter().filter(|&&k| self.inside[k]);
-        let (sum, count) =
-            beside.fold((0.0, 0.0), |(sum, n), &k| (sum + self.pressure_inside(k), n + 1.0));
-        if count > 0.0 { sum / count } else { mean }
+        self.at_nodes[node]
     }
 
     /// Mean and greatest pressure \[kPa\]; `None` without contact.
@@ -108,26 +105,81 @@ impl Contact {
         self.pressure
     }
 
-    /// Mean pressure, and the greatest mean over nine nodes in contact \[kPa\]. `None` without contact.
+    /// The mean pressure over a node inside of the contact and its neighbours inside \[kPa\]. Neighbours at the edge are left out:
+    /// their surroundings are partly free.
+    fn pressure_inside(&self, node: usize) -> f64 {
+        let beside = self.around(node);
+        let (force, area) =
+            self.sums(beside.as_flattened().iter().copied().filter(|&k| self.inside[k]));
+        force / area
+    }
+
+    /// The pressure at a node at the contact's edge \[kPa\]: the linear fit of force / area over the nodes inside of the contact
+    /// within [`REACH`] columns and rows. Only a part of the node's own surroundings is in contact. `None` without such nodes.
+    fn pressure_at_edge(&self, node: usize) -> Option<f64> {
+        let n = self.nodes_per_side;
+        let (mut matrix, mut right, mut count) = (DMat3::ZERO, DVec3::ZERO, 0);
+        let (mut sum, mut least, mut most) = (0.0, f64::MAX, f64::MIN);
+        for j in 0..=2 * REACH {
+            for i in 0..=2 * REACH {
+                let k = (node + j * n + i).checked_sub(REACH * (n + 1));
+                let Some(k) = k.filter(|&k| k < self.inside.len()) else {
+                    continue;
+                };
+                if !self.inside[k] {
+                    continue;
+                }
+                let own = self.force[k] / self.area[k];
+                let row = dvec3(1.0, i as f64 - REACH as f64, j as f64 - REACH as f64);
+                matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
+                right += row * own;
+                sum += own;
+                (least, most, count) = (least.min(own), most.max(own), count + 1);
+            }
+        }
+        if count == 0 {
+            return None;
+        }
+        let mean = sum / f64::from(count);
+        // Nodes in one line determine no plane.
+        if matrix.determinant() < 1.0 {
+            return Some(mean);
+        }
+        let fitted = (matrix.inverse() * right).x;
+        let spread = most - least;
+        Some(fitted.clamp((least - spread).max(0.5 * least), most + spread))
+    }
+
+    /// Sets the pressure at the nodes, its mean and its greatest value.
     ///
     /// The pressure is smooth inside of the contact and jumps to zero at its edge. The area in contact around an edge
-    /// node is the node's force divided by the pressure of the adjacent interior nodes.
-    fn find_pressure(&self) -> Option<Pressure> {
+    /// node is the node's force divided by the node's pressure. A contact without nodes inside has its mean pressure everywhere.
+    fn find_pressure(&mut self) {
+        let touching: Vec<usize> = (0..self.force.len()).filter(|&k| self.touches(k)).collect();
         let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
-        for k in (0..self.force.len()).filter(|&k| self.touches(k)) {
+        for &k in &touching {
             force += self.force[k];
-            if self.inside[k] {
+            let pressure = if self.inside[k] {
                 area += self.area[k];
-                max = max.max(self.pressure_inside(k));
-                continue;
-            }
-            let beside = self.around(k);
-            let (f, a) =
-                self.sums(beside.as_flattened().iter().copied().filter(|&k| self.inside[k]));
-            area += if f > 0.0 { self.force[k] * a / f } else { self.area[k] };
+                self.pressure_inside(k)
+            } else {
+                let at_edge = self.pressure_at_edge(k);
+                area += at_edge.map_or(self.area[k], |pressure| self.force[k] / pressure);
+                at_edge.unwrap_or(0.0)
+            };
+            self.at_nodes[k] = pressure;
+            max = max.max(pressure);
+        }
+        if area <= 0.0 {
+            return;
         }
         let mean = force / area;
-        (area > 0.0).then(|| Pressure { mean, max: max.max(mean) })
+        for &k in touching.iter().filter(|&&k| !self.inside[k]) {
+            if self.at_nodes[k] <= 0.0 || max <= mean {
+                self.at_nodes[k] = mean;
+            }
+        }
+        self.pressure = Some(Pressure { mean, max: max.max(mean) });
     }
 
     /// The contact edge on a dome in the pocket's centre; `None` off centre or without contact.
@@ -226,7 +278,7 @@ impl Fit {
         if p[0] < 6.0 {
             return None;
         }
-        let matrix = glam::DMat3::from_cols(
+        let matrix = DMat3::from_cols(
             dvec3(p[0], p[1], p[2]),
             dvec3(p[1], p[2], p[3]),
             dvec3(p[2], p[3], p[4]),
