@@ -49,7 +49,7 @@ impl Default for AttachmentSettings {
 /// Cells through the thickness of the solid layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellsThrough {
-    /// Chosen from the thickness and the grid.
+    /// Chosen from the thickness.
     #[default]
     Auto,
     /// This number, 1 to 8; each solid layer has one at least.
@@ -138,10 +138,10 @@ impl Body {
 }
 
 impl CellsThrough {
-    /// Layered tissue of these materials on a grid of this spacing \[mm\].
-    pub(super) fn tissue(self, materials: &[Material], spacing_mm: f64) -> Tissue {
+    /// Layered tissue of these materials.
+    pub(super) fn tissue(self, materials: &[Material]) -> Tissue {
         let cells_through = match self {
-            Self::Auto => automatic_cells(materials, spacing_mm),
+            Self::Auto => automatic_cells(materials),
             Self::Count(count) => count,
         };
         Tissue::Layered { cells_through }

@@ -81,9 +81,7 @@ impl CheckedScene {
             None => (Patch::clamped_at_pocket(*pocket_radius_mm), Tissue::Sheet),
             Some(body) => {
                 let cells = solver.cells_through.unwrap_or_default();
-                let nodes = rounded_nodes_per_side(solver.nodes_per_side);
-                let spacing_mm = 2.0 * body.patch_radius_mm / (nodes - 1) as f64;
-                (body.patch(*pocket_radius_mm), cells.tissue(&self.materials, spacing_mm))
+                (body.patch(*pocket_radius_mm), cells.tissue(&self.materials))
             }
         };
         Problem {

@@ -95,16 +95,18 @@ fn shared_out(heights: &[f64], cells: usize) -> Vec<usize> {
     counts
 }
 
-/// Thickness up to which solids have one cell \[mm\]: flatter cells are very stiff.
-const THIN_MM: f64 = 4.0;
+/// Thickness of solids up to which they have one cell, and above which they have four \[mm\]: cells much flatter than wide are
+/// very stiff.
+const ONE_OR_FOUR_MM: (f64, f64) = (4.0, 15.0);
 
-/// Cells through the thickness of the solids on a grid of the given spacing \[mm\]: four of thick tissue and where two would be much
-/// higher than wide, one of thin tissue, else two.
-pub(crate) fn automatic_cells(materials: &[Material], spacing_mm: f64) -> usize {
+/// Cells through the thickness of the solids. More cells on a fine grid would gain little: they would be too small for four points
+/// at the pocket's edge.
+pub(crate) fn automatic_cells(materials: &[Material]) -> usize {
     let thickness: f64 = materials.iter().skip(1).map(|m| m.thickness_mm).sum();
-    let cells = if thickness > 15.0 || thickness > 3.75 * spacing_mm && thickness > THIN_MM {
+    let (one, four) = ONE_OR_FOUR_MM;
+    let cells = if thickness > four {
         4
-    } else if thickness > THIN_MM {
+    } else if thickness > one {
         2
     } else {
         1
