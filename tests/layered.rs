@@ -253,6 +253,7 @@ fn invalid_fields_of_scene_2_are_refused_in_one_line() {
     assert!(refused(r#""attachment": { "stiffness_kpa_per_mm": 0 }"#).contains("0.1 to 50 kPa/mm"));
     assert!(refused(r#""attachment": { "ramp_mm": 41 }"#).contains("1 to 40 mm"));
     assert!(refused(r#""attachment": { "width": 1 }"#).contains("unknown field"));
+    assert!(refused(r#""attachment": [2, 10]"#).contains("one JSON object"));
     assert!(refused(r#""tissue_model": "jelly""#).contains("layered"));
     assert!(refused(r#""solver": { "cells_through": 9 }"#).contains("1 to 8"));
     assert!(refused(r#""solver": { "cells_through": "many" }"#).contains("auto"));
@@ -293,4 +294,52 @@ fn fine_grids_thin_fat_and_domes_off_centre_need_no_second_attempt() {
         assert_eq!(outcome.status, Status::Converged, "{nodes} {fat} {center:?}");
         assert!(!solver.fell_back, "{nodes} {fat} {center:?}");
     }
+}
+
+#[test]
+fn a_second_attempt_starts_on_a_finer_grid() {
+    // The coarsest grid has few nodes over these domes.
+    let wide = json!({ "patch_radius_mm": 260 });
+    let small = json!({ "implant": { "base_radius_mm": 20 }, "pocket_radius_mm": 35 });
+    let at_edge = json!({ "implant": { "base_radius_mm": 55, "center_mm": [15, 0] } });
+    for change in [wide, small, at_edge] {
+        let mut scene = json!({ "schema": "implant-preview/scene/2",
+            "implant": { "base_radius_mm": 55 }, "pocket_radius_mm": 70,
+            "solver": { "nodes_per_side": 65, "tolerance": 1e-3 } });
+        for (name, value) in change.as_object().unwrap() {
+            scene[name] = value.clone();
+        }
+        let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{change}");
+        assert!(outcome.solver.fell_back, "{change}");
+    }
+}
+
+#[test]
+fn a_scene_without_a_shape_has_no_figures() {
+    let mut scene = default_scene(33);
+    scene.layers[1].curve =
+        serde_json::from_value(json!({ "kind": "linear", "modulus_kpa": 1e-6 })).unwrap();
+    let outcome = simulate(&scene).unwrap();
+    assert_eq!(outcome.status, Status::Unstable);
+    assert!(outcome.warnings[0].starts_with("The solver found no shape"), "{:?}", outcome.warnings);
+    assert!(outcome.contact_force_n.is_none() && outcome.cover_mm.is_none());
+    let mut flat = default_scene(33);
+    flat.insertion = 0.0;
+    let outcome = simulate(&flat).unwrap();
+    assert!((outcome.skin_projection_mm.unwrap() - 11.5).abs() < 1e-3);
+    assert!(outcome.cover_mm.is_none());
+}
+
+#[test]
+fn a_poisson_ratio_out_of_reach_is_said() {
+    let said = |poisson_ratio: f64| {
+        let mut scene = default_scene(33);
+        scene.layers[0].poisson_ratio = 0.5;
+        scene.layers[1].poisson_ratio = poisson_ratio;
+        let outcome = simulate(&scene).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{poisson_ratio}");
+        outcome.warnings.iter().any(|warning| warning.starts_with("adipose: the Poisson ratio"))
+    };
+    assert!(said(0.5) && !said(0.48));
 }

@@ -70,8 +70,8 @@ impl Outcome {
         let faces = solution.faces();
         let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
         self.cover_mm = cover(solution, &outer);
-        let apex = problem.obstacle.dome.apex().z;
-        self.skin_projection_mm = Some(self.cover_mm.map_or(apex, |cover| apex + cover.apex));
+        let apex = problem.obstacle.dome.apex();
+        self.skin_projection_mm = height_above(sheet, &outer, apex.x, apex.y);
         let deformation = solution.deformation();
         let area = |weight: &dyn Fn(usize) -> f64| {
             let sums = deformation.inside().fold((0.0, 0.0), |(rest, deformed), k| {

@@ -25,6 +25,7 @@ pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 
+use crate::model::layered::law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
 use crate::solve::{Invalid, Method, Problem, Report, Tissue, Verdict};
 use crate::springs::Springs;
@@ -48,11 +49,10 @@ pub const PROFILE_POINTS: usize = 41;
 pub enum Status {
     /// The estimated position error is within the tolerance.
     Converged,
-    /// The estimated position error is above the tolerance; the figures are those of the last iterate, or missing where
-    /// the last iterate of layered tissue is no shape.
+    /// The estimated position error is above the tolerance; the figures are those of the last iterate.
     NotConverged,
-    /// The paper's springs have no stable shape in this scene, or the implant protrudes between the nodes;
-    /// the result has no shape.
+    /// The paper's springs have no stable shape in this scene, the implant protrudes between the nodes, or no shape of
+    /// layered tissue was found; the result has no shape.
     Unstable,
 }
 
@@ -254,6 +254,10 @@ pub fn no_shape(invalid: Option<Invalid>) -> &'static str {
         Some(Invalid::Inverted) => {
             "The solver produced an inverted surface; no result is available."
         }
+        Some(Invalid::NotFound) => {
+            "The solver found no shape of this tissue; no result is available. Use another number of nodes \
+             per side, less insertion, a flatter implant or a smaller patch."
+        }
         Some(Invalid::NotFinite) => {
             "The solver produced a non-finite position; no result is available."
         }
@@ -390,6 +394,16 @@ impl Outcome {
                 "{}: strains exceed the data of the stress–strain curve; the curve was extrapolated.",
                 layer.tissue
             ));
+        }
+        if matches!(problem.tissue, Tissue::Layered { .. }) {
+            let solids = self.layers.iter().zip(&problem.materials).skip(1);
+            for (layer, _) in solids.filter(|(_, m)| m.poisson_ratio > MAX_POISSON_RATIO) {
+                self.warnings.push(format!(
+                    "{}: the Poisson ratio was computed as {MAX_POISSON_RATIO}; nearly incompressible solids \
+                     are out of reach.",
+                    layer.tissue
+                ));
+            }
         }
         let (sheet, springs) = (&problem.sheet, problem.springs);
         if let Some(part) = unresolved_part(problem, contact_nodes) {

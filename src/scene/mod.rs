@@ -142,6 +142,7 @@ struct SceneFile {
     /// `scene/2` only: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
     patch_radius_mm: Option<f64>,
     /// `scene/2` only.
+    #[serde(default, deserialize_with = "some_object")]
     attachment: Option<AttachmentSettings>,
     #[serde(default = "full_insertion")]
     insertion: f64,
@@ -163,6 +164,12 @@ struct ImplantFile {
     #[serde(default)]
     #[schemars(with = "[f64; 2]")]
     center_mm: Pair,
+}
+
+fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    object(reader).map(Some)
 }
 
 fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<Layer>, D::Error> {

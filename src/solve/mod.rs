@@ -321,13 +321,14 @@ impl Solver {
                 }
             }
             fas::State::Failed if self.law.layered().is_some() => {
-                if let Some(multigrid) = &mut self.multigrid {
-                    // The scheme may have failed on a coarse grid.
-                    multigrid.preview();
-                    self.invalid = multigrid.invalid(&self.problem);
+                // A shape of a coarse grid is far from the finest grid's.
+                let is_on_finest = self.cycles() > 0;
+                if is_on_finest && self.display_multigrid(Displayed::Final) {
+                    self.end(Verdict::NotConverged);
+                } else {
+                    self.invalid = Some(Invalid::NotFound);
+                    self.end(Verdict::Unstable);
                 }
-                self.display_multigrid(Displayed::Final);
-                self.end(Verdict::NotConverged);
             }
             fas::State::Failed => {
                 self.fell_back = true;

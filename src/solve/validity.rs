@@ -15,6 +15,8 @@ pub enum Invalid {
     Penetrated,
     /// Part of the sheet is inverted: the outer side faces the implant.
     Inverted,
+    /// No shape was found: the iteration ended before the finest grid, or in a shape that is invalid.
+    NotFound,
 }
 
 /// Tolerated depth of a cell's midpoint in the dome \[half axes; base radius as a distance\]: the depth of a

@@ -156,12 +156,12 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let Self { convergence, grid, base_radius, parameters, .. } = self;
         let is_enough = convergence.ending.error <= parameters.start_tolerance * *base_radius;
         let most = match grid {
-            0 => parameters.max_coarsest_cycles,
+            grid if *grid == parameters.first_grid => parameters.max_coarsest_cycles,
             _ => parameters.max_start_cycles,
         };
         if is_enough || convergence.cycles >= most {
             // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well.
-            if self.grid == 0 && !is_enough {
+            if self.grid == self.parameters.first_grid && !is_enough {
                 return State::Failed;
             }
             self.refine();

@@ -200,9 +200,16 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.place(obstacle.scaled(1.0 / spacing));
         }
         self.work_units = 0.0;
-        self.levels[0].start_from_geometry(problem);
         self.mode = Mode::Fast;
-        self.begin_grid(0);
+        let first = self.parameters.first_grid.min(finest);
+        for level in &mut self.levels[..=first] {
+            level.start_from_geometry(problem);
+        }
+        for level in &mut self.levels[..first] {
+            // Later cycles use the blocks of the start on grids that are not solved by themselves.
+            level.invert_blocks(&self.model);
+        }
+        self.begin_grid(first);
     }
 
     fn begin_grid(&mut self, grid: usize) {

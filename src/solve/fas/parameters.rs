@@ -25,6 +25,8 @@ pub(in crate::solve) struct Parameters {
     pub(super) mixing_bounds: (f64, f64),
     /// Is a step shortened by the hardening of the adjacent springs?
     pub(super) has_hardening: bool,
+    /// The grid on which the solve starts, counted from the coarsest.
+    pub(super) first_grid: usize,
     /// The least number of cells a side of a grid with a finer one.
     pub(super) least_cells: usize,
     /// Damping factors on the coarsest grid, for its whole spectrum \[-\]. The interval is wider than the
@@ -90,6 +92,7 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     mixes: false,
     mixing_bounds: (0.0, 0.0),
     has_hardening: true,
+    first_grid: 0,
     least_cells: 8,
     coarsest_smoothing: &[2.9, 0.3, 0.82, 0.4],
     coarsest_rounds: 3,
@@ -132,6 +135,7 @@ pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     smoothing: GENTLE_SMOOTHING,
     first_smoothing: GENTLE_SMOOTHING,
     coarsest_smoothing: &[0.2; 24],
+    first_grid: 1,
     block_cycles: u32::MAX,
     max_cycles: 80,
     max_start_cycles: 4,
@@ -149,6 +153,7 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     mixes: true,
     mixing_bounds: (-4.0, 0.5),
     has_hardening: false,
+    first_grid: 0,
     least_cells: 16,
     coarsest_smoothing: &[0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 1.2, 0.15],
     coarsest_rounds: 2,
