@@ -73,22 +73,13 @@ impl Outcome {
         let apex = problem.obstacle.dome.apex();
         self.skin_projection_mm = height_above(sheet, &outer, apex.x, apex.y);
         let deformation = solution.deformation();
-        let area = |weight: &dyn Fn(usize) -> f64| {
-            let sums = deformation.inside().fold((0.0, 0.0), |(rest, deformed), k| {
-                let w = weight(k);
-                let (r, d) = (deformation.rest_area(k), deformation.deformed_area(k));
-                (rest + w * r, deformed + w * d)
-            });
-            sums.1 / sums.0
-        };
-        let weights = pocket_weights(sheet, patch.pocket_radius_mm);
-        let circle = |radius: f64| PI * radius * radius / 100.0;
-        let (pocket, whole) = (circle(patch.pocket_radius_mm), circle(patch.radius_mm));
-        self.skin_area = Some(SkinArea {
-            pocket_before_cm2: pocket,
-            pocket_after_cm2: pocket * area(&|k| weights[k]),
+        let whole = PI * patch.radius_mm * patch.radius_mm / 100.0;
+        let skin = deformation.summary([], |_| 1.0);
+        self.skin_area = self.area_after_cm2.map(|pocket_after_cm2| SkinArea {
+            pocket_before_cm2: self.area_before_cm2,
+            pocket_after_cm2,
             patch_before_cm2: whole,
-            patch_after_cm2: whole * area(&|_| 1.0),
+            patch_after_cm2: whole * skin.area_ratio,
         });
         self.attachment_traction_kpa = traction(solution);
         let stack = solution.stack();
@@ -100,8 +91,7 @@ impl Outcome {
             });
             layer.thickness_mm = Some(Thickness { least: range.0, greatest: range.1 });
         }
-        let skin = deformation.inside().map(|k| deformation.principal(k)[0]).fold(0.0, f64::max);
-        self.layers[0].max_stretch = Some(1.0 + skin);
+        self.layers[0].max_stretch = Some(1.0 + skin.greatest);
         let count = self.layers.len();
         for (solid, load) in solution.solid_loads().into_iter().enumerate() {
             // Solids are listed from the inner face outwards.

@@ -3,11 +3,12 @@
 use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Corners, Variation, modes, on_faces, turned, turned_back};
+use super::cell::{self, Corners, Modes, Variation, modes, on_faces, turned, turned_back};
 use super::lanes::{is_in_ring, is_large};
-use super::law::Matrix;
+use super::law::{Matrix, SolidLaw};
 use crate::mesh::{Attachment, NodeKind, Sheet};
 use crate::model::membrane::assembly;
+use crate::springs::table::Table;
 use glam::{DMat3, DVec3};
 
 /// The body over a sheet.
@@ -88,6 +89,21 @@ struct Place {
     parity: Option<f64>,
 }
 
+/// A cell of a layer with its displacement.
+struct Element<'a> {
+    cell: BorderCell,
+    layer: usize,
+    solid: usize,
+    law: &'a SolidLaw<f64, Table>,
+    /// Height at rest \[mm\].
+    height: f64,
+    /// Spacing over height.
+    slope: f64,
+    /// Parity of the four points; `None`: one point.
+    parity: Option<f64>,
+    modes: Modes<f64>,
+}
+
 impl Exact<'_> {
     fn places(&self) -> impl Iterator<Item = Place> {
         let (n, sheet) = (self.sheet.nodes_per_side(), self.sheet);
@@ -102,7 +118,7 @@ impl Exact<'_> {
             let middle = [i, j].map(|k| (k as f64 + 0.5 - half) * spacing);
             let distance = middle[0].hypot(middle[1]);
             let has_points = is_regular && is_in_ring(distance, self.pocket_radius, spacing);
-            let sign = if (i + j + n / 2 * 2).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
             Some(Place { cell, parity: has_points.then_some(sign) })
         })
     }
@@ -125,39 +141,27 @@ impl Exact<'_> {
     pub(crate) fn forces(&self, x: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
         let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
         assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
-        let heights = self.law.heights();
-        let spacing = self.sheet.spacing_mm();
-        for Place { cell, parity } in self.places() {
-            for (layer, cells) in self.law.cells.iter().enumerate() {
-                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
-                let slope = spacing / cells.height_mm;
-                let law = &self.law.solids[cells.solid];
-                let mut modes = modes(&faces[0], &faces[1]);
-                modes.linear = turned(modes.linear, cell.sides());
-                let parity = parity.filter(|_| is_large(spacing, cells.height_mm));
-                let mut force = match parity {
-                    Some(sign) => {
-                        let sign = if layer % 2 == 0 { sign } else { -sign };
-                        cell::four_points(law, &modes, slope, sign)
-                    }
-                    None => cell::center(law, &modes, slope, &Variation::new(slope)),
-                };
-                force.linear = turned_back(force.linear, cell.sides());
-                let weight = cell.area * spacing * cells.height_mm;
-                for (face, l) in on_faces(&force.weighted(weight)).iter().zip([layer, layer + 1]) {
-                    let mut pull = face.spread().map(DVec3::from);
-                    if let Some(k) = cell.missing {
-                        let handed = std::mem::take(&mut pull[k]);
-                        pull[(k + 1) % 4] += handed;
-                        pull[(k + 2) % 4] -= handed;
-                        pull[(k + 3) % 4] += handed;
-                    }
-                    for (corner, &k) in cell.corners.iter().enumerate() {
-                        forces[l][k] -= pull[corner];
-                    }
+        self.each(x, |element| {
+            let Element { cell, layer, law, modes, slope, .. } = &element;
+            let mut force = match element.parity {
+                Some(parity) => cell::four_points(law, modes, *slope, parity),
+                None => cell::center(law, modes, *slope, &Variation::new(*slope)),
+            };
+            force.linear = turned_back(force.linear, cell.sides());
+            let weight = cell.area * self.sheet.spacing_mm() * element.height;
+            for (face, l) in on_faces(&force.weighted(weight)).iter().zip([*layer, layer + 1]) {
+                let mut pull = face.spread().map(DVec3::from);
+                if let Some(k) = cell.missing {
+                    let handed = std::mem::take(&mut pull[k]);
+                    pull[(k + 1) % 4] += handed;
+                    pull[(k + 2) % 4] -= handed;
+                    pull[(k + 3) % 4] += handed;
+                }
+                for (corner, &k) in cell.corners.iter().enumerate() {
+                    forces[l][k] -= pull[corner];
                 }
             }
-        }
+        });
         self.attached(|corners, integrals| {
             for (value, [a, b]) in integrals.iter().zip(PAIRS) {
                 let moved = |k: usize| x[0][corners[k]] - self.sheet.rest_position(corners[k]);
@@ -172,20 +176,40 @@ impl Exact<'_> {
 
     /// Calls `visit` with the state in the middle of every cell.
     pub(crate) fn visit(&self, x: &[Vec<DVec3>], mut visit: impl FnMut(&CellState)) {
+        self.each(x, |element| {
+            let columns = cell::gradient(element.modes.linear, element.slope);
+            let (stress, equivalent) = element.law.response(columns);
+            visit(&CellState {
+                solid: element.solid,
+                gradient: matrix(columns),
+                stress: matrix(stress),
+                equivalent,
+                corners: element.cell.corners,
+            });
+        });
+    }
+
+    /// Calls `visit` with every cell, layer by layer.
+    fn each(&self, x: &[Vec<DVec3>], mut visit: impl FnMut(Element)) {
         let heights = self.law.heights();
         let spacing = self.sheet.spacing_mm();
-        for Place { cell, .. } in self.places() {
+        for Place { cell, parity } in self.places() {
             for (layer, cells) in self.law.cells.iter().enumerate() {
                 let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
-                let linear = turned(modes(&faces[0], &faces[1]).linear, cell.sides());
-                let columns = cell::gradient(linear, spacing / cells.height_mm);
-                let (stress, equivalent) = self.law.solids[cells.solid].response(columns);
-                visit(&CellState {
+                let mut modes = modes(&faces[0], &faces[1]);
+                modes.linear = turned(modes.linear, cell.sides());
+                let sign = if layer % 2 == 0 { 1.0 } else { -1.0 };
+                visit(Element {
+                    cell,
+                    layer,
                     solid: cells.solid,
-                    gradient: matrix(columns),
-                    stress: matrix(stress),
-                    equivalent,
-                    corners: cell.corners,
+                    law: &self.law.solids[cells.solid],
+                    height: cells.height_mm,
+                    slope: spacing / cells.height_mm,
+                    parity: parity
+                        .filter(|_| is_large(spacing, cells.height_mm))
+                        .map(|parity| sign * parity),
+                    modes,
                 });
             }
         }
@@ -195,23 +219,13 @@ impl Exact<'_> {
     #[cfg(test)]
     pub(crate) fn energy(&self, x: &[Vec<DVec3>]) -> f64 {
         let mut energy = assembly::energy(self.sheet, &self.law.skin, &x[x.len() - 1]);
-        let heights = self.law.heights();
-        let spacing = self.sheet.spacing_mm();
-        for Place { cell, parity } in self.places() {
-            for (layer, cells) in self.law.cells.iter().enumerate() {
-                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
-                let law = &self.law.solids[cells.solid];
-                let mut modes = modes(&faces[0], &faces[1]);
-                modes.linear = turned(modes.linear, cell.sides());
-                let parity = parity
-                    .filter(|_| is_large(spacing, cells.height_mm))
-                    .map(|sign| if layer % 2 == 0 { sign } else { -sign });
-                let slope = spacing / cells.height_mm;
-                let strains = cell::equivalent_strains(law, &modes, slope, parity);
-                let mean = strains.iter().map(|e| law.energy(*e)).sum::<f64>() / 4.0;
-                energy += mean * cell.area * spacing * spacing * cells.height_mm;
-            }
-        }
+        let area = self.sheet.spacing_mm().powi(2);
+        self.each(x, |element| {
+            let Element { cell, law, modes, slope, parity, height, .. } = &element;
+            let strains = cell::equivalent_strains(law, modes, *slope, *parity);
+            let mean = strains.iter().map(|e| law.energy(*e)).sum::<f64>() / 4.0;
+            energy += mean * cell.area * area * height;
+        });
         self.attached(|corners, integrals| {
             let moved = corners.map(|k| x[0][k] - self.sheet.rest_position(k));
             for (value, [a, b]) in integrals.iter().zip(PAIRS) {

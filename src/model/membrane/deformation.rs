@@ -218,11 +218,6 @@ impl Deformation {
         self.nodes[node].deformed_area
     }
 
-    /// Area around a node at rest \[mm²\].
-    pub(crate) fn rest_area(&self, node: usize) -> f64 {
-        self.nodes[node].rest_area
-    }
-
     /// Strains of the sheet, with the fraction of its rest area above each limit. Areas have a weight at every node; the greatest
     /// strain is that of the whole sheet.
     pub(crate) fn summary<const N: usize>(

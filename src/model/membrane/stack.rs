@@ -50,23 +50,17 @@ impl Stack {
         stack
     }
 
-    /// Positions of the faces: `inner`, the faces between the layers, the skin. Shape (layers + 1, `inner.len()`).
+    /// Positions of the faces: `inner`, the faces between the layers, the skin; a face that is not computed is the face below,
+    /// moved along the normals by the thickness of the layer between. Shape (layers + 1, `inner.len()`).
     #[must_use]
     pub fn faces(&self, inner: Vec<Vec3>) -> Vec<Vec<Vec3>> {
-        self.faces_along(inner, &self.normal)
-    }
-
-    /// [`Self::faces`]; a face that is not computed is the face below, moved along `directions` by the thickness of the
-    /// layer between.
-    #[must_use]
-    pub fn faces_along(&self, inner: Vec<Vec3>, directions: &[Vec3]) -> Vec<Vec<Vec3>> {
         let mut faces = Vec::with_capacity(self.thickness_mm.len() + 1);
         faces.push(inner);
         faces.extend(self.between.iter().cloned());
         let layers = self.thickness_mm.len();
         for thickness in self.thickness_mm[..layers - self.between.len()].iter().rev() {
             let below = &faces[faces.len() - 1];
-            faces.push(offset(below, directions, thickness).collect());
+            faces.push(offset(below, &self.normal, thickness).collect());
         }
         faces
     }
