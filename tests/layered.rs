@@ -6,7 +6,7 @@
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::scene::{CheckedScene, Scene};
 use implant_preview::simulate::{run, simulate};
-use implant_preview::solve::{Options, Solver};
+use implant_preview::solve::{Method, Options, Solver, Verdict};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -313,6 +313,40 @@ fn a_second_attempt_starts_on_a_finer_grid() {
         assert_eq!(outcome.status, Status::Converged, "{change}");
         assert!(outcome.solver.fell_back, "{change}");
     }
+}
+
+/// Newton's method in f64 knows nothing of the multigrid: its start, its second derivatives and its contact are its own.
+#[test]
+fn newtons_method_finds_the_shape_of_multigrid() {
+    for mut scene in realistic(8, 33, 5) {
+        let multigrid = solved(&scene, Options::default());
+        assert_eq!(multigrid.report().method, Method::Multigrid { cycles: multigrid.cycles() });
+        let tolerance = scene.solver.tolerance;
+        scene.solver.tolerance = 1e-8;
+        let newton = solved(&scene, Options { method: Method::Newton, ..Options::default() });
+        assert_eq!(newton.verdict(), Verdict::Converged, "{}", scene.to_json());
+        assert_eq!(newton.report().method, Method::Newton);
+        let error = distance(&multigrid, &newton);
+        let estimate = multigrid.estimated_position_error();
+        assert!(error <= tolerance && error <= 2.0 * estimate, "{error:e} {estimate:e}");
+    }
+}
+
+/// f32 resolves no tolerance of 1e-6; Newton's method completes the solve. A quarter and a half are not used there.
+#[test]
+fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() {
+    let mut scene = default_scene(33);
+    scene.solver.tolerance = 1e-7;
+    let solver = solved(&scene, Options::default());
+    assert_eq!(solver.verdict(), Verdict::Converged);
+    assert!(!solver.fell_back() && solver.report().method == Method::Newton);
+    assert!(solver.estimated_position_error() <= 1e-7);
+
+    let steep = json!({ "schema": "implant-preview/scene/2", "pocket_radius_mm": 70,
+        "implant": { "base_radius_mm": 65 }, "insertion": 0.02,
+        "solver": { "nodes_per_side": 33, "tolerance": 1e-4 } });
+    let outcome = simulate(&Scene::from_json(&steep.to_string()).unwrap()).unwrap();
+    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.solver);
 }
 
 #[test]

@@ -114,6 +114,16 @@ impl Constraint {
         across * factor - self.wall_normal * self.height
     }
 
+    /// The step `d` moved onto the active constraints.
+    pub(crate) fn onto(&self, active: u8, d: DVec3) -> DVec3 {
+        match active {
+            FREE => d,
+            ON_DOME => d - self.normal * (self.gap + self.normal.dot(d)),
+            ON_WALL => d - self.wall_normal * (self.height + self.wall_normal.dot(d)),
+            _ => self.corner_step() + self.edge() * self.edge().dot(d),
+        }
+    }
+
     /// The inverse of a block in the unconstrained directions.
     pub(crate) fn constrained_inverse(&self, active: u8, inverse: DMat3, block: &DMat3) -> DMat3 {
         match active {

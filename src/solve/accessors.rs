@@ -1,7 +1,7 @@
 //! Accessors of the solver: status, positions, forces, energy, work counters.
 
 use super::multigrid::Multigrid;
-use super::newton::NestedNewton;
+use super::newton_method::NewtonMethod;
 use super::{
     Displayed, Invalid, Method, Problem, Report, Shape, Solution, Solver, Stage, Verdict,
     initial_guess,
@@ -136,7 +136,7 @@ impl Solver {
             return 0.0;
         }
         self.multigrid.as_ref().map_or(0.0, Multigrid::work_units)
-            + self.newton.as_ref().map_or(0.0, NestedNewton::work_units)
+            + self.newton.as_ref().map_or(0.0, NewtonMethod::work_units)
     }
 
     /// V-cycles of the finest grid.
@@ -187,7 +187,7 @@ impl Solver {
         match (self.stage, &self.multigrid, &self.newton) {
             (Stage::Rest, ..) => 0.0,
             (Stage::Multigrid, Some(multigrid), _) => multigrid.ending().relative_residual,
-            (_, _, Some(newton)) => newton.finest().relative_residual(),
+            (_, _, Some(newton)) => newton.relative_residual(),
             _ => f64::INFINITY,
         }
     }
@@ -199,7 +199,7 @@ impl Solver {
         let error = match (self.stage, &self.multigrid, &self.newton) {
             (Stage::Rest, ..) => return self.error_at_rest(),
             (Stage::Multigrid, Some(multigrid), _) => multigrid.ending().error,
-            (_, _, Some(newton)) => newton.finest().error(),
+            (_, _, Some(newton)) => newton.error(),
             _ => f64::INFINITY,
         };
         error / self.problem.obstacle.dome.base_radius

@@ -1,14 +1,15 @@
 //! The equilibrium: the minimum of the tissue's energy outside of the implant and above the wall.
 //!
 //! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
-//! on half of the patch, for either tissue model (`multigrid`). For a sheet Newton's method on nested grids in f64
-//! (`newton`) is the fallback; it also refines solutions below the resolution of f32, resolves configurations with
+//! on half of the patch, for either tissue model (`multigrid`). Newton's method on nested grids in f64 is the fallback
+//! and refines solutions below the resolution of f32 (`newton_method`: `newton` for a sheet, `newton_layers` for layered
+//! tissue, after a second attempt with smaller steps). For a sheet Newton's method also resolves configurations with
 //! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
-//! saddle points. For layered tissue the fallback is a second attempt with smaller steps. A piece of work is a few
-//! passes over the grid, so that a page can respond between two pieces.
+//! saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
-//! `fas` | `multigrid` | `newton` | `linear` (systems of Newton's method) | `validity` | `reactions`.
+//! `fas` | `multigrid` | `newton` | `newton_layers` | `newton_method` | `linear` (systems of Newton's method) |
+//! `validity` | `reactions`.
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
@@ -18,6 +19,8 @@ pub(crate) mod initial_guess;
 pub(crate) mod linear;
 mod multigrid;
 mod newton;
+mod newton_layers;
+mod newton_method;
 mod problem;
 mod reactions;
 mod solution;
@@ -35,7 +38,8 @@ use crate::springs::Springs;
 use fas::Stop;
 use glam::DVec3;
 use multigrid::{Law, Multigrid};
-use newton::{Mirrors, NestedNewton, Start};
+use newton::{Mirrors, Start};
+use newton_method::NewtonMethod;
 use std::sync::Arc;
 
 /// Solver of one problem after the other, in slices of work.
@@ -46,7 +50,7 @@ pub struct Solver {
     /// Does the multigrid have another law than [`Self::law`]?
     is_multigrid_law_stale: bool,
     multigrid: Option<Multigrid>,
-    newton: Option<NestedNewton>,
+    newton: Option<NewtonMethod>,
     stage: Stage,
     fell_back: bool,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
@@ -122,6 +126,9 @@ impl Solver {
         if !same_law {
             self.law = Law::new(&problem);
             self.tables_built += 1;
+            if self.law.layered().is_some() {
+                self.newton = None;
+            }
         }
         // Layers of another thickness rest at other heights.
         if !(same_grid && (same_law || self.outer.is_empty())) {
@@ -173,9 +180,8 @@ impl Solver {
                 self.end(Verdict::Converged);
             }
             Method::Multigrid { cycles } => self.start_multigrid(Stop::Cycles(cycles)),
-            // Newton's method belongs to the sheet.
-            Method::Newton if self.law.layered().is_none() => self.start_newton(Start::Cold),
-            Method::Automatic | Method::Newton => self.start_multigrid(Stop::Tolerance),
+            Method::Newton => self.start_newton(Start::Cold),
+            Method::Automatic => self.start_multigrid(Stop::Tolerance),
         }
     }
 
@@ -214,12 +220,12 @@ impl Solver {
         // The paper's springs may have an asymmetric equilibrium.
         let is_symmetric = self.options.use_symmetry && self.problem.springs == Springs::Coupled;
         let mirrors = if is_symmetric { Mirrors::OfDome } else { Mirrors::None };
-        let Problem { sheet, obstacle, .. } = &*self.problem;
+        let (problem, law) = (&*self.problem, &self.law);
         let factor = self.options.work_limit_factor;
-        let newton = self.newton.get_or_insert_with(|| NestedNewton::new(sheet, factor));
+        let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
         match start {
-            Start::Cold => newton.start_cold(obstacle, mirrors),
-            Start::FromSolution => newton.start_from(&self.x, obstacle, mirrors),
+            Start::Cold => newton.start_cold(problem, law, mirrors),
+            Start::FromSolution => newton.start_from(&self.x, &self.outer, problem, law, mirrors),
         }
     }
 
@@ -304,11 +310,6 @@ impl Solver {
             fas::State::Converged => {
                 if self.options.method == Method::Automatic && self.needs_newton() {
                     self.start_newton(Start::FromSolution);
-                } else if self.law.layered().is_some()
-                    && self.estimated_position_error() > self.problem.tolerance
-                {
-                    // The tolerance is below the resolution of f32.
-                    self.end(Verdict::NotConverged);
                 } else {
                     self.end(Verdict::Converged);
                 }
@@ -320,19 +321,13 @@ impl Solver {
                     multigrid.start_gently(&self.problem, stop);
                 }
             }
-            fas::State::Failed if self.law.layered().is_some() => {
-                // A shape of a coarse grid is far from the finest grid's.
-                let is_on_finest = self.cycles() > 0;
-                if is_on_finest && self.display_multigrid(Displayed::Final) {
-                    self.end(Verdict::NotConverged);
-                } else {
-                    self.invalid = Some(Invalid::NotFound);
-                    self.end(Verdict::Unstable);
-                }
-            }
             fas::State::Failed => {
                 self.fell_back = true;
-                self.start_newton(Start::Cold);
+                // A shape of a coarse grid is far from the finest grid's.
+                let has_shape = self.law.layered().is_some()
+                    && self.cycles() > 0
+                    && self.display_multigrid(Displayed::Draft);
+                self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
             }
         }
         state
@@ -343,7 +338,8 @@ impl Solver {
     /// for the paper's springs, whose stationary shape may be a saddle point.
     fn needs_newton(&self) -> bool {
         if self.law.layered().is_some() {
-            return false;
+            // The tolerance is below the resolution of f32.
+            return self.estimated_position_error() > self.problem.tolerance;
         }
         let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
             let ending = multigrid.ending();
@@ -356,21 +352,25 @@ impl Solver {
 
     fn newton_piece(&mut self) {
         let Some(newton) = &mut self.newton else { return self.start_newton(Start::Cold) };
-        let revision = newton.finest().revision();
-        let Problem { springs, obstacle, tolerance, .. } = &*self.problem;
-        let tolerance_mm = tolerance * obstacle.dome.base_radius;
-        let state = newton.step(*springs, self.law.membrane(), obstacle, tolerance_mm);
-        if newton.is_on_finest() && newton.finest().revision() != revision {
-            self.invalid = newton.finest().invalid(&obstacle.dome, *tolerance);
+        let (problem, revision) = (&*self.problem, newton.revision());
+        let state = newton.step(problem, &self.law);
+        if newton.is_on_finest() && newton.revision() != revision {
+            self.invalid = newton.invalid(problem);
             if self.invalid.is_none() {
                 let offset_nodes = &mut self.offset_nodes;
-                newton.finest().write_positions(&obstacle.dome, &mut self.x, offset_nodes);
+                newton.write_positions(problem, &mut self.x, offset_nodes, &mut self.outer);
                 self.revision += 1;
                 self.displayed = Displayed::Final;
             }
         }
         match (state, self.invalid) {
             (newton::State::Working, _) => {}
+            (newton::State::Stalled, _) if self.law.layered().is_some() => {
+                // The last valid shape, of either method, is displayed.
+                let has_shape = self.displayed != Displayed::Previous;
+                self.invalid = (!has_shape).then_some(Invalid::NotFound);
+                self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
+            }
             (newton::State::Unstable, _) | (_, Some(Invalid::Penetrated)) => {
                 self.end(Verdict::Unstable);
             }

@@ -9,7 +9,7 @@ use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
 use crate::mesh::{CellKind, Sheet};
 use crate::model::columns::ColumnBlocks;
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, DVec3};
 use wide::f32x4;
 
 /// All cells at the border.
@@ -47,6 +47,30 @@ impl BorderCell {
     pub(super) fn sides(&self) -> [f64; 4] {
         let [x, y] = [self.sides.x_axis, self.sides.y_axis];
         [x.x, x.y, y.x, y.y]
+    }
+
+    /// The sums over the corners of a face of the vectors `at` the nodes; a missing corner continues the others.
+    pub(super) fn gather(&self, at: impl Fn(usize) -> DVec3) -> Corners<f64> {
+        let mut at = self.corners.map(|k| at(k).to_array());
+        if let Some(k) = self.missing {
+            let [next, opposite, last] = [1, 2, 3].map(|step| at[(k + step) % 4]);
+            at[k] = [0, 1, 2].map(|a| next[a] + last[a] - opposite[a]);
+        }
+        Corners::new(at)
+    }
+
+    /// Calls `add` with the nodes and what the face pulls at each: the transpose of [`Self::gather`].
+    pub(super) fn spread(&self, face: &Corners<f64>, mut add: impl FnMut(usize, DVec3)) {
+        let mut pull = face.spread().map(DVec3::from);
+        if let Some(k) = self.missing {
+            let handed = std::mem::take(&mut pull[k]);
+            pull[(k + 1) % 4] += handed;
+            pull[(k + 2) % 4] -= handed;
+            pull[(k + 3) % 4] += handed;
+        }
+        for (&k, pull) in self.corners.iter().zip(pull) {
+            add(k, pull);
+        }
     }
 
     /// Of cell (i, j) of a sheet; `None` outside of it.

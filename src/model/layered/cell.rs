@@ -9,10 +9,10 @@
 //! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell, J their mean. Accurate where a
 //!   softening tissue concentrates strain; 2.3 times the work.
 
-use super::law::{Deformed, Matrix, SolidLaw, combined, log_volume};
+use super::law::{Deformed, LEAST_VOLUME, Matrix, SolidLaw, combined, log_volume};
 use crate::mesh::vec3::{add, dot, scale, sub};
 use crate::number::Real;
-use crate::springs::table::Buckets;
+use crate::springs::table::{Buckets, Table};
 
 /// The coefficients of a cell's displacement without the mean, or the forces on the coefficients.
 #[derive(Clone, Copy, Debug, Default)]
@@ -184,7 +184,7 @@ pub(crate) fn center<R: Real, T: AsRef<Buckets<R>>>(
 
 /// The deformation gradients at the four points of a parity, ±1.
 #[inline(always)]
-fn at_points<R: Real>(modes: &Modes<R>, slope: R, parity: R) -> [Matrix<R>; 4] {
+pub(super) fn at_points<R: Real>(modes: &Modes<R>, slope: R, parity: R) -> [Matrix<R>; 4] {
     let [xy, xz, yz] = modes.twist.map(|b| scale(b, R::splat(POINT)));
     let d = scale(modes.d, R::splat(POINT * POINT) * parity);
     SIGNS.map(|[sx, sy]| {
@@ -260,25 +260,31 @@ pub(crate) fn four_points<R: Real, T: AsRef<Buckets<R>>>(
     forces
 }
 
-fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {
+pub(super) fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {
     let [a, b, c, d] = points.each_ref().map(|point| point.volume);
     R::splat(0.25) * ((a + b) + (c + d))
 }
 
-/// The equivalent strains of the rule of one point, and of the four points.
-#[cfg(test)]
-pub(crate) fn equivalent_strains<T: AsRef<Buckets<f64>>>(
-    law: &SolidLaw<f64, T>,
+/// The energy per rest volume by either rule \[kPa\]; infinite where J is at the law's least.
+pub(crate) fn energy(
+    law: &SolidLaw<f64, Table>,
     modes: &Modes<f64>,
     slope: f64,
     parity: Option<f64>,
-) -> [f64; 4] {
+) -> f64 {
     let Some(parity) = parity else {
         let deformed = Deformed::new(gradient(modes.linear, slope));
+        if deformed.volume <= LEAST_VOLUME {
+            return f64::INFINITY;
+        }
         let square = Variation::new(slope).mean_square(modes);
-        return [law.equivalent(deformed.isochoric().g + square, deformed.log_volume()); 4];
+        return law.energy(law.equivalent(deformed.isochoric().g + square, deformed.log_volume()));
     };
     let points = at_points(modes, slope, parity).map(Deformed::new);
+    if points.iter().any(|point| point.volume <= LEAST_VOLUME) {
+        return f64::INFINITY;
+    }
     let log = log_volume(mean_volume(&points));
-    points.map(|point| law.equivalent(point.isochoric().g, log))
+    points.iter().map(|point| law.energy(law.equivalent(point.isochoric().g, log))).sum::<f64>()
+        / 4.0
 }

@@ -82,35 +82,37 @@ fn principal(mut a: DMat3) -> ([f64; 3], [DVec3; 3]) {
     ([a.x_axis.x, a.y_axis.y, a.z_axis.z], [v.x_axis, v.y_axis, v.z_axis])
 }
 
-/// A cell with its shape and rule.
-struct Place {
+/// A cell of the sheet with its shape and rule.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
     cell: BorderCell,
     /// Parity of the four points in the innermost layer of cells; `None`: one point.
     parity: Option<f64>,
 }
 
 /// A cell of a layer with its displacement.
-struct Element<'a> {
-    cell: BorderCell,
-    layer: usize,
+pub(super) struct Element<'a> {
+    pub(super) cell: BorderCell,
+    pub(super) layer: usize,
     solid: usize,
-    law: &'a SolidLaw<f64, Table>,
+    pub(super) law: &'a SolidLaw<f64, Table>,
     /// Height at rest \[mm\].
-    height: f64,
+    pub(super) height: f64,
     /// Spacing over height.
-    slope: f64,
+    pub(super) slope: f64,
     /// Parity of the four points; `None`: one point.
-    parity: Option<f64>,
-    modes: Modes<f64>,
+    pub(super) parity: Option<f64>,
+    pub(super) modes: Modes<f64>,
 }
 
 impl Exact<'_> {
-    fn places(&self) -> impl Iterator<Item = Place> {
+    /// The cells of the sheet, row by row.
+    pub(crate) fn places(&self) -> Vec<Place> {
         let (n, sheet) = (self.sheet.nodes_per_side(), self.sheet);
         let half = (n / 2) as f64;
         let unit = Sheet::new(n, half);
         let spacing = sheet.spacing_mm();
-        (0..(n - 1) * (n - 1)).filter_map(move |c| {
+        let place = |c: usize| {
             let (i, j) = (c % (n - 1), c / (n - 1));
             let cell = BorderCell::new(&unit, i, j)?;
             let is_regular = cell.missing.is_none()
@@ -120,28 +122,24 @@ impl Exact<'_> {
             let has_points = is_regular && is_in_ring(distance, self.pocket_radius, spacing);
             let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
             Some(Place { cell, parity: has_points.then_some(sign) })
-        })
+        };
+        (0..(n - 1) * (n - 1)).filter_map(place).collect()
     }
 
     /// Displacements of the corners of a face \[spacings\].
     fn face(&self, cell: &BorderCell, height: f64, x: &[DVec3]) -> Corners<f64> {
         let per_spacing = 1.0 / self.sheet.spacing_mm();
-        let mut at = cell.corners.map(|k| {
+        cell.gather(|k| {
             let rest = self.sheet.rest_position(k) + DVec3::new(0.0, 0.0, height);
-            ((x[k] - rest) * per_spacing).to_array()
-        });
-        if let Some(k) = cell.missing {
-            let [next, opposite, last] = [1, 2, 3].map(|step| at[(k + step) % 4]);
-            at[k] = [0, 1, 2].map(|a| next[a] + last[a] - opposite[a]);
-        }
-        Corners::new(at)
+            (x[k] - rest) * per_spacing
+        })
     }
 
     /// Forces −∂E/∂x \[kPa·mm²\] on all layers of nodes at the positions `x` \[mm\].
     pub(crate) fn forces(&self, x: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
         let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
         assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
-        self.each(x, |element| {
+        self.each(&self.places(), x, |element| {
             let Element { cell, layer, law, modes, slope, .. } = &element;
             let mut force = match element.parity {
                 Some(parity) => cell::four_points(law, modes, *slope, parity),
@@ -150,16 +148,7 @@ impl Exact<'_> {
             force.linear = turned_back(force.linear, cell.sides());
             let weight = cell.area * self.sheet.spacing_mm() * element.height;
             for (face, l) in on_faces(&force.weighted(weight)).iter().zip([*layer, layer + 1]) {
-                let mut pull = face.spread().map(DVec3::from);
-                if let Some(k) = cell.missing {
-                    let handed = std::mem::take(&mut pull[k]);
-                    pull[(k + 1) % 4] += handed;
-                    pull[(k + 2) % 4] -= handed;
-                    pull[(k + 3) % 4] += handed;
-                }
-                for (corner, &k) in cell.corners.iter().enumerate() {
-                    forces[l][k] -= pull[corner];
-                }
+                cell.spread(face, |k, pull| forces[l][k] -= pull);
             }
         });
         self.attached(|corners, integrals| {
@@ -176,7 +165,7 @@ impl Exact<'_> {
 
     /// Calls `visit` with the state in the middle of every cell.
     pub(crate) fn visit(&self, x: &[Vec<DVec3>], mut visit: impl FnMut(&CellState)) {
-        self.each(x, |element| {
+        self.each(&self.places(), x, |element| {
             let columns = cell::gradient(element.modes.linear, element.slope);
             let (stress, equivalent) = element.law.response(columns);
             visit(&CellState {
@@ -189,11 +178,11 @@ impl Exact<'_> {
         });
     }
 
-    /// Calls `visit` with every cell, layer by layer.
-    fn each(&self, x: &[Vec<DVec3>], mut visit: impl FnMut(Element)) {
+    /// Calls `visit` with every cell of every layer at these places.
+    pub(super) fn each(&self, places: &[Place], x: &[Vec<DVec3>], mut visit: impl FnMut(Element)) {
         let heights = self.law.heights();
         let spacing = self.sheet.spacing_mm();
-        for Place { cell, parity } in self.places() {
+        for &Place { cell, parity } in places {
             for (layer, cells) in self.law.cells.iter().enumerate() {
                 let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
                 let mut modes = modes(&faces[0], &faces[1]);
@@ -215,16 +204,13 @@ impl Exact<'_> {
         }
     }
 
-    /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\].
-    #[cfg(test)]
-    pub(crate) fn energy(&self, x: &[Vec<DVec3>]) -> f64 {
+    /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\]; infinite if a cell is inverted, or nearly so.
+    pub(crate) fn energy(&self, places: &[Place], x: &[Vec<DVec3>]) -> f64 {
         let mut energy = assembly::energy(self.sheet, &self.law.skin, &x[x.len() - 1]);
         let area = self.sheet.spacing_mm().powi(2);
-        self.each(x, |element| {
+        self.each(places, x, |element| {
             let Element { cell, law, modes, slope, parity, height, .. } = &element;
-            let strains = cell::equivalent_strains(law, modes, *slope, *parity);
-            let mean = strains.iter().map(|e| law.energy(*e)).sum::<f64>() / 4.0;
-            energy += mean * cell.area * area * height;
+            energy += cell::energy(law, modes, *slope, *parity) * cell.area * area * height;
         });
         self.attached(|corners, integrals| {
             let moved = corners.map(|k| x[0][k] - self.sheet.rest_position(k));
@@ -237,7 +223,7 @@ impl Exact<'_> {
     }
 
     /// Calls `visit` with the corners and the integrals \[kPa·mm\] of every attached cell.
-    fn attached(&self, mut visit: impl FnMut([usize; 4], [f64; 10])) {
+    pub(super) fn attached(&self, mut visit: impl FnMut([usize; 4], [f64; 10])) {
         let Some(attachment) = self.attachment else { return };
         let (n, spacing) = (self.sheet.nodes_per_side(), self.sheet.spacing_mm());
         let half = (n / 2) as f64;

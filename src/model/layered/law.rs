@@ -18,15 +18,17 @@
 
 use crate::mesh::vec3::{add, cross, dot, scale, sub};
 use crate::number::Real;
+use crate::number::dual::Dual;
 use crate::springs::Material;
 use crate::springs::table::{Buckets, Table, Weight};
+use glam::{DMat3, DVec3};
 
 /// Part of the second invariant in K \[-\].
 const BETA: f64 = 0.2;
 /// Poisson ratio above which the law uses this one: the stiffness to a change of volume grows as 1/(1−2ν).
 pub(crate) const MAX_POISSON_RATIO: f64 = 0.48;
 /// J below which the change of volume counts as this J \[-\].
-const LEAST_VOLUME: f64 = 0.05;
+pub(crate) const LEAST_VOLUME: f64 = 0.05;
 /// e below which sec′/e is damped \[-\]; the vectors that the quotient multiplies vanish there.
 const SMALL_STRAIN: f64 = 1e-3;
 
@@ -103,7 +105,6 @@ impl SolidLaw<f64, Table> {
     }
 
     /// W(e) \[kPa\].
-    #[cfg(test)]
     pub(crate) fn energy(&self, equivalent: f64) -> f64 {
         if equivalent <= self.end {
             return self.secant.integral(equivalent);
@@ -220,6 +221,63 @@ impl<R: Real> Deformed<R> {
         };
         [column(0, [xx, xy, xz]), column(1, [xy, yy, yz]), column(2, [xz, yz, zz])]
     }
+}
+
+/// ∂P/∂F of a stress: the columns p ≤ q of the derivative, 11, 12, 13, 22, 23, 33, each ∂P_p/∂F_q.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slopes([DMat3; 6]);
+
+impl Slopes {
+    /// The change of the stress by a change of the gradient, in columns.
+    #[inline]
+    pub(crate) fn product(&self, change: Matrix<f64>) -> Matrix<f64> {
+        let [xx, xy, xz, yy, yz, zz] = &self.0;
+        let [x, y, z] = change.map(DVec3::from);
+        let back =
+            |m: &DMat3, v: DVec3| DVec3::new(m.x_axis.dot(v), m.y_axis.dot(v), m.z_axis.dot(v));
+        [
+            *xx * x + *xy * y + *xz * z,
+            back(xy, x) + *yy * y + *yz * z,
+            back(xz, x) + back(yz, y) + *zz * z,
+        ]
+        .map(|v| v.to_array())
+    }
+
+    /// Σ n_p m_q ∂P_p/∂F_q: the stiffness of the nodes whose shape functions have the gradients n and m.
+    pub(crate) fn block(&self, [n, m]: [DVec3; 2]) -> DMat3 {
+        let [xx, xy, xz, yy, yz, zz] = &self.0;
+        let crossed = |part: &DMat3, p: usize, q: usize| {
+            *part * (n[p] * m[q]) + part.transpose() * (n[q] * m[p])
+        };
+        *xx * (n.x * m.x)
+            + *yy * (n.y * m.y)
+            + *zz * (n.z * m.z)
+            + crossed(xy, 0, 1)
+            + crossed(xz, 0, 2)
+            + crossed(yz, 1, 2)
+    }
+}
+
+/// The derivative of the stress `shear`·½∂g/∂F + Π·cof F by F, where Π is `pressure`, and `bulk`·ln J/J more.
+pub(crate) fn stress_slopes(
+    columns: Matrix<f64>,
+    shear: f64,
+    bulk: Option<f64>,
+    pressure: f64,
+) -> Slopes {
+    let variable = |c: usize, r: usize| Dual::<9>::variable(columns[c][r], 3 * c + r);
+    let deformed = Deformed::new([0, 1, 2].map(|c| [0, 1, 2].map(|r| variable(c, r))));
+    let mut of_volume = Dual::splat(pressure);
+    if let Some(bulk) = bulk {
+        let least = deformed.volume.max(Dual::splat(LEAST_VOLUME));
+        of_volume += Dual::splat(bulk) * deformed.log_volume() / least;
+    }
+    let stress = deformed.stress(&deformed.isochoric(), Dual::splat(shear), of_volume);
+    let part = |p: usize, q: usize| {
+        let column = |c: usize| DVec3::from([0, 1, 2].map(|r| stress[p][r].slopes[3 * q + c]));
+        DMat3::from_cols(column(0), column(1), column(2))
+    };
+    Slopes([part(0, 0), part(0, 1), part(0, 2), part(1, 1), part(1, 2), part(2, 2)])
 }
 
 /// The sum of columns times numbers.

@@ -2,7 +2,8 @@
 //! column.
 //!
 //! `law` (solid tissue) | `cell` (eight nodes) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
-//! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64).
+//! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64) | `tangent`
+//! (second derivatives in f64).
 
 pub(crate) mod attachment;
 mod border;
@@ -11,6 +12,7 @@ pub(crate) mod exact;
 pub(crate) mod lanes;
 pub(crate) mod law;
 mod stiffness;
+pub(crate) mod tangent;
 
 use super::columns::MAX_LAYERS;
 use super::membrane::law::SheetLaw;

@@ -335,7 +335,7 @@ mod tests {
                 let moved = |by: f64| {
                     let mut x = x.clone();
                     x[l][k][axis] += by;
-                    exact.energy(&x)
+                    exact.energy(&exact.places(), &x)
                 };
                 let slope = (moved(1e-4) - moved(-1e-4)) / 2e-4;
                 let error = (forces[l][k][axis] + slope).abs();

@@ -23,7 +23,7 @@ mod finish;
 mod line_search;
 mod nested;
 mod parameters;
-mod prolongation;
+pub(super) mod prolongation;
 mod robust;
 
 use super::linear::galerkin::Hierarchy;

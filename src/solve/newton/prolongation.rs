@@ -8,7 +8,12 @@ use glam::DVec3;
 
 /// Fills the free nodes of `x` on the sheet `fine` from the positions `coarse_x` on the sheet `coarse`
 /// \[mm\], shapes (nodes_per_side², ). The fine grid has twice the cells a side.
-pub(super) fn prolongate(coarse: &Sheet, coarse_x: &[DVec3], fine: &Sheet, x: &mut [DVec3]) {
+pub(in crate::solve) fn prolongate(
+    coarse: &Sheet,
+    coarse_x: &[DVec3],
+    fine: &Sheet,
+    x: &mut [DVec3],
+) {
     let scaled = extended(coarse, &scaled_displacements(coarse, coarse_x));
     let (n, nc) = (fine.nodes_per_side(), coarse.nodes_per_side());
     for k in 0..fine.len() {

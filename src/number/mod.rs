@@ -1,6 +1,10 @@
 //! Real numbers, one (`f64`) or four at a time (`f32x4`): what the laws and the obstacle are written in.
 //!
+//! `dual` (numbers with derivatives).
+//!
 //! Uses nothing of this crate. Used by `springs` and all to its right.
+
+pub(crate) mod dual;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};

@@ -1,0 +1,389 @@
+//! The second derivative of the body's energy in f64, cell by cell, without an assembled matrix.
+//!
+//! Of a cell, with D = ∂²/∂F² at its points (without the softening part), B the map from modes to the gradient at a
+//! point, and vectors t of all modes:
+//!
+//! H = Σ Bᵀ D B + diag(variation) + Σ c·t tᵀ.
+//!
+//! * One point: D of sec·½e², t = ∂(½e²)/∂modes, c = sec′/e.
+//! * Four points: D of a quarter of the changes of shape at each point and of the common pressure; t of each point with
+//!   c = sec′/(4e), and t = ∂J̄/∂modes with c = mean sec·(1 − ln J̄)/(3(1−2ν) J̄²).
+
+use super::attachment::PAIRS;
+use super::border::BorderCell;
+use super::cell::{self, Modes, Variation, modes, on_faces, turned, turned_back};
+use super::exact::{Element, Exact, Place};
+use super::law::{Deformed, LEAST_VOLUME, Matrix, Slopes, log_volume, stress_slopes};
+use super::stiffness::CORNERS;
+use crate::mesh::stencil::outer;
+use crate::mesh::vec3::{add, dot, scale};
+use glam::{DMat3, DVec3};
+
+/// The second derivative at one shape.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tangent {
+    cells: Vec<Cell>,
+    points: Vec<Point>,
+    /// c and t.
+    vectors: Vec<(f64, Modes<f64>)>,
+    /// Corners of attached cells and the integrals of the attachment \[kPa·mm\].
+    attached: Vec<([usize; 4], [f64; 10])>,
+    squared_forces: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Cell {
+    cell: BorderCell,
+    layer: usize,
+    /// Spacing over height.
+    slope: f64,
+    /// Area × height \[mm³\] over the spacing squared.
+    weight: f64,
+    variation: Variation<f64>,
+    /// Ends of this cell's points and vectors in the lists.
+    ends: [usize; 2],
+}
+
+/// A point of a cell on \[−½, ½\]³.
+#[derive(Clone, Debug)]
+struct Point {
+    at: [f64; 3],
+    slopes: Slopes,
+}
+
+impl Tangent {
+    pub(crate) fn clear(&mut self) {
+        self.cells.clear();
+        self.points.clear();
+        self.vectors.clear();
+        self.squared_forces = 0.0;
+    }
+
+    /// Sum of the squared forces of all cells \[(kPa·mm²)²\].
+    pub(crate) fn squared_forces(&self) -> f64 {
+        self.squared_forces
+    }
+
+    /// Adds the attachment, which no shape changes.
+    pub(crate) fn attach(&mut self, exact: &Exact) {
+        self.attached.clear();
+        exact.attached(|corners, integrals| self.attached.push((corners, integrals)));
+    }
+
+    /// Adds the cells at these places, for the positions `x` \[mm\].
+    pub(crate) fn linearize(&mut self, exact: &Exact, places: &[Place], x: &[Vec<DVec3>]) {
+        let spacing = exact.sheet.spacing_mm();
+        exact.each(places, x, |element| {
+            let Element { law, modes, slope, height, cell: BorderCell { area, .. }, .. } = &element;
+            let (stress, _) = law.response(cell::gradient(modes.linear, *slope));
+            let squares = dot(stress[0], stress[0]) + dot(stress[1], stress[1]);
+            self.squared_forces += squares * (area * spacing * height).powi(2);
+            let variation = match element.parity {
+                None => self.one_point(&element),
+                Some(parity) => {
+                    self.four_points(&element, parity);
+                    Variation::default()
+                }
+            };
+            self.cells.push(Cell {
+                cell: element.cell,
+                layer: element.layer,
+                slope: element.slope,
+                weight: element.cell.area * element.height,
+                variation,
+                ends: [self.points.len(), self.vectors.len()],
+            });
+        });
+    }
+
+    /// Adds the point and the vector of a cell; returns what varies inside.
+    fn one_point(&mut self, element: &Element) -> Variation<f64> {
+        let Element { law, modes, slope, .. } = element;
+        let columns = cell::gradient(modes.linear, *slope);
+        let deformed = Deformed::new(columns);
+        let shape = deformed.isochoric();
+        let log = deformed.log_volume();
+        let mut variation = Variation::new(*slope);
+        let square = variation.mean_square(modes);
+        let (secant, bend) = law.secant_and_bend(law.equivalent(shape.g + square, log));
+        let [x, y, z] = deformed.stress(&shape, law.shear, law.dilatation(log, deformed.volume));
+        for weight in [&mut variation.in_plane, &mut variation.through, &mut variation.d] {
+            *weight *= law.shear;
+        }
+        self.vectors.push((
+            bend,
+            Modes {
+                linear: [x, y, scale(z, *slope)],
+                twist: [
+                    scale(modes.twist[0], variation.in_plane),
+                    scale(modes.twist[1], variation.through),
+                    scale(modes.twist[2], variation.through),
+                ],
+                d: scale(modes.d, variation.d),
+            },
+        ));
+        for weight in [&mut variation.in_plane, &mut variation.through, &mut variation.d] {
+            *weight *= secant;
+        }
+        let slopes = stress_slopes(columns, secant * law.shear, Some(secant * law.bulk), 0.0);
+        self.points.push(Point { at: [0.0; 3], slopes });
+        variation
+    }
+
+    /// Adds the points and the vectors of a cell.
+    fn four_points(&mut self, element: &Element, parity: f64) {
+        let Element { law, modes, slope, .. } = element;
+        let (points, volume) = cell::deformed_points(modes, *slope, parity);
+        let log = log_volume(volume);
+        let least = volume.max(LEAST_VOLUME);
+        let shapes = points.map(|(point, _)| point.isochoric());
+        let responses = shapes.map(|shape| law.secant_and_bend(law.equivalent(shape.g, log)));
+        let mean = 0.25 * responses.iter().map(|(secant, _)| secant).sum::<f64>();
+        let pressure = 0.25 * mean * law.dilatation(log, volume);
+        let mut volume_slope = Modes::default();
+        for (point, at) in &points {
+            volume_slope = sum(&volume_slope, &to_modes(point.cofactors, *at, *slope, 0.25));
+        }
+        for (k, (point, at)) in points.iter().enumerate() {
+            let (secant, bend) = responses[k];
+            let shape = point.stress(&shapes[k], law.shear, 0.0);
+            let along = volume_slope.weighted(law.dilatation(log, volume));
+            self.vectors.push((0.25 * bend, sum(&to_modes(shape, *at, *slope, 1.0), &along)));
+            let slopes = stress_slopes(point.columns, 0.25 * secant * law.shear, None, pressure);
+            self.points.push(Point { at: *at, slopes });
+        }
+        let volumetric = mean * law.bulk * (1.0 - log) / (least * least);
+        self.vectors.push((volumetric, volume_slope));
+    }
+
+    /// Adds H v to `out`, both of every node.
+    pub(crate) fn add_product(&self, v: &[Vec<DVec3>], out: &mut [Vec<DVec3>]) {
+        let (mut point, mut vector) = (0, 0);
+        for Cell { cell, layer, slope, weight, variation, ends } in &self.cells {
+            let faces = [*layer, layer + 1].map(|l| cell.gather(|k| v[l][k]));
+            let mut modes = modes(&faces[0], &faces[1]);
+            modes.linear = turned(modes.linear, cell.sides());
+            let [xy, xz, yz] = modes.twist;
+            let mut force = Modes {
+                linear: Matrix::default(),
+                twist: [
+                    scale(xy, variation.in_plane),
+                    scale(xz, variation.through),
+                    scale(yz, variation.through),
+                ],
+                d: scale(modes.d, variation.d),
+            };
+            for Point { at, slopes } in &self.points[point..ends[0]] {
+                let stress = slopes.product(from_modes(&modes, *at, *slope));
+                force = sum(&force, &to_modes(stress, *at, *slope, 1.0));
+            }
+            for (c, t) in &self.vectors[vector..ends[1]] {
+                force = sum(&force, &t.weighted(c * product(t, &modes)));
+            }
+            [point, vector] = *ends;
+            force.linear = turned_back(force.linear, cell.sides());
+            for (face, l) in on_faces(&force.weighted(*weight)).iter().zip([*layer, layer + 1]) {
+                cell.spread(face, |k, pull| out[l][k] += pull);
+            }
+        }
+        for (corners, integrals) in &self.attached {
+            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+                let (a, b) = (corners[a], corners[b]);
+                out[0][a] += v[0][b] * *value;
+                if a != b {
+                    out[0][b] += v[0][a] * *value;
+                }
+            }
+        }
+    }
+
+    /// Adds the blocks of each node, and of each node and the node above, as (layer, node, block); the attachment's as the sum of
+    /// its row, an upper bound.
+    pub(crate) fn visit_blocks(
+        &self,
+        mut diagonal: impl FnMut(usize, usize, DMat3),
+        mut above: impl FnMut(usize, usize, DMat3),
+    ) {
+        let (mut point, mut vector) = (0, 0);
+        for Cell { cell, layer, slope, weight, variation, ends } in &self.cells {
+            let (points, vectors) = (&self.points[point..ends[0]], &self.vectors[vector..ends[1]]);
+            [point, vector] = *ends;
+            let own = variation.in_plane / 4.0 + variation.through / 2.0 + variation.d;
+            let pair = variation.in_plane / 4.0 - variation.through / 2.0 - variation.d;
+            for (corner, &k) in cell.corners.iter().enumerate() {
+                if cell.missing == Some(corner) {
+                    continue;
+                }
+                let [sx, sy] = CORNERS[corner].map(|bit| if bit == 1 { 1.0 } else { -1.0 });
+                let signs = [-1.0, 1.0].map(|sz| [sx, sy, sz]);
+                let block = |[a, b]: [[f64; 3]; 2], variation: f64| {
+                    let mut block = DMat3::from_diagonal(DVec3::splat(variation));
+                    for Point { at, slopes } in points {
+                        block += slopes
+                            .block([a, b].map(|signs| gradient(signs, *at, *slope, cell.sides())));
+                    }
+                    for (c, t) in vectors {
+                        let [a, b] = [a, b].map(|signs| along(t, signs, cell.sides()));
+                        block += outer(a, b) * *c;
+                    }
+                    block * *weight
+                };
+                let [low, high] = signs;
+                diagonal(*layer, k, block([low, low], own));
+                diagonal(layer + 1, k, block([high, high], own));
+                above(*layer, k, block([low, high], pair));
+            }
+        }
+        for (corners, integrals) in &self.attached {
+            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+                let block = DMat3::from_diagonal(DVec3::splat(*value));
+                diagonal(0, corners[a], block);
+                if a != b {
+                    diagonal(0, corners[b], block);
+                }
+            }
+        }
+    }
+}
+
+fn sum(a: &Modes<f64>, b: &Modes<f64>) -> Modes<f64> {
+    let of = |a: &Matrix<f64>, b: &Matrix<f64>| [0, 1, 2].map(|k| add(a[k], b[k]));
+    Modes { linear: of(&a.linear, &b.linear), twist: of(&a.twist, &b.twist), d: add(a.d, b.d) }
+}
+
+fn product(a: &Modes<f64>, b: &Modes<f64>) -> f64 {
+    let of = |a: &Matrix<f64>, b: &Matrix<f64>| (0..3).map(|k| dot(a[k], b[k])).sum::<f64>();
+    of(&a.linear, &b.linear) + of(&a.twist, &b.twist) + dot(a.d, b.d)
+}
+
+/// The gradient of modes at a point.
+fn from_modes(modes: &Modes<f64>, [p, q, r]: [f64; 3], slope: f64) -> Matrix<f64> {
+    let Modes { linear: [x, y, z], twist: [xy, xz, yz], d } = *modes;
+    let column = |own, a, s, b, t| add(own, add(add(scale(a, s), scale(b, t)), scale(d, s * t)));
+    [column(x, xy, q, xz, r), column(y, xy, p, yz, r), scale(column(z, xz, p, yz, q), slope)]
+}
+
+/// The transpose of [`from_modes`], times a factor.
+fn to_modes([x, y, z]: Matrix<f64>, [p, q, r]: [f64; 3], slope: f64, factor: f64) -> Modes<f64> {
+    let [x, y, z] = [scale(x, factor), scale(y, factor), scale(z, slope * factor)];
+    let both = |a, s, b, t| add(scale(a, s), scale(b, t));
+    Modes {
+        linear: [x, y, z],
+        twist: [both(x, q, y, p), both(x, r, z, p), both(y, r, z, q)],
+        d: add(both(x, q * r, y, p * r), scale(z, p * q)),
+    }
+}
+
+/// The gradient of a node's shape function at a point, from the signs of its corner.
+fn gradient(
+    [sx, sy, sz]: [f64; 3],
+    [p, q, r]: [f64; 3],
+    slope: f64,
+    [a, b, c, d]: [f64; 4],
+) -> DVec3 {
+    let [p, q, r] = [0.5 + sx * p, 0.5 + sy * q, 0.5 + sz * r];
+    let (x, y) = (q * r * sx, p * r * sy);
+    DVec3::new(x * a + y * b, x * c + y * d, p * q * sz * slope)
+}
+
+/// The product of a vector of all modes with a node's shape function.
+fn along(t: &Modes<f64>, [sx, sy, sz]: [f64; 3], [a, b, c, d]: [f64; 4]) -> DVec3 {
+    let Modes { linear: [x, y, z], twist: [xy, xz, yz], d: all } = *t;
+    let linear =
+        combined([x, y, z], [0.25 * (sx * a + sy * b), 0.25 * (sx * c + sy * d), 0.25 * sz]);
+    let twist = combined([xy, xz, yz], [0.5 * sx * sy, 0.5 * sx * sz, 0.5 * sy * sz]);
+    linear + twist + DVec3::from(all) * (sx * sy * sz)
+}
+
+fn combined([x, y, z]: Matrix<f64>, [p, q, r]: [f64; 3]) -> DVec3 {
+    DVec3::from(x) * p + DVec3::from(y) * q + DVec3::from(z) * r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{Curve, CurveSpec};
+    use crate::mesh::{Attachment, NodeKind, Sheet};
+    use crate::model::layered::LayeredLaw;
+    use crate::springs::Material;
+
+    /// Cells of one and of four points, at the border and inside: the product is the change of the forces, the blocks
+    /// are those of the product.
+    #[test]
+    fn the_tangent_is_the_derivative_of_the_forces() {
+        let material = |spec: CurveSpec, poisson_ratio: f64, thickness_mm: f64| Material {
+            curve: Curve::new(&spec).unwrap(),
+            poisson_ratio,
+            thickness_mm,
+        };
+        let materials = [
+            // Nearly no skin: the skin's Hessian is tested by itself.
+            material(CurveSpec::Linear { modulus_kpa: 1e-6 }, 0.4, 1e-3),
+            material(CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 }, 0.45, 20.0),
+        ];
+        let law = LayeredLaw::new(&materials, 2);
+        let sheet = Sheet::new(17, 60.0);
+        let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
+        let exact = Exact { sheet: &sheet, law: &law, pocket_radius: 30.0, attachment };
+        let wave = |k: usize, layer: usize, phase: f64| {
+            let at = 0.09 * k as f64 + layer as f64 + phase;
+            DVec3::new((1.7 * at).sin(), (2.3 * at).cos(), (3.1 * at).sin())
+        };
+        let free = |k: usize| if sheet.kinds()[k] == NodeKind::Free { 1.0 } else { 0.0 };
+        let shape = |amplitude: f64| -> Vec<Vec<DVec3>> {
+            let heights = law.heights();
+            let layer = |l: usize| {
+                let at = |k: usize| {
+                    let rest = sheet.rest_position(k) + DVec3::new(0.0, 0.0, heights[l]);
+                    rest + (wave(k, l, 0.0) * 0.4 + wave(k, l, 0.7) * amplitude) * free(k)
+                };
+                (0..sheet.len()).map(at).collect()
+            };
+            (0..heights.len()).map(layer).collect()
+        };
+        let x = shape(0.0);
+        let places = exact.places();
+        let mut tangent = Tangent::default();
+        tangent.attach(&exact);
+        tangent.linearize(&exact, &places, &x);
+        let direction = |k: usize, l: usize| wave(k, l, 0.7) * free(k);
+        let v: Vec<Vec<DVec3>> =
+            (0..3).map(|l| (0..sheet.len()).map(|k| direction(k, l)).collect()).collect();
+        let zeros = vec![vec![DVec3::ZERO; sheet.len()]; 3];
+        let mut product = zeros.clone();
+        tangent.add_product(&v, &mut product);
+        let h = 1e-5;
+        let [after, before] = [h, -h].map(|h| exact.forces(&shape(h)));
+        let (mut error, mut scale) = (0.0_f64, 0.0_f64);
+        for l in 0..3 {
+            for k in 0..sheet.len() {
+                let expected = (before[l][k] - after[l][k]) / (2.0 * h);
+                error = error.max((product[l][k] - expected).length());
+                scale = scale.max(expected.length());
+            }
+        }
+        // The table of the law is piecewise linear: its slope jumps.
+        assert!(error < 2e-3 * scale, "{error} {scale}");
+
+        let at = 8 * 17 + 11;
+        let (mut own, mut above) = (DMat3::ZERO, DMat3::ZERO);
+        let add = |sum: &mut DMat3, layer, k, block| {
+            if (layer, k) == (1, at) {
+                *sum += block;
+            }
+        };
+        tangent.visit_blocks(
+            |layer, k, block| add(&mut own, layer, k, block),
+            |layer, k, block| add(&mut above, layer, k, block),
+        );
+        for axis in 0..3 {
+            for (layer, block) in [(1, own), (2, above)] {
+                let (mut unit, mut row) = (zeros.clone(), zeros.clone());
+                unit[layer][at][axis] = 1.0;
+                tangent.add_product(&unit, &mut row);
+                let difference = row[1][at] - block.col(axis);
+                assert!(difference.length() < 1e-9 * own.x_axis.length(), "{difference}");
+            }
+        }
+    }
+}
