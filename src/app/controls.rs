@@ -228,9 +228,8 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
         tissue_model(ui, scene);
         if scene.is_layered() {
             attachment(ui, scene);
-        } else {
-            springs(ui, &mut scene.springs);
         }
+        springs(ui, scene);
         if let Some(limits) = session.stability_limits() {
             stability::show(ui, scene, limits, session.greatest_strain());
         }
@@ -294,22 +293,26 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     .show(ui, &mut body.attachment.ramp_mm);
 }
 
-fn springs(ui: &mut Ui, springs: &mut Springs) {
+/// The choice of the springs; the paper's springs make layered tissue a sheet.
+fn springs(ui: &mut Ui, scene: &mut Scene) {
+    let is_layered = scene.is_layered();
     let name = |springs: Springs| match springs {
         Springs::Coupled => "Coupled (exact, isotropic)",
+        Springs::Nikolaev if is_layered => "Nikolaev 2013, in one sheet",
         Springs::Nikolaev => "Nikolaev 2013, as published",
     };
-    let response = labelled_box(ui, "Springs", name(*springs), |ui| {
+    let present = scene.springs;
+    let response = labelled_box(ui, "Springs", name(present), |ui| {
         for law in [Springs::Coupled, Springs::Nikolaev] {
-            if choice(ui, *springs == law, name(law)).clicked() {
-                *springs = law;
+            if choice(ui, present == law, name(law)).clicked() {
+                scene.set_springs(law);
             }
         }
     });
     response.on_hover_text(
         "Coupled springs reproduce the measured curve and Poisson ratio exactly, in every direction. The \
-         springs of Nikolaev 2013 are for comparison; at large strains and Poisson ratios they are \
-         unstable.",
+         springs of Nikolaev 2013 are for comparison: their tissue is one sheet, and at large strains and \
+         Poisson ratios they are unstable.",
     );
 }
 
