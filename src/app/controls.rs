@@ -53,6 +53,7 @@ fn pocket(ui: &mut Ui, scene: &mut Scene) {
     let [x, y] = scene.implant.center_mm;
     let most = limits::POCKET_RADIUS_MAX_MM;
     let least = (scene.implant.base_radius_mm + x.hypot(y)).min(most);
+    let mut radius_mm = scene.pocket_radius_mm;
     Control {
         allowed: Some(least..=most),
         limit_reason: &format!(
@@ -62,7 +63,8 @@ fn pocket(ui: &mut Ui, scene: &mut Scene) {
                   attached to the chest wall. The pocket must contain the implant.",
         ..length((limits::BASE_RADIUS_MM.0, most), "Pocket radius", (least + 15.0).min(most))
     }
-    .show(ui, &mut scene.pocket_radius_mm);
+    .show(ui, &mut radius_mm);
+    scene.set_pocket_radius(radius_mm);
 }
 
 /// A control of a length \[mm\].
@@ -109,7 +111,7 @@ fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
     let pocket_radius_mm = (2.0 * (scene.implant.base_radius_mm + offset)).ceil() / 2.0;
     (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
         let mut scene = scene.clone();
-        scene.pocket_radius_mm = pocket_radius_mm;
+        scene.set_pocket_radius(pocket_radius_mm);
         scene.implant.center_mm[axis] = requested;
         let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
         Offer { label, scene: Box::new(scene) }
