@@ -78,8 +78,8 @@ impl<'de> Deserialize<'de> for CellsThrough {
             }
             fn visit_u64<E: serde::de::Error>(self, count: u64) -> Result<CellsThrough, E> {
                 // The limits are checked with all others: a sheet ignores the number.
-                usize::try_from(count)
-                    .map(CellsThrough::Count)
+                u32::try_from(count)
+                    .map(|count| CellsThrough::Count(count as usize))
                     .map_err(|_| E::invalid_value(serde::de::Unexpected::Unsigned(count), &self))
             }
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<CellsThrough, E> {

@@ -4,7 +4,8 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an edit made invalid).
+//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an
+//! edit made invalid).
 //!
 //! Uses `curve`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
