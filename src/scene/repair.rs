@@ -44,7 +44,9 @@ impl Scene {
         if let Some(body) = &mut self.body {
             let default = |pocket: f64| Body::around(pocket, body.tissue_model).patch_radius_mm;
             let [before, after] = [self.pocket_radius_mm, radius_mm].map(default);
-            if (body.patch_radius_mm - before).abs() < 1e-9 {
+            let is_default = (body.patch_radius_mm - before).abs() < 1e-9;
+            // An equal radius changes no bit of the scene.
+            if is_default && before.to_bits() != after.to_bits() {
                 body.patch_radius_mm = after;
             }
         }
