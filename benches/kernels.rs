@@ -43,9 +43,9 @@ fn main() {
     }
 }
 
-/// The default scene with the dome off the centre by `x` mm.
+/// The default scene as a sheet with the dome off the centre by `x` mm.
 fn problem(nodes_per_side: usize, x: f64, tolerance: f64) -> Problem {
-    let mut scene = Scene::default();
+    let mut scene = Scene::sheet();
     scene.implant.center_mm = [x, 0.0];
     scene.solver.nodes_per_side = nodes_per_side;
     scene.solver.tolerance = tolerance;

@@ -34,7 +34,10 @@ fn stretches(solution: &Solution, s_mm: f64) -> [f64; 2] {
     [point.stretch_meridional, point.stretch_hoop]
 }
 
+/// A sheet.
 fn scene(json: &Value) -> Scene {
+    let mut json = json.clone();
+    json["tissue_model"] = "sheet".into();
     Scene::from_json(&json.to_string()).unwrap()
 }
 
@@ -214,8 +217,8 @@ fn a_pocket_as_wide_as_the_dome_is_in_contact_everywhere() {
 }
 
 #[test]
-fn the_opening_scene_and_real_proportions_have_a_solution() {
-    assert!(solve(&Scene::default()).unwrap().contact_force_n > 0.0);
+fn the_opening_scene_as_a_sheet_and_real_proportions_have_a_solution() {
+    assert!(solve(&Scene::sheet()).unwrap().contact_force_n > 0.0);
     let mut solved = 0;
     for base in [40.0, 90.0_f64] {
         for projection in [0.4 * base, base, 1.2 * base] {
@@ -280,7 +283,7 @@ fn the_grid_solver_agrees_on_an_ellipsoid() {
 
 #[test]
 fn scenes_that_are_not_axisymmetric_are_rejected_in_one_line() {
-    let Problem { obstacle, patch, materials, .. } = Scene::default().problem().unwrap();
+    let Problem { obstacle, patch, materials, .. } = Scene::sheet().problem().unwrap();
     let dome = obstacle.dome;
     let refused = |dome: Dome, materials: &[Material]| {
         axisymmetric::solve(&dome, patch.pocket_radius_mm, materials).unwrap_err()

@@ -77,7 +77,7 @@ fn simulate_writes_result_mesh_and_profile() {
         assert!(output.stdout.is_empty() && output.stderr.is_empty());
     }
     let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
-    assert_eq!(result["schema"], "implant-preview/result/1");
+    assert_eq!(result["schema"], "implant-preview/result/2");
     assert_eq!(result["status"], "converged");
     assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
     let profile = fs::read_to_string(folder.join("p.csv")).unwrap();
@@ -120,6 +120,42 @@ fn assert_meshes_agree(folder: &Path) {
     let top = result["skin_projection_mm"].as_f64().unwrap();
     let highest = json["accessors"][0]["max"][1].as_f64().unwrap() * 1000.0;
     assert!((highest - top).abs() < 0.1, "mesh to {highest} mm, skin measured to {top} mm");
+}
+
+#[test]
+fn the_schema_decides_about_the_tissue_model() {
+    let folder = folder("schema");
+    let scene = |field: &str| {
+        format!(r#"{{{field}"implant":{{"base_radius_mm":40}},"solver":{{"nodes_per_side":33}}}}"#)
+    };
+    let fields = [
+        "",
+        r#""schema":"implant-preview/scene/2","#,
+        r#""tissue_model":"sheet","#,
+        r#""schema":"implant-preview/scene/1","#,
+    ];
+    // A byte-order mark before JSON lines, in standard input as in a file.
+    let lines = format!("\u{feff}{}\n", fields.map(scene).join("\n"));
+    fs::write(folder.join("s.jsonl"), &lines).unwrap();
+    fs::write(folder.join("s.json"), &lines).unwrap();
+    for file in ["-", "s.jsonl", "s.json"] {
+        let output = run_in(&folder, &["simulate", file], &lines);
+        assert_eq!(output.status.code(), Some(0), "{file}: {}", text(&output.stderr));
+        let results: Vec<Value> =
+            text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let schemas: Vec<&Value> = results.iter().map(|result| &result["schema"]).collect();
+        let [layered, sheet] = ["implant-preview/result/2", "implant-preview/result/1"];
+        assert_eq!(schemas, [layered, layered, sheet, sheet], "{file}");
+        for pair in results.chunks(2) {
+            assert_eq!(pair[0]["contact_force_n"], pair[1]["contact_force_n"], "{file}");
+        }
+    }
+    // One scene with the mark.
+    let one = format!("\u{feff}{}", scene(""));
+    assert_eq!(run_in(&folder, &["simulate", "-"], &one).status.code(), Some(0));
+    let papers = scene(r#""springs":"nikolaev","#);
+    let wanted = ["standard input", "springs is nikolaev", "tissue_model sheet"];
+    assert_refused(&folder, &["simulate", "-"], &papers, &wanted);
 }
 
 #[test]
@@ -197,8 +233,8 @@ fn invalid_outputs_are_rejected_before_any_solve() {
 #[test]
 fn springs_without_a_stable_shape_give_exit_code_3_and_a_result_with_its_status() {
     let folder = folder("unstable");
-    let unstable = r#"{"implant":{"base_radius_mm":55},"springs":"nikolaev","solver":{"nodes_per_side":33},
-        "layers":[{"tissue":"adipose","poisson_ratio":0.49,"thickness_mm":10,"curve":{"kind":"adipose"}}]}"#;
+    let unstable = r#"{"implant":{"base_radius_mm":55},"springs":"nikolaev","tissue_model":"sheet",
+        "solver":{"nodes_per_side":33},"layers":[{"tissue":"adipose","poisson_ratio":0.49,"thickness_mm":10,"curve":{"kind":"adipose"}}]}"#;
     fs::write(folder.join("u.json"), unstable).unwrap();
     let arguments = ["simulate", "u.json", "--out", "r.json", "--mesh", "m.stl"];
     let output = run_in(&folder, &arguments, "");

@@ -114,6 +114,7 @@ fn areas_and_volumes_meet_closed_forms() {
         let radius = 50.0;
         let wall = radius * (1.0 - (insertion - 1.0).powi(2)).sqrt();
         let scene = json!({
+            "tissue_model": "sheet",
             "implant": { "base_radius_mm": radius }, "pocket_radius_mm": radius,
             "insertion": insertion, "solver": { "nodes_per_side": 129 },
         });
@@ -139,11 +140,13 @@ fn areas_and_volumes_meet_closed_forms() {
 /// Scenes unlike the references.
 fn odd_scenes() -> Vec<Scene> {
     [
-        json!({ "implant": { "base_radius_mm": 50, "center_mm": [12.0, -7.0] }, "pocket_radius_mm": 75 }),
-        json!({ "implant": { "base_radius_mm": 60, "projection_mm": 25 } }),
-        json!({ "implant": { "base_radius_mm": 45, "projection_mm": 60, "center_mm": [5, 5] },
+        json!({ "tissue_model": "sheet",
+                "implant": { "base_radius_mm": 50, "center_mm": [12.0, -7.0] }, "pocket_radius_mm": 75 }),
+        json!({ "tissue_model": "sheet", "implant": { "base_radius_mm": 60, "projection_mm": 25 } }),
+        json!({ "tissue_model": "sheet",
+                "implant": { "base_radius_mm": 45, "projection_mm": 60, "center_mm": [5, 5] },
                 "insertion": 0.6 }),
-        json!({ "implant": { "base_radius_mm": 40 }, "pocket_radius_mm": 120,
+        json!({ "tissue_model": "sheet", "implant": { "base_radius_mm": 40 }, "pocket_radius_mm": 120,
                 "layers": [ { "poisson_ratio": 0.0 }, { "poisson_ratio": 0.5, "thickness_mm": 20,
                 "curve": { "kind": "exponential", "scale_kpa": 1, "rate": 4 } } ] }),
     ]
@@ -367,7 +370,7 @@ fn the_same_scene_gives_the_same_bits() {
 
 #[test]
 fn a_restart_in_the_middle_of_a_cycle_leaves_no_trace() {
-    let mut scene = Scene::default();
+    let mut scene = Scene::sheet();
     scene.solver.nodes_per_side = 65;
     let problem = scene.problem().unwrap();
     scene.insertion = 0.7;
@@ -413,6 +416,7 @@ fn an_edited_scene_reaches_the_shape_of_a_fresh_one() {
 /// The paper's springs of one layer over a half ellipsoid.
 fn paper_scene(curve: &Value, poisson_ratio: f64, insertion: f64, center_mm: [f64; 2]) -> Scene {
     let scene = json!({
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 55, "projection_mm": 45, "center_mm": center_mm },
         "pocket_radius_mm": 75, "insertion": insertion, "springs": "nikolaev",
         "layers": [{ "tissue": "tissue", "thickness_mm": 2, "poisson_ratio": poisson_ratio,
@@ -465,6 +469,7 @@ fn the_papers_springs_without_a_stable_shape_end_soon() {
 #[test]
 fn aitken_relaxation_damps_an_oscillating_contact_edge() {
     let scene = json!({
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
     });
@@ -481,7 +486,7 @@ fn aitken_relaxation_damps_an_oscillating_contact_edge() {
 fn domes_off_centre_need_few_cycles() {
     for base_radius_mm in [45.0, 50.0, 51.0, 53.0, 55.0] {
         for distance in [0.01, 2.0, 6.0] {
-            let mut scene = Scene::default();
+            let mut scene = Scene::sheet();
             scene.implant.base_radius_mm = base_radius_mm;
             scene.implant.projection_mm = base_radius_mm;
             scene.implant.center_mm = [distance, -0.67 * distance];
@@ -494,7 +499,8 @@ fn domes_off_centre_need_few_cycles() {
 
 #[test]
 fn a_flat_sheet_stays_flat() {
-    let scene = json!({ "implant": { "base_radius_mm": 50 }, "insertion": 0.0 });
+    let scene =
+        json!({ "tissue_model": "sheet", "implant": { "base_radius_mm": 50 }, "insertion": 0.0 });
     let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     assert!((outcome.area_ratio.unwrap() - 1.0).abs() < 1e-12);
@@ -509,7 +515,8 @@ fn outcome_of(scene: &Value) -> Outcome {
 #[test]
 fn the_contact_angle_of_a_coarse_grid_lies_between_its_nodes() {
     let angle = |nodes: usize| {
-        let scene = json!({ "implant": { "base_radius_mm": 55 }, "pocket_radius_mm": 56,
+        let scene = json!({ "tissue_model": "sheet",
+                            "implant": { "base_radius_mm": 55 }, "pocket_radius_mm": 56,
             "layers": [{ "tissue": "skin", "thickness_mm": 2, "poisson_ratio": 0.3,
                 "curve": { "kind": "linear", "modulus_kpa": 100 } }],
             "solver": { "nodes_per_side": nodes } });
@@ -525,7 +532,8 @@ fn a_cap_between_nodes_is_a_penetration() {
     for (base_radius, projection, center, insertion, nodes) in
         [(10, 10, [12.5, 0.0], 1.0, 17), (10, 120, [1.5625, 0.0], 0.012, 129)]
     {
-        let outcome = outcome_of(&json!({ "implant": { "base_radius_mm": base_radius,
+        let outcome = outcome_of(&json!({ "tissue_model": "sheet",
+                                          "implant": { "base_radius_mm": base_radius,
             "projection_mm": projection, "center_mm": center }, "pocket_radius_mm": 200,
             "insertion": insertion, "solver": { "nodes_per_side": nodes } }));
         assert_eq!(outcome.status, Status::Unstable);
@@ -538,8 +546,8 @@ fn a_result_reports_a_sheet_left_at_rest() {
     for (insertion, tolerance, is_reported) in
         [(0.0, 1e-2, false), (1e-3, 1e-2, true), (1e-3, 1e-5, false)]
     {
-        let outcome =
-            outcome_of(&json!({ "implant": { "base_radius_mm": 50 }, "insertion": insertion,
+        let outcome = outcome_of(&json!({ "tissue_model": "sheet",
+                                "implant": { "base_radius_mm": 50 }, "insertion": insertion,
             "solver": { "nodes_per_side": 33, "tolerance": tolerance } }));
         let found = outcome.warnings.iter().any(|warning| warning.contains("left undeformed"));
         assert_eq!(found, is_reported, "{insertion} {tolerance}: {:?}", outcome.warnings);
@@ -569,7 +577,8 @@ fn a_result_warns_of_a_coarse_grid() {
         (json!({ "base_radius_mm": 120, "projection_mm": 5 }), 200, 1.0, None),
         (json!({ "base_radius_mm": 55 }), 70, 1e-3, Some("inserted part of the implant")),
     ] {
-        let outcome = outcome_of(&json!({ "implant": implant, "pocket_radius_mm": pocket,
+        let outcome = outcome_of(&json!({ "tissue_model": "sheet",
+                                          "implant": implant, "pocket_radius_mm": pocket,
             "insertion": insertion, "solver": { "nodes_per_side": 65, "tolerance": 1e-3 } }));
         let warning = outcome.warnings.iter().find(|warning| warning.contains("coarse"));
         match part {
@@ -583,6 +592,7 @@ fn a_result_warns_of_a_coarse_grid() {
 fn the_result_warns_of_wrinkles_by_stress() {
     let warns = |center: f64, pocket: f64, poisson_ratio: f64| {
         let scene = json!({
+            "tissue_model": "sheet",
             "implant": { "base_radius_mm": 40, "center_mm": [center, 0] }, "pocket_radius_mm": pocket,
             "layers": [ { "poisson_ratio": poisson_ratio,
                           "curve": { "kind": "linear", "modulus_kpa": 50 } } ],
@@ -651,7 +661,7 @@ fn mean_and_greatest_contact_pressure_are_those_of_the_reference() {
     }
     // A flat dome has its greatest pressure at the contact's edge.
     for (nodes, bounds) in [(65, [0.015, 0.1]), (129, [0.004, 0.02]), (257, [0.002, 0.01])] {
-        let mut scene = Scene::default();
+        let mut scene = Scene::sheet();
         scene.implant.projection_mm = 20.0;
         (scene.solver.nodes_per_side, scene.solver.tolerance) = (nodes, 1e-6);
         let [mean, max] = errors(&scene);

@@ -175,6 +175,13 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
         (with(&format!(r#""{long}":1"#)), &["unknown field", "insertion"]),
         (with(r#""a\nb\u001b[2J":1"#), &["unknown field `a b [2J`"]),
         (with(&format!(r#""springs":"{long}""#)), &["springs", "coupled", "nikolaev"]),
+        (with(r#""springs":"nikolaev""#), &["springs is nikolaev", "tissue_model sheet"]),
+        (with(r#""patch_radius_mm":1e999"#), &["patch_radius_mm", "number out of range"]),
+        (with(r#""solver":{"cells_through":1e3}"#), &["solver.cells_through", "whole number"]),
+        (
+            with(r#""solver":{"cells_through":18446744073709551615}"#),
+            &["solver.cells_through", "1 to 8"],
+        ),
         (with(r#""solver":{"nodes_per_side":1e30}"#), &["solver.nodes_per_side", "1e+30"]),
         (with(r#""solver":{"nodes_per_side":65.5}"#), &["solver.nodes_per_side", "65.5"]),
         (with(r#""solver":{"nodes_per_side":-17}"#), &["solver.nodes_per_side", "-17"]),
@@ -290,6 +297,12 @@ fn other_encodings_are_text_or_rejected() {
     same(scene.replace('\n', "\r\n").as_bytes());
     same(format!("\n\n{scene}\n\n").as_bytes());
     assert_eq!(Scene::from_json(&format!("\u{feff}{scene}")), Ok(Scene::default()));
+    // The mark is no part of the first line.
+    let line = with(r#""insertion":0.5"#);
+    let lines = format!("\u{feff}{line}\n{line}\n");
+    for format in [read::Format::Json, read::Format::JsonLines] {
+        assert_eq!(read::scenes(lines.as_bytes(), format).unwrap().len(), 2);
+    }
     let utf16: Vec<u8> = scene.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let marked = [&[0xff, 0xfe][..], &utf16].concat();
     let latin = with(r#""layers":[{"tissue":"Fettgewebe"}]"#).replace('F', "\u{1}").into_bytes();
@@ -306,7 +319,6 @@ fn other_encodings_are_text_or_rejected() {
     }
     // Carriage returns alone separate no lines: one scene is valid, two scenes are not.
     same(scene.replace('\n', "\r").as_bytes());
-    let line = with(r#""insertion":0.5"#);
     assert_eq!(
         read::scenes(format!("{line}\r\n\r\n{line}").as_bytes(), read::Format::Json).unwrap().len(),
         2

@@ -4,7 +4,9 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::measure::{Outcome, Status};
-use implant_preview::scene::{CheckedScene, Scene};
+use implant_preview::scene::{
+    CellsThrough, CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, Springs, TissueModel,
+};
 use implant_preview::simulate::{run, simulate};
 use implant_preview::solve::{Method, Options, Solver, Verdict};
 use serde_json::{Value, json};
@@ -219,7 +221,8 @@ fn results_add_cover_layers_skin_area_and_traction() {
 #[test]
 fn a_sheet_of_scene_2_is_that_of_scene_1() {
     let first = Scene::from_json(
-        r#"{ "implant": { "base_radius_mm": 50 }, "solver": { "nodes_per_side": 33 } }"#,
+        r#"{ "schema": "implant-preview/scene/1", "implant": { "base_radius_mm": 50 },
+             "solver": { "nodes_per_side": 33 } }"#,
     );
     let second = Scene::from_json(
         r#"{ "schema": "implant-preview/scene/2", "tissue_model": "sheet", "implant": { "base_radius_mm": 50 },
@@ -229,7 +232,7 @@ fn a_sheet_of_scene_2_is_that_of_scene_1() {
     assert_eq!(simulate(&first).unwrap(), simulate(&second).unwrap());
     assert!(!first.to_json().contains("tissue_model"));
     let mut layered = second.clone();
-    layered.set_tissue_model(implant_preview::scene::TissueModel::Layered);
+    layered.set_tissue_model(TissueModel::Layered);
     for scene in [second, layered] {
         assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
     }
@@ -257,9 +260,116 @@ fn invalid_fields_of_scene_2_are_refused_in_one_line() {
     assert!(refused(r#""tissue_model": "jelly""#).contains("layered"));
     assert!(refused(r#""solver": { "cells_through": 9 }"#).contains("1 to 8"));
     assert!(refused(r#""solver": { "cells_through": "many" }"#).contains("auto"));
-    let first = r#"{ "implant": { "base_radius_mm": 55 }, "tissue_model": "layered",
-                     "schema": "implant-preview/scene/1" }"#;
-    assert!(Scene::from_json(first).unwrap_err().to_string().contains("scene/2"));
+}
+
+#[test]
+fn a_scene_without_schema_is_layered_tissue() {
+    let least = r#"{ "implant": { "base_radius_mm": 55 } }"#;
+    let scene = Scene::from_json(least).unwrap();
+    assert_eq!(scene, Scene::default());
+    assert_eq!(scene.schema, SCENE_SCHEMA_2);
+    let body = scene.body.unwrap();
+    assert_eq!(body.tissue_model, TissueModel::Layered);
+    assert!((body.patch_radius_mm - 130.0).abs() < 1e-12);
+    assert!((body.attachment.stiffness_kpa_per_mm - 2.0).abs() < 1e-12);
+    assert!((body.attachment.ramp_mm - 10.0).abs() < 1e-12);
+    assert_eq!(scene.solver.cells_through.unwrap_or_default(), CellsThrough::Auto);
+    let first = r#"{ "schema": "implant-preview/scene/1", "implant": { "base_radius_mm": 55 } }"#;
+    assert_eq!(Scene::from_json(first).unwrap(), Scene::sheet());
+    let sheet = r#"{ "tissue_model": "sheet", "implant": { "base_radius_mm": 55 } }"#;
+    let sheet = Scene::from_json(sheet).unwrap();
+    assert!(!sheet.is_layered() && sheet.same_physics(&Scene::sheet()));
+}
+
+#[test]
+fn the_papers_springs_belong_to_a_sheet() {
+    let with = |field: &str| {
+        Scene::from_json(&format!(
+            r#"{{ "implant": {{ "base_radius_mm": 55 }}, "springs": "nikolaev"{field} }}"#
+        ))
+    };
+    let refused = "springs is nikolaev; allowed: coupled in layered tissue, the default; \
+                   nikolaev with tissue_model sheet";
+    for field in ["", r#", "tissue_model": "layered""#] {
+        assert_eq!(with(field).unwrap_err().to_string(), refused);
+    }
+    for field in [r#", "tissue_model": "sheet""#, r#", "schema": "implant-preview/scene/1""#] {
+        assert_eq!(with(field).unwrap().springs, Springs::Nikolaev);
+    }
+    // A change of the springs or of the model keeps the scene valid.
+    let mut scene = Scene::default();
+    scene.set_springs(Springs::Nikolaev);
+    assert!(!scene.is_layered() && scene.springs == Springs::Nikolaev);
+    assert_eq!(scene.validate(), Ok(()));
+    scene.set_springs(Springs::Coupled);
+    assert!(!scene.is_layered());
+    scene.set_springs(Springs::Nikolaev);
+    scene.set_tissue_model(TissueModel::Layered);
+    assert_eq!(scene, Scene::default());
+}
+
+#[test]
+fn a_field_of_scene_2_in_scene_1_is_named_alone() {
+    let fields = ["tissue_model", "patch_radius_mm", "attachment", "solver.cells_through"];
+    for (given, json) in fields.iter().zip([
+        r#""tissue_model": "sheet""#,
+        r#""patch_radius_mm": 130"#,
+        r#""attachment": {}"#,
+        r#""solver": { "cells_through": 2 }"#,
+    ]) {
+        let json = format!(
+            r#"{{ "schema": "implant-preview/scene/1", "implant": {{ "base_radius_mm": 55 }}, {json} }}"#
+        );
+        let error = Scene::from_json(&json).unwrap_err().to_string();
+        let wanted = format!(
+            "{given}: the field belongs to implant-preview/scene/2; the schema is implant-preview/scene/1"
+        );
+        assert_eq!(error, wanted);
+    }
+    // The same of a scene that a program builds.
+    let mixed = Scene { schema: SCENE_SCHEMA.to_owned(), ..Scene::default() };
+    assert!(mixed.validate().unwrap_err().to_string().starts_with("tissue_model: "));
+    let mut cells = Scene::sheet();
+    cells.solver.cells_through = Some(CellsThrough::Auto);
+    assert!(cells.validate().unwrap_err().to_string().starts_with("solver.cells_through: "));
+    let none = Scene { body: None, ..Scene::default() };
+    assert!(none.validate().unwrap_err().to_string().starts_with("tissue_model: missing"));
+}
+
+#[test]
+fn a_sheet_ignores_patch_attachment_and_cells() {
+    let sheet = |fields: &str| {
+        Scene::from_json(&format!(
+            r#"{{ "tissue_model": "sheet", "implant": {{ "base_radius_mm": 55 }}, {fields} }}"#
+        ))
+    };
+    let mut scene = sheet(
+        r#""patch_radius_mm": 70, "attachment": { "stiffness_kpa_per_mm": 0, "ramp_mm": 90 },
+           "solver": { "cells_through": 20 }"#,
+    )
+    .unwrap();
+    assert!(scene.same_physics(&Scene::sheet()));
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    for (fields, wanted) in [
+        (r#""patch_radius_mm": -1"#, "patch_radius_mm is -1; allowed: 0 mm or more"),
+        (r#""attachment": { "ramp_mm": -1 }"#, "attachment.ramp_mm is -1; allowed: 0 mm or more"),
+        (
+            r#""attachment": { "stiffness_kpa_per_mm": -1 }"#,
+            "attachment.stiffness_kpa_per_mm is -1; allowed: 0 kPa/mm or more",
+        ),
+    ] {
+        assert_eq!(sheet(fields).unwrap_err().to_string(), wanted);
+    }
+    assert!(sheet(r#""patch_radius_mm": "wide""#).is_err());
+    // The change to layered tissue moves the values into their limits.
+    scene.set_tissue_model(TissueModel::Layered);
+    assert_eq!(scene.validate(), Ok(()));
+    let body = scene.body.unwrap();
+    assert_eq!((body.patch_radius_mm, body.attachment.ramp_mm), (90.0, 40.0));
+    assert_eq!(scene.solver.cells_through, Some(CellsThrough::Count(8)));
+    scene.solver.cells_through = Some(CellsThrough::Count(0));
+    let error = scene.validate().unwrap_err().to_string();
+    assert_eq!(error, "solver.cells_through is 0; allowed: \"auto\" or 1 to 8");
 }
 
 #[test]

@@ -21,6 +21,7 @@ static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 /// Measurements of an off-centre dome, on the whole sheet.
 fn problem(nodes: usize) -> Problem {
     let scene = json!({
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
         "solver": { "nodes_per_side": nodes, "tolerance": 1e-4 },

@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable;
 use implant_preview::app::App;
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::measure::Status;
-use implant_preview::scene::{Scene, Springs};
+use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
 
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 1600.0);
@@ -256,15 +256,22 @@ fn the_tissue_model_is_chosen_and_layered_tissue_adds_its_controls_and_readings(
     let force = |harness: &Harness<'static, App>| {
         harness.state().outcome().unwrap().contact_force_n.unwrap()
     };
-    let sheet = force(&harness);
-    assert!(harness.query_by_label("Cover over the apex").is_none());
-    harness.get_by_role_and_label(Role::ComboBox, "Tissue model").click();
-    harness.run();
-    harness.get_by_label("Skin on solid layers").click();
-    settle(&mut harness);
+    let choose = |harness: &mut Harness<'static, App>, model: &'static str| {
+        harness.get_by_role_and_label(Role::ComboBox, "Tissue model").click();
+        harness.run();
+        harness.get_by_label(model).click();
+        settle(harness);
+    };
     assert!(harness.state().session().scene().is_layered());
+    let layered = force(&harness);
+    choose(&mut harness, "One sheet");
+    assert!(harness.query_by_label("Cover over the apex").is_none());
+    let sheet = force(&harness);
     // A sheet is more than twice as stiff.
-    assert!(force(&harness) < 0.5 * sheet, "{} of {sheet}", force(&harness));
+    assert!(layered < 0.5 * sheet, "{layered} of {sheet}");
+    choose(&mut harness, "Skin on solid layers");
+    assert!(harness.state().session().scene().is_layered());
+    assert!((force(&harness) - layered).abs() < 1e-9);
     for name in ["Cover over the apex", "Least cover", "Pull at the pocket's edge"] {
         assert!(harness.query_by_label(name).is_some(), "{name}");
     }
@@ -272,15 +279,59 @@ fn the_tissue_model_is_chosen_and_layered_tissue_adds_its_controls_and_readings(
     for name in ["Computed radius (mm)", stiffness, "Attachment ramp (mm)"] {
         assert!(harness.query_by_role_and_label(Role::Slider, name).is_some(), "{name}");
     }
-    assert!(harness.query_by_role_and_label(Role::ComboBox, "Springs").is_none());
     type_into(&mut harness, stiffness, "5");
     let attachment = harness.state().session().scene().body.unwrap().attachment;
     assert!((attachment.stiffness_kpa_per_mm - 5.0).abs() < 1e-12);
+    choose(&mut harness, "One sheet");
+    assert!((force(&harness) - sheet).abs() < 1e-9);
+    assert!(harness.query_by_role_and_label(Role::Slider, stiffness).is_none());
+}
+
+#[test]
+fn the_papers_springs_are_chosen_with_their_tissue_model_in_one_step() {
+    let mut harness = app(WIDE, |_| {});
+    let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
+    let before = scene(&harness);
+    harness.get_by_role_and_label(Role::ComboBox, "Springs").click();
+    harness.run();
+    harness.get_by_label("Nikolaev 2013, in one sheet").click();
+    settle(&mut harness);
+    assert_eq!((scene(&harness).springs, scene(&harness).is_layered()), (Springs::Nikolaev, false));
+    // The other model has the coupled springs.
     harness.get_by_role_and_label(Role::ComboBox, "Tissue model").click();
     harness.run();
-    harness.get_by_label("One sheet").click();
+    harness.get_by_label("Skin on solid layers").click();
     settle(&mut harness);
-    assert!((force(&harness) - sheet).abs() < 1e-9);
+    assert_eq!(scene(&harness), before);
+    for is_layered in [false, true] {
+        harness.get_by_role_and_label(Role::Button, "Undo").click();
+        settle(&mut harness);
+        assert_eq!(scene(&harness).is_layered(), is_layered);
+    }
+    assert!(!harness.state().session().can_undo());
+}
+
+#[test]
+fn the_default_scene_of_the_menu_is_layered_tissue() {
+    let mut harness = app(WIDE, |scene| scene.set_tissue_model(TissueModel::Sheet));
+    harness.get_by_role_and_label(Role::Button, "File").click();
+    harness.run();
+    harness.get_by_label("Default scene").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene(), &Scene::default());
+}
+
+#[test]
+fn the_computed_radius_follows_the_pocket_until_set() {
+    let mut harness = app(WIDE, |_| {});
+    let patch = |harness: &Harness<'static, App>| {
+        harness.state().session().scene().body.unwrap().patch_radius_mm
+    };
+    type_into(&mut harness, "Pocket radius (mm)", "80");
+    assert!((patch(&harness) - 140.0).abs() < 1e-9);
+    type_into(&mut harness, "Computed radius (mm)", "120");
+    type_into(&mut harness, "Pocket radius (mm)", "70");
+    assert!((patch(&harness) - 120.0).abs() < 1e-9);
 }
 
 #[test]
@@ -334,7 +385,7 @@ fn a_rejected_scene_changes_nothing_and_shows_the_reason() {
 #[test]
 fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
     let mut harness = app(WIDE, |scene| {
-        scene.springs = Springs::Nikolaev;
+        scene.set_springs(Springs::Nikolaev);
         scene.layers = vec![implant_preview::scene::Layer::adipose()];
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
@@ -348,7 +399,7 @@ fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
 #[test]
 fn the_papers_springs_are_marked_before_the_solve() {
     // The first frame of a fine grid is drawn before the solve ends.
-    let mut scene = Scene { springs: Springs::Nikolaev, ..Scene::default() };
+    let mut scene = Scene { springs: Springs::Nikolaev, ..Scene::sheet() };
     scene.solver.nodes_per_side = 1025;
     let app = App::new(&egui::Context::default(), None, scene).unwrap();
     let mut harness = Harness::builder()
@@ -369,7 +420,7 @@ fn the_papers_springs_are_marked_before_the_solve() {
 
 #[test]
 fn the_mark_of_the_papers_springs_is_computed_once_per_stack_of_layers() {
-    let mut harness = app(WIDE, |scene| scene.springs = Springs::Nikolaev);
+    let mut harness = app(WIDE, |scene| scene.set_springs(Springs::Nikolaev));
     let asked =
         |harness: &Harness<'static, App>| harness.state().session().counters().stability_limits;
     assert_eq!(asked(&harness), 1);
@@ -386,7 +437,7 @@ fn the_mark_of_the_papers_springs_is_computed_once_per_stack_of_layers() {
 #[test]
 fn layers_that_stay_stable_under_the_papers_springs_are_reported() {
     let harness = app(WIDE, |scene| {
-        scene.springs = Springs::Nikolaev;
+        scene.set_springs(Springs::Nikolaev);
         scene.insertion = 0.2;
         scene.layers.truncate(1);
         scene.layers[0].poisson_ratio = 0.3;
@@ -772,7 +823,7 @@ fn a_result_is_saved_only_with_its_own_scene() {
     assert!(date.len() == 20 && date.ends_with('Z') && date.starts_with("20"), "{date}");
     // Another scene before the end of its solve has no result to save or to read.
     let mut other = harness.state().session().scene().clone();
-    other.pocket_radius_mm = 178.0;
+    other.set_pocket_radius(178.0);
     harness.state_mut().open(other.to_json()).unwrap();
     let app = harness.state();
     assert!(app.session().is_working());
@@ -788,7 +839,10 @@ fn a_result_is_saved_only_with_its_own_scene() {
 
 #[test]
 fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
-    let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
+    let mut harness = app(WIDE, |scene| {
+        scene.set_tissue_model(TissueModel::Sheet);
+        scene.insertion = 0.5;
+    });
     harness.get_by_label("Up to date");
     let mut scene = harness.state().session().scene().clone();
     // Far beyond the failure strain of skin.
@@ -818,7 +872,7 @@ fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
     let mut harness = app(WIDE, |_| {});
     let before = harness.state().session().scene().clone();
     let mut long = before.clone();
-    long.springs = Springs::Nikolaev;
+    long.set_springs(Springs::Nikolaev);
     long.solver.nodes_per_side = 513;
     let edit = |harness: &mut Harness<'static, App>, scene: &Scene| {
         harness.state_mut().open(scene.to_json()).unwrap();

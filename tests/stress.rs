@@ -189,7 +189,7 @@ fn random_scenes_and_sessions_satisfy_all_invariants() {
 
 #[test]
 fn the_checks_detect_invalid_shapes() {
-    let mut scene = Scene::default();
+    let mut scene = Scene::sheet();
     scene.solver.nodes_per_side = 33;
     let solver = Solver::new(scene.problem().unwrap());
     let (sheet, dome) = (&solver.problem().sheet, &solver.problem().obstacle.dome);

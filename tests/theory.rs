@@ -107,6 +107,7 @@ fn shapes_extrapolated_to_zero_spacing_agree_with_the_axisymmetric_reference() {
         // The 41 points of a profile are nodes of these grids, without interpolation.
         let [coarse, fine] = [81, 161].map(|nodes| {
             let scene = json!({
+                "tissue_model": "sheet",
                 "implant": { "base_radius_mm": 50, "projection_mm": projection },
                 "pocket_radius_mm": pocket, "insertion": insertion, "layers": layers,
                 "solver": { "nodes_per_side": nodes, "tolerance": 1e-7 },
@@ -207,6 +208,7 @@ fn ten_scenes() -> Vec<Scene> {
             };
             let offset = if k % 2 == 0 { [0.0, 0.0] } else { [1.5 * t, -t] };
             let scene = json!({
+                "tissue_model": "sheet",
                 "implant": { "base_radius_mm": 30.0 + 4.0 * t, "center_mm": offset,
                     "projection_mm": 25.0 + 3.0 * t },
                 "insertion": 1.0 - 0.06 * t,

@@ -53,6 +53,7 @@ fn pocket(ui: &mut Ui, scene: &mut Scene) {
     let [x, y] = scene.implant.center_mm;
     let most = limits::POCKET_RADIUS_MAX_MM;
     let least = (scene.implant.base_radius_mm + x.hypot(y)).min(most);
+    let mut radius_mm = scene.pocket_radius_mm;
     Control {
         allowed: Some(least..=most),
         limit_reason: &format!(
@@ -62,7 +63,8 @@ fn pocket(ui: &mut Ui, scene: &mut Scene) {
                   attached to the chest wall. The pocket must contain the implant.",
         ..length((limits::BASE_RADIUS_MM.0, most), "Pocket radius", (least + 15.0).min(most))
     }
-    .show(ui, &mut scene.pocket_radius_mm);
+    .show(ui, &mut radius_mm);
+    scene.set_pocket_radius(radius_mm);
 }
 
 /// A control of a length \[mm\].
@@ -109,7 +111,7 @@ fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
     let pocket_radius_mm = (2.0 * (scene.implant.base_radius_mm + offset)).ceil() / 2.0;
     (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
         let mut scene = scene.clone();
-        scene.pocket_radius_mm = pocket_radius_mm;
+        scene.set_pocket_radius(pocket_radius_mm);
         scene.implant.center_mm[axis] = requested;
         let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
         Offer { label, scene: Box::new(scene) }
@@ -228,9 +230,8 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
         tissue_model(ui, scene);
         if scene.is_layered() {
             attachment(ui, scene);
-        } else {
-            springs(ui, &mut scene.springs);
         }
+        springs(ui, scene);
         if let Some(limits) = session.stability_limits() {
             stability::show(ui, scene, limits, session.greatest_strain());
         }
@@ -294,22 +295,26 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     .show(ui, &mut body.attachment.ramp_mm);
 }
 
-fn springs(ui: &mut Ui, springs: &mut Springs) {
+/// The choice of the springs; the paper's springs make layered tissue a sheet.
+fn springs(ui: &mut Ui, scene: &mut Scene) {
+    let is_layered = scene.is_layered();
     let name = |springs: Springs| match springs {
         Springs::Coupled => "Coupled (exact, isotropic)",
+        Springs::Nikolaev if is_layered => "Nikolaev 2013, in one sheet",
         Springs::Nikolaev => "Nikolaev 2013, as published",
     };
-    let response = labelled_box(ui, "Springs", name(*springs), |ui| {
+    let present = scene.springs;
+    let response = labelled_box(ui, "Springs", name(present), |ui| {
         for law in [Springs::Coupled, Springs::Nikolaev] {
-            if choice(ui, *springs == law, name(law)).clicked() {
-                *springs = law;
+            if choice(ui, present == law, name(law)).clicked() {
+                scene.set_springs(law);
             }
         }
     });
     response.on_hover_text(
         "Coupled springs reproduce the measured curve and Poisson ratio exactly, in every direction. The \
-         springs of Nikolaev 2013 are for comparison; at large strains and Poisson ratios they are \
-         unstable.",
+         springs of Nikolaev 2013 are for comparison: their tissue is one sheet, and at large strains and \
+         Poisson ratios they are unstable.",
     );
 }
 

@@ -142,7 +142,7 @@ mod tests {
     use std::cell::Cell;
 
     fn solved(change: impl FnOnce(&mut Scene)) -> Solver {
-        let mut scene = Scene::default();
+        let mut scene = Scene::sheet();
         scene.solver.nodes_per_side = 33;
         change(&mut scene);
         let mut solver = Solver::new(scene.problem().unwrap());

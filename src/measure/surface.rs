@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn the_skin_lies_the_layers_thickness_outside_of_the_inner_face() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::sheet();
         scene.solver.nodes_per_side = 33;
         let mut solver = Solver::new(scene.problem().unwrap());
         solver.advance(&mut || false);

@@ -1,10 +1,13 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
-use super::limits;
+use super::{
+    SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, SceneError, limits, out_of_range, problem, within,
+};
+use crate::curve::number;
 use crate::mesh::{Attachment, Edge, Patch};
 use crate::model::layered::automatic_cells;
 use crate::solve::Tissue;
-use crate::springs::Material;
+use crate::springs::{Material, Springs};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -52,7 +55,7 @@ pub enum CellsThrough {
     /// Chosen from the thickness.
     #[default]
     Auto,
-    /// This number, 1 to 8; each solid layer has one at least.
+    /// This number, 1 to 8 in layered tissue; each solid layer has one at least.
     Count(usize),
 }
 
@@ -74,10 +77,10 @@ impl<'de> Deserialize<'de> for CellsThrough {
                 f.write_str("\"auto\" or a whole number from 1 to 8")
             }
             fn visit_u64<E: serde::de::Error>(self, count: u64) -> Result<CellsThrough, E> {
-                match usize::try_from(count) {
-                    Ok(count @ 1..=8) => Ok(CellsThrough::Count(count)),
-                    _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(count), &self)),
-                }
+                // The limits are checked with all others: a sheet ignores the number.
+                u32::try_from(count)
+                    .map(|count| CellsThrough::Count(count as usize))
+                    .map_err(|_| E::invalid_value(serde::de::Unexpected::Unsigned(count), &self))
             }
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<CellsThrough, E> {
                 match text {
@@ -134,6 +137,102 @@ impl Body {
             pocket_radius_mm,
             edge: Edge::Attached(Attachment { stiffness_kpa_per_mm, ramp_mm }),
         }
+    }
+}
+
+/// Error of a field of `scene/2` in a scene of `scene/1`.
+pub(super) fn in_first(field: &str) -> SceneError {
+    problem(field, &format!("the field belongs to {SCENE_SCHEMA_2}; the schema is {SCENE_SCHEMA}"))
+}
+
+impl Scene {
+    /// Is the tissue layered?
+    #[must_use]
+    pub fn is_layered(&self) -> bool {
+        self.body.is_some_and(|body| body.tissue_model == TissueModel::Layered)
+    }
+
+    /// Sets the tissue model; the scene is one of `scene/2` afterwards. Layered tissue has the coupled springs, and
+    /// its patch, attachment and cells are moved into their limits, which a sheet does not check.
+    pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
+        self.schema = SCENE_SCHEMA_2.to_owned();
+        let pocket = self.pocket_radius_mm;
+        let mut body = self.body.unwrap_or_else(|| Body::around(pocket, tissue_model));
+        body.tissue_model = tissue_model;
+        if tissue_model == TissueModel::Layered {
+            let into =
+                |value: &mut f64, (least, most): (f64, f64)| *value = value.clamp(least, most);
+            into(&mut body.patch_radius_mm, Body::patch_range(pocket));
+            into(&mut body.attachment.stiffness_kpa_per_mm, limits::ATTACHMENT_STIFFNESS);
+            into(&mut body.attachment.ramp_mm, limits::ATTACHMENT_RAMP_MM);
+            if let Some(CellsThrough::Count(count)) = &mut self.solver.cells_through {
+                let (least, most) = limits::CELLS_THROUGH;
+                *count = (*count).clamp(least, most);
+            }
+            self.springs = Springs::Coupled;
+        }
+        self.body = Some(body);
+    }
+
+    /// Sets the springs; the paper's springs make layered tissue a sheet.
+    pub fn set_springs(&mut self, springs: Springs) {
+        if springs == Springs::Nikolaev && self.is_layered() {
+            self.set_tissue_model(TissueModel::Sheet);
+        }
+        self.springs = springs;
+    }
+
+    /// Checks the fields of `scene/2`.
+    pub(super) fn check_body(&self) -> Result<(), SceneError> {
+        let is_second = self.schema == SCENE_SCHEMA_2;
+        let cells = self.solver.cells_through;
+        let Some(body) = self.body else {
+            return match cells {
+                _ if is_second => Err(problem("tissue_model", "missing in a scene of scene/2")),
+                Some(_) => Err(in_first("solver.cells_through")),
+                None => Ok(()),
+            };
+        };
+        if !is_second {
+            return Err(in_first("tissue_model"));
+        }
+        let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = body.attachment;
+        let range = Body::patch_range(self.pocket_radius_mm);
+        for (field, value, range, unit) in [
+            ("patch_radius_mm", body.patch_radius_mm, range, " mm"),
+            (
+                "attachment.stiffness_kpa_per_mm",
+                stiffness_kpa_per_mm,
+                limits::ATTACHMENT_STIFFNESS,
+                " kPa/mm",
+            ),
+            ("attachment.ramp_mm", ramp_mm, limits::ATTACHMENT_RAMP_MM, " mm"),
+        ] {
+            if self.is_layered() {
+                within(field, value, range, unit)?;
+            } else if !(value.is_finite() && value >= 0.0) {
+                // A sheet ignores the value; a file cannot contain a number that is not finite.
+                return Err(out_of_range(field, number(value), &format!("0{unit} or more")));
+            }
+        }
+        if !self.is_layered() {
+            return Ok(());
+        }
+        let (least, most) = limits::CELLS_THROUGH;
+        if let Some(CellsThrough::Count(count)) = cells
+            && !(least..=most).contains(&count)
+        {
+            let allowed = format!("\"auto\" or {least} to {most}");
+            return Err(out_of_range("solver.cells_through", count.to_string(), &allowed));
+        }
+        if self.springs == Springs::Nikolaev {
+            return Err(out_of_range(
+                "springs",
+                "nikolaev".to_owned(),
+                "coupled in layered tissue, the default; nikolaev with tissue_model sheet",
+            ));
+        }
+        Ok(())
     }
 }
 

@@ -4,7 +4,8 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an edit made invalid).
+//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an
+//! edit made invalid).
 //!
 //! Uses `curve`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -23,9 +24,9 @@ pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// The schema of a sheet, and of a scene without schema.
+/// The schema of a sheet.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
-/// The schema with a choice of tissue model.
+/// The schema with a choice of tissue model, and of a scene without schema.
 pub const SCENE_SCHEMA_2: &str = "implant-preview/scene/2";
 
 /// Allowed ranges, as inclusive bounds \[mm, unless said otherwise\].
@@ -48,6 +49,8 @@ pub mod limits {
     pub const ATTACHMENT_STIFFNESS: (f64, f64) = (0.1, 50.0);
     /// Width of the attachment's ramp \[mm\].
     pub const ATTACHMENT_RAMP_MM: (f64, f64) = (1.0, 40.0);
+    /// Cells through the thickness of the solid layers.
+    pub const CELLS_THROUGH: (usize, usize) = (1, 8);
     /// Layers in a scene.
     pub const LAYERS: (usize, usize) = (1, 8);
     /// Position tolerance \[fraction of the base radius\].
@@ -131,7 +134,8 @@ impl Default for SolverSettings {
 #[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Scene")]
 struct SceneFile {
-    #[serde(default = "scene_schema")]
+    /// `implant-preview/scene/1`, a sheet, or `implant-preview/scene/2`. Default: the newest.
+    #[serde(default = "newest_schema")]
     schema: String,
     #[serde(deserialize_with = "object")]
     implant: ImplantFile,
@@ -179,8 +183,8 @@ fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<Layer>, D::Error> 
     Ok(list.0.into_iter().map(|entry| entry.0).collect())
 }
 
-fn scene_schema() -> String {
-    SCENE_SCHEMA.to_owned()
+fn newest_schema() -> String {
+    SCENE_SCHEMA_2.to_owned()
 }
 fn full_insertion() -> f64 {
     1.0
@@ -271,24 +275,37 @@ impl TryFrom<SceneFile> for Scene {
     type Error = SceneError;
 
     fn try_from(file: SceneFile) -> Result<Self, SceneError> {
-        CheckedScene::new(file.filled()).map(CheckedScene::into_scene)
+        CheckedScene::new(file.filled()?).map(CheckedScene::into_scene)
     }
 }
 
 impl SceneFile {
-    /// Fills omitted fields with defaults; checks no field.
-    fn filled(self) -> Scene {
+    /// Fills omitted fields with defaults.
+    ///
+    /// # Errors
+    /// A field of `scene/2` in a scene of `scene/1`; all other checks are those of [`CheckedScene::new`].
+    fn filled(self) -> Result<Scene, SceneError> {
         let file = self;
+        let is_first = file.schema == SCENE_SCHEMA;
+        if is_first {
+            for (field, is_given) in [
+                ("tissue_model", file.tissue_model.is_some()),
+                ("patch_radius_mm", file.patch_radius_mm.is_some()),
+                ("attachment", file.attachment.is_some()),
+                ("solver.cells_through", file.solver.cells_through.is_some()),
+            ] {
+                if is_given {
+                    return Err(body::in_first(field));
+                }
+            }
+        }
         let radius = file.implant.base_radius_mm;
         let center_mm = file.implant.center_mm.0;
         let [x, y] = center_mm;
         let pocket_radius_mm = file
             .pocket_radius_mm
             .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM));
-        let asks_for_body = file.tissue_model.is_some()
-            || file.patch_radius_mm.is_some()
-            || file.attachment.is_some();
-        let body = (asks_for_body || file.schema == SCENE_SCHEMA_2).then(|| {
+        let body = (!is_first).then(|| {
             let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
             Body {
                 patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
@@ -296,7 +313,7 @@ impl SceneFile {
                 ..default
             }
         });
-        Scene {
+        Ok(Scene {
             schema: file.schema,
             implant: Implant {
                 base_radius_mm: radius,
@@ -309,18 +326,19 @@ impl SceneFile {
             layers: file.layers,
             springs: file.springs,
             solver: file.solver,
-        }
+        })
     }
 }
 
 impl Default for Scene {
-    /// The scene that the app opens with: a 55 mm hemisphere fully under skin and adipose.
+    /// The scene that the app opens with: a 55 mm hemisphere fully under layered skin and adipose.
     fn default() -> Self {
+        let pocket_radius_mm = 70.0;
         Self {
-            schema: scene_schema(),
+            schema: newest_schema(),
             implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0, 0.0] },
-            pocket_radius_mm: 70.0,
-            body: None,
+            pocket_radius_mm,
+            body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
             insertion: full_insertion(),
             layers: default_layers(),
             springs: Springs::default(),
@@ -330,6 +348,12 @@ impl Default for Scene {
 }
 
 impl Scene {
+    /// The default scene as a sheet of `scene/1`.
+    #[must_use]
+    pub fn sheet() -> Self {
+        Self { schema: SCENE_SCHEMA.to_owned(), body: None, ..Self::default() }
+    }
+
     /// Reads a scene from JSON and checks it.
     ///
     /// # Errors
@@ -431,51 +455,6 @@ impl Scene {
 }
 
 impl Scene {
-    /// Is the tissue layered?
-    #[must_use]
-    pub fn is_layered(&self) -> bool {
-        self.body.is_some_and(|body| body.tissue_model == TissueModel::Layered)
-    }
-
-    /// Sets the tissue model; the scene is one of `scene/2` afterwards.
-    pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
-        self.schema = SCENE_SCHEMA_2.to_owned();
-        let default = Body::around(self.pocket_radius_mm, tissue_model);
-        self.body = Some(Body { tissue_model, ..self.body.unwrap_or(default) });
-        if tissue_model == TissueModel::Layered {
-            self.springs = Springs::Coupled;
-        }
-    }
-
-    /// Checks the fields of `scene/2`.
-    fn check_body(&self) -> Result<(), SceneError> {
-        let is_second = self.schema == SCENE_SCHEMA_2;
-        if is_second != self.body.is_some() || !is_second && self.solver.cells_through.is_some() {
-            return Err(out_of_range(
-                "schema",
-                self.schema.clone(),
-                &format!(
-                    "{SCENE_SCHEMA_2} with tissue_model, patch_radius_mm, attachment or cells_through"
-                ),
-            ));
-        }
-        let Some(body) = self.body else { return Ok(()) };
-        let range = Body::patch_range(self.pocket_radius_mm);
-        within("patch_radius_mm", body.patch_radius_mm, range, " mm")?;
-        let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = body.attachment;
-        let field = "attachment.stiffness_kpa_per_mm";
-        within(field, stiffness_kpa_per_mm, limits::ATTACHMENT_STIFFNESS, " kPa/mm")?;
-        within("attachment.ramp_mm", ramp_mm, limits::ATTACHMENT_RAMP_MM, " mm")?;
-        if self.is_layered() && self.springs == Springs::Nikolaev {
-            return Err(out_of_range(
-                "springs",
-                "nikolaev".to_owned(),
-                "coupled with tissue_model layered; the paper's springs belong to a sheet",
-            ));
-        }
-        Ok(())
-    }
-
     /// The problem of the scene, for the solver.
     ///
     /// # Errors

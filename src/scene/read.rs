@@ -31,7 +31,7 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
     if bytes.len() > MAX_LINES_BYTES {
         return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "up to 100 MB"));
     }
-    let text = utf8(bytes)?;
+    let text = unmarked(utf8(bytes)?);
     if format == Format::Json && !starts_with_a_value(text) {
         return Ok(vec![checked_scene(text, None)?]);
     }
@@ -68,6 +68,11 @@ fn starts_with_a_value(text: &str) -> bool {
     lines.next().is_some_and(whole) && lines.next().is_some()
 }
 
+/// The text without the byte-order mark that some editors put before it.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
 fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
     std::str::from_utf8(bytes)
         .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
@@ -77,13 +82,12 @@ pub(super) fn checked_scene(
     text: &str,
     earlier: Option<&CheckedScene>,
 ) -> Result<CheckedScene, SceneError> {
-    CheckedScene::like(json::<SceneFile>(text, "scene")?.filled(), earlier)
+    CheckedScene::like(json::<SceneFile>(text, "scene")?.filled()?, earlier)
 }
 
 /// Reads one JSON object; messages name the object `whole`.
 pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneError> {
-    // Some editors put a byte-order mark before the text.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = unmarked(text);
     if text.len() > MAX_SCENE_BYTES {
         return Err(out_of_range(whole, format!("{} bytes long", text.len()), "up to 10 MB"));
     }

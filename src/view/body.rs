@@ -255,9 +255,12 @@ pub(crate) mod tests {
     use crate::scene::Scene;
     use crate::session::Session;
 
-    /// A small scene, solved, with its body.
-    pub(crate) fn small() -> (Session, Body) {
-        let mut scene = Scene::default();
+    /// The default scene in both tissue models on a small grid, solved, with its body.
+    pub(crate) fn both() -> [(Session, Body); 2] {
+        [Scene::default(), Scene::sheet()].map(solved)
+    }
+
+    fn solved(mut scene: Scene) -> (Session, Body) {
         scene.solver.nodes_per_side = 33;
         let mut session = Session::new(scene).expect("the default scene is valid");
         while session.is_working() {
@@ -269,45 +272,52 @@ pub(crate) mod tests {
 
     #[test]
     fn adjacent_faces_are_one_layer_thickness_apart() {
-        let (session, body) = small();
-        let stack = session.solution().stack();
-        let sheet = &session.problem().sheet;
-        let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
-        for k in (0..sheet.len()).filter(inside) {
-            for layer in 0..body.layers() {
-                let thickness = body.levels[layer][k].distance(body.levels[layer + 1][k]);
-                assert!((thickness - stack.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");
+        for (session, body) in both() {
+            let stack = session.solution().stack();
+            let sheet = &session.problem().sheet;
+            let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
+            for k in (0..sheet.len()).filter(inside) {
+                for layer in 0..body.layers() {
+                    let apart = body.levels[layer][k] - body.levels[layer + 1][k];
+                    // The columns of layered tissue are sheared; their thickness is that along the skin's normal.
+                    let is_column = session.scene().is_layered() && layer > 0;
+                    let thickness =
+                        if is_column { apart.dot(stack.normal[k]) } else { apart.length() };
+                    assert!((thickness - stack.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");
+                }
             }
         }
     }
 
     #[test]
     fn the_ring_continues_the_border_and_lies_flat() {
-        let (session, body) = small();
-        assert!(!body.seam.is_empty());
-        for level in &body.levels {
-            for &(ring, node) in &body.seam {
-                assert_eq!(level[ring as usize], level[node as usize]);
+        for (session, body) in both() {
+            assert!(!body.seam.is_empty());
+            for level in &body.levels {
+                for &(ring, node) in &body.seam {
+                    assert_eq!(level[ring as usize], level[node as usize]);
+                }
             }
-        }
-        let stack: f64 = session.scene().layers.iter().map(|l| l.thickness_mm).sum();
-        for &column in &body.rim {
-            assert!((body.levels[0][column as usize].z - stack as f32).abs() < 1e-4);
+            let stack: f64 = session.scene().layers.iter().map(|l| l.thickness_mm).sum();
+            for &column in &body.rim {
+                assert!((body.levels[0][column as usize].z - stack as f32).abs() < 1e-4);
+            }
         }
     }
 
     #[test]
     fn every_triangle_faces_outwards() {
-        let (_, body) = small();
-        let outer = &body.levels[0];
-        let down = body
-            .triangles
-            .iter()
-            .filter(|t| {
-                let [a, b, c] = t.map(|k| outer[k as usize]);
-                (b - a).cross(c - a).z < -1e-4
-            })
-            .count();
-        assert_eq!(down, 0, "of {}", body.triangles.len());
+        for (_, body) in both() {
+            let outer = &body.levels[0];
+            let down = body
+                .triangles
+                .iter()
+                .filter(|t| {
+                    let [a, b, c] = t.map(|k| outer[k as usize]);
+                    (b - a).cross(c - a).z < -1e-4
+                })
+                .count();
+            assert_eq!(down, 0, "of {}", body.triangles.len());
+        }
     }
 }

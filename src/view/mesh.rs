@@ -224,7 +224,7 @@ pub fn wall(radius: f32) -> Mesh {
 mod tests {
     use super::*;
     use crate::measure::Field;
-    use crate::view::body::tests::small;
+    use crate::view::body::tests::both;
     use crate::view::section::{Opening, Section};
     use glam::Vec2;
 
@@ -241,15 +241,16 @@ mod tests {
 
     #[test]
     fn every_mesh_has_valid_indices_and_unit_normals() {
-        let (session, body) = small();
-        let colors = [[0.5; 3]; 2];
-        let strain = session.values(Field::PrincipalStrain);
-        check(&tissue(&body, &colors, 0, Some(strain)));
-        check(&tissue(&body, &colors, 1, None));
-        let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
-        check(&caps(&section.caps(&body, 0), &colors));
-        check(&implant(&session.problem().obstacle.dome));
-        check(&wall(80.0));
+        for (session, body) in both() {
+            let colors = [[0.5; 3]; 2];
+            let strain = session.values(Field::PrincipalStrain);
+            check(&tissue(&body, &colors, 0, Some(strain)));
+            check(&tissue(&body, &colors, 1, None));
+            let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
+            check(&caps(&section.caps(&body, 0), &colors));
+            check(&implant(&session.problem().obstacle.dome));
+            check(&wall(80.0));
+        }
     }
 
     #[test]

@@ -213,7 +213,7 @@ fn fan(polygon: &[Vec3], layer: usize, normal: Vec3, caps: &mut Vec<CapTriangle>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::body::tests::small;
+    use crate::view::body::tests::both;
 
     fn area(caps: &[CapTriangle], layer: usize) -> f32 {
         caps.iter()
@@ -226,37 +226,39 @@ mod tests {
 
     #[test]
     fn a_closed_body_has_no_caps_and_a_cut_removes_points_in_front() {
-        let (_, body) = small();
-        let mut section = Section { opening: Opening::Closed, angle: 0.3, axis: Vec2::ZERO };
-        assert!(section.caps(&body, 0).is_empty());
-        assert!(!section.removes(Vec3::new(30.0, 10.0, 20.0)));
-        section.opening = Opening::Wedge;
-        assert!(section.removes(Vec3::new(30.0, 10.0, 20.0)));
-        assert!(!section.removes(Vec3::new(-30.0, 10.0, 20.0)));
-        section.opening = Opening::Half;
-        assert!(section.removes(Vec3::new(1.0, 30.0, 20.0)));
+        for (_, body) in both() {
+            let mut section = Section { opening: Opening::Closed, angle: 0.3, axis: Vec2::ZERO };
+            assert!(section.caps(&body, 0).is_empty());
+            assert!(!section.removes(Vec3::new(30.0, 10.0, 20.0)));
+            section.opening = Opening::Wedge;
+            assert!(section.removes(Vec3::new(30.0, 10.0, 20.0)));
+            assert!(!section.removes(Vec3::new(-30.0, 10.0, 20.0)));
+            section.opening = Opening::Half;
+            assert!(section.removes(Vec3::new(1.0, 30.0, 20.0)));
+        }
     }
 
     #[test]
     fn cut_faces_lie_in_their_plane_with_an_area_independent_of_the_angle() {
-        let (_, body) = small();
-        let faces = |opening, angle| {
-            let section = Section { opening, angle, axis: Vec2::ZERO };
-            let caps = section.caps(&body, 0);
-            for cap in &caps {
-                for corner in cap.corners {
-                    assert!(cap.normal.dot(corner).abs() < 1e-3);
+        for (_, body) in both() {
+            let faces = |opening, angle| {
+                let section = Section { opening, angle, axis: Vec2::ZERO };
+                let caps = section.caps(&body, 0);
+                for cap in &caps {
+                    for corner in cap.corners {
+                        assert!(cap.normal.dot(corner).abs() < 1e-3);
+                    }
                 }
+                [0, 1].map(|layer| area(&caps, layer))
+            };
+            let half = faces(Opening::Half, 0.0);
+            let turned = faces(Opening::Half, 0.4);
+            let wedge = faces(Opening::Wedge, 0.0);
+            for layer in 0..2 {
+                assert!(half[layer] > 100.0);
+                assert!((turned[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {turned:?}");
+                assert!((wedge[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {wedge:?}");
             }
-            [0, 1].map(|layer| area(&caps, layer))
-        };
-        let half = faces(Opening::Half, 0.0);
-        let turned = faces(Opening::Half, 0.4);
-        let wedge = faces(Opening::Wedge, 0.0);
-        for layer in 0..2 {
-            assert!(half[layer] > 100.0);
-            assert!((turned[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {turned:?}");
-            assert!((wedge[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {wedge:?}");
         }
     }
 }

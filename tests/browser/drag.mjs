@@ -1,6 +1,7 @@
 // How long the solver and a whole frame take while a value is dragged in the built page, one edit a frame.
 //
-// node tests/browser/drag.mjs [NODES_PER_SIDE]: on its own, for 129 nodes a side unless told otherwise.
+// node tests/browser/drag.mjs [NODES_PER_SIDE [TISSUE_MODEL]]: on its own, for 129 nodes a side of layered tissue
+// unless told otherwise; the other tissue model is `sheet`.
 // Without a graphics card the picture is drawn in software, by threads that take every core: they are put
 // behind the page's own, as they would not run at all elsewhere.
 
@@ -48,6 +49,7 @@ function drag(page, opening, edit) {
 }
 
 const nodesPerSide = Number(process.argv[2] ?? 129);
+const tissueModel = process.argv[3] ?? "layered";
 const site = await harness.serve();
 const browser = await harness.startBrowser();
 // The page's own policy allows no code from text.
@@ -55,8 +57,9 @@ const { page, problems } = await harness.openApp(browser, site, { options: { byp
 await drawLast(browser);
 const scene = JSON.parse(await page.evaluate(() => implantPreview.scene()));
 scene.solver.nodes_per_side = nodesPerSide;
+scene.tissue_model = tissueModel;
 const opening = JSON.stringify(scene);
-console.log(`${nodesPerSide} nodes a side; solver and whole frame [ms]: median, 95 %`);
+console.log(`${tissueModel}, ${nodesPerSide} nodes a side; solver and whole frame [ms]: median, 95 %`);
 for (const [name, edit] of Object.entries(DRAGS)) {
   const stats = await drag(page, opening, edit);
   const figures = [stats.solver_ms_p50, stats.solver_ms_p95, stats.frame_ms_p50, stats.frame_ms_p95];

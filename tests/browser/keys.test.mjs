@@ -164,6 +164,8 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     const seen = await page.evaluate(() => {
       const wide = JSON.parse(implantPreview.scene());
       wide.pocket_radius_mm = 178;
+      // Its default is that of the wide pocket.
+      delete wide.patch_radius_mm;
       implantPreview.setScene(JSON.stringify(wide));
       return [implantPreview.result(), implantPreview.stats().converged];
     });
@@ -172,6 +174,7 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     const result = JSON.parse(await page.evaluate(() => implantPreview.result()));
     assert.deepEqual(result.scene, await harness.scene(page));
     assert.equal(result.scene.pocket_radius_mm, 178);
+    assert.equal(result.scene.patch_radius_mm, 238);
     assert.ok(Math.abs(result.area_before_cm2 - 0.01 * Math.PI * 178 ** 2) < 1e-9);
     assert.equal(result.program_version, await page.evaluate(() => implantPreviewApi.version()));
     assert.ok(Math.abs(Date.parse(result.date) - Date.now()) < 600_000, result.date);

@@ -21,15 +21,18 @@ describe("with WebGL 2", { timeout: 10 * harness.PATIENCE }, () => {
       },
     });
     await page.waitForFunction(() => globalThis.implantPreviewApi?.version);
-    const { scene, result } = await page.evaluate(() => {
-      const scene = JSON.parse(implantPreviewApi.default_scene());
-      scene.solver.nodes_per_side = 65;
-      const text = JSON.stringify(scene);
-      return { scene: text, result: JSON.parse(implantPreviewApi.simulate(text)) };
-    });
-    assert.equal(result.status, "converged");
-    const distance = harness.profileDistance(result.profile, harness.native(scene).profile);
-    assert.ok(distance < 1e-5 * RADIUS_MM, `profiles differ by ${distance} mm`);
+    for (const model of ["layered", "sheet"]) {
+      const { scene, result } = await page.evaluate((model) => {
+        const scene = JSON.parse(implantPreviewApi.default_scene());
+        scene.solver.nodes_per_side = 65;
+        scene.tissue_model = model;
+        const text = JSON.stringify(scene);
+        return { scene: text, result: JSON.parse(implantPreviewApi.simulate(text)) };
+      }, model);
+      assert.equal(result.status, "converged");
+      const distance = harness.profileDistance(result.profile, harness.native(scene).profile);
+      assert.ok(distance < 1e-5 * RADIUS_MM, `profiles of ${model} tissue differ by ${distance} mm`);
+    }
     const refused = await page.evaluate(() => {
       try {
         implantPreviewApi.simulate('{"implant":{"base_radius_mm":500}}');

@@ -271,8 +271,10 @@ impl Choices<'_> {
             "solver": { "nodes_per_side": 17 + usize::from(self.byte()),
                 "tolerance": self.magnitude(1e-7, 1e-2) },
         });
-        if self.byte() == 255 {
-            scene["schema"] = json!("implant-preview/scene/2");
+        match self.byte() {
+            255 => {}
+            254 => scene["schema"] = json!("implant-preview/scene/1"),
+            _ => scene["tissue_model"] = json!("sheet"),
         }
         scene.to_string()
     }

@@ -28,6 +28,7 @@ pub(crate) fn scene_of(case: &Value) -> Scene {
         .collect();
     let radius = case["dome_radius_mm"].as_f64().unwrap();
     let scene = json!({
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": radius },
         "pocket_radius_mm": case["pocket_radius_mm"],
         "insertion": case["apex_height_mm"].as_f64().unwrap() / radius,

@@ -6,17 +6,23 @@ use serde_json::{Value, json};
 pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
     vec![
         (
-            "default",
-            json!({ "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 65 } }),
+            "layered",
+            json!({ "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 33 } }),
+        ),
+        (
+            "sheet",
+            json!({ "tissue_model": "sheet",
+                    "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 65 } }),
         ),
         (
             "off-centre",
-            json!({ "implant": { "base_radius_mm": 50, "center_mm": [12, -7] }, "pocket_radius_mm": 75,
+            json!({ "tissue_model": "sheet",
+                    "implant": { "base_radius_mm": 50, "center_mm": [12, -7] }, "pocket_radius_mm": 75,
                     "insertion": 0.7, "solver": { "nodes_per_side": 33 } }),
         ),
         (
             "flat-ellipsoid",
-            json!({ "implant": { "base_radius_mm": 60, "projection_mm": 25 },
+            json!({ "tissue_model": "sheet", "implant": { "base_radius_mm": 60, "projection_mm": 25 },
                     "layers": [
                         { "poisson_ratio": 0.3, "thickness_mm": 2,
                           "curve": { "kind": "exponential", "scale_kpa": 2, "rate": 5 } },
@@ -27,7 +33,8 @@ pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
         ),
         (
             "paper-springs",
-            json!({ "implant": { "base_radius_mm": 40 }, "insertion": 0.5, "springs": "nikolaev",
+            json!({ "tissue_model": "sheet",
+                    "implant": { "base_radius_mm": 40 }, "insertion": 0.5, "springs": "nikolaev",
                     "layers": [ { "poisson_ratio": 0.3 } ], "solver": { "nodes_per_side": 33 } }),
         ),
     ]

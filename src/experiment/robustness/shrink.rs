@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn properties_irrelevant_to_a_failure_are_removed() {
-        let mut scene = Scene::default();
+        let mut scene = Scene::sheet();
         scene.implant.center_mm = [3.217, 2.881];
         scene.layers =
             vec![Layer::skin(), Layer::adipose(), Layer { thickness_mm: 41.3, ..Layer::skin() }];

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
-    /// The default scene of the app: skin and adipose on a 55 mm hemisphere, pocket 70 mm.
+    /// The default scene of the app as a sheet: skin and adipose on a 55 mm hemisphere, pocket 70 mm.
     Default,
     /// One linear layer, ν = 1/3, pocket 1.5 times as wide as the dome.
     LinearThird,
@@ -48,7 +48,7 @@ impl Case {
     pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {
         let solver = SolverSettings { nodes_per_side, tolerance, cells_through: None };
         let (pocket_radius_mm, insertion, layers) = match self {
-            Self::Default => return Scene { solver, ..Scene::default() },
+            Self::Default => return Scene { solver, ..Scene::sheet() },
             Self::LinearThird => (60.0, 1.0, vec![linear_third()]),
             Self::SkinEquator => (40.0, 1.0, vec![Layer::skin()]),
             Self::SkinAdiposeHalf => (60.0, 0.6, vec![Layer::skin(), Layer::adipose()]),
@@ -62,7 +62,7 @@ impl Case {
             insertion,
             layers,
             solver,
-            ..Scene::default()
+            ..Scene::sheet()
         }
     }
 }
