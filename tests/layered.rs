@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::measure::{Outcome, Status};
+use implant_preview::measure::{Outcome, SolverMethod, Status};
 use implant_preview::scene::{
     CellsThrough, CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, Springs, TissueModel,
 };
@@ -432,7 +432,7 @@ fn newtons_method_finds_the_shape_of_multigrid() {
         let multigrid = solved(&scene, Options::default());
         assert_eq!(multigrid.report().method, Method::Multigrid { cycles: multigrid.cycles() });
         let tolerance = scene.solver.tolerance;
-        scene.solver.tolerance = 1e-8;
+        scene.solver.tolerance = 1e-7;
         let newton = solved(&scene, Options { method: Method::Newton, ..Options::default() });
         assert_eq!(newton.verdict(), Verdict::Converged, "{}", scene.to_json());
         assert_eq!(newton.report().method, Method::Newton);
@@ -442,7 +442,7 @@ fn newtons_method_finds_the_shape_of_multigrid() {
     }
 }
 
-/// f32 resolves no tolerance of 1e-6; Newton's method completes the solve. A quarter and a half are not used there.
+/// f32 resolves tolerances down to 1e-5; Newton's method completes the solve.
 #[test]
 fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() {
     let mut scene = default_scene(33);
@@ -452,11 +452,21 @@ fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() 
     assert!(!solver.fell_back() && solver.report().method == Method::Newton);
     assert!(solver.estimated_position_error() <= 1e-7);
 
-    let steep = json!({ "schema": "implant-preview/scene/2", "pocket_radius_mm": 70,
-        "implant": { "base_radius_mm": 65 }, "insertion": 0.02,
-        "solver": { "nodes_per_side": 33, "tolerance": 1e-4 } });
-    let outcome = simulate(&Scene::from_json(&steep.to_string()).unwrap()).unwrap();
-    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.solver);
+    // Of random realistic scenes one in a hundred.
+    let scene = json!({ "schema": "implant-preview/scene/2",
+        "implant": { "base_radius_mm": 53.60998997391968, "projection_mm": 38.44603226432148 },
+        "pocket_radius_mm": 64.76186553019284,
+        "layers": [ { "thickness_mm": 1.2725428762965216, "poisson_ratio": 0.39615417685366106 },
+            { "tissue": "adipose", "thickness_mm": 13.720137870913081,
+              "poisson_ratio": 0.4584858879575427 },
+            { "tissue": "muscle", "thickness_mm": 7.220079317357262,
+              "poisson_ratio": 0.4492491013973897,
+              "curve": { "kind": "exponential", "scale_kpa": 3.0, "rate": 3.0 } } ],
+        "solver": { "nodes_per_side": 17, "tolerance": 1e-4 } });
+    let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(outcome.solver.fell_back, "{:?}", outcome.solver);
+    assert_eq!(outcome.solver.method, SolverMethod::Newton);
 }
 
 #[test]

@@ -337,17 +337,13 @@ impl Solver {
     /// offsets far above the tolerance; under compression, where multigrid may stall before a wrinkled equilibrium;
     /// for the paper's springs, whose stationary shape may be a saddle point.
     fn needs_newton(&self) -> bool {
-        if self.law.layered().is_some() {
-            // The tolerance is below the resolution of f32.
-            return self.estimated_position_error() > self.problem.tolerance;
-        }
         let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
             let ending = multigrid.ending();
-            ending.is_compressive || ending.leaves_contact_offsets
+            self.problem.tolerance < multigrid.least_tolerance()
+                || self.law.layered().is_none()
+                    && (ending.is_compressive || ending.leaves_contact_offsets)
         });
-        self.problem.tolerance < fas::LEAST_TOLERANCE
-            || is_left
-            || self.problem.springs == Springs::Nikolaev
+        is_left || self.problem.springs == Springs::Nikolaev
     }
 
     fn newton_piece(&mut self) {

@@ -140,6 +140,11 @@ impl Multigrid {
         delegate!(self, scheme => scheme.work_units())
     }
 
+    /// The least tolerance of node positions that f32 resolves \[base radius\].
+    pub(super) fn least_tolerance(&self) -> f64 {
+        delegate!(self, scheme => scheme.least_tolerance())
+    }
+
     pub(super) fn ending(&self) -> Ending {
         delegate!(self, scheme => scheme.ending())
     }

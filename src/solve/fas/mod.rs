@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_GENTLE, LEAST_TOLERANCE, MEMBRANE};
+pub(super) use parameters::{LAYERED, LAYERED_GENTLE, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -173,6 +173,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.convergence.ending
     }
 
+    /// See [`Parameters::least_tolerance`].
+    pub(super) fn least_tolerance(&self) -> f64 {
+        self.parameters.least_tolerance
+    }
+
     /// Replaces the constants of the scheme.
     pub(super) fn set_parameters(&mut self, parameters: &'static Parameters) {
         self.parameters = parameters;
@@ -190,7 +195,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.draft_tolerance = draft_tolerance;
         self.base_radius = obstacle.dome.base_radius;
         self.spacing = sheet.spacing_mm();
-        self.tolerance = tolerance.max(LEAST_TOLERANCE);
+        self.tolerance = tolerance.max(self.parameters.least_tolerance);
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
             let spacing = self.spacing * f64::from(1 << (finest - l));

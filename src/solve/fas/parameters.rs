@@ -43,6 +43,8 @@ pub(in crate::solve) struct Parameters {
     /// sheet off a small contact. Fixed by `penetration-between-nodes`, `lost-contact-on-narrow-dome`.
     pub(super) robust_active_weight: f32,
 
+    /// The least tolerance of node positions that f32 resolves \[base radius\].
+    pub(in crate::solve) least_tolerance: f64,
     /// The most V-cycles of the finest grid.
     pub(super) max_cycles: u32,
     /// The most V-cycles of a coarser grid, whose solution is a start only.
@@ -99,6 +101,7 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     block_cycles: 2,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
+    least_tolerance: 2e-6,
     max_cycles: 16,
     max_start_cycles: 4,
     start_tolerance: 3e-3,
@@ -116,9 +119,6 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     stagnation_factor: 0.7,
     max_contact_offset: 10.0,
 };
-
-/// The least tolerance of node positions that f32 resolves \[base radius\].
-pub(in crate::solve) const LEAST_TOLERANCE: f64 = 2e-6;
 
 /// Inverse roots of Chebyshev polynomials on [0.45, 10] \[-\].
 const LAYERED_SMOOTHING: Smoothing =
@@ -160,6 +160,7 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     block_cycles: 2,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
+    least_tolerance: 1e-5,
     max_cycles: 40,
     max_start_cycles: 2,
     start_tolerance: 3e-3,
