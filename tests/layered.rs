@@ -452,21 +452,58 @@ fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() 
     assert!(!solver.fell_back() && solver.report().method == Method::Newton);
     assert!(solver.estimated_position_error() <= 1e-7);
 
-    // Of random realistic scenes one in a hundred.
-    let scene = json!({ "schema": "implant-preview/scene/2",
-        "implant": { "base_radius_mm": 53.60998997391968, "projection_mm": 38.44603226432148 },
-        "pocket_radius_mm": 64.76186553019284,
-        "layers": [ { "thickness_mm": 1.2725428762965216, "poisson_ratio": 0.39615417685366106 },
-            { "tissue": "adipose", "thickness_mm": 13.720137870913081,
-              "poisson_ratio": 0.4584858879575427 },
-            { "tissue": "muscle", "thickness_mm": 7.220079317357262,
-              "poisson_ratio": 0.4492491013973897,
-              "curve": { "kind": "exponential", "scale_kpa": 3.0, "rate": 3.0 } } ],
-        "solver": { "nodes_per_side": 17, "tolerance": 1e-4 } });
+    // Thin adipose on few nodes: neither attempt of multigrid converges.
+    let scene = json!({ "implant": { "base_radius_mm": 85, "projection_mm": 34, "center_mm": [-6, -21] },
+        "pocket_radius_mm": 110,
+        "layers": [ { "thickness_mm": 1.5, "poisson_ratio": 0.36 },
+            { "tissue": "adipose", "thickness_mm": 3, "poisson_ratio": 0.3 } ],
+        "solver": { "nodes_per_side": 21, "tolerance": 1e-3 } });
     let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.solver.fell_back, "{:?}", outcome.solver);
     assert_eq!(outcome.solver.method, SolverMethod::Newton);
+}
+
+/// A used solver takes a problem with more layers of nodes on the same grid.
+#[test]
+fn a_solver_restarts_with_more_layers() {
+    let mut scene = default_scene(17);
+    scene.solver.cells_through = Some(CellsThrough::Count(1));
+    let whole = scene.clone();
+    scene.layers.truncate(1);
+    let mut solver = solved(&scene, Options::default());
+    solver.restart(whole.problem().unwrap());
+    solver.advance(&mut || false);
+    assert_eq!(solver.verdict(), Verdict::Converged);
+    assert!(distance(&solver, &solved(&whole, Options::default())) < 1e-3);
+}
+
+/// The augmented pressure of multigrid has the fixed point of the law that Newton's method solves.
+#[test]
+fn nearly_incompressible_tissue_has_the_shape_and_the_force_of_its_law() {
+    for (poisson_ratio, center) in [(0.485, [0.0, 0.0]), (0.495, [0.0, 0.0]), (0.49, [6.0, 3.0])] {
+        let mut scene = default_scene(33);
+        scene.implant.center_mm = center;
+        scene.layers[1].poisson_ratio = poisson_ratio;
+        scene.solver.tolerance = 1e-3;
+        let problem = scene.problem().unwrap();
+        let run = |method, tolerance: f64| {
+            let problem = Problem { tolerance, ..problem.clone() };
+            let mut solver =
+                Solver::with_options(problem, Options { method, ..Options::default() });
+            solver.advance(&mut || false);
+            assert_eq!(solver.verdict(), Verdict::Converged, "{poisson_ratio} {method:?}");
+            let force = contact_force(&solver);
+            (solver, force)
+        };
+        let (multigrid, force) = run(Method::Automatic, 1e-3);
+        let (newton, exact_force) = run(Method::Newton, 1e-7);
+        assert!(!multigrid.fell_back() && multigrid.report().method != Method::Newton);
+        let error = distance(&multigrid, &newton);
+        assert!(error < 1e-3, "{poisson_ratio}: {error:e}");
+        let error = force / exact_force - 1.0;
+        assert!(error.abs() < 3e-3, "{poisson_ratio}: {force} {exact_force}");
+    }
 }
 
 #[test]
@@ -495,5 +532,5 @@ fn a_poisson_ratio_out_of_reach_is_said() {
         assert_eq!(outcome.status, Status::Converged, "{poisson_ratio}");
         outcome.warnings.iter().any(|warning| warning.starts_with("adipose: the Poisson ratio"))
     };
-    assert!(said(0.5) && !said(0.48));
+    assert!(said(0.5) && !said(0.495));
 }

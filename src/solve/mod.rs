@@ -77,6 +77,9 @@ enum Stage {
     Newton,
 }
 
+/// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
+/// and a shape to display \[base radius\].
+const MAX_ERROR_OF_SHAPE: f64 = 0.02;
 /// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
 const REST_TOLERANCE: f64 = 0.5;
 
@@ -131,7 +134,7 @@ impl Solver {
             }
         }
         // Layers of another thickness rest at other heights.
-        if !(same_grid && (same_law || self.outer.is_empty())) {
+        if !same_grid || !same_law && self.law.layered().is_some() {
             self.outer = outer_at_rest(&problem, &self.law);
             if !self.outer.is_empty() {
                 self.x = problem.sheet.rest_positions();
@@ -326,6 +329,7 @@ impl Solver {
                 // A shape of a coarse grid is far from the finest grid's.
                 let has_shape = self.law.layered().is_some()
                     && self.cycles() > 0
+                    && self.estimated_position_error() < MAX_ERROR_OF_SHAPE
                     && self.display_multigrid(Displayed::Draft);
                 self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
             }

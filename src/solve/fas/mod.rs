@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_GENTLE, MEMBRANE};
+pub(super) use parameters::{LAYERED, LAYERED_AUGMENTED, LAYERED_GENTLE, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -183,6 +183,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.parameters = parameters;
     }
 
+    /// The elastic model.
+    pub(super) fn model(&self) -> &M {
+        &self.model
+    }
+
     /// Replaces the elastic model.
     pub(super) fn set_model(&mut self, model: M) {
         self.model = model;
@@ -234,6 +239,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
     fn prolongate(&mut self, grid: usize) {
         let (coarser, finer) = self.levels.split_at_mut(grid + 1);
         finer[0].start_from(&mut coarser[grid], &mut self.row);
+        finer[0].take_over(&self.model, &coarser[grid]);
     }
 
     /// Does the next piece of work: a few evaluations of the forces of one grid at most.

@@ -130,6 +130,10 @@ const GENTLE_SMOOTHING: Smoothing = Smoothing {
     after: &[0.7875, 0.2102, 0.0962, 0.0623, 0.0512],
 };
 
+/// The constants for nearly incompressible tissue, whose pressure converges more slowly than the shape.
+pub(in crate::solve) const LAYERED_AUGMENTED: Parameters =
+    Parameters { error_safety: 8.0, ..LAYERED };
+
 /// The constants for layered tissue where [`LAYERED`] fails: smaller steps, blocks renewed in every cycle.
 pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     smoothing: GENTLE_SMOOTHING,
