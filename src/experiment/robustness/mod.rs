@@ -173,6 +173,39 @@ pub fn run_of(
     outcome
 }
 
+/// The failed case whose run panicked; its session may be the cause.
+#[must_use]
+pub fn panicked(population: Population, seed: u64, case: u64, most_nodes: usize) -> Case {
+    Case {
+        case,
+        population,
+        findings: vec![Finding { check: "panic", found: 1.0, allowed: 0.0 }],
+        in_session: case.is_multiple_of(CASES_PER_SESSION),
+        ..Case::of(scene_of(population, seed, case, most_nodes))
+    }
+}
+
+impl Case {
+    /// A failed case without findings.
+    fn of(scene: Scene) -> Self {
+        Self {
+            case: 0,
+            population: Population::default(),
+            ending: Ending::Failed,
+            findings: Vec::new(),
+            fell_back: false,
+            work_units: 0.0,
+            time_ms: None,
+            least_volume_ratio: None,
+            inverted_corners: 0,
+            estimated_position_error: None,
+            ways: 0,
+            in_session: false,
+            scene,
+        }
+    }
+}
+
 /// Solves a scene and checks the solution against all invariants.
 #[must_use]
 pub fn examine(scene: Scene) -> Case {
@@ -185,21 +218,7 @@ pub fn examine_timed(scene: Scene, clock: Clock) -> Case {
     let start = clock.map(|clock| clock());
     let solver = solve(&scene, Options::default());
     let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
-    let mut case = Case {
-        case: 0,
-        population: Population::default(),
-        ending: Ending::Failed,
-        findings: Vec::new(),
-        fell_back: false,
-        work_units: 0.0,
-        time_ms,
-        least_volume_ratio: None,
-        inverted_corners: 0,
-        estimated_position_error: None,
-        ways: 0,
-        in_session: false,
-        scene,
-    };
+    let mut case = Case { time_ms, ..Case::of(scene) };
     let Some(solver) = solver else {
         case.findings = vec![Finding { check: "valid scene rejected", found: 1.0, allowed: 0.0 }];
         return case;

@@ -2,10 +2,11 @@
 
 use super::output::{self, File, STANDARD};
 use super::{ExitStatus, InputError, in_range};
-use crate::experiment::robustness::{Case, LayeredSummary, Population, Summary, run_of};
+use crate::experiment::robustness::{Case, LayeredSummary, Population, Summary, panicked, run_of};
 use crate::scene::{TissueModel, limits};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -59,13 +60,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         output::check_path(lines)?;
     }
     let is_layered = tissue_model == TissueModel::Layered;
+    std::panic::set_hook(Box::new(|panic| {
+        let location = panic.location().map(ToString::to_string).unwrap_or_default();
+        output::error(&format!("internal error at {location}; the case counts as failed"));
+    }));
     let run = |case: u64| {
-        if !is_layered {
-            return run_of(Population::Sheet, seed, case, most_nodes, None);
-        }
+        let population = if is_layered { Population::of_layered(case) } else { Population::Sheet };
         let start = Instant::now();
         let clock = || 1e3 * start.elapsed().as_secs_f64();
-        run_of(Population::of_layered(case), seed, case, most_nodes, Some(&clock))
+        let clock: Option<&dyn Fn() -> f64> = if is_layered { Some(&clock) } else { None };
+        let of_case = || run_of(population, seed, case, most_nodes, clock);
+        // A defect in one case ends this case only.
+        catch_unwind(AssertUnwindSafe(of_case))
+            .unwrap_or_else(|_| panicked(population, seed, case, most_nodes))
     };
     let cases: Vec<Case> = (0..cases).into_par_iter().map(run).collect();
     let (summary, has_failures) = if is_layered {
