@@ -8,7 +8,7 @@
 
 use super::watch::{End, Watch};
 use crate::contact::lanes::{LaneObstacle, Touch};
-use crate::mesh::lanes::{Field, Layout, store_first};
+use crate::mesh::lanes::{Field, Layout, load, store_first};
 use crate::mesh::vec3::{Block, Vec3, add, dot, inverted, scale, sub, times};
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::columns::{ColumnBlocks, Stiffness};
@@ -31,7 +31,7 @@ const SAFETY: f64 = 0.9;
 const UPDATES: [u32; 4] = [5, 15, 40, 100];
 /// Iterations between two later updates.
 const UPDATE_INTERVAL: u32 = 200;
-/// Power iterations of an update.
+/// Power iterations of an update; more of them amplify the rounding of f32, and the steps get too short.
 const POWER_ITERATIONS: u32 = 12;
 /// Length of the disturbance of the power iteration \[spacings, root mean square\].
 const DISTURBANCE: f64 = 1e-2;
@@ -84,6 +84,8 @@ struct Grid {
     gain: f64,
     /// Steps since the last restart of the momentum.
     since_restart: u32,
+    /// 1 at nodes of the inner face that contact does not hold, else 0.
+    untouched: Vec<f32>,
     /// Force evaluations on this grid.
     evaluations: u32,
 }
@@ -166,6 +168,7 @@ impl Grid {
             inverse: NodeBlocks::zeros(length * layers),
             gain: 0.0,
             since_restart: 0,
+            untouched: vec![1.0; length],
             evaluations: 0,
             sheet,
             layout,
@@ -373,12 +376,16 @@ impl Grid {
     /// A step with the blocks of nodes and a part of the last step; without that part where the forces oppose the last
     /// step (adaptive restart: B. O'Donoghue, E. Candès, Found. Comput. Math. 15, 2015).
     fn step_nodes(&mut self) -> f64 {
-        let Self { layout, obstacle, u, f, step, inverse, since_restart, .. } = self;
+        let Self { layout, obstacle, u, f, step, inverse, since_restart, untouched, .. } = self;
         let mut power = 0.0;
         for layer in u.layers() {
             layout.free_groups(|group| {
                 let k = layer + group.first;
-                let is_free = inverse.load(k)[0].simd_gt(f32x4::ZERO);
+                let mut is_free = inverse.load(k)[0].simd_gt(f32x4::ZERO);
+                if layer == 0 {
+                    // The reaction of the dome does no work.
+                    is_free &= load(untouched, k).simd_gt(f32x4::ZERO);
+                }
                 let work = dot(f.load(k), step.load(k));
                 power += f64::from(is_free.bitselect(work, f32x4::ZERO).reduce_add());
             });
@@ -396,7 +403,12 @@ impl Grid {
                 let (at, force, last) = (u.load(k), f.load(k), step.load(k));
                 let mut d = limited(add(scale(last, keep), scale(times(compliance, force), gain)));
                 if layer == 0 {
-                    d = sub(obstacle.step(group.rest, at, d, compliance, FREE), at);
+                    let held = sub(obstacle.step(group.rest, at, d, compliance, FREE), at);
+                    let change = sub(held, d);
+                    let is_held = dot(change, change).simd_gt(f32x4::splat(1e-6) * dot(d, d));
+                    let marks = is_held.bitselect(f32x4::ZERO, f32x4::ONE).to_array();
+                    untouched[k..k + group.count].copy_from_slice(&marks[..group.count]);
+                    d = held;
                 }
                 let d = d.map(|d| is_free.bitselect(d, f32x4::ZERO));
                 greatest = greatest.max(dot(d, d).to_array().into_iter().fold(0.0, f32::max));
