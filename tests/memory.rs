@@ -87,13 +87,15 @@ struct Growth {
     most: [f64; 2],
 }
 
-fn check_growth(growth: &Growth) {
+fn check_growth(growth: &Growth) -> Vec<String> {
+    let mut lines = Vec::new();
     let tables = measured(&(growth.problem)(17)).bytes;
     let mut last: Option<Use> = None;
     for &nodes in growth.nodes {
         let now = measured(&(growth.problem)(nodes));
         let per_node = (now.bytes - tables) as f64 / now.nodes as f64;
-        println!("{nodes}: {per_node:.0} bytes a node, {:.1e} evaluations", now.evaluations);
+        let evaluations = now.evaluations;
+        lines.push(format!("{nodes}: {per_node:.0} bytes a node, {evaluations:.1e} evaluations"));
         if nodes >= growth.from {
             assert!(per_node <= growth.most_bytes, "{per_node:.0} bytes a node at {nodes}");
         }
@@ -105,6 +107,7 @@ fn check_growth(growth: &Growth) {
         }
         last = Some(now);
     }
+    lines
 }
 
 /// Repeated updates of a picture while the renderer still owns the previous meshes.
@@ -144,7 +147,7 @@ fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memor
         most_bytes: 200.0,
         most: [4.4; 2],
     };
-    check_growth(&sheet);
+    println!("sheet: {:#?}", check_growth(&sheet));
     let layered = Growth {
         problem: layered,
         nodes: &[65, 129, 257],
@@ -152,5 +155,5 @@ fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memor
         most_bytes: 350.0,
         most: [4.4, 4.6],
     };
-    check_growth(&layered);
+    println!("layered tissue: {:#?}", check_growth(&layered));
 }
