@@ -3,14 +3,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::measure::{Outcome, SolverMethod, Status};
+use implant_preview::measure::{Fields, Outcome, SolverMethod, Status};
 use implant_preview::scene::{
     CellsThrough, CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, Springs, TissueModel,
 };
-use implant_preview::simulate::{run, simulate};
-use implant_preview::solve::{Method, Options, Solver, Verdict};
+use implant_preview::simulate::{measure, run, simulate};
+use implant_preview::solve::{Method, Options, Problem, Solver, Verdict};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A case of `tests/reference/layered.json` on its two finest meshes.
 struct Case {
@@ -462,6 +463,11 @@ fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() 
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.solver.fell_back, "{:?}", outcome.solver);
     assert_eq!(outcome.solver.method, SolverMethod::Newton);
+}
+
+fn contact_force(solver: &Solver) -> f64 {
+    let fields = Fields::new(Arc::new(solver.solution()));
+    measure(&default_scene(33), &fields).contact_force_n.unwrap()
 }
 
 /// A used solver takes a problem with more layers of nodes on the same grid.

@@ -171,7 +171,7 @@ impl Multigrid {
     ) {
         delegate!(self, scheme => scheme.write_positions(problem, x, offset_nodes));
         if let (Self::Layered(scheme), Some(law)) = (self, law.layered()) {
-            scheme.write_layers(problem, &law.heights(), outer);
+            scheme.write_layers(problem, law.cells.iter().map(|cells| cells.height_mm), outer);
         }
     }
 }
