@@ -399,7 +399,7 @@ mod tests {
     #[test]
     fn uniaxial_tension_returns_the_curve_and_the_poisson_ratio() {
         for spec in curves() {
-            for poisson_ratio in [0.0, 0.2, 1.0 / 3.0, 0.45, 0.48, 0.499] {
+            for poisson_ratio in [0.0, 0.2, 1.0 / 3.0, 0.45, 0.48, 0.495] {
                 let material = material(&spec, poisson_ratio);
                 let law = SolidLaw::new(&material);
                 for strain in [0.01, 0.1, 0.3, 0.6, 0.95, 1.4] {
