@@ -70,7 +70,7 @@ impl Case {
 fn linear_third() -> Layer {
     Layer {
         poisson_ratio: 1.0 / 3.0,
-        curve: CurveSpec::Linear { modulus_kpa: 10.0 },
+        curve: CurveSpec::Linear { modulus_kpa: 10.0 }.into(),
         ..Layer::skin()
     }
 }
