@@ -14,7 +14,8 @@ pub const REPRODUCIBILITY: &str = "28 women, 4 raters: intraclass correlation 0.
 
 const PINCH_SOURCE: &str = "A fold contains the cover twice; within a factor 1.3 (1 standard deviation). Pinches of two \
     raters correlate below 0.2 (Aesthet Surg J 2016;36:431).";
-const SKIN_SOURCE: &str = "Skin of the breast: 1.55 ± 0.25 mm (1 standard deviation between people).";
+const SKIN_SOURCE: &str =
+    "Skin of the breast: 1.55 ± 0.25 mm (1 standard deviation between people).";
 const PULL_SOURCE: &str = "Flat sheet of skin lifted at its centre, radial fibres, grip of 15 mm radius, 5 N; within a \
     factor 2 (1 standard deviation), most of it from the unknown force of the pull (2–10 N). Pulls of two raters \
     correlate below 0.2 (Aesthet Surg J 2016;36:431).";

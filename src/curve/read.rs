@@ -131,7 +131,9 @@ impl CurveFile {
                 points: take(&mut file.points, "points")?.0.into_iter().map(|p| p.0).collect(),
                 interpolation: file.interpolation.take().unwrap_or_default(),
             },
-            Kind::Sections => CurveSpec::Sections { sections: take(&mut file.sections, "sections")?.0 },
+            Kind::Sections => {
+                CurveSpec::Sections { sections: take(&mut file.sections, "sections")?.0 }
+            }
         };
         reject_others(&[
             ("modulus_kpa", file.modulus_kpa.is_some()),

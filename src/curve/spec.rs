@@ -65,7 +65,11 @@ pub struct ScaledCurve {
     pub stress_scale: f64,
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, clippy::float_cmp, reason = "serde; the default exactly")]
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    clippy::float_cmp,
+    reason = "serde; the default exactly"
+)]
 fn is_one(scale: &f64) -> bool {
     *scale == 1.0
 }
@@ -93,7 +97,8 @@ impl JsonSchema for ScaledCurve {
         };
         let kinds = schema.get_mut("oneOf").and_then(|kinds| kinds.as_array_mut());
         for kind in kinds.into_iter().flatten() {
-            if let Some(fields) = kind.get_mut("properties").and_then(|fields| fields.as_object_mut())
+            if let Some(fields) =
+                kind.get_mut("properties").and_then(|fields| fields.as_object_mut())
             {
                 fields.insert("strain_scale".to_owned(), scale("strain"));
                 fields.insert("stress_scale".to_owned(), scale("stress"));

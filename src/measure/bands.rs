@@ -44,9 +44,7 @@ pub const STRAIN: Limits = Limits {
             source: "Strains below 25 % are usual.",
         },
         Band {
-            limit: Some(STRAIN_BANDS[1]),
-            word: "high",
-            source: "Strains of 25–50 % are high.",
+            limit: Some(STRAIN_BANDS[1]), word: "high", source: "Strains of 25–50 % are high."
         },
         Band {
             limit: Some(STRAIN_BANDS[2]),

@@ -117,8 +117,10 @@ impl Layer {
     /// The first scale of the curve that differs from 1, as a path in the layer.
     pub(super) fn scale(&self) -> Option<&'static str> {
         let curve = &self.curve;
-        let scales =
-            [("curve.strain_scale", curve.strain_scale), ("curve.stress_scale", curve.stress_scale)];
+        let scales = [
+            ("curve.strain_scale", curve.strain_scale),
+            ("curve.stress_scale", curve.stress_scale),
+        ];
         scales.into_iter().find(|(_, scale)| *scale != 1.0).map(|(path, _)| path)
     }
 }

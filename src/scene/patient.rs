@@ -6,8 +6,8 @@
 //! A determined field is either *derived* (its path is in [`Patient::derived`]) or *set by hand*. Reading a file never
 //! changes a number that the file contains.
 
-use super::layer::{ADIPOSE, LayerFile, given};
 use super::body::in_first;
+use super::layer::{ADIPOSE, LayerFile, given};
 use super::{SCENE_SCHEMA_2, Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
 use crate::curve::{CurveSpec, List, number};
@@ -231,12 +231,12 @@ impl Scene {
     pub fn patient_warnings(&self) -> Vec<String> {
         let Some(Patient { measured, .. }) = &self.patient else { return Vec::new() };
         let values = self.patient_values();
-        let mut warnings: Vec<String> =
-            values.iter().filter_map(PatientValue::warning).collect();
+        let mut warnings: Vec<String> = values.iter().filter_map(PatientValue::warning).collect();
         let fields = self.patient_fields();
         let errors = fields.iter().filter_map(|field| derivation(measured, *field).err());
         warnings.extend(errors.map(|error| format!("{error}.")));
-        if measured.pinch_mm.is_some() && !fields.iter().any(|f| matches!(f, Field::Thickness(1..))) {
+        if measured.pinch_mm.is_some() && !fields.iter().any(|f| matches!(f, Field::Thickness(1..)))
+        {
             warnings.push(
                 "The pinch determines no thickness of fat: the scene has no layer named adipose below the skin."
                     .to_owned(),
