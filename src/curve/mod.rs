@@ -14,10 +14,12 @@
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
 mod read;
+mod scale;
 mod spec;
 
 pub(crate) use read::{GivenCurve, List, Pair, number, object};
-pub use spec::{CurveError, CurveSpec, Interpolation, ScaledCurve, Section};
+pub use scale::{SCALES, ScaledCurve};
+pub use spec::{CurveError, CurveSpec, Interpolation, Section};
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -29,9 +31,6 @@ pub const MAX_POINTS: usize = 100_000;
 
 /// Greatest number of coefficients of a polynomial section.
 pub const MAX_COEFFICIENTS: usize = 8;
-
-/// Range of the scales of a curve \[-\].
-pub const SCALES: (f64, f64) = (0.05, 20.0);
 
 /// A validated stress–strain curve: continuous, zero at zero, strictly increasing, odd.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,29 +78,6 @@ enum Shape {
 }
 
 impl Shape {
-    /// `stress_scale` · shape(x / `strain_scale`).
-    fn scaled(self, strain_scale: f64, stress_scale: f64) -> Self {
-        match self {
-            Self::Polynomial(mut c) => {
-                let mut factor = stress_scale;
-                for c in &mut c {
-                    factor /= strain_scale;
-                    *c *= factor;
-                }
-                Self::Polynomial(c)
-            }
-            Self::Arctangent { scale, rate } => {
-                Self::Arctangent { scale: scale * stress_scale, rate: rate / strain_scale }
-            }
-            Self::Sine { scale, rate } => {
-                Self::Sine { scale: scale * stress_scale, rate: rate / strain_scale }
-            }
-            Self::Exponential { scale, rate } => {
-                Self::Exponential { scale: scale * stress_scale, rate: rate / strain_scale }
-            }
-        }
-    }
-
     fn stress(&self, x: f64) -> f64 {
         match self {
             Self::Polynomial(c) => c.iter().rev().fold(0.0, |sum, c| (sum + c) * x),
@@ -199,53 +175,6 @@ impl Curve {
                 Self::from_points(points, *interpolation)
             }
             CurveSpec::Sections { sections } => Self::from_sections(sections),
-        }
-    }
-
-    /// Validates a description with its scales and builds the curve
-    /// σ(ε) = `stress_scale` · f(ε / `strain_scale`), f the curve of the kind.
-    ///
-    /// Data, breaks and the final line scale with the strain.
-    ///
-    /// # Errors
-    /// [`CurveError`] names the invalid parameter, point or section and the allowed range.
-    pub fn scaled(curve: &ScaledCurve) -> Result<Self, CurveError> {
-        let strain_scale = checked("strain_scale", curve.strain_scale, SCALE)?;
-        let stress_scale = checked("stress_scale", curve.stress_scale, SCALE)?;
-        let built = Self::new(&curve.spec)?.with_scales(strain_scale, stress_scale);
-        if built.end.0 > STRESS_SCALE.1 {
-            return Err(CurveError::Parameter {
-                field: "stress at the end of the scaled curve (kPa)".to_owned(),
-                value: built.end.0,
-                allowed: STRESS_SCALE.2,
-            });
-        }
-        let is_narrow = |pair: &[Piece]| pair[1].from - pair[0].from < 0.999 * MIN_WIDTH;
-        if strain_scale < 1.0 && built.pieces.windows(2).any(is_narrow) {
-            return Err(CurveError::Parameter {
-                field: "strain_scale".to_owned(),
-                value: strain_scale,
-                allowed: "scaled strains 1e-9 apart or more",
-            });
-        }
-        Ok(built)
-    }
-
-    /// The curve `stress_scale` · f(ε / `strain_scale`). Every kind of piece is closed under scaling.
-    fn with_scales(self, strain_scale: f64, stress_scale: f64) -> Self {
-        let energy_scale = stress_scale * strain_scale;
-        let piece = |piece: Piece| Piece {
-            from: piece.from * strain_scale,
-            base: piece.base * stress_scale,
-            energy: piece.energy * energy_scale,
-            shape: piece.shape.scaled(strain_scale, stress_scale),
-        };
-        Self {
-            pieces: self.pieces.into_iter().map(piece).collect(),
-            data_end: self.data_end * strain_scale,
-            line_start: self.line_start * strain_scale,
-            end: (self.end.0 * stress_scale, self.end.1 * stress_scale / strain_scale),
-            end_energy: self.end_energy * energy_scale,
         }
     }
 
@@ -423,6 +352,14 @@ impl Curve {
         self.line_start
     }
 
+    /// End of the strains that a table of this curve covers \[-\]: the start of the final line, at most strain 10 or
+    /// the end of the data. The formula of an arctangent with a large strain scale goes farther; a table up to there would
+    /// lose accuracy at the strains of tissue.
+    #[must_use]
+    pub(crate) fn table_end(&self) -> f64 {
+        self.line_start.min(MAX_STRAIN.max(self.data_end))
+    }
+
     /// Returns `true` if the strain (of either sign) lies beyond the data.
     #[must_use]
     pub fn is_beyond_data(&self, strain: f64) -> bool {
@@ -445,7 +382,6 @@ const STRESS_SCALE: Range = (1e-6, 1e7, "1e-6 to 1e7 kPa");
 const SLOPE: Range = (0.0, 1e9, "0 to 1e9 kPa");
 const COEFFICIENT: Range = (-1e9, 1e9, "-1e9 to 1e9 kPa");
 const RATE: Range = (1e-3, 100.0, "0.001 to 100");
-const SCALE: Range = (SCALES.0, SCALES.1, "0.05 to 20");
 const MAX_STRAIN: f64 = 10.0;
 /// Smallest width of a piece \[-\]; smaller differences of strains cancel.
 const MIN_WIDTH: f64 = 1e-9;

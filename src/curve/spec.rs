@@ -1,9 +1,7 @@
 //! Description of a curve in a scene file, and its errors.
 
 use super::read::number;
-use super::{
-    COEFFICIENT, MAX_COEFFICIENTS, RATE, SCALES, SLOPE, STRESS_SCALE, Shape, checked, hermite,
-};
+use super::{COEFFICIENT, MAX_COEFFICIENTS, RATE, SLOPE, STRESS_SCALE, Shape, checked, hermite};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -47,65 +45,6 @@ pub enum CurveSpec {
         /// The sections; `from` is 0 in the first section and the previous `to` in the others.
         sections: Vec<Section>,
     },
-}
-
-/// A curve of a scene with its scales: σ(ε) = `stress_scale` · f(ε / `strain_scale`), f the curve of the kind.
-///
-/// In JSON the scales are fields beside `kind`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ScaledCurve {
-    /// The curve f.
-    #[serde(flatten)]
-    pub spec: CurveSpec,
-    /// Scale of the strain \[-\], 0.05 to 20: the tissue reaches the stress of f at this multiple of the strain.
-    #[serde(skip_serializing_if = "is_one")]
-    pub strain_scale: f64,
-    /// Scale of the stress \[-\], 0.05 to 20.
-    #[serde(skip_serializing_if = "is_one")]
-    pub stress_scale: f64,
-}
-
-#[allow(
-    clippy::trivially_copy_pass_by_ref,
-    clippy::float_cmp,
-    reason = "serde; the default exactly"
-)]
-fn is_one(scale: &f64) -> bool {
-    *scale == 1.0
-}
-
-impl From<CurveSpec> for ScaledCurve {
-    fn from(spec: CurveSpec) -> Self {
-        Self { spec, strain_scale: 1.0, stress_scale: 1.0 }
-    }
-}
-
-impl JsonSchema for ScaledCurve {
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Curve".into()
-    }
-
-    /// The schema of [`CurveSpec`] with the scales among the fields of every kind.
-    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        let mut schema = CurveSpec::json_schema(generator);
-        let (least, most) = SCALES;
-        let scale = |what: &str| {
-            serde_json::json!({
-                "description": format!("Scale of the {what}, scene/2 only."),
-                "type": "number", "minimum": least, "maximum": most, "default": 1.0,
-            })
-        };
-        let kinds = schema.get_mut("oneOf").and_then(|kinds| kinds.as_array_mut());
-        for kind in kinds.into_iter().flatten() {
-            if let Some(fields) =
-                kind.get_mut("properties").and_then(|fields| fields.as_object_mut())
-            {
-                fields.insert("strain_scale".to_owned(), scale("strain"));
-                fields.insert("stress_scale".to_owned(), scale("stress"));
-            }
-        }
-        schema
-    }
 }
 
 /// Interpolation between marked points.
