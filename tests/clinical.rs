@@ -353,10 +353,10 @@ fn a_number_of_the_file_stays_and_counts_as_set_by_hand() {
 
 #[test]
 fn a_list_of_derived_fields_decides() {
-    // Only the listed field is derived; the other fields have their defaults and count as set by hand.
-    let scene = read(&with_patient(&json!({ "pinch_mm": 30, "derived": [FAT] })));
-    assert_eq!((scene.layers[0].thickness_mm, scene.layers[1].thickness_mm), (1.5, 13.5));
-    assert_eq!(origins(&scene), (vec![FAT.into()], vec![SKIN.into()]));
+    // With a list nothing is derived: the default thickness of 10 mm counts as set by hand.
+    let scene = read(&with_patient(&json!({ "pinch_mm": 30, "derived": [SKIN, FAT] })));
+    assert_eq!((scene.layers[0].thickness_mm, scene.layers[1].thickness_mm), (1.5, 10.0));
+    assert_eq!(origins(&scene), (vec![SKIN.into()], vec![FAT.into()]));
     // A listed field with another number in the file keeps this number and leaves the list.
     let mut file = with_patient(&json!({ "pinch_mm": 30, "derived": [SKIN, FAT] }));
     file["layers"] = json!([{}, { "tissue": "adipose", "thickness_mm": 12 }]);
@@ -479,6 +479,10 @@ fn a_patient_is_applied_and_values_set_by_hand_stay() {
     // The scale of the class that is no longer given stays in the scene.
     assert_eq!(scene.layers[0].curve.strain_scale, 1.7);
     assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    // A scale of 1, set by hand after the derivation, is not written and stays 1.
+    scene.apply_patient(lax).unwrap();
+    scene.layers[0].curve.strain_scale = 1.0;
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap().layers, scene.layers);
     // An error changes nothing.
     let before = scene.clone();
     let error = scene.apply_patient(pinch(1.0)).unwrap_err().to_string();

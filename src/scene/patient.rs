@@ -48,7 +48,8 @@ pub(super) struct PatientFile {
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "Option<SkinClass>")]
     skin_class: Option<SkinClass>,
-    /// Paths of the derived fields. Default: all determined fields that the scene does not contain.
+    /// Paths of the derived fields; the scene contains their values. Default: the determined fields that the scene does
+    /// not contain are derived.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "Option<Vec<String>>")]
     derived: Option<List<String, MAX_DERIVED>>,
@@ -126,8 +127,8 @@ fn error((field, source): (&'static str, ClinicalError)) -> SceneError {
 }
 
 impl PatientFile {
-    /// Sets the patient of a scene that was read, and derives fields that the file does not contain: all of them, or
-    /// those in the file's list.
+    /// Sets the patient of a scene that was read. Without a list of derived fields, the fields that the file does not
+    /// contain are derived; with a list no number changes.
     ///
     /// # Errors
     /// A measurement is invalid, a path in the list is unknown, or a derived value is out of its range.
@@ -135,29 +136,28 @@ impl PatientFile {
         let Self { base_width_mm, pinch_mm, skin_pull_mm, skin_class, derived } = self;
         let measured = Measurements { base_width_mm, pinch_mm, skin_pull_mm, skin_class };
         measured.check().map_err(error)?;
-        let listed = derived.map(|list| fields(&list.0)).transpose()?;
-        let mut derived = Vec::new();
-        for field in scene.patient_fields() {
-            let is_given = field.is_given(given);
-            // Without a list a field is derived if the file does not contain it.
-            let is_listed = listed.as_ref().map_or(!is_given, |listed| listed.contains(&field));
-            if !is_listed {
-                continue;
+        let mut paths = Vec::new();
+        if let Some(list) = derived {
+            let listed = fields(&list.0)?;
+            for field in scene.patient_fields().into_iter().filter(|field| listed.contains(field)) {
+                let value = derivation(&measured, field).ok().flatten();
+                // Another number in the file was set by hand.
+                if value.is_some_and(|value| is_equal(field.value(scene), value.value)) {
+                    paths.push(field.path());
+                }
             }
-            let value = match derivation(&measured, field) {
-                Ok(Some(value)) => value.value,
-                Err(error) if !is_given => return Err(error),
-                Ok(None) | Err(_) => continue,
-            };
-            if !is_given {
-                field.set(scene, value);
-            }
-            // Another number in the file stays and was set by hand.
-            if is_equal(field.value(scene), value) {
-                derived.push(field.path());
+        } else {
+            for field in scene.patient_fields() {
+                if field.is_given(given) {
+                    continue;
+                }
+                if let Some(value) = derivation(&measured, field)? {
+                    field.set(scene, value.value);
+                    paths.push(field.path());
+                }
             }
         }
-        scene.patient = Some(Patient { measured, derived });
+        scene.patient = Some(Patient { measured, derived: paths });
         Ok(())
     }
 }
