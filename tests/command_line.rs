@@ -519,6 +519,31 @@ fn bench_writes_a_table_and_a_chart() {
     }
     fs::write(folder.join("file"), "").unwrap();
     assert_refused(&folder, &["bench", "--out-dir", "file"], "", &["file", "folder"]);
+    let arguments = ["bench", "--out-dir", "made", "--tissue-model", "jelly"];
+    assert_refused(&folder, &arguments, "", &["jelly", "sheet, layered"]);
+}
+
+#[test]
+fn stress_writes_a_line_for_every_case_of_layered_tissue() {
+    let folder = folder("stress-layered");
+    let arguments = ["--cases", "4", "--seed", "3", "--most-nodes", "17", "--lines", "cases.jsonl"];
+    let arguments = [&["stress", "--tissue-model", "layered"][..], &arguments].concat();
+    let output = run_in(&folder, &arguments, "");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for population in ["realistic", "extreme"] {
+        let of = &summary[population];
+        assert_eq!(of["cases"], 2, "{of}");
+        assert!(of["max_time_ms"].is_f64() && of["failed"] == 0, "{of}");
+    }
+    let lines = fs::read_to_string(folder.join("cases.jsonl")).unwrap();
+    let cases: Vec<Value> = lines.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(cases.len(), 4);
+    for (k, case) in cases.iter().enumerate() {
+        assert_eq!(case["case"], k);
+        assert_eq!(case["population"], ["realistic", "extreme"][k % 2]);
+        assert_eq!(case["scene"]["tissue_model"], "layered");
+    }
 }
 
 #[test]

@@ -72,13 +72,29 @@ fn scenes_of_any_numbers_are_valid_or_rejected() {
 }
 
 #[test]
+fn layered_scenes_of_any_numbers_are_valid_or_rejected() {
+    let accepted = std::cell::Cell::new([0; 2]);
+    check(8000, &bytes(), |bytes| {
+        let read = Scene::from_json(&Choices(&bytes).layered_scene());
+        hostile::check_scene(&read);
+        if let Ok(scene) = read {
+            let mut counts = accepted.get();
+            counts[usize::from(scene.is_layered())] += 1;
+            accepted.set(counts);
+        }
+    });
+    let [sheets, layered] = accepted.get();
+    assert!(sheets > 50 && layered > 200, "{accepted:?} are too few to say much");
+}
+
+#[test]
 fn broken_texts_are_valid_or_rejected() {
     let place = any::<prop::sample::Index>;
     let edits = vec((place(), place(), any::<u8>(), 0_u8..4), 1..5);
     check(12_000, &(bytes(), edits), |(bytes, edits)| {
         let mut choices = Choices(&bytes);
         let curve = serde_json::to_string(&choices.curve()).unwrap();
-        let mut text = format!("{}\r\n{}", choices.scene(), choices.scene()).into_bytes();
+        let mut text = format!("{}\r\n{}", choices.scene(), choices.layered_scene()).into_bytes();
         for (at, from, byte, kind) in edits {
             let (at, from) = (at.index(text.len()), from.index(text.len()));
             match kind {
@@ -126,6 +142,11 @@ fn refused<T>(input: &str, wanted: &[&str], read: impl Fn() -> Result<T, SceneEr
 /// A scene with one additional field, as JSON text.
 fn with(field: &str) -> String {
     format!(r#"{{"implant":{{"base_radius_mm":50}},{field}}}"#)
+}
+
+/// As [`with`], of `scene/2`.
+fn with_second(field: &str) -> String {
+    with(&format!(r#""schema":"implant-preview/scene/2",{field}"#))
 }
 
 fn with_curve(curve: &str) -> String {
@@ -216,6 +237,17 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
             with(&format!(r#""layers":[{{"tissue":"{long}"}}]"#)),
             &["layers[0].tissue is 1000000 bytes long", "100 bytes"],
         ),
+        // Layered tissue.
+        (with_second(r#""tissue_model":"jelly""#), &["tissue_model", "layered"]),
+        (with_second(r#""tissue_model":["layered"]"#), &["tissue_model"]),
+        (with_second(r#""patch_radius_mm":1e308"#), &["patch_radius_mm is 1e308", "to 260 mm"]),
+        (with_second(r#""patch_radius_mm":-0.0"#), &["patch_radius_mm is -0"]),
+        (with_second(r#""attachment":[2,10]"#), &["attachment", "one JSON object"]),
+        (with_second(r#""attachment":{"ramp_mm":1e-300}"#), &["ramp_mm is 1e-300", "1 to 40 mm"]),
+        (with_second(r#""attachment":{"stiffness":2}"#), &["attachment", "unknown field"]),
+        (with_second(r#""solver":{"cells_through":1e300}"#), &["cells_through", "1 to 8"]),
+        (with_second(r#""solver":{"cells_through":-1}"#), &["cells_through", "1 to 8"]),
+        (with_second(r#""springs":"nikolaev""#), &["springs is nikolaev", "coupled"]),
         // Units: metres, micrometres, pascals, percent.
         (
             r#"{"implant":{"base_radius_mm":0.055}}"#.to_owned(),
@@ -437,4 +469,34 @@ fn the_solve_of_every_accepted_scene_ends() {
     });
     println!("converged, not converged, unstable: {counts:?}");
     assert!(counts.borrow()[0] > 100, "{counts:?}");
+}
+
+/// The same of layered tissue; the solids of every solution are closed meshes.
+#[test]
+fn the_solve_of_every_accepted_layered_scene_ends() {
+    let counts = std::cell::RefCell::new([0_u32; 3]);
+    check(4000, &vec(any::<u8>(), 20..200), |bytes| {
+        let Ok(mut scene) = Scene::from_json(&Choices(&bytes).layered_scene()) else { return };
+        if !scene.is_layered() || counts.borrow().iter().sum::<u32>() >= 50 {
+            return;
+        }
+        scene.solver.nodes_per_side = 17;
+        scene.solver.tolerance = scene.solver.tolerance.max(1e-4);
+        let json = scene.to_json();
+        let start = Instant::now();
+        let outcome = simulate(&scene).unwrap();
+        let time = start.elapsed();
+        // The second attempt of eight cells through the thickness: seconds without optimisation.
+        assert!(time < 20 * SOON, "{time:?} for {json}");
+        counts.borrow_mut()[outcome.status as usize] += 1;
+        if outcome.status == Status::Converged {
+            let error = outcome.solver.estimated_position_error;
+            assert!(error.is_some_and(|error| error <= scene.solver.tolerance), "{json}");
+            assert!(!format!("{outcome:?}").contains("inf"), "{json}");
+        }
+        assert!(!format!("{outcome:?}").contains("NaN"), "{json}");
+        hostile::check_first_solve(serde_json::to_string(&scene).unwrap().as_bytes());
+    });
+    println!("layered, converged, not converged, unstable: {counts:?}");
+    assert!(counts.borrow()[0] > 10, "{counts:?}");
 }

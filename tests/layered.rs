@@ -3,14 +3,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::measure::{Outcome, Status};
+use implant_preview::measure::{Fields, Outcome, SolverMethod, Status};
 use implant_preview::scene::{
     CellsThrough, CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, Springs, TissueModel,
 };
-use implant_preview::simulate::{run, simulate};
-use implant_preview::solve::{Method, Options, Solver, Verdict};
+use implant_preview::simulate::{measure, run, simulate};
+use implant_preview::solve::{Method, Options, Problem, Solver, Verdict};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A case of `tests/reference/layered.json` on its two finest meshes.
 struct Case {
@@ -432,7 +433,7 @@ fn newtons_method_finds_the_shape_of_multigrid() {
         let multigrid = solved(&scene, Options::default());
         assert_eq!(multigrid.report().method, Method::Multigrid { cycles: multigrid.cycles() });
         let tolerance = scene.solver.tolerance;
-        scene.solver.tolerance = 1e-8;
+        scene.solver.tolerance = 1e-7;
         let newton = solved(&scene, Options { method: Method::Newton, ..Options::default() });
         assert_eq!(newton.verdict(), Verdict::Converged, "{}", scene.to_json());
         assert_eq!(newton.report().method, Method::Newton);
@@ -442,7 +443,7 @@ fn newtons_method_finds_the_shape_of_multigrid() {
     }
 }
 
-/// f32 resolves no tolerance of 1e-6; Newton's method completes the solve. A quarter and a half are not used there.
+/// f32 resolves tolerances down to 1e-5; Newton's method completes the solve.
 #[test]
 fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() {
     let mut scene = default_scene(33);
@@ -452,11 +453,63 @@ fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() 
     assert!(!solver.fell_back() && solver.report().method == Method::Newton);
     assert!(solver.estimated_position_error() <= 1e-7);
 
-    let steep = json!({ "schema": "implant-preview/scene/2", "pocket_radius_mm": 70,
-        "implant": { "base_radius_mm": 65 }, "insertion": 0.02,
-        "solver": { "nodes_per_side": 33, "tolerance": 1e-4 } });
-    let outcome = simulate(&Scene::from_json(&steep.to_string()).unwrap()).unwrap();
-    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.solver);
+    // Thin adipose on few nodes: neither attempt of multigrid converges.
+    let scene = json!({ "implant": { "base_radius_mm": 85, "projection_mm": 34, "center_mm": [-6, -21] },
+        "pocket_radius_mm": 110,
+        "layers": [ { "thickness_mm": 1.5, "poisson_ratio": 0.36 },
+            { "tissue": "adipose", "thickness_mm": 3, "poisson_ratio": 0.3 } ],
+        "solver": { "nodes_per_side": 21, "tolerance": 1e-3 } });
+    let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(outcome.solver.fell_back, "{:?}", outcome.solver);
+    assert_eq!(outcome.solver.method, SolverMethod::Newton);
+}
+
+fn contact_force(solver: &Solver) -> f64 {
+    let fields = Fields::new(Arc::new(solver.solution()));
+    measure(&default_scene(33), &fields).contact_force_n.unwrap()
+}
+
+/// A used solver takes a problem with more layers of nodes on the same grid.
+#[test]
+fn a_solver_restarts_with_more_layers() {
+    let mut scene = default_scene(17);
+    scene.solver.cells_through = Some(CellsThrough::Count(1));
+    let whole = scene.clone();
+    scene.layers.truncate(1);
+    let mut solver = solved(&scene, Options::default());
+    solver.restart(whole.problem().unwrap());
+    solver.advance(&mut || false);
+    assert_eq!(solver.verdict(), Verdict::Converged);
+    assert!(distance(&solver, &solved(&whole, Options::default())) < 1e-3);
+}
+
+/// The augmented pressure of multigrid has the fixed point of the law that Newton's method solves.
+#[test]
+fn nearly_incompressible_tissue_has_the_shape_and_the_force_of_its_law() {
+    for (poisson_ratio, center) in [(0.485, [0.0, 0.0]), (0.495, [0.0, 0.0]), (0.49, [6.0, 3.0])] {
+        let mut scene = default_scene(33);
+        scene.implant.center_mm = center;
+        scene.layers[1].poisson_ratio = poisson_ratio;
+        scene.solver.tolerance = 1e-3;
+        let problem = scene.problem().unwrap();
+        let run = |method, tolerance: f64| {
+            let problem = Problem { tolerance, ..problem.clone() };
+            let mut solver =
+                Solver::with_options(problem, Options { method, ..Options::default() });
+            solver.advance(&mut || false);
+            assert_eq!(solver.verdict(), Verdict::Converged, "{poisson_ratio} {method:?}");
+            let force = contact_force(&solver);
+            (solver, force)
+        };
+        let (multigrid, force) = run(Method::Automatic, 1e-3);
+        let (newton, exact_force) = run(Method::Newton, 1e-7);
+        assert!(!multigrid.fell_back() && multigrid.report().method != Method::Newton);
+        let error = distance(&multigrid, &newton);
+        assert!(error < 1e-3, "{poisson_ratio}: {error:e}");
+        let error = force / exact_force - 1.0;
+        assert!(error.abs() < 3e-3, "{poisson_ratio}: {force} {exact_force}");
+    }
 }
 
 #[test]
@@ -485,5 +538,5 @@ fn a_poisson_ratio_out_of_reach_is_said() {
         assert_eq!(outcome.status, Status::Converged, "{poisson_ratio}");
         outcome.warnings.iter().any(|warning| warning.starts_with("adipose: the Poisson ratio"))
     };
-    assert!(said(0.5) && !said(0.48));
+    assert!(said(0.5) && !said(0.495));
 }

@@ -19,12 +19,23 @@ use std::sync::Arc;
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
 /// Measurements of an off-centre dome, on the whole sheet.
-fn problem(nodes: usize) -> Problem {
+fn sheet(nodes: usize) -> Problem {
     let scene = json!({
-        "tissue_model": "sheet",
+        "schema": "implant-preview/scene/1",
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
         "solver": { "nodes_per_side": nodes, "tolerance": 1e-4 },
+    });
+    Scene::from_json(&scene.to_string()).unwrap().problem().unwrap()
+}
+
+/// The same of layered tissue with two cells through the thickness, on the whole patch.
+fn layered(nodes: usize) -> Problem {
+    let scene = json!({
+        "schema": "implant-preview/scene/2", "tissue_model": "layered",
+        "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
+        "pocket_radius_mm": 65, "insertion": 0.8,
+        "solver": { "nodes_per_side": nodes, "tolerance": 1e-3, "cells_through": 2 },
     });
     Scene::from_json(&scene.to_string()).unwrap().problem().unwrap()
 }
@@ -35,11 +46,11 @@ struct Use {
     bytes: usize,
     /// Node evaluations of a solve.
     evaluations: f64,
+    /// Free nodes of all layers of the finest grid.
     nodes: usize,
 }
 
-fn measured(nodes: usize) -> Use {
-    let problem = problem(nodes);
+fn measured(problem: &Problem) -> Use {
     let before = HeapStats::get().curr_bytes;
     let mut solver = Solver::new(problem.clone());
     while solver.advance(&mut || true) == Progress::Working {}
@@ -60,12 +71,50 @@ fn measured(nodes: usize) -> Use {
     let before = HeapStats::get().curr_bytes;
     let sheet = problem.sheet.clone();
     let bytes = held - (HeapStats::get().curr_bytes - before);
-    Use { bytes, evaluations, nodes: sheet.free_nodes() }
+    let layers = 1 + solver.outer().len();
+    Use { bytes, evaluations, nodes: layers * sheet.free_nodes() }
+}
+
+/// Memory and work of solves on ever finer grids.
+struct Growth {
+    problem: fn(usize) -> Problem,
+    nodes: &'static [usize],
+    /// Nodes per side from which [`Self::most_bytes`] holds; tables matter on coarser grids.
+    from: usize,
+    /// The most bytes per node of the finest grid, over all grids.
+    most_bytes: f64,
+    /// The most memory and work for twice the nodes per side \[-\].
+    most: [f64; 2],
+}
+
+fn check_growth(growth: &Growth) -> Vec<String> {
+    let mut lines = Vec::new();
+    let tables = measured(&(growth.problem)(17)).bytes;
+    let mut last: Option<Use> = None;
+    for &nodes in growth.nodes {
+        let now = measured(&(growth.problem)(nodes));
+        let per_node = (now.bytes - tables) as f64 / now.nodes as f64;
+        let evaluations = now.evaluations;
+        lines.push(format!("{nodes}: {per_node:.0} bytes a node, {evaluations:.1e} evaluations"));
+        if nodes >= growth.from {
+            assert!(per_node <= growth.most_bytes, "{per_node:.0} bytes a node at {nodes}");
+        }
+        if let Some(last) = last {
+            let memory = now.bytes as f64 / last.bytes as f64;
+            assert!(memory <= growth.most[0], "{memory:.2} times the memory of {nodes} / 2");
+            let work = now.evaluations / last.evaluations;
+            assert!(work <= growth.most[1], "{work:.2} times the work of {nodes} / 2");
+        }
+        last = Some(now);
+    }
+    lines
 }
 
 /// Repeated updates of a picture while the renderer still owns the previous meshes.
 fn draw_in_the_room_of_an_older_picture() {
-    let mut session = Session::new(Scene::default()).unwrap();
+    let scene = json!({ "schema": "implant-preview/scene/1",
+        "implant": { "base_radius_mm": 55 }, "pocket_radius_mm": 70 });
+    let mut session = Session::new(Scene::from_json(&scene.to_string()).unwrap()).unwrap();
     while session.advance(&mut || false) == Progress::Working {}
     let section = Section { opening: Opening::Closed, angle: 0.0, axis: glam::Vec2::ZERO };
     let mut picture = Picture::default();
@@ -91,21 +140,20 @@ fn draw_in_the_room_of_an_older_picture() {
 fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memory() {
     let _profiler = dhat::Profiler::builder().testing().build();
     draw_in_the_room_of_an_older_picture();
-    let tables = measured(17).bytes;
-    let mut last: Option<Use> = None;
-    for nodes in [65, 129, 257, 513] {
-        let now = measured(nodes);
-        let per_node = (now.bytes - tables) as f64 / now.nodes as f64;
-        if nodes >= 129 {
-            assert!(per_node <= 200.0, "{per_node:.0} bytes a node at {nodes}");
-        }
-        if let Some(last) = last {
-            let memory = now.bytes as f64 / last.bytes as f64;
-            assert!(memory <= 4.4, "{memory:.2} times the memory of {nodes} / 2");
-            let work = now.evaluations / last.evaluations;
-            assert!(work <= 4.4, "{work:.2} times the work of {nodes} / 2");
-        }
-        println!("{nodes}: {per_node:.0} bytes a node, {:.1e} evaluations", now.evaluations);
-        last = Some(now);
-    }
+    let sheet = Growth {
+        problem: sheet,
+        nodes: &[65, 129, 257, 513],
+        from: 129,
+        most_bytes: 200.0,
+        most: [4.4; 2],
+    };
+    println!("sheet: {:#?}", check_growth(&sheet));
+    let layered = Growth {
+        problem: layered,
+        nodes: &[65, 129, 257],
+        from: 129,
+        most_bytes: 350.0,
+        most: [4.4, 4.6],
+    };
+    println!("layered tissue: {:#?}", check_growth(&layered));
 }

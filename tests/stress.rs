@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::experiment::robustness::{Ending, Summary, check, examine, run};
+use implant_preview::experiment::robustness::{
+    Ending, LayeredSummary, Population, Summary, check, examine, run, run_of, scene_of,
+};
 use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
@@ -185,6 +187,33 @@ fn random_scenes_and_sessions_satisfy_all_invariants() {
     assert_eq!(coupled.cases + summary.nikolaev.cases, 100);
     assert!(coupled.converged > 60, "{coupled:?}");
     assert!(summary.coupled_converged_share >= 0.98, "{coupled:?}");
+}
+
+#[test]
+fn random_layered_scenes_and_sessions_satisfy_all_invariants() {
+    let of = Population::of_layered;
+    let cases: Vec<_> = (0..30).map(|case| run_of(of(case), 12, case, 33, None)).collect();
+    let summary = LayeredSummary::new(12, &cases);
+    assert_eq!(summary.failures, []);
+    assert_eq!(summary.sessions, 3);
+    let (realistic, extreme) = (summary.realistic, summary.extreme);
+    assert_eq!((realistic.endings.cases, extreme.endings.cases), (15, 15));
+    assert!(realistic.converged_share >= 0.98, "{realistic:?}");
+    assert!(realistic.endings.held_both_ways >= 12, "{realistic:?}");
+    assert_eq!(realistic.max_time_ms, None);
+}
+
+#[test]
+fn a_random_layered_scene_depends_on_population_seed_and_number_alone() {
+    for population in [Population::Realistic, Population::Extreme] {
+        let of = |case| scene_of(population, 3, case, 33);
+        assert_eq!(of(7), of(7));
+        assert_ne!(of(7), of(8));
+        assert!((0..50).all(|case| of(case).is_layered() && of(case).solver.nodes_per_side <= 33));
+    }
+    let sheet = scene_of(Population::Sheet, 3, 7, 33);
+    assert_eq!(sheet, implant_preview::experiment::robustness::scene(3, 7, 33));
+    assert!(!sheet.is_layered());
 }
 
 #[test]

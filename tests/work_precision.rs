@@ -1,7 +1,8 @@
 //! The study of run time against error: properties of its rows.
 
 use implant_preview::experiment::work_precision::{
-    Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, Study, run, table, time_to,
+    Case, Face, GOAL, LAYERED_GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, Study,
+    axisymmetric, run, table, time_to,
 };
 use implant_preview::scene::Scene;
 use serde_json::{Value, json};
@@ -49,6 +50,63 @@ fn every_method_converges_to_the_same_equilibrium() {
     }
 }
 
+/// Multigrid and both relaxations end at one equilibrium of layered tissue; the skin's error is that of the grid.
+#[test]
+fn every_method_for_layered_tissue_converges_to_the_same_equilibrium() {
+    let plan = Plan {
+        cases: vec![Case::LayeredLinear],
+        nodes_per_side: vec![33],
+        repeats: 1,
+        budget_ms: 60_000.0,
+        ..Plan::layered_quick()
+    };
+    let start = Instant::now();
+    let mut clock = || 1e3 * start.elapsed().as_secs_f64();
+    let rows = run(&plan, Some(axisymmetric), &mut clock).expect("grids that scenes allow");
+    let of = |method: Method| -> Vec<Row> {
+        rows.iter().filter(|row| row.method == method).copied().collect()
+    };
+    for method in [Method::ColumnJacobi, Method::ExplicitMomentum] {
+        let rows = of(method);
+        let (first, last) = (rows[0], rows[rows.len() - 1]);
+        assert!(rows.len() > 5, "{method:?} has points along its way");
+        assert_eq!(last.status, Status::Finished, "{last:?}");
+        assert!(last.error_vs_own_grid <= LAYERED_GOAL, "{last:?}");
+        assert!(last.error_vs_own_grid < 0.01 * first.error_vs_own_grid);
+        let error = last.error_vs_reference.expect("a reference");
+        assert!((1e-4..6e-3).contains(&error), "{last:?}");
+        assert!(last.inner_error_vs_reference.is_some_and(|error| error < 0.1), "{last:?}");
+    }
+    let automatic = of(Method::Automatic);
+    for (row, tolerance) in automatic.iter().zip([1e-2, 1e-3, 1e-4]) {
+        assert_eq!(row.status, Status::Finished);
+        assert!(row.error_vs_own_grid <= tolerance, "{row:?}");
+    }
+    let error = |method| of(method)[0].error_vs_own_grid;
+    assert!(error(Method::Multigrid8) < error(Method::Multigrid1));
+    assert!(of(Method::Newton).is_empty());
+    let csv = table(&rows);
+    assert!(
+        csv.starts_with("method,") && csv.contains("error_vs_reference,inner_error_vs_reference,")
+    );
+    let columns = |line: &str| line.split(',').count();
+    assert!(csv.lines().all(|line| columns(line) == 10), "{csv}");
+}
+
+#[test]
+fn the_layered_reference_returns_both_faces_of_centred_domes() {
+    let mut scene = Case::LayeredDefault.scene(33, 1e-4);
+    let profile = axisymmetric(&scene).expect("a reference");
+    let ((r, z), (inner_r, inner_z)) = (profile(Face::Skin, 0.0), profile(Face::Inner, 0.0));
+    assert!(r.abs() < 1e-6 && inner_r.abs() < 1e-6 && (inner_z - 55.0).abs() < 1e-3);
+    // 6.1 mm of adipose over the apex.
+    assert!((z - 61.1).abs() < 0.1, "{z}");
+    let (r, z) = profile(Face::Skin, 130.0);
+    assert!((r - 130.0).abs() < 1e-6 && (z - 10.0).abs() < 1e-6);
+    scene.implant.center_mm = [5.0, 0.0];
+    assert!(axisymmetric(&scene).is_none());
+}
+
 #[test]
 fn a_run_out_of_time_is_marked_and_skips_finer_grids() {
     let plan = Plan { methods: vec![Method::ExplicitPaper], budget_ms: 5.0, ..coarse() };
@@ -70,7 +128,7 @@ fn the_clock_stops_while_errors_are_measured() {
     // The reference serves errors only; its cost is not part of the times.
     let reference = |scene: &Scene| -> Option<Profile> {
         let scale = scene.pocket_radius_mm;
-        Some(Box::new(move |s| (s, scale - s)))
+        Some(Box::new(move |_, s| (s, scale - s)))
     };
     let plan = Plan { methods: vec![Method::Newton], nodes_per_side: vec![17], ..coarse() };
     let mut clock = || 0.0;
@@ -171,10 +229,10 @@ fn a_study_reports_its_progress_and_the_times_to_an_error() {
 
 #[test]
 fn names_are_the_same_in_plans_and_tables() {
-    for method in Method::ALL {
+    for method in Method::ALL.into_iter().chain(Method::LAYERED) {
         assert_eq!(serde_json::to_value(method).ok(), Some(method.name().into()));
     }
-    for case in Case::ALL {
+    for case in Case::ALL.into_iter().chain(Case::LAYERED) {
         assert_eq!(serde_json::to_value(case).ok(), Some(case.name().into()));
     }
 }
@@ -190,6 +248,7 @@ fn the_time_to_an_error_is_when_it_stays_below() {
         time_ms,
         error_vs_own_grid: error,
         error_vs_reference: None,
+        inner_error_vs_reference: None,
         status: Status::Running,
     };
     let rows = [row(1.0, 0.1), row(2.0, 5e-4), row(3.0, 2e-3), row(4.0, 8e-4), row(5.0, 1e-5)];

@@ -14,6 +14,9 @@ const METHODS = {
   multigrid_8: "full multigrid, 8 cycles",
   newton: "Newton, nested",
   gauss_seidel: "block Gauss–Seidel, nested",
+  column_jacobi: "column Jacobi, nested (layered tissue)",
+  explicit_momentum: "explicit with momentum, nested (layered tissue)",
+  automatic: "automatic (layered tissue)",
   explicit_critical: "explicit, critically damped",
   explicit_paper: "explicit, damped as in the paper",
 };

@@ -1,4 +1,5 @@
-//! Scenes with all fields, their values mostly in range.
+//! Scenes with all fields, their values mostly in range, of sheets and of layered tissue; the latter are solved on a coarse
+//! grid.
 #![no_main]
 
 #[path = "../../tests/common/hostile.rs"]
@@ -10,4 +11,9 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scene()));
+    let layered = Scene::from_json(&hostile::Choices(bytes).layered_scene());
+    hostile::check_scene(&layered);
+    if let Ok(scene) = &layered {
+        hostile::check_layered_solve(scene);
+    }
 });

@@ -1,4 +1,4 @@
-//! Any bytes as a file of scenes, one a line.
+//! Any bytes as a file of scenes, one a line; layered tissue in the first line is solved on a coarse grid.
 #![no_main]
 
 #[path = "../../tests/common/hostile.rs"]
@@ -7,4 +7,7 @@ mod hostile;
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| hostile::check_lines(bytes));
+fuzz_target!(|bytes: &[u8]| {
+    hostile::check_lines(bytes);
+    hostile::check_first_solve(bytes);
+});

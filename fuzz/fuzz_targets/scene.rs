@@ -1,4 +1,4 @@
-//! Any bytes as a scene.
+//! Any bytes as a scene; layered tissue is solved on a coarse grid.
 #![no_main]
 
 #[path = "../../tests/common/hostile.rs"]
@@ -10,6 +10,10 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(text) = std::str::from_utf8(bytes) {
-        hostile::check_scene(&Scene::from_json(text));
+        let read = Scene::from_json(text);
+        hostile::check_scene(&read);
+        if let Ok(scene) = &read {
+            hostile::check_layered_solve(scene);
+        }
     }
 });

@@ -47,6 +47,18 @@ pub(crate) trait ElasticModel {
     /// The tension of the body: scale of residuals and most compressive principal tension.
     fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Self::Scratch) -> Tension;
 
+    /// Renews what stands for constraints of the model, such as the pressure of nearly incompressible tissue, after a cycle.
+    fn renew(&self, _layout: &Layout, _u: &Field, _scratch: &mut Self::Scratch) {}
+
+    /// Interpolates what [`Self::renew`] renews to a grid of half the spacing.
+    fn hand_on(
+        &self,
+        _coarse: (&Layout, &Self::Scratch),
+        _layout: &Layout,
+        _scratch: &mut Self::Scratch,
+    ) {
+    }
+
     /// Does the model support contact offsets? Without offsets contact ends at the last active node.
     fn has_contact_offsets(&self) -> bool;
 }
@@ -58,6 +70,8 @@ pub(crate) struct Tension {
     pub(crate) squares: f64,
     /// The most compressive tension, zero where the body is in tension everywhere.
     pub(crate) least: f32,
+    /// Is a cell inverted?
+    pub(crate) has_inverted_cell: bool,
 }
 
 /// Compressive tension that may wrinkle the sheet, as a fraction of the mean tension \[-\].

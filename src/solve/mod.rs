@@ -77,6 +77,9 @@ enum Stage {
     Newton,
 }
 
+/// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
+/// and a shape to display \[base radius\].
+const MAX_ERROR_OF_SHAPE: f64 = 0.02;
 /// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
 const REST_TOLERANCE: f64 = 0.5;
 
@@ -131,7 +134,7 @@ impl Solver {
             }
         }
         // Layers of another thickness rest at other heights.
-        if !(same_grid && (same_law || self.outer.is_empty())) {
+        if !same_grid || !same_law && self.law.layered().is_some() {
             self.outer = outer_at_rest(&problem, &self.law);
             if !self.outer.is_empty() {
                 self.x = problem.sheet.rest_positions();
@@ -326,6 +329,7 @@ impl Solver {
                 // A shape of a coarse grid is far from the finest grid's.
                 let has_shape = self.law.layered().is_some()
                     && self.cycles() > 0
+                    && self.estimated_position_error() < MAX_ERROR_OF_SHAPE
                     && self.display_multigrid(Displayed::Draft);
                 self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
             }
@@ -337,17 +341,13 @@ impl Solver {
     /// offsets far above the tolerance; under compression, where multigrid may stall before a wrinkled equilibrium;
     /// for the paper's springs, whose stationary shape may be a saddle point.
     fn needs_newton(&self) -> bool {
-        if self.law.layered().is_some() {
-            // The tolerance is below the resolution of f32.
-            return self.estimated_position_error() > self.problem.tolerance;
-        }
         let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
             let ending = multigrid.ending();
-            ending.is_compressive || ending.leaves_contact_offsets
+            self.problem.tolerance < multigrid.least_tolerance()
+                || self.law.layered().is_none()
+                    && (ending.is_compressive || ending.leaves_contact_offsets)
         });
-        self.problem.tolerance < fas::LEAST_TOLERANCE
-            || is_left
-            || self.problem.springs == Springs::Nikolaev
+        is_left || self.problem.springs == Springs::Nikolaev
     }
 
     fn newton_piece(&mut self) {

@@ -1,7 +1,9 @@
 //! Full multigrid for either tissue model.
 
 use super::Problem;
-use super::fas::{Ending, FullMultigrid, LAYERED, LAYERED_GENTLE, MEMBRANE, State, Stop};
+use super::fas::{
+    Ending, FullMultigrid, LAYERED, LAYERED_AUGMENTED, LAYERED_GENTLE, MEMBRANE, State, Stop,
+};
 use super::problem::Tissue;
 use super::validity::Invalid;
 use crate::mesh::lanes::Mirrored;
@@ -107,7 +109,8 @@ impl Multigrid {
 
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         if let Self::Layered(scheme) = self {
-            scheme.set_parameters(&LAYERED);
+            let is_augmented = scheme.model().is_augmented();
+            scheme.set_parameters(if is_augmented { &LAYERED_AUGMENTED } else { &LAYERED });
         }
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
@@ -140,6 +143,11 @@ impl Multigrid {
         delegate!(self, scheme => scheme.work_units())
     }
 
+    /// The least tolerance of node positions that f32 resolves \[base radius\].
+    pub(super) fn least_tolerance(&self) -> f64 {
+        delegate!(self, scheme => scheme.least_tolerance())
+    }
+
     pub(super) fn ending(&self) -> Ending {
         delegate!(self, scheme => scheme.ending())
     }
@@ -163,7 +171,7 @@ impl Multigrid {
     ) {
         delegate!(self, scheme => scheme.write_positions(problem, x, offset_nodes));
         if let (Self::Layered(scheme), Some(law)) = (self, law.layered()) {
-            scheme.write_layers(problem, &law.heights(), outer);
+            scheme.write_layers(problem, law.cells.iter().map(|cells| cells.height_mm), outer);
         }
     }
 }

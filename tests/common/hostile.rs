@@ -1,8 +1,13 @@
 //! Properties of any input, shared by the property tests and the fuzz targets.
 
 use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve, Section};
+use implant_preview::measure::{Fields, surfaces};
 use implant_preview::scene::{Scene, SceneError, read};
+use implant_preview::simulate;
+use implant_preview::solve::{Progress, Solution, Solver, Verdict};
 use serde_json::{Value, json};
+use std::collections::HashSet;
+use std::sync::Arc;
 
 /// Greatest number of characters of a message.
 pub(crate) const MESSAGE: usize = 300;
@@ -35,6 +40,54 @@ pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     assert!(problem.sheet.free_nodes() > 0);
     assert_eq!(problem.materials.len(), scene.layers.len());
     assert!(problem.sheet.radius_mm() >= problem.obstacle.dome.base_radius * (1.0 - 1e-6));
+}
+
+/// Slices of a solve of [`check_layered_solve`].
+const SLICES: u32 = 300;
+
+/// Solves layered tissue on the coarsest grid, up to [`SLICES`], and checks the result and the solids as closed meshes.
+pub(crate) fn check_layered_solve(scene: &Scene) {
+    if !scene.is_layered() {
+        return;
+    }
+    let mut small = scene.clone();
+    small.solver.nodes_per_side = 17;
+    small.solver.tolerance = small.solver.tolerance.max(1e-3);
+    let mut solver = Solver::new(small.problem().expect("checked before"));
+    let mut slices = 0;
+    let progress = solver.advance(&mut || {
+        slices += 1;
+        slices >= SLICES
+    });
+    let is_converged = progress == Progress::Done && solver.verdict() == Verdict::Converged;
+    let solution = Arc::new(solver.into_solution());
+    let outcome = simulate::measure(&small, &Fields::new(Arc::clone(&solution)));
+    let text = format!("{outcome:?}");
+    assert!(!text.contains("NaN"), "{text}");
+    if is_converged {
+        assert!(outcome.skin_area.is_some() && !text.contains("inf"), "{text}");
+        assert_eq!(outcome.layers.len(), small.layers.len());
+    }
+    check_solids(&solution, small.layers.len());
+}
+
+/// Checks that every layer of a solution is a closed mesh of finite vertices: two neighbouring faces and the strip between
+/// their borders.
+fn check_solids(solution: &Solution, layers: usize) {
+    let surfaces = surfaces(solution);
+    assert_eq!(surfaces.positions.len(), layers + 1);
+    assert!(surfaces.positions.iter().flatten().flatten().all(|x| x.is_finite()));
+    let mut edges = HashSet::new();
+    for [a, b, c] in &surfaces.triangles {
+        for edge in [(a, b), (b, c), (c, a)] {
+            assert!(edges.insert(edge), "two triangles on one side of an edge");
+        }
+    }
+    // The strip has one quadrilateral on every edge of the border; the border is closed.
+    let border: Vec<_> = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).collect();
+    let starts: HashSet<u32> = border.iter().map(|(a, _)| **a).collect();
+    let ends: HashSet<u32> = border.iter().map(|(_, b)| **b).collect();
+    assert!(!border.is_empty() && starts == ends && starts.len() == border.len());
 }
 
 /// A curve as a file of its own.
@@ -80,6 +133,15 @@ pub(crate) fn check_lines(bytes: &[u8]) {
             }
             Err(error) => check_message(&error),
         }
+    }
+}
+
+/// Solves the first scene of a file if its tissue is layered; see [`check_layered_solve`].
+pub(crate) fn check_first_solve(bytes: &[u8]) {
+    if let Ok(scenes) = read::scenes(bytes, read::Format::JsonLines)
+        && let Some(scene) = scenes.first()
+    {
+        check_layered_solve(scene.scene());
     }
 }
 
@@ -311,6 +373,33 @@ impl Choices<'_> {
         }
         if self.below(4) == 1 {
             scene["patient"] = self.patient();
+        }
+        scene.to_string()
+    }
+
+    /// A scene of `scene/2` with all fields, mostly of layered tissue, as JSON text.
+    pub(crate) fn layered_scene(&mut self) -> String {
+        const MODELS: [&str; 4] = ["layered", "layered", "layered", "sheet"];
+        let model = MODELS[usize::from(self.below(4))];
+        let attachment = json!({ "stiffness_kpa_per_mm": self.magnitude(0.1, 50.0),
+            "ramp_mm": self.number(1.0, 40.0) });
+        let margin = self.number(20.0, 60.0);
+        let cells = match self.byte() {
+            0..=99 => json!("auto"),
+            100..=239 => json!(1 + self.below(8)),
+            240..=247 => json!([0, 9, 255, 65_535][usize::from(self.below(4))]),
+            _ => json!(self.number(1.0, 8.0)),
+        };
+        let keeps_springs = self.byte() >= 240;
+        let mut scene: Value = serde_json::from_str(&self.scene()).expect("written above");
+        let pocket = scene["pocket_radius_mm"].as_f64().unwrap_or(100.0);
+        scene["schema"] = json!("implant-preview/scene/2");
+        scene["tissue_model"] = json!(model);
+        scene["patch_radius_mm"] = json!(pocket + margin);
+        scene["attachment"] = attachment;
+        scene["solver"]["cells_through"] = cells;
+        if !keeps_springs {
+            scene["springs"] = json!("coupled");
         }
         scene.to_string()
     }

@@ -100,9 +100,13 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
 
 /// Greatest distance of a node from its mirror image along each symmetric axis of the scene \[mm\].
 fn asymmetry(solver: &Solver) -> f64 {
-    let (problem, x) = (solver.problem(), solver.positions());
-    let n = problem.sheet.nodes_per_side();
-    let [along_x, along_y] = problem.obstacle.dome.mirrored();
+    let problem = solver.problem();
+    let axes = problem.obstacle.dome.mirrored();
+    asymmetry_of(solver.positions(), problem.sheet.nodes_per_side(), axes)
+}
+
+/// Greatest distance of a node from its mirror image along x and y, where symmetric \[mm\].
+pub(super) fn asymmetry_of(x: &[DVec3], n: usize, [along_x, along_y]: [bool; 2]) -> f64 {
     let mut most = 0.0_f64;
     for (k, position) in x.iter().enumerate() {
         let (i, j) = (k % n, k / n);
@@ -119,7 +123,7 @@ fn asymmetry(solver: &Solver) -> f64 {
 }
 
 /// Greatest depth of a node in the dome \[mm\].
-fn depth_in_dome(solver: &Solver) -> f64 {
+pub(super) fn depth_in_dome(solver: &Solver) -> f64 {
     let dome = &solver.problem().obstacle.dome;
     let inside = solver.positions().iter().filter(|x| dome.contains(**x));
     inside.map(|x| -dome.closest_point(*x).0).fold(0.0, f64::max)

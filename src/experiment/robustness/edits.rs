@@ -1,8 +1,8 @@
 //! Random sessions: edits, drags, jumps, undo, valid and invalid files, at any moment of a solve.
 
 use super::check::{Finding, distance, require_at_most};
-use super::{MAX_DISTANCE, scenes};
-use crate::scene::{Scene, Springs};
+use super::{MAX_DISTANCE, Population, layered_scenes, nodes, scenes};
+use crate::scene::{Layer, Scene, Springs, TissueModel};
 use crate::session::{Command, Session};
 use crate::solve::{Progress, Solver, Verdict};
 use fastrand::Rng;
@@ -11,35 +11,93 @@ use fastrand::Rng;
 const COMMANDS_PER_SESSION: usize = 16;
 /// Greatest number of nodes per side; session states do not depend on the size of the grid.
 const MAX_NODES: usize = 49;
+/// As [`MAX_NODES`], of layered tissue.
+const MAX_LAYERED_NODES: usize = 25;
 /// Greatest number of slices of a solve.
 const MAX_SLICES: usize = 100_000;
 
+impl Population {
+    /// Greatest number of nodes per side in a session.
+    fn most_nodes(self) -> usize {
+        if self == Self::Sheet { MAX_NODES } else { MAX_LAYERED_NODES }
+    }
+
+    /// A random scene of a session.
+    fn session_scene(self, rng: &mut Rng) -> Scene {
+        let mut scene = self.scene(rng);
+        scene.solver.nodes_per_side = scene.solver.nodes_per_side.min(self.most_nodes());
+        scene
+    }
+
+    fn replace_dome(self, rng: &mut Rng, scene: &mut Scene) {
+        match self {
+            Self::Sheet => scenes::dome_and_pocket(rng, scene),
+            Self::Realistic => layered_scenes::realistic_dome(rng, scene),
+            Self::Extreme => layered_scenes::extreme_dome(rng, scene),
+        }
+    }
+
+    fn layers(self, rng: &mut Rng) -> Vec<Layer> {
+        match self {
+            Self::Sheet => scenes::layers(rng),
+            Self::Realistic => layered_scenes::realistic_layers(rng),
+            Self::Extreme => layered_scenes::extreme_layers(rng),
+        }
+    }
+
+    fn insertion(self, rng: &mut Rng) -> f64 {
+        match self {
+            Self::Realistic => layered_scenes::realistic_insertion(rng),
+            Self::Sheet | Self::Extreme => scenes::insertion(rng),
+        }
+    }
+
+    /// Replaces the springs of a sheet; of layered tissue patch, attachment and cells, or the tissue model.
+    fn replace_model(self, rng: &mut Rng, scene: &mut Scene) {
+        match self {
+            Self::Sheet => {
+                scene.springs = if rng.bool() { Springs::Coupled } else { Springs::Nikolaev };
+            }
+            Self::Extreme if rng.bool() => layered_scenes::body(rng, scene),
+            Self::Realistic | Self::Extreme => scene.set_tissue_model(if scene.is_layered() {
+                TissueModel::Sheet
+            } else {
+                TissueModel::Layered
+            }),
+        }
+    }
+}
+
 /// Runs a session and returns its failed checks.
-pub(super) fn run(rng: &mut Rng) -> Vec<Finding> {
+pub(super) fn run(rng: &mut Rng, population: Population) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut scene = scenes::scene(rng);
-    scene.solver.nodes_per_side = scene.solver.nodes_per_side.min(MAX_NODES);
+    let scene = population.session_scene(rng);
     let Ok(mut session) = Session::new(scene) else {
         require_at_most(&mut findings, "first scene of the session rejected", 1.0, 0.0);
         return findings;
     };
     for gesture in 0..COMMANDS_PER_SESSION as u64 {
-        execute(rng, &mut session, 2 * gesture, &mut findings);
+        execute(rng, population, &mut session, 2 * gesture, &mut findings);
     }
     finish(&mut session, &mut findings);
     findings
 }
 
 /// Executes one random gesture of a user.
-fn execute(rng: &mut Rng, session: &mut Session, gesture: u64, findings: &mut Vec<Finding>) {
+fn execute(
+    rng: &mut Rng,
+    population: Population,
+    session: &mut Session,
+    gesture: u64,
+    findings: &mut Vec<Finding>,
+) {
     let mut scene = session.scene().clone();
     match rng.u8(0..12) {
         0 => apply_invalid(rng, session, findings),
         1 => apply(session, Command::Undo, findings),
         2 => apply(session, Command::Redo, findings),
         3 => {
-            scene = scenes::scene(rng);
-            scene.solver.nodes_per_side = scene.solver.nodes_per_side.min(MAX_NODES);
+            scene = population.session_scene(rng);
             apply(session, Command::Open(scene.to_json()), findings);
         }
         // A drag back and forth, one slice per frame.
@@ -49,7 +107,7 @@ fn execute(rng: &mut Rng, session: &mut Session, gesture: u64, findings: &mut Ve
                 let t = middle + amplitude * (0.8 * f64::from(frame)).sin();
                 scene.insertion = t.clamp(0.0, 1.0);
                 edit(session, &scene, gesture, findings);
-                slice(rng, session, findings);
+                slice(rng, population, session, findings);
             }
         }
         // Jumps.
@@ -57,31 +115,31 @@ fn execute(rng: &mut Rng, session: &mut Session, gesture: u64, findings: &mut Ve
             for t in [0.0, 1.0, 0.0, 1.0] {
                 scene.insertion = t;
                 edit(session, &scene, gesture, findings);
-                slice(rng, session, findings);
+                slice(rng, population, session, findings);
             }
         }
         7 => {
-            scenes::dome_and_pocket(rng, &mut scene);
+            population.replace_dome(rng, &mut scene);
             edit(session, &scene, gesture, findings);
         }
         8 => {
-            scene.layers = scenes::layers(rng);
+            scene.layers = population.layers(rng);
             edit(session, &scene, gesture, findings);
         }
         9 => {
-            scene.solver.nodes_per_side = scenes::nodes(rng).min(MAX_NODES);
+            scene.solver.nodes_per_side = scenes::nodes(rng).min(population.most_nodes());
             edit(session, &scene, gesture, findings);
         }
         10 => {
-            scene.springs = if rng.bool() { Springs::Coupled } else { Springs::Nikolaev };
+            population.replace_model(rng, &mut scene);
             edit(session, &scene, gesture, findings);
         }
         _ => {
-            scene.insertion = scenes::insertion(rng);
+            scene.insertion = population.insertion(rng);
             edit(session, &scene, gesture, findings);
         }
     }
-    slice(rng, session, findings);
+    slice(rng, population, session, findings);
 }
 
 fn edit(session: &mut Session, scene: &Scene, gesture: u64, findings: &mut Vec<Finding>) {
@@ -126,17 +184,23 @@ fn apply_invalid(rng: &mut Rng, session: &mut Session, findings: &mut Vec<Findin
 }
 
 /// Runs a random number of solver slices and checks the displayed shape.
-fn slice(rng: &mut Rng, session: &mut Session, findings: &mut Vec<Finding>) {
+fn slice(
+    rng: &mut Rng,
+    population: Population,
+    session: &mut Session,
+    findings: &mut Vec<Finding>,
+) {
     let mut pieces = rng.u32(0..60);
     let (springs, before) = (session.scene().springs, session.counters().reverted);
     session.advance(&mut || {
         pieces = pieces.saturating_sub(1);
         pieces == 0
     });
-    let broken = session.shape().iter().filter(|x| !x.is_finite()).count();
+    let shape = nodes(session.solver());
+    let broken = shape.iter().filter(|x| !x.is_finite()).count();
     require_at_most(findings, "displayed non-finite nodes", broken as f64, 0.0);
-    // The paper's springs may have inverted shapes.
-    if springs == Springs::Coupled {
+    // The paper's springs, and layered tissue beyond physics, may have inverted shapes.
+    if springs == Springs::Coupled && population != Population::Extreme {
         let reverted = session.counters().reverted - before;
         require_at_most(findings, "reverted edits", reverted as f64, 0.0);
     }
@@ -158,7 +222,7 @@ fn finish(session: &mut Session, findings: &mut Vec<Finding>) {
     let verdicts = (session.solver().verdict(), cold.verdict());
     if scene.springs == Springs::Coupled && verdicts == (Verdict::Converged, Verdict::Converged) {
         let allowed = MAX_DISTANCE * scene.solver.tolerance * scene.implant.base_radius_mm;
-        let apart = distance(session.shape(), cold.positions());
+        let apart = distance(&nodes(session.solver()), &nodes(&cold));
         require_at_most(findings, "distance to the cold solve, mm", apart, allowed);
     }
 }

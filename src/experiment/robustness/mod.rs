@@ -1,18 +1,25 @@
 //! Robustness tests: random scenes and edit sequences checked against invariants.
 //!
-//! `scenes` (random scenes) | `check` (invariants) | `edits` (random sessions) | `shrink` (reduction of a
-//! failing scene). A case depends on seed and number alone: equal on every machine and in every order.
+//! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `check`, `check_layered` (invariants) |
+//! `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
+//! A case depends on population, seed and number alone: equal on every machine and in every order.
 
 pub mod check;
+mod check_layered;
+mod compare;
 mod edits;
+mod layered_scenes;
 mod scenes;
 mod shrink;
+mod summary;
+
+pub use summary::{Endings, LayeredSummary, PopulationSummary, Summary};
 
 use crate::scene::{Scene, Springs};
-use crate::solve::{Invalid, Method, Options, Solver, Verdict};
-use check::{Finding, distance, require_at_most};
+use crate::solve::{Invalid, Options, Solver, Verdict};
+use check::Finding;
 use fastrand::Rng;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use serde::Serialize;
 
 /// Greatest number of nodes per side of a scene that is solved by other solution paths as well.
@@ -22,11 +29,41 @@ const CASES_PER_SESSION: u64 = 10;
 /// Greatest distance between two solutions of one equilibrium \[tolerances\]; the estimated error of each
 /// solution is at most one.
 const MAX_DISTANCE: f64 = 4.0;
-/// Tolerance of a confirming solve \[fraction of the tolerance\]. Two distant solutions are two equilibria if
-/// each confirming solve ends within half of the greatest distance, its own estimated error included.
-const CONFIRMATION_TOLERANCE: f64 = 0.1;
-/// Factor on the work limits of a confirming solve.
-const CONFIRMATION_WORK_FACTOR: f64 = 10.0;
+
+/// The kind of random scenes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Population {
+    /// Sheets within all limits.
+    #[default]
+    Sheet,
+    /// Layered tissue within the ranges of patients and implants.
+    Realistic,
+    /// Layered tissue within all limits.
+    Extreme,
+}
+
+impl Population {
+    /// The population of a case of layered tissue: realistic and extreme in turn, with and without a session.
+    #[must_use]
+    pub fn of_layered(case: u64) -> Self {
+        let is_extreme = (case + case / CASES_PER_SESSION) % 2 == 1;
+        if is_extreme { Self::Extreme } else { Self::Realistic }
+    }
+
+    fn is_sheet(&self) -> bool {
+        *self == Self::Sheet
+    }
+
+    /// A random scene.
+    fn scene(self, rng: &mut Rng) -> Scene {
+        match self {
+            Self::Sheet => scenes::scene(rng),
+            Self::Realistic => layered_scenes::realistic(rng),
+            Self::Extreme => layered_scenes::extreme(rng),
+        }
+    }
+}
 
 /// Outcome of the solve of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -39,7 +76,7 @@ pub enum Ending {
     Several,
     /// The solver reports an error above the tolerance.
     NotConverged,
-    /// The solver reports loss of stability (the paper's springs).
+    /// The solver reports loss of stability (the paper's springs), or found no shape (layered tissue).
     Unstable,
     /// The solver reports a penetrated sheet: the grid is too coarse, or soft tissue yields at the tip.
     Pierced,
@@ -52,6 +89,9 @@ pub enum Ending {
 pub struct Case {
     /// The number of the case.
     pub case: u64,
+    /// The kind of scenes; omitted for sheets.
+    #[serde(skip_serializing_if = "Population::is_sheet")]
+    pub population: Population,
     /// Outcome of the solve.
     pub ending: Ending,
     /// Failed checks.
@@ -60,6 +100,15 @@ pub struct Case {
     pub fell_back: bool,
     /// Work \[evaluations of all forces on the finest grid\].
     pub work_units: f64,
+    /// Time of the solve \[ms\]; omitted without a clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_ms: Option<f64>,
+    /// Least volume ratio in the middle of a cell of layered tissue \[-\]; omitted without cells or without a shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_volume_ratio: Option<f64>,
+    /// Cells of layered tissue with an inverted corner; omitted where no cell has one.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub inverted_corners: usize,
     /// The solver's estimated position error, relative to the base radius; `None` without an estimate.
     pub estimated_position_error: Option<f64>,
     /// Number of other solution paths that converged (at most two).
@@ -75,26 +124,47 @@ fn random(seed: u64, case: u64) -> Rng {
     Rng::with_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(case))
 }
 
-/// The random scene of a case with at most `most_nodes` nodes per side.
+/// The random sheet of a case with at most `most_nodes` nodes per side.
 #[must_use]
 pub fn scene(seed: u64, case: u64, most_nodes: usize) -> Scene {
-    let mut scene = scenes::scene(&mut random(seed, case));
+    scene_of(Population::Sheet, seed, case, most_nodes)
+}
+
+/// The random scene of a case of a population with at most `most_nodes` nodes per side.
+#[must_use]
+pub fn scene_of(population: Population, seed: u64, case: u64, most_nodes: usize) -> Scene {
+    let mut scene = population.scene(&mut random(seed, case));
     scene.solver.nodes_per_side = scene.solver.nodes_per_side.min(most_nodes);
     scene
 }
 
-/// Runs a case: its scene by several solution paths, and in every tenth case a session of random edits.
+/// Runs a case of a sheet; see [`run_of`].
 #[must_use]
 pub fn run(seed: u64, case: u64, most_nodes: usize) -> Case {
-    let mut outcome = examine(scene(seed, case, most_nodes));
-    outcome.case = case;
+    run_of(Population::Sheet, seed, case, most_nodes, None)
+}
+
+/// A clock \[ms\].
+pub type Clock<'a> = Option<&'a dyn Fn() -> f64>;
+
+/// Runs a case: its scene by several solution paths, and in every tenth case a session of random edits.
+#[must_use]
+pub fn run_of(
+    population: Population,
+    seed: u64,
+    case: u64,
+    most_nodes: usize,
+    clock: Clock,
+) -> Case {
+    let mut outcome = examine_timed(scene_of(population, seed, case, most_nodes), clock);
+    (outcome.case, outcome.population) = (case, population);
     if outcome.ending == Ending::Failed {
         outcome.scene =
             shrink::shrink(&outcome.scene, |scene| examine(scene.clone()).ending == Ending::Failed);
     }
     if case.is_multiple_of(CASES_PER_SESSION) {
         outcome.in_session = true;
-        let findings = edits::run(&mut random(!seed, case));
+        let findings = edits::run(&mut random(!seed, case), population);
         if !findings.is_empty() {
             outcome.ending = Ending::Failed;
             outcome.findings.extend(findings);
@@ -103,214 +173,106 @@ pub fn run(seed: u64, case: u64, most_nodes: usize) -> Case {
     outcome
 }
 
-/// Solves a scene and checks the solution against all invariants.
+/// The failed case whose run panicked; its session may be the cause.
 #[must_use]
-pub fn examine(scene: Scene) -> Case {
-    let Some(solver) = solve(&scene, Options::default()) else {
-        let rejected = Finding { check: "valid scene rejected", found: 1.0, allowed: 0.0 };
-        return Case {
+pub fn panicked(population: Population, seed: u64, case: u64, most_nodes: usize) -> Case {
+    Case {
+        case,
+        population,
+        findings: vec![Finding { check: "panic", found: 1.0, allowed: 0.0 }],
+        in_session: case.is_multiple_of(CASES_PER_SESSION),
+        ..Case::of(scene_of(population, seed, case, most_nodes))
+    }
+}
+
+impl Case {
+    /// A failed case without findings.
+    fn of(scene: Scene) -> Self {
+        Self {
             case: 0,
+            population: Population::default(),
             ending: Ending::Failed,
-            findings: vec![rejected],
+            findings: Vec::new(),
             fell_back: false,
             work_units: 0.0,
+            time_ms: None,
+            least_volume_ratio: None,
+            inverted_corners: 0,
             estimated_position_error: None,
             ways: 0,
             in_session: false,
             scene,
-        };
+        }
+    }
+}
+
+/// Solves a scene and checks the solution against all invariants.
+#[must_use]
+pub fn examine(scene: Scene) -> Case {
+    examine_timed(scene, None)
+}
+
+/// As [`examine`]; with a clock the case contains the time of the solve.
+#[must_use]
+pub fn examine_timed(scene: Scene, clock: Clock) -> Case {
+    let start = clock.map(|clock| clock());
+    let solver = solve(&scene, Options::default());
+    let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
+    let mut case = Case { time_ms, ..Case::of(scene) };
+    let Some(solver) = solver else {
+        case.findings = vec![Finding { check: "valid scene rejected", found: 1.0, allowed: 0.0 }];
+        return case;
     };
-    let mut findings = check::check(&solver);
-    let (mut is_one_of_several, mut ways) = (false, 0);
+    if case.scene.is_layered() {
+        let checked = check_layered::check(&solver);
+        case.findings = checked.findings;
+        case.least_volume_ratio = checked.least_volume_ratio;
+        case.inverted_corners = checked.inverted_corners;
+    } else {
+        case.findings = check::check(&solver);
+    }
+    let mut is_one_of_several = false;
     if solver.verdict() == Verdict::Converged
-        && scene.springs == Springs::Coupled
+        && case.scene.springs == Springs::Coupled
         && solver.problem().sheet.nodes_per_side() <= MAX_NODES_COMPARED
         && solver.work_units() > 0.0
     {
-        (is_one_of_several, ways) = compare_solutions(&scene, &solver, &mut findings);
+        (is_one_of_several, case.ways) =
+            compare::compare_solutions(&case.scene, &solver, &mut case.findings);
     }
     let error = solver.estimated_position_error();
-    Case {
-        case: 0,
-        ending: match (findings.is_empty(), solver.verdict()) {
-            (false, _) => Ending::Failed,
-            (_, Verdict::Converged) if is_one_of_several => Ending::Several,
-            (_, Verdict::Converged) => Ending::Converged,
-            (_, Verdict::NotConverged) => Ending::NotConverged,
-            (_, Verdict::Unstable) if solver.invalid() == Some(Invalid::Penetrated) => {
-                Ending::Pierced
-            }
-            (_, Verdict::Unstable) => Ending::Unstable,
-        },
-        findings,
-        fell_back: solver.fell_back(),
-        work_units: solver.work_units(),
-        estimated_position_error: error.is_finite().then_some(error),
-        ways,
-        in_session: false,
-        scene,
-    }
+    case.ending = match (case.findings.is_empty(), solver.verdict()) {
+        (false, _) => Ending::Failed,
+        (_, Verdict::Converged) if is_one_of_several => Ending::Several,
+        (_, Verdict::Converged) => Ending::Converged,
+        (_, Verdict::NotConverged) => Ending::NotConverged,
+        (_, Verdict::Unstable) if solver.invalid() == Some(Invalid::Penetrated) => Ending::Pierced,
+        (_, Verdict::Unstable) => Ending::Unstable,
+    };
+    case.fell_back = solver.fell_back();
+    case.work_units = solver.work_units();
+    case.estimated_position_error = error.is_finite().then_some(error);
+    case
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Solves a scene to the end; `None` if the scene is invalid.
 fn solve(scene: &Scene, options: Options) -> Option<Solver> {
-    solve_to(scene, options, 1.0)
-}
-
-/// Solves a scene with its tolerance times `factor`; `None` if the scene is invalid.
-fn solve_to(scene: &Scene, options: Options, factor: f64) -> Option<Solver> {
-    let mut problem = scene.problem().ok()?;
-    problem.tolerance *= factor;
-    let mut solver = Solver::with_options(problem, options);
+    let mut solver = Solver::with_options(scene.problem().ok()?, options);
     solver.advance(&mut || false);
     Some(solver)
 }
 
-/// Compares the solution with Newton's solution and with the solution of the mirrored scene.
-///
-/// Returns `true` if confirming solves show several equilibria, and the number of converged comparisons.
-fn compare_solutions(scene: &Scene, solver: &Solver, findings: &mut Vec<Finding>) -> (bool, u32) {
-    let tolerance = MAX_DISTANCE * solver.problem().tolerance * scene.implant.base_radius_mm;
-    // A node at the contact edge may have a contact offset in one solution and none in the other.
-    let offsets =
-        solver.offset_nodes().iter().map(|&(k, offset)| offset.distance(solver.positions()[k]));
-    let allowed = tolerance + offsets.fold(0.0, f64::max);
-    // The confirming solve may end above its own tolerance.
-    let is_confirmed = |scene: &Scene, options: Options, ended: &Solver| {
-        let options = Options { work_limit_factor: CONFIRMATION_WORK_FACTOR, ..options };
-        solve_to(scene, options, CONFIRMATION_TOLERANCE).is_some_and(|confirming| {
-            let error = confirming.estimated_position_error() * scene.implant.base_radius_mm;
-            2.0 * (error + distance(confirming.positions(), ended.positions())) <= tolerance
-        })
-    };
-    let whole = Options { use_symmetry: false, ..Options::default() };
-    let newton = Options { method: Method::Newton, ..whole };
-    // The scene mirrored about the diagonal; for a centred dome the same scene on the whole sheet.
-    let mut mirrored = scene.clone();
-    mirrored.implant.center_mm.reverse();
-    let n = solver.problem().sheet.nodes_per_side();
-    let mirror = |x: &[DVec3]| -> Vec<DVec3> {
-        let at = |k: usize| x[(k % n) * n + k / n];
-        (0..n * n).map(|k| DVec2::new(at(k).y, at(k).x).extend(at(k).z)).collect()
-    };
-    let paths = [
-        ("distance to Newton's solution, mm", false, newton),
-        ("distance to the solution of the mirrored scene, mm", true, whole),
-    ];
-    let (mut is_one_of_several, mut compared) = (false, 0);
-    for (check, is_mirrored, options) in paths {
-        let compared_scene = if is_mirrored { &mirrored } else { scene };
-        let other = solve(compared_scene, options);
-        let Some(other) = other.filter(|other| other.verdict() == Verdict::Converged) else {
-            continue;
-        };
-        compared += 1;
-        let apart = if is_mirrored {
-            distance(solver.positions(), &mirror(other.positions()))
-        } else {
-            distance(solver.positions(), other.positions())
-        };
-        if apart > allowed
-            && is_confirmed(scene, Options::default(), solver)
-            && is_confirmed(compared_scene, options, &other)
-        {
-            is_one_of_several = true;
-        } else {
-            require_at_most(findings, check, apart, allowed);
-        }
-    }
-    (is_one_of_several, compared)
+/// The layers of nodes of a solver, the inner face first \[mm\], shape (layers, nodes_per_side²); one layer for a sheet.
+fn layers(solver: &Solver) -> impl Iterator<Item = &[DVec3]> {
+    std::iter::once(solver.positions()).chain(solver.outer().iter().map(Vec::as_slice))
 }
 
-/// Numbers of cases by outcome.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Endings {
-    /// All cases.
-    pub cases: u64,
-    /// [`Ending::Converged`].
-    pub converged: u64,
-    /// [`Ending::Several`].
-    pub several: u64,
-    /// [`Ending::NotConverged`].
-    pub not_converged: u64,
-    /// [`Ending::Unstable`].
-    pub unstable: u64,
-    /// [`Ending::Pierced`].
-    pub pierced: u64,
-    /// [`Ending::Failed`].
-    pub failed: u64,
-    /// Cases in which Newton's method replaced full multigrid.
-    pub fell_back: u64,
-    /// Cases with two converged comparisons.
-    pub held_both_ways: u64,
-}
-
-impl Endings {
-    fn add(&mut self, case: &Case) {
-        self.cases += 1;
-        self.fell_back += u64::from(case.fell_back);
-        self.held_both_ways += u64::from(case.ways == 2);
-        *match case.ending {
-            Ending::Converged => &mut self.converged,
-            Ending::Several => &mut self.several,
-            Ending::NotConverged => &mut self.not_converged,
-            Ending::Unstable => &mut self.unstable,
-            Ending::Pierced => &mut self.pierced,
-            Ending::Failed => &mut self.failed,
-        } += 1;
-    }
-
-    /// Fraction of converged cases among the cases without a penetrated sheet \[-\].
-    #[must_use]
-    pub fn converged_share(&self) -> f64 {
-        self.converged as f64 / (self.cases - self.pierced).max(1) as f64
-    }
-}
-
-/// The summary of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Summary {
-    /// The seed.
-    pub seed: u64,
-    /// Scenes with coupled springs.
-    pub coupled: Endings,
-    /// [`Endings::converged_share`] of the scenes with coupled springs.
-    pub coupled_converged_share: f64,
-    /// Scenes with the paper's springs.
-    pub nikolaev: Endings,
-    /// Number of sessions of random edits.
-    pub sessions: u64,
-    /// Failed cases.
-    pub failures: Vec<Case>,
-    /// The ten cases with the most work, up to ten cases with several equilibria, up to ten cases that did
-    /// not converge.
-    pub worst: Vec<Case>,
-}
-
-/// Number of cases of each kind in [`Summary::worst`].
-const WORST_CASES: usize = 10;
-
-impl Summary {
-    /// Summarises cases in their order.
-    #[must_use]
-    pub fn new(seed: u64, cases: &[Case]) -> Self {
-        let mut summary = Self { seed, ..Self::default() };
-        for case in cases {
-            match case.scene.springs {
-                Springs::Coupled => summary.coupled.add(case),
-                Springs::Nikolaev => summary.nikolaev.add(case),
-            }
-            summary.sessions += u64::from(case.in_session);
-        }
-        summary.coupled_converged_share = summary.coupled.converged_share();
-        let is = |ending: Ending| move |case: &&Case| case.ending == ending;
-        summary.failures = cases.iter().filter(is(Ending::Failed)).cloned().collect();
-        let mut by_work: Vec<&Case> = cases.iter().collect();
-        by_work.sort_by(|a, b| b.work_units.total_cmp(&a.work_units));
-        let several = cases.iter().filter(is(Ending::Several)).take(WORST_CASES);
-        let unfinished = cases.iter().filter(is(Ending::NotConverged)).take(WORST_CASES);
-        let worst = by_work.into_iter().take(WORST_CASES).chain(several).chain(unfinished);
-        summary.worst = worst.cloned().collect();
-        summary
-    }
+/// Positions of all nodes, layer by layer \[mm\].
+fn nodes(solver: &Solver) -> Vec<DVec3> {
+    layers(solver).flatten().copied().collect()
 }

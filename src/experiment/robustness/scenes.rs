@@ -1,4 +1,4 @@
-//! Random scenes within all limits of a scene file, realistic and extreme.
+//! Random sheets within all limits of a scene file, realistic and extreme.
 
 use crate::curve::{CurveSpec, Interpolation, Section};
 use crate::scene::{Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, limits};
@@ -14,12 +14,12 @@ pub(super) fn uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
 }
 
 /// A random number of a range with a uniform logarithm.
-fn log_uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
+pub(super) fn log_uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
     // exp ∘ ln may exceed a bound by rounding.
     uniform(rng, (least.ln(), most.ln())).exp().clamp(least, most)
 }
 
-/// A random scene within all limits.
+/// A random sheet within all limits.
 pub(super) fn scene(rng: &mut Rng) -> Scene {
     let mut scene = Scene {
         schema: SCENE_SCHEMA.to_owned(),
@@ -172,7 +172,7 @@ pub(super) fn nodes(rng: &mut Rng) -> usize {
     }
 }
 
-fn tolerance(rng: &mut Rng) -> f64 {
+pub(super) fn tolerance(rng: &mut Rng) -> f64 {
     match rng.u8(0..4) {
         0 => 1e-3,
         1 => 1e-5,

@@ -1,22 +1,20 @@
 //! Reduction of a failing scene to a simpler scene that still fails.
 
 use crate::curve::CurveSpec;
-use crate::scene::{Scene, Springs};
+use crate::scene::{Body, CellsThrough, Scene, Springs};
 
-/// Greatest number of trial scenes.
-const MAX_TRIALS: usize = 300;
+/// Greatest number of trial scenes, of a sheet and of layered tissue, whose solves take longer.
+const MAX_TRIALS: [usize; 2] = [300, 80];
 
 /// Simplifies a scene step by step as long as the scene fails.
 pub(super) fn shrink(scene: &Scene, fails: impl Fn(&Scene) -> bool) -> Scene {
     let mut best = scene.clone();
     let mut trials = 0;
+    let most = MAX_TRIALS[usize::from(scene.is_layered())];
     loop {
         let simpler = simpler(&best).into_iter().find(|candidate| {
             trials += 1;
-            trials <= MAX_TRIALS
-                && candidate.validate().is_ok()
-                && *candidate != best
-                && fails(candidate)
+            trials <= most && candidate.validate().is_ok() && *candidate != best && fails(candidate)
         });
         match simpler {
             Some(simpler) => best = simpler,
@@ -40,6 +38,14 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
         if n < scene.solver.nodes_per_side {
             offer(&|s| s.solver.nodes_per_side = n);
         }
+    }
+    if let Some(body) = scene.body.filter(|_| scene.is_layered()) {
+        let default = Body::around(scene.pocket_radius_mm, body.tissue_model);
+        offer(&|s| s.solver.cells_through = Some(CellsThrough::Auto));
+        offer(&|s| s.solver.cells_through = Some(CellsThrough::Count(1)));
+        offer(&|s| s.body = Some(Body { attachment: default.attachment, ..body }));
+        let patch_radius_mm = default.patch_radius_mm;
+        offer(&|s| s.body = Some(Body { patch_radius_mm, ..body }));
     }
     offer(&|s| s.springs = Springs::Coupled);
     offer(&|s| s.implant.center_mm = [0.0; 2]);
@@ -72,6 +78,13 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
             s.implant.projection_mm = round(s.implant.projection_mm);
             s.implant.center_mm = s.implant.center_mm.map(round);
             s.pocket_radius_mm = round(s.pocket_radius_mm);
+        });
+        offer(&|s| {
+            if let Some(body) = &mut s.body {
+                body.patch_radius_mm = round(body.patch_radius_mm);
+                body.attachment.stiffness_kpa_per_mm = round(body.attachment.stiffness_kpa_per_mm);
+                body.attachment.ramp_mm = round(body.attachment.ramp_mm);
+            }
         });
         offer(&|s| s.insertion = round(s.insertion));
         offer(&|s| {

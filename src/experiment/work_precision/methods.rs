@@ -3,8 +3,11 @@
 use super::explicit::{Damping, Explicit};
 use super::gauss_seidel::GaussSeidel;
 use super::law::Law;
-use super::watch::{End, Errors, Sample, Schedule, Watch};
-use super::{Case, GOAL, Method, PAPER_STEPS, Plan, Profile, Reference, Row, Status};
+use super::layered::{Relaxation, Scheme};
+use super::watch::{Deviation, End, Errors, Sample, Schedule, Watch};
+use super::{
+    Case, Face, GOAL, LAYERED_GOAL, Method, PAPER_STEPS, Plan, Profile, Reference, Row, Status,
+};
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::membrane::law::coupled_law;
 use crate::scene::SceneError;
@@ -15,6 +18,12 @@ use glam::{DVec2, DVec3};
 const OWN_TOLERANCE: f64 = 1e-9;
 /// Tolerances of the rows of Newton's method \[fraction of the base radius\].
 const NEWTON_TOLERANCES: [f64; 3] = [1e-3, 1e-5, 1e-7];
+/// Tolerances of the rows of [`Method::Automatic`] \[fraction of the base radius\].
+const AUTOMATIC_TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+/// Tolerances of the own equilibrium of layered tissue, the first that converges \[fraction of the base radius\].
+const OWN_LAYERED_TOLERANCES: [f64; 4] = [2e-6, 5e-6, 1e-5, 3e-5];
+/// Cycles of the own equilibrium of layered tissue where no tolerance converges.
+const OWN_LAYERED_CYCLES: u32 = 200;
 /// Greatest time of a run that is repeated \[ms\].
 const SHORT_MS: f64 = 50.0;
 
@@ -23,18 +32,66 @@ pub(super) struct Ground {
     case: Case,
     nodes_per_side: usize,
     problem: Problem,
-    law: Law,
-    /// Positions of the grid's own equilibrium \[mm\], shape (nodes_per_side², ).
+    /// Positions at rest of all nodes, layer by layer \[mm\], shape (layers, nodes_per_side²); a sheet has one layer.
+    rest: Vec<DVec3>,
+    /// Positions of the grid's own equilibrium \[mm\], as `rest`.
     own: Vec<DVec3>,
+    /// `None` for layered tissue.
+    sheet: Option<SheetGround>,
+    /// The axisymmetric solution of the sheet or the skin at every node \[mm\], shape (nodes_per_side², ).
+    reference: Option<Vec<DVec3>>,
+    /// The same of the inner face of layered tissue.
+    inner_reference: Option<Vec<DVec3>>,
+    /// Indices of the free nodes of a layer.
+    free: Vec<usize>,
+}
+
+/// What the baselines of a sheet need.
+struct SheetGround {
+    law: Law,
     /// Nodes at the contact edge and the gauge of the dome at their contact offsets (see
     /// [`Solver::offset_nodes`]). The baselines do not compute contact offsets and use these.
     touch: Vec<(usize, f64)>,
     /// Nodes of `touch` with positions on the dome.
     lowered: Vec<usize>,
-    /// The axisymmetric solution at every node \[mm\], shape (nodes_per_side², ).
-    reference: Option<Vec<DVec3>>,
-    /// Indices of the free nodes.
-    free: Vec<usize>,
+}
+
+impl SheetGround {
+    fn new(problem: &Problem, own: &Solver) -> Self {
+        let dome = &problem.obstacle.dome;
+        let touch = own.offset_nodes().iter().map(|&(k, offset)| (k, dome.gauge(offset))).collect();
+        let shown = own.positions();
+        let is_lowered = |&(k, offset): &(usize, DVec3)| (shown[k] != offset).then_some(k);
+        let lowered = own.offset_nodes().iter().filter_map(is_lowered).collect();
+        Self { law: Law::new(&coupled_law(&problem.materials)), touch, lowered }
+    }
+}
+
+/// The grid's own equilibrium: Newton's, of layered tissue the solution of full multigrid with the least tolerance that
+/// converges. All errors against the grid's own equilibrium come from here.
+fn own_equilibrium(problem: &Problem, is_layered: bool) -> Solver {
+    let finished = |mut solver: Solver| {
+        while solver.advance(&mut || false) == Progress::Working {}
+        solver
+    };
+    if !is_layered {
+        return finished(newton(problem, OWN_TOLERANCE));
+    }
+    let converged = OWN_LAYERED_TOLERANCES
+        .into_iter()
+        .map(|tolerance| finished(automatic(problem, tolerance)))
+        .find(|solver| solver.verdict() == Verdict::Converged);
+    converged.unwrap_or_else(|| {
+        let method = solve::Method::Multigrid { cycles: OWN_LAYERED_CYCLES };
+        let options = Options { method, use_symmetry: false, ..Options::default() };
+        finished(Solver::with_options(problem.clone(), options))
+    })
+}
+
+/// Positions of all nodes, layer by layer \[mm\].
+fn nodes(solver: &Solver) -> Vec<DVec3> {
+    let outer = solver.outer().iter().flatten();
+    solver.positions().iter().chain(outer).copied().collect()
 }
 
 impl Ground {
@@ -45,28 +102,26 @@ impl Ground {
     ) -> Result<Self, SceneError> {
         let scene = case.scene(nodes_per_side, 1e-7);
         let problem = scene.problem()?;
-        let mut solver = newton(&problem, OWN_TOLERANCE);
-        while solver.advance(&mut || false) == Progress::Working {}
-        let dome = &problem.obstacle.dome;
-        let touch =
-            solver.offset_nodes().iter().map(|&(k, offset)| (k, dome.gauge(offset))).collect();
-        let shown = solver.positions();
-        let is_lowered = |&(k, offset): &(usize, DVec3)| (shown[k] != offset).then_some(k);
-        let lowered = solver.offset_nodes().iter().filter_map(is_lowered).collect();
-        let own = shown.to_vec();
+        // A solver at its start contains the positions at rest.
+        let rest = nodes(&automatic(&problem, 1e-3));
+        let solver = own_equilibrium(&problem, case.is_layered());
         let kinds = problem.sheet.kinds();
         let free = (0..problem.sheet.len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
+        let profile = reference.and_then(|reference| reference(&scene));
+        let of_face = |face: Face, rest: &[DVec3]| {
+            profile.as_ref().map(|profile| revolved(profile, face, rest, &problem.sheet))
+        };
+        let length = problem.sheet.len();
+        let skin = &rest[rest.len() - length..];
         Ok(Self {
             case,
             nodes_per_side,
-            own,
-            touch,
-            lowered,
-            reference: reference
-                .and_then(|reference| reference(&scene))
-                .map(|profile| revolved(&profile, &problem.sheet)),
+            own: nodes(&solver),
+            sheet: (!case.is_layered()).then(|| SheetGround::new(&problem, &solver)),
+            reference: of_face(Face::Skin, skin),
+            inner_reference: of_face(Face::Inner, &rest[..length]).filter(|_| case.is_layered()),
             free,
-            law: Law::new(&coupled_law(&problem.materials)),
+            rest,
             problem,
         })
     }
@@ -75,21 +130,25 @@ impl Ground {
         self.case == case && self.nodes_per_side == nodes_per_side
     }
 
-    /// Greatest distances of the nodes from the grid's own equilibrium and from the reference
-    /// \[fraction of the base radius\]; NaN if a position is not a number.
-    fn errors(&self, x: &[DVec3]) -> (f64, Option<f64>) {
-        let greatest = |solution: &[DVec3]| {
-            let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
+    /// Greatest distances of the nodes from the grid's own equilibrium and from the reference; NaN if a position is not
+    /// a number.
+    fn errors(&self, x: &[DVec3]) -> Deviation {
+        let radius = self.problem.obstacle.dome.base_radius;
+        let length = self.problem.sheet.len();
+        let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
+        let greatest = |x: &[DVec3], solution: &[DVec3]| {
             let squares = self.free.iter().map(|&k| x[k].distance_squared(solution[k]));
-            squares.fold(0.0, greater).sqrt() / self.problem.obstacle.dome.base_radius
+            squares.fold(0.0, greater).sqrt() / radius
         };
-        (greatest(&self.own), self.reference.as_deref().map(greatest))
-    }
-
-    /// Projects the nodes of `lowered` from their contact offsets onto the dome.
-    fn lower(&self, x: &mut [DVec3]) {
-        for &k in &self.lowered {
-            x[k] = self.problem.obstacle.dome.onto_surface(x[k]);
+        let layers = x.chunks(length).zip(self.own.chunks(length));
+        let skin = &x[x.len() - length..];
+        Deviation {
+            own: layers.map(|(x, own)| greatest(x, own)).fold(0.0, greater),
+            reference: self.reference.as_deref().map(|reference| greatest(skin, reference)),
+            inner_reference: self
+                .inner_reference
+                .as_deref()
+                .map(|reference| greatest(&x[..length], reference)),
         }
     }
 
@@ -103,21 +162,22 @@ impl Ground {
             time_ms: sample.time_ms,
             error_vs_own_grid: sample.own_error,
             error_vs_reference: sample.reference_error,
+            inner_error_vs_reference: sample.inner_reference_error,
             status,
         }
     }
 }
 
-/// Positions of a profile at every node \[mm\], shape (nodes_per_side², ).
-fn revolved(profile: &Profile, sheet: &Sheet) -> Vec<DVec3> {
-    let position = |(rest, kind): (&DVec2, &NodeKind)| {
+/// Positions of a face of a profile at every node \[mm\], shape (nodes_per_side², ).
+fn revolved(profile: &Profile, face: Face, at_rest: &[DVec3], sheet: &Sheet) -> Vec<DVec3> {
+    let position = |((rest, kind), at_rest): ((&DVec2, &NodeKind), &DVec3)| {
         if *kind != NodeKind::Free {
-            return rest.extend(0.0);
+            return *at_rest;
         }
-        let (r, z) = profile(rest.length());
+        let (r, z) = profile(face, rest.length());
         (rest.normalize_or_zero() * r).extend(z)
     };
-    sheet.rest().iter().zip(sheet.kinds()).map(position).collect()
+    sheet.rest().iter().zip(sheet.kinds()).zip(at_rest).map(position).collect()
 }
 
 /// Measures the rows of one method.
@@ -128,9 +188,11 @@ pub(super) fn measure(
     clock: &mut dyn FnMut() -> f64,
 ) -> Vec<Row> {
     match method {
-        Method::ExplicitPaper | Method::ExplicitCritical | Method::GaussSeidel => {
-            baseline(method, ground, plan, clock)
-        }
+        Method::ExplicitPaper
+        | Method::ExplicitCritical
+        | Method::GaussSeidel
+        | Method::ColumnJacobi
+        | Method::ExplicitMomentum => baseline(method, ground, plan, clock),
         Method::Multigrid1 => multigrid(method, 1, ground, plan, clock),
         Method::Multigrid2 => multigrid(method, 2, ground, plan, clock),
         Method::Multigrid4 => multigrid(method, 4, ground, plan, clock),
@@ -139,6 +201,14 @@ pub(super) fn measure(
             .into_iter()
             .map(|tolerance| {
                 solved(method, ground, plan, clock, &|_| newton(&ground.problem, tolerance))
+            })
+            .collect(),
+        Method::Automatic => AUTOMATIC_TOLERANCES
+            .into_iter()
+            .map(|tolerance| {
+                let options = Options { use_symmetry: false, ..Options::default() };
+                let problem = Problem { tolerance, ..ground.problem.clone() };
+                solved(method, ground, plan, clock, &again(&problem, options))
             })
             .collect(),
     }
@@ -153,31 +223,47 @@ fn baseline(
     let is_paper = method == Method::ExplicitPaper;
     let schedule = Schedule {
         budget_ms: plan.budget_ms,
-        first: if method == Method::GaussSeidel { 1 } else { 8 },
+        first: match method {
+            Method::GaussSeidel | Method::ColumnJacobi => 1,
+            _ => 8,
+        },
         growth: 1.3,
         // The paper's method has a number of steps, not a tolerance.
-        goal: if is_paper { 0.0 } else { GOAL },
+        goal: match (is_paper, &ground.sheet) {
+            (true, _) => 0.0,
+            (false, Some(_)) => GOAL,
+            (false, None) => LAYERED_GOAL,
+        },
     };
     let problem = &ground.problem;
     let errors: Errors = &|x| {
+        let Some(sheet) = &ground.sheet else { return ground.errors(x) };
         let mut shown = x.to_vec();
-        ground.lower(&mut shown);
+        // From their contact offsets onto the dome.
+        for &k in &sheet.lowered {
+            shown[k] = problem.obstacle.dome.onto_surface(shown[k]);
+        }
         ground.errors(&shown)
     };
-    let rest = problem.sheet.rest_positions();
     let once = |clock: &mut dyn FnMut() -> f64| {
         let watched = |run: &mut dyn FnMut(&mut Watch) -> End, clock: &mut dyn FnMut() -> f64| {
-            let mut watch = Watch::start(clock, errors, schedule, rest.clone());
+            let mut watch = Watch::start(clock, errors, schedule, ground.rest.clone());
             let end = run(&mut watch);
             (watch.samples, end)
         };
+        let Some(SheetGround { law, touch, .. }) = &ground.sheet else {
+            let is_column = method == Method::ColumnJacobi;
+            let scheme = if is_column { Scheme::ColumnJacobi } else { Scheme::Explicit };
+            let mut relaxation = Relaxation::new(problem, &ground.rest, scheme);
+            return watched(&mut |watch| relaxation.run(watch), clock);
+        };
         if method == Method::GaussSeidel {
-            let mut sweeps = GaussSeidel::new(problem, &ground.law, &ground.touch);
+            let mut sweeps = GaussSeidel::new(problem, law, touch);
             return watched(&mut |watch| sweeps.run(watch), clock);
         }
         let (damping, most) =
             if is_paper { (Damping::Paper, PAPER_STEPS) } else { (Damping::Critical, u32::MAX) };
-        let mut steps = Explicit::new(problem, &ground.law, &ground.touch, damping);
+        let mut steps = Explicit::new(problem, law, touch, damping);
         watched(&mut |watch| steps.run(most, watch), clock)
     };
     let (mut samples, end) = once(clock);
@@ -211,17 +297,27 @@ fn multigrid(
         use_symmetry: false,
         ..Options::default()
     };
-    let prepare = |used: Option<Solver>| {
+    vec![solved(method, ground, plan, clock, &again(&ground.problem, options))]
+}
+
+/// A solver at the start of a problem, with memory and tables of a previous run.
+fn again(problem: &Problem, options: Options) -> impl Fn(Option<Solver>) -> Solver {
+    move |used| {
         let mut solver = used.unwrap_or_else(|| {
-            let mut solver = Solver::with_options(ground.problem.clone(), options);
+            let mut solver = Solver::with_options(problem.clone(), options);
             while solver.advance(&mut || false) == Progress::Working {}
             solver
         });
         // Full multigrid is a cold start: it begins on the coarsest grid.
-        solver.restart(ground.problem.clone());
+        solver.restart(problem.clone());
         solver
-    };
-    vec![solved(method, ground, plan, clock, &prepare)]
+    }
+}
+
+/// A solver of the whole grid with the method of a result.
+fn automatic(problem: &Problem, tolerance: f64) -> Solver {
+    let options = Options { use_symmetry: false, ..Options::default() };
+    Solver::with_options(Problem { tolerance, ..problem.clone() }, options)
 }
 
 fn newton(problem: &Problem, tolerance: f64) -> Solver {
@@ -248,14 +344,18 @@ fn solved(
         }
     }
     let time_ms = median(times);
-    let (own_error, reference_error) = ground.errors(solver.positions());
+    let errors = ground.errors(&nodes(&solver));
     let status = match solver.verdict() {
         Verdict::Converged => Status::Finished,
+        // A fixed number of cycles has no tolerance.
+        Verdict::NotConverged if solver.invalid().is_none() && method.has_fixed_cycles() => {
+            Status::Finished
+        }
         Verdict::NotConverged if time_ms >= plan.budget_ms => Status::Budget,
         _ => Status::Failed,
     };
     let work_units = solver.work_units();
-    ground.row(method, Sample { work_units, time_ms, own_error, reference_error }, status)
+    ground.row(method, errors.sample(work_units, time_ms), status)
 }
 
 /// Solves to the end or up to the budget; returns the time \[ms\].

@@ -10,6 +10,9 @@
 //! the grid, in lanes of four f32 ([`Method::ExplicitPaper`], [`Method::ExplicitCritical`]), and block
 //! Gauss–Seidel on nested grids in f64, without lanes ([`Method::GaussSeidel`]).
 //!
+//! Of layered tissue ([`Case::LAYERED`], [`Plan::layered`]) the methods are full multigrid and two relaxations on nested
+//! grids with the kernels of full multigrid ([`Method::ColumnJacobi`], [`Method::ExplicitMomentum`]).
+//!
 //! The module uses no clock and no files: the clock is an argument, and the page runs the same study.
 //!
 //! Uses `sheet`, `implant`, `solve`, `springs`, `scene`. Used by the command line and the page.
@@ -19,17 +22,17 @@ mod choice;
 mod explicit;
 mod gauss_seidel;
 mod law;
+mod layered;
+mod limit;
 mod methods;
 mod table;
 mod watch;
 
 pub use cases::Case;
+pub use limit::{Face, Profile, Reference, axisymmetric};
 pub use table::{Row, Status, table, time_to};
 
-use super::axisymmetric;
-use crate::scene::{Scene, SceneError};
-use crate::solve::Problem;
-use crate::springs::Springs;
+use crate::scene::SceneError;
 use methods::Ground;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -38,6 +41,8 @@ use serde_json::json;
 pub const PAPER_STEPS: u32 = 15_000;
 /// Error at which baselines end \[fraction of the base radius\]; f32 rounding dominates smaller errors.
 pub const GOAL: f64 = 1e-5;
+/// As [`GOAL`], of layered tissue, whose own equilibrium is from f32.
+pub const LAYERED_GOAL: f64 = 1e-4;
 
 /// Solution method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -64,10 +69,16 @@ pub enum Method {
     Multigrid8,
     /// Newton's method on nested grids, to tolerances from 1e-2 to 1e-7.
     Newton,
+    /// Damped block Jacobi of columns on nested grids, of layered tissue.
+    ColumnJacobi,
+    /// Explicit steps with nodal blocks and momentum on nested grids, of layered tissue.
+    ExplicitMomentum,
+    /// The method of a result, of layered tissue: full multigrid and its fallback, to tolerances from 1e-2 to 1e-4.
+    Automatic,
 }
 
 impl Method {
-    /// All methods, slow methods first.
+    /// All methods for a sheet, slow methods first.
     pub const ALL: [Self; 8] = [
         Self::ExplicitPaper,
         Self::ExplicitCritical,
@@ -78,6 +89,28 @@ impl Method {
         Self::Multigrid4,
         Self::Multigrid8,
     ];
+
+    /// All methods for layered tissue, slow methods first.
+    pub const LAYERED: [Self; 7] = [
+        Self::ColumnJacobi,
+        Self::ExplicitMomentum,
+        Self::Automatic,
+        Self::Multigrid1,
+        Self::Multigrid2,
+        Self::Multigrid4,
+        Self::Multigrid8,
+    ];
+
+    /// Does the method solve the scene's tissue model?
+    #[must_use]
+    pub fn solves(self, case: Case) -> bool {
+        if case.is_layered() { Self::LAYERED.contains(&self) } else { Self::ALL.contains(&self) }
+    }
+
+    /// Does the method end after a number of cycles, whatever the error?
+    fn has_fixed_cycles(self) -> bool {
+        matches!(self, Self::Multigrid1 | Self::Multigrid2 | Self::Multigrid4 | Self::Multigrid8)
+    }
 
     /// Name of the method in the table.
     #[must_use]
@@ -91,6 +124,9 @@ impl Method {
             Self::Multigrid4 => "multigrid_4",
             Self::Multigrid8 => "multigrid_8",
             Self::Newton => "newton",
+            Self::ColumnJacobi => "column_jacobi",
+            Self::ExplicitMomentum => "explicit_momentum",
+            Self::Automatic => "automatic",
         }
     }
 }
@@ -123,6 +159,28 @@ impl Plan {
         }
     }
 
+    /// The full plan for layered tissue: 33 to 129 nodes per side, all scenes of layered tissue, 10 s per run.
+    #[must_use]
+    pub fn layered() -> Self {
+        Self {
+            cases: Case::LAYERED.to_vec(),
+            nodes_per_side: vec![33, 65, 129],
+            methods: Method::LAYERED.to_vec(),
+            ..Self::full()
+        }
+    }
+
+    /// The quick plan for layered tissue: the default scene on 33 and 65 nodes per side, 2 s per run.
+    #[must_use]
+    pub fn layered_quick() -> Self {
+        Self {
+            cases: vec![Case::LayeredDefault],
+            nodes_per_side: vec![33, 65],
+            methods: Method::LAYERED.to_vec(),
+            ..Self::quick()
+        }
+    }
+
     /// The quick plan: the default scene on coarse grids, 2 s per run.
     #[must_use]
     pub fn quick() -> Self {
@@ -134,26 +192,6 @@ impl Plan {
             ..Self::full()
         }
     }
-}
-
-/// Deformed (r, z) \[mm\] of the material radius s \[mm\].
-pub type Profile = Box<dyn Fn(f64) -> (f64, f64)>;
-
-/// Computes the limit of all grids, if known.
-pub type Reference = fn(&Scene) -> Option<Profile>;
-
-/// The reference of a centred dome under coupled springs; see [`super::axisymmetric`].
-#[must_use]
-pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
-    let Problem { patch, obstacle, materials, springs, .. } = scene.problem().ok()?;
-    if springs != Springs::Coupled {
-        return None;
-    }
-    let solution = axisymmetric::solve(&obstacle.dome, patch.pocket_radius_mm, &materials).ok()?;
-    Some(Box::new(move |s_mm| {
-        let point = solution.point(s_mm);
-        (point.r_mm, point.z_mm)
-    }))
 }
 
 /// A piece of a study: one method on one grid in one scene.
@@ -267,7 +305,7 @@ impl Study {
         };
         self.begun += 1;
         let Piece { scene: case, nodes_per_side: nodes, method } = piece;
-        if !self.exhausted.contains(&(case, method)) {
+        if method.solves(case) && !self.exhausted.contains(&(case, method)) {
             let ground = match self.ground.take() {
                 Some(ground) if ground.is_for(case, nodes) => ground,
                 _ => Ground::new(case, nodes, self.reference)?,
@@ -312,11 +350,11 @@ impl Study {
         let Some(name) = name else {
             return Ok(self.plan.cases.first().copied().unwrap_or(Case::Default));
         };
-        let found = Case::ALL.into_iter().find(|case| case.name() == name);
-        found.ok_or_else(|| SceneError::OutOfRange {
+        let all = || Case::ALL.into_iter().chain(Case::LAYERED);
+        all().find(|case| case.name() == name).ok_or_else(|| SceneError::OutOfRange {
             field: "scene".to_owned(),
             value: format!("{name:?}"),
-            allowed: Case::ALL.map(Case::name).join(", "),
+            allowed: all().map(Case::name).collect::<Vec<_>>().join(", "),
         })
     }
 }

@@ -25,6 +25,11 @@ pub struct Row {
     /// Greatest distance of a node from the axisymmetric reference \[fraction of the dome's base radius\];
     /// `None` without a reference.
     pub error_vs_reference: Option<f64>,
+    /// Greatest distance of a node of the inner face of layered tissue from the axisymmetric reference \[fraction of the
+    /// dome's base radius\]; `None` without a reference and for a sheet. Of layered tissue
+    /// [`Self::error_vs_reference`] is the skin's error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inner_error_vs_reference: Option<f64>,
     /// State of the method.
     pub status: Status,
 }
@@ -56,18 +61,26 @@ impl Status {
     }
 }
 
-/// Writes the rows as CSV with a line of column names; a missing error is an empty field.
+/// Writes the rows as CSV with a line of column names; a missing error is an empty field. Rows of layered tissue add the
+/// column `inner_error_vs_reference`.
 #[must_use]
 pub fn table(rows: &[Row]) -> String {
-    let mut csv = "method,springs,scene,nodes_per_side,work_units,time_ms,\
-                   error_vs_own_grid,error_vs_reference,status\n"
-        .to_owned();
+    let has_layers = rows.iter().any(|row| row.scene.is_layered());
+    let inner = if has_layers { "inner_error_vs_reference," } else { "" };
+    let mut csv = format!(
+        "method,springs,scene,nodes_per_side,work_units,time_ms,\
+         error_vs_own_grid,error_vs_reference,{inner}status\n"
+    );
     for row in rows {
         let springs = match row.springs {
             Springs::Coupled => "coupled",
             Springs::Nikolaev => "nikolaev",
         };
-        let reference = row.error_vs_reference.map(|e| format!("{e:.4e}")).unwrap_or_default();
+        let field = |error: Option<f64>| error.map(|e| format!("{e:.4e}")).unwrap_or_default();
+        let mut reference = field(row.error_vs_reference);
+        if has_layers {
+            reference = format!("{reference},{}", field(row.inner_error_vs_reference));
+        }
         // Writing to a String cannot fail.
         let _ = writeln!(
             csv,

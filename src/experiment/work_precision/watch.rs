@@ -12,8 +12,34 @@ pub(super) struct Sample {
     pub(super) time_ms: f64,
     /// Error against the grid's own equilibrium \[fraction of the base radius\].
     pub(super) own_error: f64,
-    /// Error against the axisymmetric reference \[fraction of the base radius\].
+    /// Error against the axisymmetric reference, of layered tissue that of the skin \[fraction of the base radius\].
     pub(super) reference_error: Option<f64>,
+    /// Error of the inner face of layered tissue against the axisymmetric reference \[fraction of the base radius\].
+    pub(super) inner_reference_error: Option<f64>,
+}
+
+/// Errors of positions \[fraction of the base radius\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Deviation {
+    /// Against the grid's own equilibrium.
+    pub(super) own: f64,
+    /// Against the axisymmetric reference: of the sheet, or the skin.
+    pub(super) reference: Option<f64>,
+    /// Against the axisymmetric reference: of the inner face of layered tissue.
+    pub(super) inner_reference: Option<f64>,
+}
+
+impl Deviation {
+    /// The sample of these errors.
+    pub(super) fn sample(self, work_units: f64, time_ms: f64) -> Sample {
+        Sample {
+            work_units,
+            time_ms,
+            own_error: self.own,
+            reference_error: self.reference,
+            inner_reference_error: self.inner_reference,
+        }
+    }
 }
 
 /// Termination of a method.
@@ -27,8 +53,8 @@ pub(super) enum End {
     Failed,
 }
 
-/// Own and reference error of positions \[mm\].
-pub(super) type Errors<'a> = &'a dyn Fn(&[DVec3]) -> (f64, Option<f64>);
+/// Errors of positions \[mm\].
+pub(super) type Errors<'a> = &'a dyn Fn(&[DVec3]) -> Deviation;
 
 /// Steps of the samples and limits of a run.
 #[derive(Clone, Copy, Debug)]
@@ -91,11 +117,11 @@ impl<'a> Watch<'a> {
     ) -> Option<End> {
         self.elapsed_ms += (self.clock)() - self.started;
         write(&mut self.positions);
-        let (own_error, reference_error) = (self.errors)(&self.positions);
-        let time_ms = self.elapsed_ms;
+        let errors = (self.errors)(&self.positions);
+        let (own_error, time_ms) = (errors.own, self.elapsed_ms);
         let is_number = own_error.is_finite();
         if is_number {
-            self.samples.push(Sample { work_units, time_ms, own_error, reference_error });
+            self.samples.push(errors.sample(work_units, time_ms));
         }
         self.next = (f64::from(steps) * self.schedule.growth).ceil() as u32;
         self.next = self.next.max(steps + 1);

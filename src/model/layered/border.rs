@@ -148,7 +148,7 @@ impl Border {
             let faces = [from, from + length].map(|layer| four.gather(u, layer));
             let mut modes = modes(&faces[0], &faces[1]);
             modes.linear = turned(modes.linear, four.sides);
-            let mut force = cell::center(law, &modes, shape.slope, &shape.variation);
+            let mut force = cell::center(law, &modes, shape.slope, &shape.variation, f32x4::ZERO);
             force.linear = turned_back(force.linear, four.sides);
             let force = force.weighted(four.weight);
             for (face, layer) in on_faces(&force).iter().zip([from, from + length]) {
@@ -169,7 +169,8 @@ impl Border {
     ) {
         for four in &self.fours {
             let faces = [from, from + length].map(|layer| four.gather(u, layer));
-            let stiffness = CellStiffness::new(law, &modes(&faces[0], &faces[1]), shape);
+            let stiffness =
+                CellStiffness::new(law, &modes(&faces[0], &faces[1]), shape, f32x4::ZERO);
             for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
                 let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
                 let weight = four.weight * (f32x4::ONE - four.missing[corner]);

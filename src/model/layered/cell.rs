@@ -9,7 +9,7 @@
 //! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell, J their mean. Accurate where a
 //!   softening tissue concentrates strain; 2.3 times the work.
 
-use super::law::{Deformed, LEAST_VOLUME, Matrix, SolidLaw, combined, log_volume};
+use super::law::{Deformed, LEAST_VOLUME, Matrix, SolidLaw, combined, log_volume, per_volume};
 use crate::mesh::vec3::{add, dot, scale, sub};
 use crate::number::Real;
 use crate::springs::table::{Buckets, Table};
@@ -159,20 +159,27 @@ pub(crate) fn gradient<R: Real>([mut x, mut y, z]: Matrix<R>, slope: R) -> Matri
     [x, y, z]
 }
 
-/// The derivatives of the energy per rest volume by the modes, by the rule of one point.
+/// J in the middle of a cell.
+#[inline(always)]
+pub(super) fn volume<R: Real>(modes: &Modes<R>, slope: R) -> R {
+    Deformed::new(gradient(modes.linear, slope)).volume
+}
+
+/// The derivatives of the energy per rest volume by the modes, by the rule of one point; `augmented` is p of [`SolidLaw::pressure`].
 #[inline(always)]
 pub(crate) fn center<R: Real, T: AsRef<Buckets<R>>>(
     law: &SolidLaw<R, T>,
     modes: &Modes<R>,
     slope: R,
     variation: &Variation<R>,
+    augmented: R,
 ) -> Modes<R> {
     let deformed = Deformed::new(gradient(modes.linear, slope));
     let shape = deformed.isochoric();
-    let log = deformed.log_volume();
-    let secant = law.secant(law.equivalent(shape.g + variation.mean_square(modes), log));
+    let pi = law.pressure(deformed.log_volume(), augmented);
+    let secant = law.secant(law.equivalent(shape.g + variation.mean_square(modes), pi));
     let shear = secant * law.shear;
-    let [x, y, z] = deformed.stress(&shape, shear, secant * law.dilatation(log, deformed.volume));
+    let [x, y, z] = deformed.stress(&shape, shear, secant * per_volume(pi, deformed.volume));
     let (in_plane, through) = (shear * variation.in_plane, shear * variation.through);
     let [xy, xz, yz] = modes.twist;
     Modes {
@@ -229,15 +236,16 @@ pub(crate) fn four_points<R: Real, T: AsRef<Buckets<R>>>(
     modes: &Modes<R>,
     slope: R,
     parity: R,
+    augmented: R,
 ) -> Modes<R> {
     let quarter = R::splat(0.25);
     let points = at_points(modes, slope, parity).map(Deformed::new);
     let volume = mean_volume(&points);
-    let log = log_volume(volume);
+    let pi = law.pressure(log_volume(volume), augmented);
     let shapes = points.each_ref().map(Deformed::isochoric);
-    let secants = shapes.each_ref().map(|shape| law.secant(law.equivalent(shape.g, log)));
+    let secants = shapes.each_ref().map(|shape| law.secant(law.equivalent(shape.g, pi)));
     let sum = (secants[0] + secants[1]) + (secants[2] + secants[3]);
-    let pressure = quarter * sum * law.dilatation(log, volume);
+    let pressure = quarter * sum * per_volume(pi, volume);
     let mut forces = Modes::default();
     let point = R::splat(0.25 * POINT);
     let square = R::splat(0.25 * POINT * POINT) * parity;
@@ -278,13 +286,14 @@ pub(crate) fn energy(
             return f64::INFINITY;
         }
         let square = Variation::new(slope).mean_square(modes);
-        return law.energy(law.equivalent(deformed.isochoric().g + square, deformed.log_volume()));
+        let pi = law.pressure(deformed.log_volume(), 0.0);
+        return law.energy(law.equivalent(deformed.isochoric().g + square, pi));
     };
     let points = at_points(modes, slope, parity).map(Deformed::new);
     if points.iter().any(|point| point.volume <= LEAST_VOLUME) {
         return f64::INFINITY;
     }
-    let log = log_volume(mean_volume(&points));
-    points.iter().map(|point| law.energy(law.equivalent(point.isochoric().g, log))).sum::<f64>()
+    let pi = law.pressure(log_volume(mean_volume(&points)), 0.0);
+    points.iter().map(|point| law.energy(law.equivalent(point.isochoric().g, pi))).sum::<f64>()
         / 4.0
 }

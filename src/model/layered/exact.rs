@@ -142,8 +142,8 @@ impl Exact<'_> {
         self.each(&self.places(), x, |element| {
             let Element { cell, layer, law, modes, slope, .. } = &element;
             let mut force = match element.parity {
-                Some(parity) => cell::four_points(law, modes, *slope, parity),
-                None => cell::center(law, modes, *slope, &Variation::new(*slope)),
+                Some(parity) => cell::four_points(law, modes, *slope, parity, 0.0),
+                None => cell::center(law, modes, *slope, &Variation::new(*slope), 0.0),
             };
             force.linear = turned_back(force.linear, cell.sides());
             let weight = cell.area * self.sheet.spacing_mm() * element.height;

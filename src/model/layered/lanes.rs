@@ -6,7 +6,7 @@ use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::Border;
 use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
-use super::law::Matrix;
+use super::law::{Matrix, log_volume};
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::Attachment;
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, shifted_right, store};
@@ -55,6 +55,8 @@ struct CellLayer {
     /// Stresses times the cells' height over the skin's stiffness.
     law: LaneLaw,
     height: f64,
+    /// Is the tissue nearly incompressible, with an augmented pressure?
+    is_augmented: bool,
 }
 
 /// The geometry of one grid.
@@ -66,6 +68,9 @@ pub(crate) struct Scratch {
     border: Border,
     /// Of each layer of cells.
     shapes: Vec<Shape>,
+    /// The augmented pressure of the cell at each stored node, shape (layers of cells, stored nodes) \[secants\]; empty unless a
+    /// tissue is nearly incompressible.
+    pressure: Vec<f32>,
     /// Of the cells at each stored node: 1 in the ring of four points, else 0.
     in_ring: Vec<f32>,
     /// Of the cell at each stored node: integrals of the attachment for [`PAIRS`], scaled.
@@ -92,6 +97,7 @@ impl Layered {
         let layer = |cells: &super::Cells| CellLayer {
             law: law.solids[cells.solid].scaled(cells.height_mm / stiffness),
             height: cells.height_mm,
+            is_augmented: law.solids[cells.solid].is_augmented(),
         };
         Self {
             skin: Membrane::new(&law.skin),
@@ -100,6 +106,13 @@ impl Layered {
             attachment,
             stiffness,
         }
+    }
+}
+
+impl Layered {
+    /// Is a tissue nearly incompressible, with an augmented pressure?
+    pub(crate) fn is_augmented(&self) -> bool {
+        self.cells.iter().any(|cells| cells.is_augmented)
     }
 }
 
@@ -155,7 +168,9 @@ impl Layered {
                     let outer = Corners::new(at_corners(u, at + length, pitch));
                     let sign = if layer % 2 == 0 { parity } else { -parity };
                     let points = points & shape.points;
-                    let forces = cells.forces(&modes(&inner, &outer), shape, points, sign);
+                    let augmented = cells.augmented(scratch, at);
+                    let modes = modes(&inner, &outer);
+                    let forces = cells.forces(&modes, shape, points, sign, augmented);
                     let [on_inner, on_outer] = on_faces(&forces);
                     pull.add(&on_inner);
                     carries[layer].pull(f, at, pitch, counted(pull.spread(), counts, is_edge));
@@ -217,6 +232,12 @@ fn attached_groups(layout: &Layout, stiffness: &[f32], mut visit: impl FnMut(usi
 }
 
 impl CellLayer {
+    /// The augmented pressure of four cells.
+    #[inline(always)]
+    fn augmented(&self, scratch: &Scratch, k: usize) -> f32x4 {
+        if self.is_augmented { load(&scratch.pressure, k) } else { f32x4::ZERO }
+    }
+
     /// The derivatives of the energy of four cells by their modes.
     #[inline(always)]
     fn forces(
@@ -225,15 +246,17 @@ impl CellLayer {
         shape: &Shape,
         points: f32x4,
         parity: f32x4,
+        augmented: f32x4,
     ) -> Modes<f32x4> {
+        let center = || cell::center(&self.law, modes, shape.slope, &shape.variation, augmented);
         if !points.any() {
-            return cell::center(&self.law, modes, shape.slope, &shape.variation);
+            return center();
         }
-        let four = cell::four_points(&self.law, modes, shape.slope, parity);
+        let four = cell::four_points(&self.law, modes, shape.slope, parity, augmented);
         if points.all() {
             return four;
         }
-        let one = cell::center(&self.law, modes, shape.slope, &shape.variation);
+        let one = center();
         let pick = |a: Vec3, b: Vec3| [0, 1, 2].map(|k| points.bitselect(a[k], b[k]));
         let pick3 = |a: Matrix<f32x4>, b: Matrix<f32x4>| [0, 1, 2].map(|k| pick(a[k], b[k]));
         Modes {
@@ -266,6 +289,7 @@ impl ElasticModel for Layered {
             skin: self.skin.scratch(&outer, &triangles),
             border: Border::new(layout),
             shapes: vec![Shape::default(); self.cells.len()],
+            pressure: Vec::new(),
             in_ring: vec![0.0; layout.len()],
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
@@ -280,6 +304,10 @@ impl ElasticModel for Layered {
             attachment: self.attachment,
             stiffness: self.stiffness,
         };
+        scratch.pressure.clear();
+        if self.is_augmented() {
+            scratch.pressure.resize(layout.len() * self.cells.len(), 0.0);
+        }
         for (shape, cells) in scratch.shapes.iter_mut().zip(&self.cells) {
             let slope = spacing / cells.height;
             let zero = f32x4::ZERO;
@@ -336,8 +364,10 @@ impl ElasticModel for Layered {
                 for group in 0..row.groups {
                     let k = row.start + 4 * group;
                     let points = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
-                    let lanes = [row.counts(group), points & shape.points, parity];
-                    cells.add_blocks(layout, u, k + layer * length, shape, lanes, blocks);
+                    let at = k + layer * length;
+                    let augmented = cells.augmented(scratch, at);
+                    let lanes = [row.counts(group), points & shape.points, parity, augmented];
+                    cells.add_blocks(layout, u, at, shape, lanes, blocks);
                 }
             }
             scratch.border.add_blocks(&cells.law, shape, layer * length, length, u, blocks);
@@ -370,7 +400,12 @@ impl ElasticModel for Layered {
                     let at = k + layer * length;
                     let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
                     let modes = modes(&faces[0], &faces[1]);
-                    let force = cell::center(&cells.law, &modes, shape.slope, &shape.variation);
+                    let volume = cell::volume(&modes, shape.slope);
+                    let inverted = volume.simd_le(f32x4::ZERO) & row.counts(group);
+                    tension.has_inverted_cell |= inverted.any();
+                    let augmented = cells.augmented(scratch, at);
+                    let force =
+                        cell::center(&cells.law, &modes, shape.slope, &shape.variation, augmented);
                     let squares = force.linear.map(|f| dot(f, f));
                     let squares = squares[0] + squares[1] + squares[2];
                     tension.squares += f64::from((squares & row.counts(group)).reduce_add());
@@ -380,6 +415,62 @@ impl ElasticModel for Layered {
         // Only the skin may wrinkle, and its bending is not resolved: no other method does better.
         tension.least = 0.0;
         tension
+    }
+
+    fn renew(&self, layout: &Layout, u: &Field, scratch: &mut Scratch) {
+        if scratch.pressure.is_empty() {
+            return;
+        }
+        let (length, pitch) = (layout.len(), layout.pitch);
+        for row in layout.cell_rows() {
+            let parity = first_parity(layout, row.start);
+            for group in 0..row.groups {
+                let k = row.start + 4 * group;
+                let in_ring = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
+                for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
+                    if !cells.is_augmented {
+                        continue;
+                    }
+                    let at = k + layer * length;
+                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
+                    let modes = modes(&faces[0], &faces[1]);
+                    let sign = if layer % 2 == 0 { parity } else { -parity };
+                    let points = in_ring & shape.points;
+                    let mut volume = cell::volume(&modes, shape.slope);
+                    if points.any() {
+                        let mean = cell::deformed_points(&modes, shape.slope, sign).1;
+                        volume = points.bitselect(mean, volume);
+                    }
+                    let pi = cells.law.pressure(log_volume(volume), load(&scratch.pressure, at));
+                    // Lanes beyond the row keep no pressure.
+                    let renewed = cells.law.renewed(pi) & row.counts(group);
+                    store(&mut scratch.pressure, at, renewed);
+                }
+            }
+        }
+    }
+
+    fn hand_on(
+        &self,
+        (coarse_layout, coarse): (&Layout, &Scratch),
+        layout: &Layout,
+        scratch: &mut Scratch,
+    ) {
+        if scratch.pressure.is_empty() {
+            return;
+        }
+        let (first, coarse_first) = (layout.first(), coarse_layout.first());
+        for layer in 0..self.cells.len() {
+            let from = &coarse.pressure[layer * coarse_layout.len()..];
+            let to = &mut scratch.pressure[layer * layout.len()..];
+            for j in 0..layout.rows - 1 {
+                let parent = ((j + first[1]) / 2).saturating_sub(coarse_first[1]);
+                for i in 0..layout.columns - 1 {
+                    let column = ((i + first[0]) / 2).saturating_sub(coarse_first[0]);
+                    to[j * layout.pitch + i] = from[parent * coarse_layout.pitch + column];
+                }
+            }
+        }
     }
 
     fn has_contact_offsets(&self) -> bool {
@@ -395,7 +486,7 @@ impl CellLayer {
         u: &Field,
         k: usize,
         shape: &Shape,
-        [counts, points, parity]: [f32x4; 3],
+        [counts, points, parity, augmented]: [f32x4; 4],
         blocks: &mut ColumnBlocks,
     ) {
         let (length, pitch) = (layout.len(), layout.pitch);
@@ -416,12 +507,13 @@ impl CellLayer {
         };
         let (one, zero) = (f32x4::ONE & counts, f32x4::ZERO);
         if points.any() {
-            for stiffness in &CellStiffness::at_points(&self.law, &modes, shape, parity) {
+            for stiffness in &CellStiffness::at_points(&self.law, &modes, shape, parity, augmented)
+            {
                 add(stiffness, points.bitselect(one, zero));
             }
         }
         if !points.all() {
-            let stiffness = CellStiffness::new(&self.law, &modes, shape);
+            let stiffness = CellStiffness::new(&self.law, &modes, shape, augmented);
             add(&stiffness, points.bitselect(zero, one));
         }
     }

@@ -26,7 +26,10 @@ use glam::{DMat3, DVec3};
 /// Part of the second invariant in K \[-\].
 const BETA: f64 = 0.2;
 /// Poisson ratio above which the law uses this one: the stiffness to a change of volume grows as 1/(1−2ν).
-pub(crate) const MAX_POISSON_RATIO: f64 = 0.48;
+pub(crate) const MAX_POISSON_RATIO: f64 = 0.495;
+/// Poisson ratio up to which multigrid meets the whole stiffness to a change of volume; above, that of this ratio and the
+/// rest as an augmented pressure, renewed after every cycle.
+const AUGMENTED_ABOVE: f64 = 0.455;
 /// J below which the change of volume counts as this J \[-\].
 pub(crate) const LEAST_VOLUME: f64 = 0.05;
 /// e below which sec′/e is damped \[-\]; the vectors that the quotient multiplies vanish there.
@@ -45,8 +48,17 @@ pub(crate) struct SolidLaw<R: Real, T> {
     line_offset: R,
     /// 1/(1+ν).
     pub(crate) shear: R,
-    /// 1/(3(1−2ν)).
+    /// κ₀, stiffness to a change of volume: κ = 1/(3(1−2ν)), or less with an augmented pressure.
     pub(crate) bulk: R,
+    /// 1/κ.
+    compliance: R,
+    /// 1 − κ₀/κ.
+    renewal: R,
+}
+
+/// 1/(3(1−2ν)).
+fn bulk(poisson_ratio: f64) -> f64 {
+    1.0 / (3.0 * (1.0 - 2.0 * poisson_ratio))
 }
 
 /// Shape and volume of a deformation gradient.
@@ -89,19 +101,29 @@ impl SolidLaw<f64, Table> {
             line_slope,
             line_offset: curve.stress(table_end) - line_slope * table_end,
             shear: 1.0 / (1.0 + nu),
-            bulk: 1.0 / (3.0 * (1.0 - 2.0 * nu)),
+            bulk: bulk(nu),
+            compliance: 1.0 / bulk(nu),
+            renewal: 0.0,
         }
     }
 
-    /// The law in other numbers, its stresses times `factor`.
+    /// Is the tissue nearly incompressible, so that multigrid needs an augmented pressure?
+    pub(crate) fn is_augmented(&self) -> bool {
+        self.bulk > bulk(AUGMENTED_ABOVE) * (1.0 + 1e-9)
+    }
+
+    /// The law in other numbers, its stresses times `factor`; nearly incompressible tissue with an augmented pressure.
     pub(crate) fn scaled<R: Real>(&self, factor: f64) -> SolidLaw<R, Buckets<R>> {
+        let kept = if self.is_augmented() { bulk(AUGMENTED_ABOVE) } else { self.bulk };
         SolidLaw {
             secant: self.secant.buckets(factor),
             end: R::splat(self.end),
             line_slope: R::splat(self.line_slope * factor),
             line_offset: R::splat(self.line_offset * factor),
             shear: R::splat(self.shear),
-            bulk: R::splat(self.bulk),
+            bulk: R::splat(kept),
+            compliance: R::splat(self.compliance),
+            renewal: R::splat(1.0 - kept / self.bulk),
         }
     }
 
@@ -121,24 +143,31 @@ impl SolidLaw<f64, Table> {
         let deformed = Deformed::new(columns);
         let shape = deformed.isochoric();
         let log = deformed.log_volume();
-        let equivalent = self.equivalent(shape.g, log);
+        let pi = self.pressure(log, 0.0);
+        let equivalent = self.equivalent(shape.g, pi);
         let secant = self.secant(equivalent);
-        let pressure = secant * self.dilatation(log, deformed.volume);
+        let pressure = secant * per_volume(pi, deformed.volume);
         (deformed.stress(&shape, secant * self.shear, pressure), equivalent)
     }
 }
 
 impl<R: Real, T: AsRef<Buckets<R>>> SolidLaw<R, T> {
-    /// e of g and ln J.
+    /// π = κ₀ ln J + p, the pressure per sec times J; `augmented` is p.
     #[inline(always)]
-    pub(crate) fn equivalent(&self, g: R, log_volume: R) -> R {
-        (g * self.shear + log_volume * log_volume * self.bulk).sqrt()
+    pub(crate) fn pressure(&self, log_volume: R, augmented: R) -> R {
+        self.bulk * log_volume + augmented
     }
 
-    /// ln J/(3(1−2ν) J): Π per sec.
+    /// The augmented pressure whose fixed point is π = κ ln J: (1 − κ₀/κ)·π.
     #[inline(always)]
-    pub(crate) fn dilatation(&self, log_volume: R, volume: R) -> R {
-        self.bulk * log_volume / volume.max(R::splat(LEAST_VOLUME))
+    pub(crate) fn renewed(&self, pi: R) -> R {
+        self.renewal * pi
+    }
+
+    /// e of g and π: e² = g/(1+ν) + π²/κ.
+    #[inline(always)]
+    pub(crate) fn equivalent(&self, g: R, pi: R) -> R {
+        (g * self.shear + pi * pi * self.compliance).sqrt()
     }
 
     /// W′(e)/e.
@@ -292,6 +321,12 @@ pub(crate) fn log_volume<R: Real>(volume: R) -> R {
     volume.max(R::splat(LEAST_VOLUME)).ln()
 }
 
+/// π/J: Π per sec.
+#[inline(always)]
+pub(crate) fn per_volume<R: Real>(pi: R, volume: R) -> R {
+    pi / volume.max(R::splat(LEAST_VOLUME))
+}
+
 /// Coefficients of √g = √K·q(√K), q = N/D; error of the value 7e-8, of the slope 8e-6 up to K = 19 (λ_u = 4.9).
 const NUMERATOR: [f64; 5] = [
     0.707_106_753_857_798,
@@ -365,7 +400,7 @@ mod tests {
     #[test]
     fn uniaxial_tension_returns_the_curve_and_the_poisson_ratio() {
         for spec in curves() {
-            for poisson_ratio in [0.0, 0.2, 1.0 / 3.0, 0.45, 0.48] {
+            for poisson_ratio in [0.0, 0.2, 1.0 / 3.0, 0.45, 0.48, 0.499] {
                 let material = material(&spec, poisson_ratio);
                 let law = SolidLaw::new(&material);
                 for strain in [0.01, 0.1, 0.3, 0.6, 0.95, 1.4] {
@@ -398,10 +433,14 @@ mod tests {
         for spec in curves() {
             let law = SolidLaw::new(&material(&spec, 0.4));
             let columns = [[1.3, 0.1, -0.2], [0.05, 0.9, 0.15], [-0.1, 0.2, 1.1]];
-            let energy = |columns| {
-                let deformed = Deformed::new(columns);
-                law.energy(law.equivalent(deformed.isochoric().g, deformed.log_volume()))
-            };
+            let energy =
+                |columns| {
+                    let deformed = Deformed::new(columns);
+                    law.energy(law.equivalent(
+                        deformed.isochoric().g,
+                        law.pressure(deformed.log_volume(), 0.0),
+                    ))
+                };
             let stress = law.response(columns).0;
             for c in 0..3 {
                 for r in 0..3 {

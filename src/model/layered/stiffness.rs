@@ -8,7 +8,7 @@
 //! where the softening part sec′ < 0 is bounded.
 
 use super::cell::{self, Modes, Variation};
-use super::law::{Deformed, Matrix, SolidLaw, combined, log_volume};
+use super::law::{Deformed, Matrix, SolidLaw, combined, log_volume, per_volume};
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;
 use wide::f32x4;
@@ -52,11 +52,16 @@ pub(super) struct CellStiffness {
 
 impl CellStiffness {
     #[inline(always)]
-    pub(super) fn new(law: &LaneLaw, modes: &Modes<f32x4>, shape: &Shape) -> Self {
+    pub(super) fn new(
+        law: &LaneLaw,
+        modes: &Modes<f32x4>,
+        shape: &Shape,
+        augmented: f32x4,
+    ) -> Self {
         let deformed = Deformed::new(cell::gradient(modes.linear, shape.slope));
-        let log = deformed.log_volume();
+        let pi = law.pressure(deformed.log_volume(), augmented);
         let v = &shape.variation;
-        let mut new = Self::of(law, deformed, log, v.mean_square(modes), shape.slope);
+        let mut new = Self::of(law, deformed, pi, v.mean_square(modes), shape.slope);
         let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
         let along = v.through * half + v.d;
         new.variation = [
@@ -73,13 +78,14 @@ impl CellStiffness {
         modes: &Modes<f32x4>,
         shape: &Shape,
         parity: f32x4,
+        augmented: f32x4,
     ) -> [Self; 5] {
         let zero = f32x4::ZERO;
         let (points, volume) = cell::deformed_points(modes, shape.slope, parity);
-        let log = log_volume(volume);
+        let pi = law.pressure(log_volume(volume), augmented);
         let quarter = f32x4::splat(0.25);
         let [a, b, c, d] = points.map(|(deformed, at)| {
-            let mut point = Self::of(law, deformed, log, zero, shape.slope);
+            let mut point = Self::of(law, deformed, pi, zero, shape.slope);
             point.straight = -point.shear * f32x4::splat(1.0 / 3.0);
             for part in
                 [&mut point.isotropic, &mut point.crossed, &mut point.straight, &mut point.bend]
@@ -88,7 +94,7 @@ impl CellStiffness {
             }
             Self { at, ..point }
         });
-        let mut middle = Self::new(law, modes, shape);
+        let mut middle = Self::new(law, modes, shape, augmented);
         middle.straight += middle.shear * f32x4::splat(1.0 / 3.0);
         (middle.isotropic, middle.crossed, middle.bend) = (zero, zero, zero);
         middle.variation = [zero; 2];
@@ -99,15 +105,15 @@ impl CellStiffness {
     fn of(
         law: &LaneLaw,
         deformed: Deformed<f32x4>,
-        log: f32x4,
+        pi: f32x4,
         mean_square: f32x4,
         slope: f32x4,
     ) -> Self {
         let iso = deformed.isochoric();
-        let e = law.equivalent(iso.g + mean_square, log);
+        let e = law.equivalent(iso.g + mean_square, pi);
         let (secant, bend) = law.secant_and_bend(e);
         let one = f32x4::ONE;
-        let [x, y, z] = deformed.stress(&iso, law.shear, law.dilatation(log, deformed.volume));
+        let [x, y, z] = deformed.stress(&iso, law.shear, per_volume(pi, deformed.volume));
         let relief = f32x4::splat(3.0) / iso.i1;
         let limited = relief.fast_min(one);
         let floor = -secant * MOST_SOFTENING / (e * e).fast_max(f32x4::splat(1e-6));

@@ -13,7 +13,7 @@ use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell::{self, Modes, Variation, modes, on_faces, turned, turned_back};
 use super::exact::{Element, Exact, Place};
-use super::law::{Deformed, LEAST_VOLUME, Matrix, Slopes, log_volume, stress_slopes};
+use super::law::{Deformed, LEAST_VOLUME, Matrix, Slopes, log_volume, per_volume, stress_slopes};
 use super::stiffness::CORNERS;
 use crate::mesh::stencil::outer;
 use crate::mesh::vec3::{add, dot, scale};
@@ -102,11 +102,11 @@ impl Tangent {
         let columns = cell::gradient(modes.linear, *slope);
         let deformed = Deformed::new(columns);
         let shape = deformed.isochoric();
-        let log = deformed.log_volume();
+        let pi = law.pressure(deformed.log_volume(), 0.0);
         let mut variation = Variation::new(*slope);
         let square = variation.mean_square(modes);
-        let (secant, bend) = law.secant_and_bend(law.equivalent(shape.g + square, log));
-        let [x, y, z] = deformed.stress(&shape, law.shear, law.dilatation(log, deformed.volume));
+        let (secant, bend) = law.secant_and_bend(law.equivalent(shape.g + square, pi));
+        let [x, y, z] = deformed.stress(&shape, law.shear, per_volume(pi, deformed.volume));
         for weight in [&mut variation.in_plane, &mut variation.through, &mut variation.d] {
             *weight *= law.shear;
         }
@@ -135,11 +135,12 @@ impl Tangent {
         let Element { law, modes, slope, .. } = element;
         let (points, volume) = cell::deformed_points(modes, *slope, parity);
         let log = log_volume(volume);
+        let pi = law.pressure(log, 0.0);
         let least = volume.max(LEAST_VOLUME);
         let shapes = points.map(|(point, _)| point.isochoric());
-        let responses = shapes.map(|shape| law.secant_and_bend(law.equivalent(shape.g, log)));
+        let responses = shapes.map(|shape| law.secant_and_bend(law.equivalent(shape.g, pi)));
         let mean = 0.25 * responses.iter().map(|(secant, _)| secant).sum::<f64>();
-        let pressure = 0.25 * mean * law.dilatation(log, volume);
+        let pressure = 0.25 * mean * per_volume(pi, volume);
         let mut volume_slope = Modes::default();
         for (point, at) in &points {
             volume_slope = sum(&volume_slope, &to_modes(point.cofactors, *at, *slope, 0.25));
@@ -147,7 +148,7 @@ impl Tangent {
         for (k, (point, at)) in points.iter().enumerate() {
             let (secant, bend) = responses[k];
             let shape = point.stress(&shapes[k], law.shear, 0.0);
-            let along = volume_slope.weighted(law.dilatation(log, volume));
+            let along = volume_slope.weighted(per_volume(pi, volume));
             self.vectors.push((0.25 * bend, sum(&to_modes(shape, *at, *slope, 1.0), &along)));
             let slopes = stress_slopes(point.columns, 0.25 * secant * law.shear, None, pressure);
             self.points.push(Point { at: *at, slopes });

@@ -1,9 +1,11 @@
 //! `bench`: run time against error of all methods, as a table and a chart.
 
 use super::output::{self, File, OutputFolder};
+use super::stress::tissue_model;
 use super::{ExitStatus, InputError};
 use crate::experiment::charts::work_precision::draw;
 use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric};
+use crate::scene::TissueModel;
 use std::path::Path;
 use std::time::Instant;
 
@@ -14,21 +16,30 @@ pub(super) struct Arguments {
     /// Only one scene on coarse grids: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
+    /// The tissue model of the scenes.
+    #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
+    tissue_model: TissueModel,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let folder = arguments.folder.create()?;
-    let plan = if arguments.quick { Plan::quick() } else { Plan::full() };
+    let (plan, case, name) = match (arguments.tissue_model, arguments.quick) {
+        (TissueModel::Sheet, true) => (Plan::quick(), Case::Default, "work_precision"),
+        (TissueModel::Sheet, false) => (Plan::full(), Case::Default, "work_precision"),
+        (TissueModel::Layered, is_quick) => {
+            let plan = if is_quick { Plan::layered_quick() } else { Plan::layered() };
+            (plan, Case::LayeredDefault, "work_precision_layered")
+        }
+    };
     let mut study = Study::new(plan, Some(axisymmetric));
     let start = Instant::now();
     let mut clock = || 1e3 * start.elapsed().as_secs_f64();
     let error = |error| output::input_error(Path::new("bench"), error);
     while study.advance(&mut clock).map_err(error)? {}
-    let picture =
-        draw(study.rows(), Case::Default).map_err(|error| output::input_error(folder, error))?;
+    let picture = draw(study.rows(), case).map_err(|error| output::input_error(folder, error))?;
     output::write_all(&[
-        File::new(&folder.join("work_precision.csv"), study.csv()),
-        File::new(&folder.join("work_precision.svg"), picture),
+        File::new(&folder.join(format!("{name}.csv")), study.csv()),
+        File::new(&folder.join(format!("{name}.svg")), picture),
     ])?;
     Ok(ExitStatus::Converged)
 }

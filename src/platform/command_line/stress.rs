@@ -2,10 +2,13 @@
 
 use super::output::{self, File, STANDARD};
 use super::{ExitStatus, InputError, in_range};
-use crate::experiment::robustness::{Case, Summary, run as run_case};
-use crate::scene::limits;
+use crate::experiment::robustness::{Case, LayeredSummary, Population, Summary, panicked, run_of};
+use crate::scene::{TissueModel, limits};
 use rayon::prelude::*;
+use serde::Serialize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -18,6 +21,12 @@ pub(super) struct Arguments {
     /// Maximum nodes per side, 17 to 513.
     #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true)]
     most_nodes: usize,
+    /// The tissue model of the random scenes.
+    #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
+    tissue_model: TissueModel,
+    /// Output file for all cases, one a line (JSON lines).
+    #[arg(long, value_name = "F")]
+    lines: Option<PathBuf>,
     /// Output file for the summary (JSON); `-` is standard output.
     #[arg(long, value_name = "F", default_value = STANDARD)]
     out: PathBuf,
@@ -25,6 +34,12 @@ pub(super) struct Arguments {
 
 const MOST_NODES: usize = 513;
 const MOST_CASES: u64 = 1_000_000_000;
+
+/// The tissue model of this name in a scene.
+pub(super) fn tissue_model(text: &str) -> Result<TissueModel, String> {
+    let name = serde_json::Value::from(text);
+    serde_json::from_value(name).map_err(|_| "allowed: sheet, layered".to_owned())
+}
 
 fn cases(text: &str) -> Result<u64, String> {
     in_range(text, 1, MOST_CASES)
@@ -39,13 +54,46 @@ fn most_nodes(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let &Arguments { cases, seed, most_nodes, ref out } = arguments;
+    let &Arguments { cases, seed, most_nodes, tissue_model, ref lines, ref out } = arguments;
     output::check_path(out)?;
-    let cases: Vec<Case> =
-        (0..cases).into_par_iter().map(|case| run_case(seed, case, most_nodes)).collect();
-    let summary = Summary::new(seed, &cases);
-    let text = serde_json::to_string_pretty(&summary)
-        .map_err(|error| output::input_error(Path::new("stress"), error))?;
-    output::write_all(&[File::new(out, text + "\n")])?;
-    Ok(if summary.failures.is_empty() { ExitStatus::Converged } else { ExitStatus::NotConverged })
+    if let Some(lines) = lines {
+        output::check_path(lines)?;
+    }
+    let is_layered = tissue_model == TissueModel::Layered;
+    std::panic::set_hook(Box::new(|panic| {
+        let location = panic.location().map(ToString::to_string).unwrap_or_default();
+        output::error(&format!("internal error at {location}; the case counts as failed"));
+    }));
+    let run = |case: u64| {
+        let population = if is_layered { Population::of_layered(case) } else { Population::Sheet };
+        let start = Instant::now();
+        let clock = || 1e3 * start.elapsed().as_secs_f64();
+        let clock: Option<&dyn Fn() -> f64> = if is_layered { Some(&clock) } else { None };
+        let of_case = || run_of(population, seed, case, most_nodes, clock);
+        // A defect in one case ends this case only.
+        catch_unwind(AssertUnwindSafe(of_case))
+            .unwrap_or_else(|_| panicked(population, seed, case, most_nodes))
+    };
+    let cases: Vec<Case> = (0..cases).into_par_iter().map(run).collect();
+    let (summary, has_failures) = if is_layered {
+        let summary = LayeredSummary::new(seed, &cases);
+        (json(&summary, true)?, !summary.failures.is_empty())
+    } else {
+        let summary = Summary::new(seed, &cases);
+        (json(&summary, true)?, !summary.failures.is_empty())
+    };
+    let mut files = vec![File::new(out, summary + "\n")];
+    if let Some(lines) = lines {
+        let each: Vec<String> =
+            cases.iter().map(|case| json(case, false)).collect::<Result<_, _>>()?;
+        files.push(File::new(lines, each.join("\n") + "\n"));
+    }
+    output::write_all(&files)?;
+    Ok(if has_failures { ExitStatus::NotConverged } else { ExitStatus::Converged })
+}
+
+fn json<T: Serialize>(value: &T, is_pretty: bool) -> Result<String, InputError> {
+    let text =
+        if is_pretty { serde_json::to_string_pretty(value) } else { serde_json::to_string(value) };
+    text.map_err(|error| output::input_error(Path::new("stress"), error))
 }

@@ -28,6 +28,8 @@ pub(in crate::solve) struct Ending {
     pub(in crate::solve) relative_residual: f64,
     /// Is a tension compressive? The sheet may be nearly stationary on its path to a wrinkled equilibrium.
     pub(in crate::solve) is_compressive: bool,
+    /// Is a cell of layered tissue inverted?
+    pub(in crate::solve) has_inverted_cell: bool,
     /// Do contact offsets exceed `max_contact_offset`, so that the active set has to be found in f64?
     pub(in crate::solve) leaves_contact_offsets: bool,
 }
@@ -37,6 +39,7 @@ impl Ending {
         error: f64::INFINITY,
         relative_residual: f64::INFINITY,
         is_compressive: false,
+        has_inverted_cell: false,
         leaves_contact_offsets: false,
     };
 }
@@ -243,6 +246,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         convergence.ending.error =
             convergence.ending.error.max(least) + convergence.neglected_offset;
         let (low, high) = parameters.residual_bounds;
+        if convergence.ending.has_inverted_cell && self.stop == Stop::Tolerance {
+            return State::Failed;
+        }
         let is_balanced = convergence.ending.error <= *tolerance * *base_radius
             && (residual <= tolerance.clamp(low, high)
                 || residual <= high && self.levels[self.grid].is_rounded(parameters.roundings));
@@ -267,6 +273,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let ending = &mut self.convergence.ending;
         // The lower bound keeps rounding from being compared with rounding in a sheet at rest.
         ending.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
+        ending.has_inverted_cell = tension.has_inverted_cell;
         ending.is_compressive = tension.is_compressive(level.layout.free_nodes());
         self.count(grid, if known.is_some() { 0.5 } else { 1.5 });
     }

@@ -93,8 +93,11 @@ impl Plan {
 impl<M: ElasticModel> FullMultigrid<M> {
     /// Begins a cycle of the grid being solved.
     pub(super) fn begin_cycle(&mut self) {
-        let Self { levels, grid, convergence, mode, steps, parameters, .. } = self;
+        let Self { levels, model, grid, convergence, mode, steps, parameters, .. } = self;
         let level = &mut levels[*grid];
+        if convergence.cycles > 0 {
+            level.renew(model);
+        }
         level.before.copy_from(&level.u);
         let (top, cycles, mode) = (*grid, convergence.cycles, *mode);
         Plan { top, cycles, mode, parameters }.v_cycle(steps);

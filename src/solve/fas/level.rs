@@ -112,6 +112,17 @@ impl<M: ElasticModel> Level<M> {
         inverse.invert(layout);
     }
 
+    /// Renews the model's constraints after a cycle.
+    pub(super) fn renew(&mut self, model: &M) {
+        self.are_forces_current = false;
+        model.renew(&self.layout, &self.u, &mut self.scratch);
+    }
+
+    /// Interpolates the model's constraints from a coarser grid.
+    pub(super) fn take_over(&mut self, model: &M, coarse: &Self) {
+        model.hand_on((&coarse.layout, &coarse.scratch), &self.layout, &mut self.scratch);
+    }
+
     pub(super) fn find_forces(&mut self, model: &M) {
         let Self { layout, u, f, scratch, .. } = self;
         model.forces(layout, u, f, scratch);

@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_GENTLE, LEAST_TOLERANCE, MEMBRANE};
+pub(super) use parameters::{LAYERED, LAYERED_AUGMENTED, LAYERED_GENTLE, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -173,9 +173,19 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.convergence.ending
     }
 
+    /// See [`Parameters::least_tolerance`].
+    pub(super) fn least_tolerance(&self) -> f64 {
+        self.parameters.least_tolerance
+    }
+
     /// Replaces the constants of the scheme.
     pub(super) fn set_parameters(&mut self, parameters: &'static Parameters) {
         self.parameters = parameters;
+    }
+
+    /// The elastic model.
+    pub(super) fn model(&self) -> &M {
+        &self.model
     }
 
     /// Replaces the elastic model.
@@ -190,7 +200,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.draft_tolerance = draft_tolerance;
         self.base_radius = obstacle.dome.base_radius;
         self.spacing = sheet.spacing_mm();
-        self.tolerance = tolerance.max(LEAST_TOLERANCE);
+        self.tolerance = tolerance.max(self.parameters.least_tolerance);
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
             let spacing = self.spacing * f64::from(1 << (finest - l));
@@ -229,6 +239,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
     fn prolongate(&mut self, grid: usize) {
         let (coarser, finer) = self.levels.split_at_mut(grid + 1);
         finer[0].start_from(&mut coarser[grid], &mut self.row);
+        finer[0].take_over(&self.model, &coarser[grid]);
     }
 
     /// Does the next piece of work: a few evaluations of the forces of one grid at most.

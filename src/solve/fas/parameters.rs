@@ -43,6 +43,8 @@ pub(in crate::solve) struct Parameters {
     /// sheet off a small contact. Fixed by `penetration-between-nodes`, `lost-contact-on-narrow-dome`.
     pub(super) robust_active_weight: f32,
 
+    /// The least tolerance of node positions that f32 resolves \[base radius\].
+    pub(in crate::solve) least_tolerance: f64,
     /// The most V-cycles of the finest grid.
     pub(super) max_cycles: u32,
     /// The most V-cycles of a coarser grid, whose solution is a start only.
@@ -99,6 +101,7 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     block_cycles: 2,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
+    least_tolerance: 2e-6,
     max_cycles: 16,
     max_start_cycles: 4,
     start_tolerance: 3e-3,
@@ -117,9 +120,6 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     max_contact_offset: 10.0,
 };
 
-/// The least tolerance of node positions that f32 resolves \[base radius\].
-pub(in crate::solve) const LEAST_TOLERANCE: f64 = 2e-6;
-
 /// Inverse roots of Chebyshev polynomials on [0.45, 10] \[-\].
 const LAYERED_SMOOTHING: Smoothing =
     Smoothing { before: &[0.5410, 0.1163], after: &[1.2293, 0.2943, 0.1418, 0.1038] };
@@ -129,6 +129,10 @@ const GENTLE_SMOOTHING: Smoothing = Smoothing {
     before: &[0.4794, 0.0962, 0.0534],
     after: &[0.7875, 0.2102, 0.0962, 0.0623, 0.0512],
 };
+
+/// The constants for nearly incompressible tissue, whose pressure converges more slowly than the shape.
+pub(in crate::solve) const LAYERED_AUGMENTED: Parameters =
+    Parameters { error_safety: 8.0, ..LAYERED };
 
 /// The constants for layered tissue where [`LAYERED`] fails: smaller steps, blocks renewed in every cycle.
 pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
@@ -160,6 +164,7 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     block_cycles: 2,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
+    least_tolerance: 1e-5,
     max_cycles: 40,
     max_start_cycles: 2,
     start_tolerance: 3e-3,

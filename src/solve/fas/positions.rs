@@ -79,24 +79,26 @@ impl<M: ElasticModel> FullMultigrid<M> {
     }
 
     /// Writes the positions \[mm\] of all free nodes above the inner face, layer by layer, shape (layers − 1, n²);
-    /// `heights` are those of the layers at rest, the inner face's included.
+    /// `cell_heights` are those of the layers of cells at rest \[mm\], from the inner face outwards.
     pub(in crate::solve) fn write_layers(
         &self,
         problem: &Problem,
-        heights: &[f64],
+        cell_heights: impl Iterator<Item = f64>,
         x: &mut [Vec<DVec3>],
     ) {
         let sheet = &problem.sheet;
         let Level { layout, u, .. } = self.finest();
         let (n, first) = (layout.nodes_per_side, layout.first());
         let [along_x, along_y] = layout.mirrored;
-        for ((layer, x), height) in u.layers().skip(1).zip(x).zip(&heights[1..]) {
+        let mut height = 0.0;
+        for ((layer, x), cell_height) in u.layers().skip(1).zip(x).zip(cell_heights) {
+            height += cell_height;
             layout.free_rows(|j, from, to| {
                 for i in from..to {
                     let [ux, uy, uz] = u.at(layer + j * layout.pitch + i).map(f64::from);
                     let mut set = |i: usize, j: usize, u: [f64; 3]| {
                         let k = j * n + i;
-                        x[k] = sheet.rest()[k].extend(*height) + DVec3::from(u) * self.spacing;
+                        x[k] = sheet.rest()[k].extend(height) + DVec3::from(u) * self.spacing;
                     };
                     let (i, j) = (i + first[0], j + first[1]);
                     let (i2, j2) = (n - 1 - i, n - 1 - j);

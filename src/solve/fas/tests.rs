@@ -32,7 +32,7 @@ fn the_energy_falls_in_every_cycle() {
             materials: layers.into_iter().map(|(spec, nu)| material(spec, nu)).collect(),
             springs,
             tissue: crate::solve::Tissue::Sheet,
-            tolerance: LEAST_TOLERANCE,
+            tolerance: MEMBRANE.least_tolerance,
         };
         let law = SheetLaw::new(springs, &problem.materials);
         let mirrored = problem.obstacle.dome.mirrored();

@@ -229,5 +229,5 @@ pub(super) fn tension(layout: &Layout, law: &LaneSprings, u: &Field) -> Tension 
         let pull = law.pull(spring, Rest::regular(spring), now);
         sum += f64::from((dot(pull, pull) & counts).reduce_add());
     });
-    Tension { squares: sum, least: 0.0 }
+    Tension { squares: sum, ..Tension::default() }
 }

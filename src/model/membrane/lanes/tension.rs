@@ -35,5 +35,6 @@ pub(super) fn tension(
             least = least.fast_min((mean - (half * half + m12 * m12).sqrt()) & counts);
         }
     }
-    Tension { squares: sum, least: least.to_array().into_iter().fold(0.0, f32::min) }
+    let least = least.to_array().into_iter().fold(0.0, f32::min);
+    Tension { squares: sum, least, ..Tension::default() }
 }
