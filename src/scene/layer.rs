@@ -121,7 +121,10 @@ impl Layer {
             ("curve.strain_scale", curve.strain_scale),
             ("curve.stress_scale", curve.stress_scale),
         ];
-        scales.into_iter().find(|(_, scale)| *scale != 1.0).map(|(path, _)| path)
+        scales
+            .into_iter()
+            .find(|(_, scale)| scale.to_bits() != 1.0_f64.to_bits())
+            .map(|(path, _)| path)
     }
 }
 

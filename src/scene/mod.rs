@@ -264,8 +264,9 @@ impl SceneFile {
                     return Err(body::in_first(field));
                 }
             }
-            let layers = file.layers.iter().flatten().enumerate();
-            for (k, field) in layers.filter_map(|(k, layer)| Some((k, layer.given_scale()?))) {
+            let mut layers = file.layers.iter().flatten().enumerate();
+            if let Some((k, field)) = layers.find_map(|(k, layer)| Some((k, layer.given_scale()?)))
+            {
                 return Err(body::in_first(&format!("layers[{k}].{field}")));
             }
         }
