@@ -85,7 +85,8 @@ pub(crate) struct Isochoric<R> {
 impl SolidLaw<f64, Table> {
     pub(crate) fn new(material: &Material) -> Self {
         let curve = &material.curve;
-        let end = curve.line_start().ln_1p();
+        let table_end = curve.table_end();
+        let end = table_end.ln_1p();
         let mut breaks: Vec<f64> = curve.breaks().map(f64::ln_1p).filter(|b| *b < end).collect();
         breaks.sort_by(f64::total_cmp);
         let secant = |e: f64| {
@@ -93,12 +94,12 @@ impl SolidLaw<f64, Table> {
             curve.secant(e.exp_m1()) * per_strain * e.exp()
         };
         let nu = material.poisson_ratio.min(MAX_POISSON_RATIO);
-        let line_slope = curve.slope(curve.line_start());
+        let line_slope = curve.slope(table_end);
         Self {
             secant: Table::new(secant, (0.0, end), &breaks, Weight::Argument),
             end,
             line_slope,
-            line_offset: curve.stress(curve.line_start()) - line_slope * curve.line_start(),
+            line_offset: curve.stress(table_end) - line_slope * table_end,
             shear: 1.0 / (1.0 + nu),
             bulk: bulk(nu),
             compliance: 1.0 / bulk(nu),
