@@ -885,8 +885,11 @@ fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
             assert!(start.elapsed().as_secs() < 60, "no progress is shown");
         }
     };
+    focus_picture(&mut harness);
     edit(&mut harness, &long);
     harness.get_by_role_and_label(Role::ProgressIndicator, "Progress of the solve");
+    // Keys still act on the picture.
+    assert!(harness.get_by_role_and_label(Role::Canvas, "3-D view").is_focused());
     // The previous figures are removed.
     harness.step();
     assert_eq!(harness.query_all_by_label("Greatest strain").count(), 0);

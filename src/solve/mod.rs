@@ -80,6 +80,8 @@ enum Stage {
 /// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
 /// and a shape to display \[base radius\].
 const MAX_ERROR_OF_SHAPE: f64 = 0.02;
+/// Cells of layered tissue up to which Newton's method is the fallback: ten seconds, and 750 bytes a cell.
+const MAX_NEWTON_CELLS: usize = 60_000;
 /// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
 const REST_TOLERANCE: f64 = 0.5;
 
@@ -150,8 +152,8 @@ impl Solver {
         let is_layered = self.law.layered().is_some();
         self.is_multigrid_law_stale |= !same_law || is_layered && !same_patch;
         self.start();
-        // Newton's method continues from the last solution, moved as the dome's geometry moved.
-        if self.stage == Stage::Newton && is_warm && self.newton.is_some() {
+        // Newton's method of a sheet continues from the last solution, moved as the dome's geometry moved.
+        if self.stage == Stage::Newton && is_warm && !is_layered && self.newton.is_some() {
             let Problem { sheet, obstacle, .. } = &*self.problem;
             if *obstacle != before.obstacle {
                 let old = initial_guess::taut_profile(sheet, &before.obstacle.dome);
@@ -311,8 +313,11 @@ impl Solver {
         match state {
             fas::State::Working | fas::State::Draft => {}
             fas::State::Converged => {
-                if self.options.method == Method::Automatic && self.needs_newton() {
+                let needs_newton = self.options.method == Method::Automatic && self.needs_newton();
+                if needs_newton && self.is_in_reach_of_newton() {
                     self.start_newton(Start::FromSolution);
+                } else if needs_newton {
+                    self.end(Verdict::NotConverged);
                 } else {
                     self.end(Verdict::Converged);
                 }
@@ -331,7 +336,11 @@ impl Solver {
                     && self.cycles() > 0
                     && self.estimated_position_error() < MAX_ERROR_OF_SHAPE
                     && self.display_multigrid(Displayed::Draft);
-                self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
+                if self.is_in_reach_of_newton() {
+                    self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
+                } else {
+                    self.end_with_last_shape();
+                }
             }
         }
         state
@@ -366,10 +375,7 @@ impl Solver {
         match (state, self.invalid) {
             (newton::State::Working, _) => {}
             (newton::State::Stalled, _) if self.law.layered().is_some() => {
-                // The last valid shape, of either method, is displayed.
-                let has_shape = self.displayed != Displayed::Previous;
-                self.invalid = (!has_shape).then_some(Invalid::NotFound);
-                self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
+                self.end_with_last_shape();
             }
             (newton::State::Unstable, _) | (_, Some(Invalid::Penetrated)) => {
                 self.end(Verdict::Unstable);
@@ -384,6 +390,19 @@ impl Solver {
                 self.end(Verdict::NotConverged);
             }
         }
+    }
+
+    /// Would Newton's method end within seconds?
+    fn is_in_reach_of_newton(&self) -> bool {
+        let cells = self.law.layered().map_or(0, |law| law.cells.len());
+        cells * self.problem.sheet.free_nodes() <= MAX_NEWTON_CELLS
+    }
+
+    /// Ends without convergence: with the last valid shape of either method, if there is one.
+    fn end_with_last_shape(&mut self) {
+        let has_shape = matches!(self.displayed, Displayed::Draft | Displayed::Final);
+        self.invalid = (!has_shape).then_some(Invalid::NotFound);
+        self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
     }
 
     fn end(&mut self, verdict: Verdict) {

@@ -6,7 +6,7 @@
 //! 2. Conjugate gradients in the inactive directions; column solves precondition (`conjugate_gradients`). A direction of
 //!    negative curvature ends them (T. Steihaug, SIAM J. Numer. Anal. 20(3), 1983).
 //! 3. Active set of the step: nodes that pass the obstacle become active, nodes that the obstacle would pull leave;
-//!    2 and 3 repeat until the set rests (`active_set`; M. Hintermüller, K. Ito and K. Kunisch, SIAM J. Optim. 13(3),
+//!    2 and 3 repeat until the set rests (`update_active_set`; M. Hintermüller, K. Ito and K. Kunisch, SIAM J. Optim. 13(3),
 //!    2002).
 //! 4. Line search along the step, projected out of the obstacle (`line_search`).
 //!
@@ -40,6 +40,9 @@ const MIN_WORK_LIMIT: f64 = 800.0;
 const PLACES_PER_PIECE: usize = 1024;
 /// Rounds of conjugate gradients and active set in one iteration.
 const MAX_ROUNDS: u32 = 15;
+/// Depth in the obstacle at which a node of a step becomes active, and distance from the obstacle below which an active
+/// node stays so unless the obstacle pulls \[spacings\].
+const ON_SURFACE: (f64, f64) = (1e-9, 1e-6);
 
 /// Costs in work units (one evaluation of all forces), by measured times.
 mod cost {
@@ -254,7 +257,7 @@ impl Newton {
         self.skin.clear();
         self.totals = Totals::default();
         let top = self.x.len() - 1;
-        // The forces are complete already.
+        // `trial` is scratch: `forces` contains the skin's forces already.
         let sums = Sums {
             forces: &mut self.trial[top],
             hessian: &mut self.skin,
@@ -314,29 +317,30 @@ impl Newton {
     }
 
     /// Adds nodes that the step moves into the obstacle to the active set, and takes nodes out that the obstacle would
-    /// pull. `r` contains the residual of the model, unprojected on the inner face.
+    /// pull.
     fn update_active_set(&mut self) {
         self.rounds += 1;
         self.set_residual();
         let mut changed = 0;
+        let (depth, touch) = ON_SURFACE;
+        let [depth, touch] = [depth, touch].map(|part| part * self.sheet.spacing_mm());
         for index in 0..self.free.len() {
             let k = self.free[index] as usize;
             let (d, was) = (self.d[0][k], self.active[k]);
             let Constraint { normal, gap, wall_normal, height, .. } = self.constraint[k];
             let (over_dome, over_wall) = (gap + normal.dot(d), height + wall_normal.dot(d));
             let mut now = was;
-            let rounding = 1e-9 * self.sheet.spacing_mm();
-            if over_dome < -rounding {
+            if over_dome < -depth {
                 now |= ON_DOME;
             }
-            if over_wall < -rounding {
+            if over_wall < -depth {
                 now |= ON_WALL;
             }
             if now == was && was != FREE {
                 // A constraint of a step is as one of a node on the surface.
                 let mut moved = self.constraint[k];
                 (moved.gap, moved.height) = (over_dome, over_wall);
-                now &= moved.reaction(self.r[0][k], 1e-6 * self.sheet.spacing_mm()).active;
+                now &= moved.reaction(self.r[0][k], touch).active;
             }
             if now != was {
                 changed += 1;

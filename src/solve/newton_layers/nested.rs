@@ -10,7 +10,7 @@ use crate::solve::problem::Problem;
 use crate::solve::validity::{self, Invalid};
 use glam::DVec3;
 
-/// Tolerance of the coarser grids, whose solutions are only starts \[base radius\].
+/// Tolerance on the coarser grids, whose solutions are only starts \[base radius\].
 const COARSE_TOLERANCE: f64 = 3e-3;
 /// Tolerance while the dome rises \[base radius\].
 const RISING_TOLERANCE: f64 = 3e-2;
@@ -51,7 +51,7 @@ impl NestedLayers {
         }
     }
 
-    /// Starts from the taut profile on the coarsest grid.
+    /// Starts at rest on the coarsest grid, where the dome rises step by step.
     pub(in crate::solve) fn start_cold(&mut self, law: &LayeredLaw, problem: &Problem) {
         self.grid = 0;
         self.raised = RAISE;
