@@ -115,7 +115,7 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts again with smaller steps; the fallback of a sheet is Newton's method instead.
+    /// Starts layered tissue again with smaller steps; a sheet has no second attempt.
     pub(super) fn start_gently(&mut self, problem: &Problem, stop: Stop) {
         if let Self::Layered(scheme) = self {
             scheme.set_parameters(&LAYERED_GENTLE);

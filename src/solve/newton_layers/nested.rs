@@ -51,7 +51,7 @@ impl NestedLayers {
         }
     }
 
-    /// Starts from the taut profile on the coarsest grid.
+    /// Starts from the tissue at rest on the coarsest grid; the dome rises from there.
     pub(in crate::solve) fn start_cold(&mut self, law: &LayeredLaw, problem: &Problem) {
         self.grid = 0;
         self.raised = RAISE;
