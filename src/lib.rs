@@ -3,13 +3,14 @@
 //! The core: stress–strain curves, spring laws, grids, contact, elastic model, equilibrium and its measured
 //! quantities. Module order; imports point left only (`tests/modules.rs`):
 //!
-//! `number` → `curve` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
+//! `number` → `curve` → `clinical` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
 //! `session` → `experiment` → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
 #[cfg(feature = "app")]
 pub mod app;
+pub mod clinical;
 pub mod contact;
 pub mod curve;
 pub mod experiment;

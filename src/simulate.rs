@@ -48,7 +48,17 @@ pub fn measure(scene: &Scene, fields: &Fields) -> Outcome {
     if asked != given {
         outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
     }
+    outcome.patient_values = scene.patient_values();
+    outcome.warnings.extend(scene.patient_warnings());
     outcome
+}
+
+/// Replaces the part of a result that depends on the patient, after a change of the patient alone.
+pub(crate) fn replace_patient(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
+    let old = before.patient_warnings();
+    outcome.warnings.retain(|warning| !old.contains(warning));
+    outcome.patient_values = scene.patient_values();
+    outcome.warnings.extend(scene.patient_warnings());
 }
 
 #[cfg(test)]

@@ -47,7 +47,8 @@ fn solved(json: &Value) -> Solution {
 
 /// Strain energy of the whole sheet \[mN·mm\], by Simpson's rule on the dome and on the free part.
 fn strain_energy(scene: &Scene, membrane: &Solution) -> f64 {
-    let curves: Vec<Curve> = scene.layers.iter().map(|l| Curve::new(&l.curve).unwrap()).collect();
+    let curves: Vec<Curve> =
+        scene.layers.iter().map(|l| Curve::scaled(&l.curve).unwrap()).collect();
     let density = |s: f64| -> f64 {
         let strain = stretches(membrane, s).map(|l| l - 1.0);
         let layers = scene.layers.iter().zip(&curves);

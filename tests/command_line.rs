@@ -259,6 +259,39 @@ fn table(output: &Output) -> Vec<Vec<String>> {
 }
 
 #[test]
+fn simulate_derives_absent_fields_from_the_patient_and_lists_them() {
+    let folder = folder("patient");
+    let scene = |patient: &str| {
+        format!(
+            r#"{{"implant":{{"base_radius_mm":60,"projection_mm":40}},"solver":{{"nodes_per_side":33}},"patient":{patient}}}"#
+        )
+    };
+    let measured = scene(r#"{"base_width_mm":110,"pinch_mm":20,"skin_class":"tight"}"#);
+    let output = run_in(&folder, &["simulate", "-"], &measured);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let result: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    let values = result["patient_values"].as_array().unwrap();
+    let fields: Vec<_> =
+        values.iter().map(|v| (v["field"].as_str().unwrap(), &v["value"])).collect();
+    assert_eq!(
+        fields,
+        [
+            ("layers[0].thickness_mm", &Value::from(1.5)),
+            ("layers[1].thickness_mm", &Value::from(8.5)),
+            ("layers[0].curve.strain_scale", &Value::from(0.25)),
+        ]
+    );
+    assert!(values.iter().all(|value| value["set_by_hand"] == false));
+    let warnings = result["warnings"].to_string();
+    assert!(
+        warnings.contains("120 mm is wider than the measured base width of 110 mm"),
+        "{warnings}"
+    );
+    let wanted = ["standard input", "patient.pinch_mm", "pinch is 200 mm", "4 to 120 mm"];
+    assert_refused(&folder, &["simulate", "-"], &scene(r#"{"pinch_mm":200}"#), &wanted);
+}
+
+#[test]
 fn tension_writes_the_papers_table() {
     let folder = folder("tension");
     let arguments = [
@@ -331,9 +364,23 @@ fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
     let written = fs::read_to_string(folder.join("t.csv")).unwrap();
     let last = written.lines().last().unwrap();
     assert!(last.starts_with("coupled,\"my,curve.json\",0.3,9,1,1,-0.3,0.3,converged"), "{last}");
+    // The scales of a curve are part of its file: twice the strain at three times the stress.
+    let scaled = curve.replace("{\"kind\"", "{\"strain_scale\":0.5,\"stress_scale\":3,\"kind\"");
+    fs::write(folder.join("scaled.json"), scaled).unwrap();
+    let output = run_in(&folder, &["tension", "--curve", "scaled.json", "--cells", "2"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let table = text(&output.stdout);
+    assert!(
+        table.lines().any(|row| row.starts_with("coupled,scaled.json,0.3,27,0.5,0.5,-0.15,0.3,"))
+    );
+    fs::write(folder.join("wide.json"), r#"{"kind":"skin","strain_scale":21}"#).unwrap();
     let refused = |arguments: &[&str], wanted: &[&str]| {
         assert_refused(&folder, arguments, "", wanted);
     };
+    refused(
+        &["tension", "--curve", "wide.json"],
+        &["wide.json", "strain_scale is 21", "0.05 to 20"],
+    );
     refused(&["tension", "--curve", "bad.json"], &["bad.json", "points[2]"]);
     refused(&["tension", "--curve", "odd.json"], &["odd.json", "modulus"]);
     refused(&["tension", "--curve", "bone"], &["bone", "skin, adipose"]);

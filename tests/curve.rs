@@ -2,7 +2,7 @@
 
 #![allow(clippy::float_cmp)] // odd and even symmetry and stated ends hold to the last bit
 
-use implant_preview::curve::{Curve, CurveSpec, Interpolation, Section};
+use implant_preview::curve::{Curve, CurveSpec, Interpolation, SCALES, ScaledCurve, Section};
 
 fn curve(spec: &CurveSpec) -> Curve {
     Curve::new(spec).expect("a good curve")
@@ -16,6 +16,11 @@ fn from_json(text: &str) -> Result<Curve, String> {
 
 /// A curve of every kind, with its kinks.
 fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
+    every_spec().into_iter().map(|(name, spec, kinks)| (name, curve(&spec), kinks)).collect()
+}
+
+/// A description of every kind, with its kinks.
+fn every_spec() -> Vec<(&'static str, CurveSpec, Vec<f64>)> {
     let points = |interpolation| CurveSpec::Points {
         points: vec![[0.0, 0.0], [0.1, 1.0], [0.3, 1.5], [0.35, 9.0], [0.8, 9.5], [1.2, 30.0]],
         interpolation,
@@ -31,14 +36,14 @@ fn every_kind() -> Vec<(&'static str, Curve, Vec<f64>)> {
         ],
     };
     vec![
-        ("skin", curve(&CurveSpec::Skin {}), vec![]),
-        ("adipose", curve(&CurveSpec::Adipose {}), vec![]),
-        ("linear", curve(&CurveSpec::Linear { modulus_kpa: 7.0 }), vec![]),
-        ("arctangent", curve(&CurveSpec::Arctangent { scale_kpa: 3.0, rate: 2.0 }), vec![]),
-        ("exponential", curve(&CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 }), vec![]),
-        ("lines", curve(&points(Interpolation::Line)), vec![0.1, 0.3, 0.35, 0.8]),
-        ("spline", curve(&points(Interpolation::Spline)), vec![]),
-        ("sections", curve(&sections), vec![0.5, 0.7, 0.9]),
+        ("skin", CurveSpec::Skin {}, vec![]),
+        ("adipose", CurveSpec::Adipose {}, vec![]),
+        ("linear", CurveSpec::Linear { modulus_kpa: 7.0 }, vec![]),
+        ("arctangent", CurveSpec::Arctangent { scale_kpa: 3.0, rate: 2.0 }, vec![]),
+        ("exponential", CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 }, vec![]),
+        ("lines", points(Interpolation::Line), vec![0.1, 0.3, 0.35, 0.8]),
+        ("spline", points(Interpolation::Spline), vec![]),
+        ("sections", sections, vec![0.5, 0.7, 0.9]),
     ]
 }
 
@@ -302,4 +307,104 @@ fn a_hundred_thousand_points_are_accepted_and_one_more_is_not() {
     let curve = curve(&line(100_000));
     assert_close(curve.stress(0.654_321), 65.4321, 1e-9, "line of slope 100");
     assert!(Curve::new(&line(100_001)).is_err());
+}
+
+#[test]
+fn a_scaled_curve_is_the_analytic_scaling_of_every_kind() {
+    for (name, spec, _) in every_spec() {
+        let plain = curve(&spec);
+        for (strain_scale, stress_scale) in [
+            (1.0, 1.0),
+            (0.5, 1.0),
+            (1.0, 2.5),
+            (1.7, 0.4),
+            (0.25, 1.3),
+            (20.0, 0.05),
+            (0.05, 20.0),
+        ] {
+            let scaled =
+                Curve::scaled(&ScaledCurve { spec: spec.clone(), strain_scale, stress_scale })
+                    .unwrap_or_else(|error| panic!("{name}: {error}"));
+            for strain in strains() {
+                let at = strain * strain_scale;
+                let modulus_scale = stress_scale / strain_scale;
+                for (what, found, wanted) in [
+                    ("stress", scaled.stress(at), stress_scale * plain.stress(strain)),
+                    ("slope", scaled.slope(at), modulus_scale * plain.slope(strain)),
+                    ("secant", scaled.secant(at), modulus_scale * plain.secant(strain)),
+                    (
+                        "energy",
+                        scaled.energy(at),
+                        stress_scale * strain_scale * plain.energy(strain),
+                    ),
+                ] {
+                    let error = (found - wanted).abs();
+                    assert!(
+                        error <= 1e-12 * wanted.abs(),
+                        "{name}, {strain_scale}, {stress_scale}: {what} at {at}: {found}, {wanted}"
+                    );
+                }
+                assert_eq!(scaled.is_beyond_data(at), plain.is_beyond_data(strain), "{name}");
+            }
+            assert_close(scaled.data_end(), strain_scale * plain.data_end(), 1e-15, "data");
+            assert_close(scaled.line_start(), strain_scale * plain.line_start(), 1e-15, "line");
+            for (found, wanted) in scaled.breaks().zip(plain.breaks()) {
+                assert_close(found, strain_scale * wanted, 1e-15, "break");
+            }
+            assert_eq!(scaled.breaks().count(), plain.breaks().count());
+        }
+    }
+}
+
+#[test]
+fn scales_of_one_change_no_bit_and_are_not_written() {
+    for (name, spec, _) in every_spec() {
+        let scaled = ScaledCurve::from(spec.clone());
+        assert_eq!(Curve::scaled(&scaled).unwrap(), curve(&spec), "{name}");
+        let json = serde_json::to_string(&scaled).unwrap();
+        assert_eq!(json, serde_json::to_string(&spec).unwrap(), "{name}");
+        let read: ScaledCurve = serde_json::from_str(&json).unwrap();
+        assert_eq!(read, scaled, "{name}");
+        let scaled = ScaledCurve { strain_scale: 0.7, stress_scale: 1.3, ..scaled };
+        let json = serde_json::to_string(&scaled).unwrap();
+        assert!(json.ends_with(r#","strain_scale":0.7,"stress_scale":1.3}"#), "{json}");
+        let read: ScaledCurve = serde_json::from_str(&json).unwrap();
+        assert_eq!(read, scaled, "{name}");
+    }
+}
+
+#[test]
+fn invalid_scales_are_rejected_with_the_field_named() {
+    let scaled = |json: &str| {
+        let curve: ScaledCurve = serde_json::from_str(json).map_err(|error| error.to_string())?;
+        Curve::scaled(&curve).map_err(|error| error.to_string())
+    };
+    let (least, most) = SCALES;
+    for scale in ["strain_scale", "stress_scale"] {
+        for value in [0.0, -1.0, 0.999 * least, 1.001 * most, 1e308] {
+            let message = scaled(&format!(r#"{{"kind":"skin","{scale}":{value}}}"#)).unwrap_err();
+            assert!(message.starts_with(&format!("{scale} is ")), "{message}");
+            assert!(message.ends_with("allowed: 0.05 to 20"), "{message}");
+        }
+        assert!(
+            scaled(&format!(r#"{{"kind":"skin","{scale}":"1"}}"#)).unwrap_err().contains("string")
+        );
+        let nan = ScaledCurve { strain_scale: f64::NAN, ..CurveSpec::Skin {}.into() };
+        assert!(Curve::scaled(&nan).is_err());
+        // A curve without a scene has no scale in its description.
+        let message = from_json(&format!(r#"{{"kind":"skin","{scale}":1}}"#)).unwrap_err();
+        assert!(message.contains(scale), "{message}");
+    }
+    for (json, wanted) in [
+        (
+            r#"{"kind":"linear","modulus_kpa":1e7,"stress_scale":2}"#,
+            "stress at the end of the scaled curve (kPa) is 2e7; allowed: 1e-6 to 1e7 kPa",
+        ),
+        (
+            r#"{"kind":"points","points":[[0,0],[1e-9,1e-3],[0.5,1]],"strain_scale":0.5}"#,
+            "strain_scale is 0.5; allowed: scaled strains 1e-9 apart or more",
+        ),
+    ] {
+        assert_eq!(scaled(json).unwrap_err(), wanted);
+    }
 }

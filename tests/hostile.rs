@@ -219,6 +219,16 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
         (with(r#""layers":{}"#), &["layers", "list of at most 8"]),
         (with(r#""layers":[[]]"#), &["layers[0]", "one JSON object"]),
         (with(&format!(r#""layers":[{}{{}}]"#, "{},".repeat(8))), &["layers", "at most 8"]),
+        (with(r#""patient":7"#), &["patient", "one JSON object"]),
+        (with(&format!(r#""patient":{{"{long}":1}}"#)), &["unknown field", "pinch_mm"]),
+        (with(&format!(r#""patient":{{"derived":["{long}"]}}"#)), &["patient.derived[0] is"]),
+        (with(r#""patient":{"pinch_mm":1e999}"#), &["patient.pinch_mm", "number out of range"]),
+        (
+            with_curve(r#"{"kind":"skin","strain_scale":1e308}"#),
+            &["layers[0].curve: strain_scale is 1e308", "0.05 to 20"],
+        ),
+        (with_curve(r#"{"kind":"skin","stress_scale":"1"}"#), &["layers[0].curve.stress_scale"]),
+        (with(r#""layers":[{"thickness_mm":null}]"#), &["layers[0].thickness_mm", "null"]),
         (with(r#""layers":[{"tissue":7}]"#), &["layers[0].tissue", "string"]),
         (with(r#""layers":[{"tissue":"a\nb"}]"#), &["layers[0].tissue is a b", "control"]),
         (with(r#""layers":[{"tissue":"\u0000"}]"#), &["layers[0].tissue", "control"]),
@@ -411,7 +421,7 @@ fn long_inputs_are_read_or_rejected_soon_and_in_little_memory() {
     let spec = CurveSpec::Points { points: line(100_000), interpolation: Interpolation::Spline };
     let mut scene = Scene::default();
     scene.solver.nodes_per_side = 17;
-    scene.layers[0].curve = spec;
+    scene.layers[0].curve = spec.into();
     let json = serde_json::to_string(&scene).unwrap();
     let start = Instant::now();
     assert_eq!(Scene::from_json(&json), Ok(scene));

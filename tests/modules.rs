@@ -8,9 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from left to right, as in ARCHITECTURE.md.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "number",
     "curve",
+    "clinical",
     "springs",
     "mesh",
     "contact",

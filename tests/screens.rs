@@ -483,11 +483,13 @@ fn the_last_point_of_a_measured_curve_can_be_entered() {
         scene.layers[0].curve = CurveSpec::Points {
             points: vec![[0.0, 0.0], [0.4, 100.0], [1.0, 500.0]],
             interpolation: Interpolation::Line,
-        };
+        }
+        .into();
     });
     let points = |harness: &Harness<'static, App>| match &harness.state().session().scene().layers
         [0]
     .curve
+    .spec
     {
         CurveSpec::Points { points, .. } => points.clone(),
         other => panic!("{other:?}"),
@@ -517,7 +519,7 @@ fn choosing_measured_points_moves_no_point_of_a_preset() {
     harness.get_by_label("Measured points").click();
     settle(&mut harness);
     (0..5).for_each(|_| harness.step());
-    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve
+    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve.spec
     else {
         panic!("no points")
     };
@@ -852,7 +854,8 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     scene.layers[0].curve = CurveSpec::Points {
         points: vec![[0.0, 0.0], [0.3, 60.0]],
         interpolation: Interpolation::Line,
-    };
+    }
+    .into();
     harness.state_mut().open(scene.to_json()).unwrap();
     settle(&mut harness);
     harness.get_by_label("Up to date");

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+use implant_preview::clinical::Measurements;
 use implant_preview::measure::{Field, Status};
 use implant_preview::scene::{Layer, Scene, Springs};
 use implant_preview::session::{Command, Counters, Session};
@@ -71,6 +72,34 @@ fn a_name_or_a_colour_solves_nothing() {
 }
 
 /// The work of a step: difference of the counters.
+#[test]
+fn a_change_of_the_patient_alone_solves_nothing_and_updates_the_result() {
+    let mut start = small();
+    let measured = |base_width_mm: f64| Measurements {
+        base_width_mm: Some(base_width_mm),
+        pinch_mm: Some(20.0),
+        ..Measurements::default()
+    };
+    start.apply_patient(measured(120.0)).unwrap();
+    let mut session = Session::new(start).unwrap();
+    settle(&mut session);
+    let (counters, outcome) = (session.counters(), session.outcome().unwrap().clone());
+    assert_eq!(outcome.patient_values.len(), 2);
+    let is_wide = |session: &Session| {
+        let warnings = &session.outcome().unwrap().warnings;
+        warnings.iter().filter(|text| text.contains("wider than the measured base width")).count()
+    };
+    assert_eq!(is_wide(&session), 0);
+    edit(&mut session, 1, |scene| scene.apply_patient(measured(100.0)).unwrap());
+    assert_eq!(is_wide(&session), 1);
+    edit(&mut session, 2, |scene| scene.apply_patient(measured(90.0)).unwrap());
+    assert_eq!(is_wide(&session), 1);
+    edit(&mut session, 3, |scene| scene.patient = None);
+    assert!(is_wide(&session) == 0 && session.outcome().unwrap().patient_values.is_empty());
+    (0..3).for_each(|_| session.apply(Command::Undo).unwrap());
+    assert_eq!((session.outcome().unwrap(), session.counters()), (&outcome, counters));
+}
+
 fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
     let before = session.counters();
     step(session);

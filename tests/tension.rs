@@ -1,7 +1,7 @@
 //! The paper's tension test: measured curves and Poisson ratios, loss of stability.
 
 use glam::{DMat2, DVec2};
-use implant_preview::curve::{Curve, CurveSpec, Interpolation};
+use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve};
 use implant_preview::experiment::sample::Sample;
 use implant_preview::experiment::tension::{LOADS, Protocol, Report, Status, Test, run};
 use implant_preview::springs::Springs;
@@ -121,6 +121,32 @@ fn coupled_springs_follow_a_curve_past_kinks() {
         assert!(report.rows.iter().all(|row| row.status == Status::Converged));
         let error = report.greatest_stress_error(&curve).unwrap();
         assert!(error < 1e-8, "{poisson_ratio} {cells}: {error}");
+    }
+}
+
+#[test]
+fn a_scaled_curve_is_the_curve_that_the_tension_test_measures() {
+    for (spec, strain_scale, stress_scale) in
+        [(CurveSpec::Skin {}, 0.5, 1.3), (CurveSpec::Adipose {}, 1.7, 2.5)]
+    {
+        let plain = Curve::new(&spec).unwrap();
+        let curve = Curve::scaled(&ScaledCurve { spec, strain_scale, stress_scale }).unwrap();
+        let test = Test {
+            springs: Springs::Coupled,
+            curve: curve.clone(),
+            poisson_ratio: 0.3,
+            cells: 4,
+            angle: 0.4,
+            protocol: Protocol::Equilibrium,
+        };
+        let report = run(&test);
+        assert!(report.rows.iter().all(|row| row.status == Status::Converged));
+        assert!(report.greatest_stress_error(&curve).unwrap() < 1e-8);
+        for row in &report.rows {
+            let strain = row.measured.as_ref().unwrap().strain;
+            let wanted = stress_scale * plain.stress(strain / strain_scale);
+            assert!((row.load_kpa - wanted).abs() < 1e-7 * wanted, "{strain}");
+        }
     }
 }
 

@@ -221,7 +221,7 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
         ..Control::default()
     }
     .show(ui, &mut layer.poisson_ratio);
-    curve_editor::show(ui, &mut layer.curve);
+    curve_editor::show(ui, &mut layer.curve.spec);
 }
 
 /// Springs, resolution and tolerance.

@@ -2,7 +2,8 @@
 //!
 //! The paper (Nikolaev 2013, "Nonlinearity modeling") builds `Ef` from marked points joined by
 //! segments or splines; pieces may be polynomial, trigonometric or exponential. [`CurveSpec`] is
-//! the description in a scene file, [`Curve`] is the validated, callable curve.
+//! the description in a scene file, [`ScaledCurve`] adds the scales of strain and stress, [`Curve`] is the validated,
+//! callable curve.
 //!
 //! Uses no other module of this crate. Used by `springs`, `scene`, `experiment` and the views.
 //!
@@ -13,9 +14,11 @@
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
 mod read;
+mod scale;
 mod spec;
 
-pub(crate) use read::{List, Pair, number, object};
+pub(crate) use read::{GivenCurve, List, Pair, number, object};
+pub use scale::{SCALES, ScaledCurve};
 pub use spec::{CurveError, CurveSpec, Interpolation, Section};
 
 use std::f64::consts::FRAC_PI_2;
@@ -336,17 +339,25 @@ impl Curve {
         self.slope(0.0).max(1e-3 * self.secant(0.01))
     }
 
-    /// Strain at the end of the data \[-\]: the last point or section, 1 for a formula.
+    /// Strain at the end of the data \[-\]: the last point or section, 1 for a formula; times the strain scale.
     #[must_use]
     pub fn data_end(&self) -> f64 {
         self.data_end
     }
 
     /// Start of the final line with the end slope \[-\]: the end of the data; an arctangent keeps its
-    /// formula up to strain 10.
+    /// formula up to strain 10, times the strain scale.
     #[must_use]
     pub fn line_start(&self) -> f64 {
         self.line_start
+    }
+
+    /// End of the strains that a table of this curve covers \[-\]: the start of the final line, at most strain 10 or
+    /// the end of the data. The formula of an arctangent with a large strain scale goes farther; a table up to there would
+    /// lose accuracy at the strains of tissue.
+    #[must_use]
+    pub(crate) fn table_end(&self) -> f64 {
+        self.line_start.min(MAX_STRAIN.max(self.data_end))
     }
 
     /// Returns `true` if the strain (of either sign) lies beyond the data.

@@ -3,7 +3,7 @@
 //! serde buffers a tagged enum as a whole, in some thirty times the memory of the text, and loses the
 //! position of an error.
 
-use super::{CurveSpec, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, Section};
+use super::{CurveSpec, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, ScaledCurve, Section};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
@@ -20,6 +20,16 @@ struct CurveFile {
     points: Option<List<Pair, MAX_POINTS>>,
     interpolation: Option<Interpolation>,
     sections: Option<List<Section, MAX_POINTS>>,
+    strain_scale: Option<f64>,
+    stress_scale: Option<f64>,
+}
+
+/// A curve of a file; a scale that the file does not contain is `None`.
+#[derive(Clone)]
+pub(crate) struct GivenCurve {
+    pub(crate) spec: CurveSpec,
+    pub(crate) strain_scale: Option<f64>,
+    pub(crate) stress_scale: Option<f64>,
 }
 
 #[derive(Clone, Copy, serde::Deserialize)]
@@ -62,26 +72,68 @@ enum SectionKind {
 
 impl<'de> Deserialize<'de> for CurveSpec {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
-        let mut file: CurveFile = object(reader)?;
+        let file: CurveFile = object(reader)?;
+        reject_others(&[
+            ("strain_scale", file.strain_scale.is_some()),
+            ("stress_scale", file.stress_scale.is_some()),
+        ])?;
+        file.spec()
+    }
+}
+
+impl<'de> Deserialize<'de> for GivenCurve {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let file: CurveFile = object(reader)?;
+        let (strain_scale, stress_scale) = (file.strain_scale, file.stress_scale);
+        Ok(Self { spec: file.spec()?, strain_scale, stress_scale })
+    }
+}
+
+impl<'de> Deserialize<'de> for ScaledCurve {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        GivenCurve::deserialize(reader).map(Self::from)
+    }
+}
+
+impl From<GivenCurve> for ScaledCurve {
+    fn from(given: GivenCurve) -> Self {
+        let scale = |scale: Option<f64>| scale.unwrap_or(1.0);
+        Self {
+            spec: given.spec,
+            strain_scale: scale(given.strain_scale),
+            stress_scale: scale(given.stress_scale),
+        }
+    }
+}
+
+impl CurveFile {
+    /// The curve of its kind.
+    ///
+    /// # Errors
+    /// A missing field, or a field of another kind.
+    fn spec<E: Error>(self) -> Result<CurveSpec, E> {
+        let mut file = self;
         let spec = match file.kind {
-            Kind::Skin => Self::Skin {},
-            Kind::Adipose => Self::Adipose {},
+            Kind::Skin => CurveSpec::Skin {},
+            Kind::Adipose => CurveSpec::Adipose {},
             Kind::Linear => {
-                Self::Linear { modulus_kpa: take(&mut file.modulus_kpa, "modulus_kpa")? }
+                CurveSpec::Linear { modulus_kpa: take(&mut file.modulus_kpa, "modulus_kpa")? }
             }
-            Kind::Arctangent => Self::Arctangent {
+            Kind::Arctangent => CurveSpec::Arctangent {
                 scale_kpa: take(&mut file.scale_kpa, "scale_kpa")?,
                 rate: take(&mut file.rate, "rate")?,
             },
-            Kind::Exponential => Self::Exponential {
+            Kind::Exponential => CurveSpec::Exponential {
                 scale_kpa: take(&mut file.scale_kpa, "scale_kpa")?,
                 rate: take(&mut file.rate, "rate")?,
             },
-            Kind::Points => Self::Points {
+            Kind::Points => CurveSpec::Points {
                 points: take(&mut file.points, "points")?.0.into_iter().map(|p| p.0).collect(),
                 interpolation: file.interpolation.take().unwrap_or_default(),
             },
-            Kind::Sections => Self::Sections { sections: take(&mut file.sections, "sections")?.0 },
+            Kind::Sections => {
+                CurveSpec::Sections { sections: take(&mut file.sections, "sections")?.0 }
+            }
         };
         reject_others(&[
             ("modulus_kpa", file.modulus_kpa.is_some()),

@@ -5,9 +5,9 @@
 //! [`Solution`](crate::solve::Solution).
 //!
 //! `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (nodal fields, computed on demand) |
-//! `surface` (closed surfaces) | `bands` (words for strain and pressure).
+//! `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
 //!
-//! Uses `curve`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
+//! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
 pub mod bands;
 mod contact;
@@ -25,6 +25,7 @@ pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 
+use crate::clinical::PatientValue;
 use crate::model::layered::law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
 use crate::solve::{Invalid, Method, Problem, Report, Tissue, Verdict};
@@ -109,6 +110,9 @@ pub struct Outcome {
     pub attachment_traction_kpa: Option<Traction>,
     /// What the solver did.
     pub solver: SolverOutcome,
+    /// Values of the scene that the patient's measurements determine; without a patient empty and absent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub patient_values: Vec<PatientValue>,
     /// Warnings in plain sentences.
     pub warnings: Vec<String>,
 }
@@ -319,6 +323,7 @@ impl Outcome {
                 relative_residual: report.relative_residual,
                 estimated_position_error: report.estimated_position_error,
             },
+            patient_values: Vec::new(),
             warnings: Vec::new(),
         }
     }

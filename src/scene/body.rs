@@ -186,11 +186,17 @@ impl Scene {
     pub(super) fn check_body(&self) -> Result<(), SceneError> {
         let is_second = self.schema == SCENE_SCHEMA_2;
         let cells = self.solver.cells_through;
+        let mut layers = self.layers.iter().enumerate();
+        let scaled = layers.find_map(|(k, layer)| Some(format!("layers[{k}].{}", layer.scale()?)));
         let Some(body) = self.body else {
             return match cells {
                 _ if is_second => Err(problem("tissue_model", "missing in a scene of scene/2")),
                 Some(_) => Err(in_first("solver.cells_through")),
-                None => Ok(()),
+                None if self.patient.is_some() => Err(in_first("patient")),
+                None => match scaled {
+                    Some(field) => Err(in_first(&field)),
+                    None => Ok(()),
+                },
             };
         };
         if !is_second {

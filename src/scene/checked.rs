@@ -32,7 +32,7 @@ impl CheckedScene {
             return Ok(Self { scene, materials: Arc::clone(&earlier.materials) });
         }
         let material = |(k, layer): (usize, &super::Layer)| {
-            let curve = Curve::new(&layer.curve)
+            let curve = Curve::scaled(&layer.curve)
                 .map_err(|source| SceneError::Curve { layer: k, source })?;
             let (poisson_ratio, thickness_mm) = (layer.poisson_ratio, layer.thickness_mm);
             Ok(Material { curve, poisson_ratio, thickness_mm })

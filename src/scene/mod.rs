@@ -4,21 +4,28 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `read` (bytes and JSON) | `repair` (scenes that an
-//! edit made invalid).
+//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `layer` (a layer and its file format) | `patient`
+//! (measurements and the values derived from them) | `read` (bytes and JSON) | `repair` (scenes that an edit made invalid).
 //!
-//! Uses `curve`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
+//! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
 mod body;
 mod checked;
+mod layer;
+mod patient;
 pub mod read;
 mod repair;
 
-use crate::curve::{CurveError, CurveSpec, List, Pair, number, object};
+use crate::clinical::ClinicalError;
+use crate::curve::{CurveError, List, Pair, number, object};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
+pub use layer::Layer;
+use layer::{LayerFile, default_layers};
+pub use patient::Patient;
+use patient::PatientFile;
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
@@ -75,6 +82,9 @@ pub struct Scene {
     pub insertion: f64,
     /// Layers from the skin inwards, 1 to 8.
     pub layers: Vec<Layer>,
+    /// `scene/2`: measurements of a person, and the fields that were derived from them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patient: Option<Patient>,
     /// The spring law.
     pub springs: Springs,
     /// Grid and tolerance.
@@ -90,24 +100,6 @@ pub struct Implant {
     pub projection_mm: f64,
     /// Centre of the base in the pocket \[mm\]; (0, 0) is the pocket's centre.
     pub center_mm: [f64; 2],
-}
-
-/// One tissue layer.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
-pub struct Layer {
-    /// Free text; `skin`, `adipose` and `muscle` have colours of their own.
-    #[serde(default = "default_tissue")]
-    pub tissue: String,
-    /// Thickness at rest \[mm\], 0.2 to 60.
-    #[serde(default = "default_thickness_mm")]
-    pub thickness_mm: f64,
-    /// Poisson ratio ν \[-\], 0 to 0.5.
-    #[serde(default = "default_poisson_ratio")]
-    pub poisson_ratio: f64,
-    /// Stress–strain curve.
-    #[serde(default = "default_curve")]
-    pub curve: CurveSpec,
 }
 
 /// Grid and tolerance of the solver.
@@ -150,8 +142,13 @@ struct SceneFile {
     attachment: Option<AttachmentSettings>,
     #[serde(default = "full_insertion")]
     insertion: f64,
-    #[serde(default = "default_layers", deserialize_with = "layers")]
-    layers: Vec<Layer>,
+    /// Default: skin and adipose.
+    #[serde(default, deserialize_with = "layers")]
+    #[schemars(with = "Vec<LayerFile>")]
+    layers: Option<Vec<LayerFile>>,
+    /// `scene/2` only: what was measured on a person.
+    #[serde(default, deserialize_with = "some_object")]
+    patient: Option<PatientFile>,
     #[serde(default)]
     springs: Springs,
     #[serde(default, deserialize_with = "object")]
@@ -176,11 +173,11 @@ fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     object(reader).map(Some)
 }
 
-fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<Layer>, D::Error> {
+fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<LayerFile>>, D::Error> {
     #[derive(Deserialize)]
-    struct Entry(#[serde(deserialize_with = "object")] Layer);
+    struct Entry(#[serde(deserialize_with = "object")] LayerFile);
     let list = List::<Entry, { limits::LAYERS.1 }>::deserialize(reader)?;
-    Ok(list.0.into_iter().map(|entry| entry.0).collect())
+    Ok(Some(list.0.into_iter().map(|entry| entry.0).collect()))
 }
 
 fn newest_schema() -> String {
@@ -189,46 +186,6 @@ fn newest_schema() -> String {
 fn full_insertion() -> f64 {
     1.0
 }
-fn default_tissue() -> String {
-    "skin".to_owned()
-}
-fn default_thickness_mm() -> f64 {
-    1.5
-}
-fn default_poisson_ratio() -> f64 {
-    0.45
-}
-fn default_curve() -> CurveSpec {
-    CurveSpec::Skin {}
-}
-fn default_layers() -> Vec<Layer> {
-    vec![Layer::skin(), Layer::adipose()]
-}
-
-impl Layer {
-    /// Skin, 1.5 mm, ν = 0.45.
-    #[must_use]
-    pub fn skin() -> Self {
-        Self {
-            tissue: default_tissue(),
-            thickness_mm: default_thickness_mm(),
-            poisson_ratio: default_poisson_ratio(),
-            curve: CurveSpec::Skin {},
-        }
-    }
-
-    /// Adipose, 10 mm, ν = 0.45.
-    #[must_use]
-    pub fn adipose() -> Self {
-        Self {
-            tissue: "adipose".to_owned(),
-            thickness_mm: 10.0,
-            poisson_ratio: default_poisson_ratio(),
-            curve: CurveSpec::Adipose {},
-        }
-    }
-}
-
 /// Error of an invalid scene, in one line: field, value, allowed range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
@@ -257,6 +214,14 @@ pub enum SceneError {
         layer: usize,
         /// The error of the curve.
         source: CurveError,
+    },
+    /// A measurement of the patient is invalid, or gives a value out of its range.
+    #[error("patient.{field}: {source}")]
+    Patient {
+        /// The field in `patient`.
+        field: &'static str,
+        /// The error of the measurement.
+        source: ClinicalError,
     },
     /// A curve in a file of its own is invalid.
     #[error("{0}")]
@@ -293,10 +258,16 @@ impl SceneFile {
                 ("patch_radius_mm", file.patch_radius_mm.is_some()),
                 ("attachment", file.attachment.is_some()),
                 ("solver.cells_through", file.solver.cells_through.is_some()),
+                ("patient", file.patient.is_some()),
             ] {
                 if is_given {
                     return Err(body::in_first(field));
                 }
+            }
+            let mut layers = file.layers.iter().flatten().enumerate();
+            if let Some((k, field)) = layers.find_map(|(k, layer)| Some((k, layer.given_scale()?)))
+            {
+                return Err(body::in_first(&format!("layers[{k}].{field}")));
             }
         }
         let radius = file.implant.base_radius_mm;
@@ -313,7 +284,13 @@ impl SceneFile {
                 ..default
             }
         });
-        Ok(Scene {
+        // For each layer of the file the fields that a patient may fill.
+        let given = file.layers.iter().flatten().map(patient::Given::of).collect::<Vec<_>>();
+        let layers = match file.layers {
+            Some(layers) => layers.into_iter().map(Layer::from).collect(),
+            None => default_layers(),
+        };
+        let mut scene = Scene {
             schema: file.schema,
             implant: Implant {
                 base_radius_mm: radius,
@@ -323,10 +300,15 @@ impl SceneFile {
             pocket_radius_mm,
             body,
             insertion: file.insertion,
-            layers: file.layers,
+            layers,
+            patient: None,
             springs: file.springs,
             solver: file.solver,
-        })
+        };
+        if let Some(patient) = file.patient {
+            patient.fill(&mut scene, &given)?;
+        }
+        Ok(scene)
     }
 }
 
@@ -341,6 +323,7 @@ impl Default for Scene {
             body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
             insertion: full_insertion(),
             layers: default_layers(),
+            patient: None,
             springs: Springs::default(),
             solver: SolverSettings::default(),
         }
@@ -414,6 +397,7 @@ impl Scene {
             ));
         }
         self.check_body()?;
+        self.check_patient()?;
         within("insertion", self.insertion, (0.0, 1.0), "")?;
         let (least, most) = limits::LAYERS;
         if !(least..=most).contains(&self.layers.len()) {
@@ -463,7 +447,7 @@ impl Scene {
         Ok(CheckedScene::new(self.clone())?.problem())
     }
 
-    /// Do two scenes have the same equilibrium? The names of their tissues may differ.
+    /// Do two scenes have the same equilibrium? The names of their tissues and the patients may differ.
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
         let of = |scene: &Self| {
@@ -474,6 +458,7 @@ impl Scene {
                 body,
                 insertion,
                 layers: _,
+                patient: _,
                 springs,
                 solver,
             } = scene;

@@ -2,7 +2,7 @@
 //! line; reading stops at the first surplus entry of a list.
 
 use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
-use crate::curve::{Curve, CurveSpec};
+use crate::curve::{Curve, ScaledCurve};
 use serde::de::{DeserializeOwned, IgnoredAny};
 
 /// Greatest size of a scene or a curve \[bytes\].
@@ -57,8 +57,8 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
 /// # Errors
 /// One line with the field, its value and the allowed range.
 pub fn curve(bytes: &[u8]) -> Result<Curve, SceneError> {
-    let spec: CurveSpec = json(utf8(bytes)?, "curve")?;
-    Curve::new(&spec).map_err(SceneError::CurveFile)
+    let curve: ScaledCurve = json(utf8(bytes)?, "curve")?;
+    Curve::scaled(&curve).map_err(SceneError::CurveFile)
 }
 
 /// Is the first line that is not blank a whole value, and do more lines follow?

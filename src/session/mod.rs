@@ -211,6 +211,7 @@ impl Session {
                 for (outcome, layer) in outcome.layers.iter_mut().zip(&self.scene.layers) {
                     outcome.tissue.clone_from(&layer.tissue);
                 }
+                simulate::replace_patient(outcome, &before, &self.scene);
             }
             return before;
         }

@@ -71,9 +71,10 @@ const LINES: [Line; 5] = [
 ];
 
 /// The lines of layered tissue.
-const LAYERED_LINES: [Line; 4] = [
+const LAYERED_LINES: [Line; 5] = [
     Line { name: "full multigrid, 1–8 cycles", ..LINES[0] },
-    Line { methods: &[Method::Automatic], name: "automatic, to 1, 0.1, 0.01 %", ..LINES[1] },
+    Line { methods: &[Method::Automatic], name: "automatic, to 1, 0.1, 0.01 %", ..LINES[4] },
+    Line { ..LINES[1] },
     Line { methods: &[Method::ColumnJacobi], name: "column Jacobi, nested", ..LINES[2] },
     Line {
         methods: &[Method::ExplicitMomentum],

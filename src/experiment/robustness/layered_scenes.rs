@@ -58,6 +58,7 @@ fn start() -> Scene {
         body: Some(Body::around(70.0, TissueModel::Layered)),
         insertion: 1.0,
         layers: vec![Layer::skin(), Layer::adipose()],
+        patient: None,
         springs: Springs::Coupled,
         solver: SolverSettings {
             nodes_per_side: 33,
@@ -109,7 +110,8 @@ pub(super) fn realistic_layers(rng: &mut Rng) -> Vec<Layer> {
             "gland" => CurveSpec::Linear { modulus_kpa: uniform(rng, GLAND_KPA) },
             // That of the case with muscle in `tests/reference/layered.json`.
             _ => CurveSpec::Exponential { scale_kpa: 3.0, rate: 3.0 },
-        },
+        }
+        .into(),
     };
     let mut layers = vec![skin];
     for solid_of in names.into_iter().zip(shares) {

@@ -28,6 +28,7 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
         body: None,
         insertion: insertion(rng),
         layers: layers(rng),
+        patient: None,
         springs: if rng.u8(0..100) < 85 { Springs::Coupled } else { Springs::Nikolaev },
         solver: SolverSettings {
             nodes_per_side: nodes(rng),
@@ -101,7 +102,7 @@ fn layer(rng: &mut Rng) -> Layer {
             1 => limits::POISSON_RATIO.1,
             _ => uniform(rng, limits::POISSON_RATIO),
         },
-        curve: curve(rng),
+        curve: curve(rng).into(),
     }
 }
 

@@ -54,17 +54,17 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
     offer(&|s| s.implant.projection_mm = s.implant.base_radius_mm);
     offer(&|s| s.solver.tolerance = 1e-4);
     for k in 0..scene.layers.len() {
-        offer(&|s| s.layers[k].curve = CurveSpec::Linear { modulus_kpa: 10.0 });
-        offer(&|s| s.layers[k].curve = CurveSpec::Skin {});
-        offer(&|s| s.layers[k].curve = CurveSpec::Adipose {});
-        if let CurveSpec::Points { points, interpolation } = &scene.layers[k].curve
+        offer(&|s| s.layers[k].curve = CurveSpec::Linear { modulus_kpa: 10.0 }.into());
+        offer(&|s| s.layers[k].curve = CurveSpec::Skin {}.into());
+        offer(&|s| s.layers[k].curve = CurveSpec::Adipose {}.into());
+        if let CurveSpec::Points { points, interpolation } = &scene.layers[k].curve.spec
             && points.len() > 2
         {
             for p in 1..points.len() {
                 let mut points = points.clone();
                 points.remove(p);
                 let curve = CurveSpec::Points { points, interpolation: *interpolation };
-                offer(&|s| s.layers[k].curve = curve.clone());
+                offer(&|s| s.layers[k].curve.spec = curve.clone());
             }
         }
         offer(&|s| s.layers[k].poisson_ratio = 0.0);

@@ -78,6 +78,7 @@ impl Case {
             body: None,
             insertion: 1.0,
             layers,
+            patient: None,
             springs: Springs::Coupled,
             solver: SolverSettings { nodes_per_side, tolerance, cells_through: None },
         };
@@ -113,7 +114,7 @@ impl Case {
                 let linear = |thickness_mm, modulus_kpa| Layer {
                     thickness_mm,
                     poisson_ratio: 1.0 / 3.0,
-                    curve: CurveSpec::Linear { modulus_kpa },
+                    curve: CurveSpec::Linear { modulus_kpa }.into(),
                     ..Layer::adipose()
                 };
                 layered([40.0, 40.0], 55.0, 2.0, vec![linear(1.5, 50.0), linear(12.0, 5.0)])
@@ -125,7 +126,7 @@ impl Case {
                     tissue: "muscle".to_owned(),
                     thickness_mm: 6.0,
                     poisson_ratio: 0.45,
-                    curve: CurveSpec::Exponential { scale_kpa: 3.0, rate: 3.0 },
+                    curve: CurveSpec::Exponential { scale_kpa: 3.0, rate: 3.0 }.into(),
                 };
                 layered([58.0, 45.0], 66.0, 3.0, vec![skin, adipose, muscle])
             }
@@ -141,7 +142,7 @@ fn pocket_patch(pocket_radius_mm: f64) -> f64 {
 fn linear_third() -> Layer {
     Layer {
         poisson_ratio: 1.0 / 3.0,
-        curve: CurveSpec::Linear { modulus_kpa: 10.0 },
+        curve: CurveSpec::Linear { modulus_kpa: 10.0 }.into(),
         ..Layer::skin()
     }
 }

@@ -20,10 +20,6 @@ const OWN_TOLERANCE: f64 = 1e-9;
 const NEWTON_TOLERANCES: [f64; 3] = [1e-3, 1e-5, 1e-7];
 /// Tolerances of the rows of [`Method::Automatic`] \[fraction of the base radius\].
 const AUTOMATIC_TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
-/// Tolerances of the own equilibrium of layered tissue, the first that converges \[fraction of the base radius\].
-const OWN_LAYERED_TOLERANCES: [f64; 4] = [2e-6, 5e-6, 1e-5, 3e-5];
-/// Cycles of the own equilibrium of layered tissue where no tolerance converges.
-const OWN_LAYERED_CYCLES: u32 = 200;
 /// Greatest time of a run that is repeated \[ms\].
 const SHORT_MS: f64 = 50.0;
 
@@ -67,27 +63,6 @@ impl SheetGround {
     }
 }
 
-/// The grid's own equilibrium: Newton's, of layered tissue the solution of full multigrid with the least tolerance that
-/// converges. All errors against the grid's own equilibrium come from here.
-fn own_equilibrium(problem: &Problem, is_layered: bool) -> Solver {
-    let finished = |mut solver: Solver| {
-        while solver.advance(&mut || false) == Progress::Working {}
-        solver
-    };
-    if !is_layered {
-        return finished(newton(problem, OWN_TOLERANCE));
-    }
-    let converged = OWN_LAYERED_TOLERANCES
-        .into_iter()
-        .map(|tolerance| finished(automatic(problem, tolerance)))
-        .find(|solver| solver.verdict() == Verdict::Converged);
-    converged.unwrap_or_else(|| {
-        let method = solve::Method::Multigrid { cycles: OWN_LAYERED_CYCLES };
-        let options = Options { method, use_symmetry: false, ..Options::default() };
-        finished(Solver::with_options(problem.clone(), options))
-    })
-}
-
 /// Positions of all nodes, layer by layer \[mm\].
 fn nodes(solver: &Solver) -> Vec<DVec3> {
     let outer = solver.outer().iter().flatten();
@@ -104,7 +79,8 @@ impl Ground {
         let problem = scene.problem()?;
         // A solver at its start contains the positions at rest.
         let rest = nodes(&automatic(&problem, 1e-3));
-        let solver = own_equilibrium(&problem, case.is_layered());
+        let mut solver = newton(&problem, OWN_TOLERANCE);
+        while solver.advance(&mut || false) == Progress::Working {}
         let kinds = problem.sheet.kinds();
         let free = (0..problem.sheet.len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
         let profile = reference.and_then(|reference| reference(&scene));

@@ -10,8 +10,8 @@
 //! the grid, in lanes of four f32 ([`Method::ExplicitPaper`], [`Method::ExplicitCritical`]), and block
 //! Gauss–Seidel on nested grids in f64, without lanes ([`Method::GaussSeidel`]).
 //!
-//! Of layered tissue ([`Case::LAYERED`], [`Plan::layered`]) the methods are full multigrid and two relaxations on nested
-//! grids with the kernels of full multigrid ([`Method::ColumnJacobi`], [`Method::ExplicitMomentum`]).
+//! Of layered tissue ([`Case::LAYERED`], [`Plan::layered`]) the methods are full multigrid, Newton's method and two
+//! relaxations on nested grids with the kernels of full multigrid ([`Method::ColumnJacobi`], [`Method::ExplicitMomentum`]).
 //!
 //! The module uses no clock and no files: the clock is an argument, and the page runs the same study.
 //!
@@ -91,9 +91,10 @@ impl Method {
     ];
 
     /// All methods for layered tissue, slow methods first.
-    pub const LAYERED: [Self; 7] = [
+    pub const LAYERED: [Self; 8] = [
         Self::ColumnJacobi,
         Self::ExplicitMomentum,
+        Self::Newton,
         Self::Automatic,
         Self::Multigrid1,
         Self::Multigrid2,

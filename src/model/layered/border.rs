@@ -3,7 +3,8 @@
 //! The gradient is that at the middle of the bilinear cell. A cell with a corner outside of the patch is half of a
 //! parallelogram: the fourth corner is the linear continuation of the other three.
 
-use super::cell::{self, Corners, modes, on_faces, turned, turned_back};
+use super::cell::{self, Corners, Modes, modes, on_faces, turned, turned_back};
+use super::law::log_volume;
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
@@ -134,24 +135,44 @@ impl Border {
         Self { fours: cells.chunks(4).map(four).collect() }
     }
 
-    /// Adds the forces of a layer of cells between the nodes at `from` and those `length` further.
+    /// Number of groups of four cells in a layer.
+    pub(super) fn len(&self) -> usize {
+        self.fours.len()
+    }
+
+    /// Renews the augmented pressures of a layer of cells between the nodes of two layers.
+    pub(super) fn renew(
+        &self,
+        law: &LaneLaw,
+        slope: f32x4,
+        layers: [usize; 2],
+        u: &Field,
+        pressure: &mut [f32x4],
+    ) {
+        for (four, pressure) in self.fours.iter().zip(pressure) {
+            let volume = cell::volume(&four.modes(u, layers), slope);
+            *pressure = law.renewed(law.pressure(log_volume(volume), *pressure));
+        }
+    }
+
+    /// Adds the forces of a layer of cells between the nodes of two layers; `pressure` is empty without augmented
+    /// pressures.
     pub(super) fn add_forces(
         &self,
         law: &LaneLaw,
         shape: &Shape,
-        from: usize,
-        length: usize,
+        layers: [usize; 2],
+        pressure: &[f32x4],
         u: &Field,
         f: &mut Field,
     ) {
-        for four in &self.fours {
-            let faces = [from, from + length].map(|layer| four.gather(u, layer));
-            let mut modes = modes(&faces[0], &faces[1]);
-            modes.linear = turned(modes.linear, four.sides);
-            let mut force = cell::center(law, &modes, shape.slope, &shape.variation, f32x4::ZERO);
+        for (k, four) in self.fours.iter().enumerate() {
+            let modes = four.modes(u, layers);
+            let augmented = pressure.get(k).copied().unwrap_or_default();
+            let mut force = cell::center(law, &modes, shape.slope, &shape.variation, augmented);
             force.linear = turned_back(force.linear, four.sides);
             let force = force.weighted(four.weight);
-            for (face, layer) in on_faces(&force).iter().zip([from, from + length]) {
+            for (face, layer) in on_faces(&force).iter().zip(layers) {
                 four.pull(face, layer, f);
             }
         }
@@ -162,22 +183,23 @@ impl Border {
         &self,
         law: &LaneLaw,
         shape: &Shape,
-        from: usize,
-        length: usize,
+        layers: [usize; 2],
+        pressure: &[f32x4],
         u: &Field,
         blocks: &mut ColumnBlocks,
     ) {
-        for four in &self.fours {
-            let faces = [from, from + length].map(|layer| four.gather(u, layer));
-            let stiffness =
-                CellStiffness::new(law, &modes(&faces[0], &faces[1]), shape, f32x4::ZERO);
+        for (k, four) in self.fours.iter().enumerate() {
+            let [inner, outer] = layers.map(|layer| four.gather(u, layer));
+            let augmented = pressure.get(k).copied().unwrap_or_default();
+            let stiffness = CellStiffness::new(law, &modes(&inner, &outer), shape, augmented);
             for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
                 let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
                 let weight = four.weight * (f32x4::ONE - four.missing[corner]);
                 let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
                 for (lane, &node) in four.corners[corner].iter().enumerate() {
-                    let at = node as usize + from;
-                    for (at, block) in [at, at + length].into_iter().zip(diagonal) {
+                    let at = node as usize + layers[0];
+                    for (layer, block) in layers.into_iter().zip(diagonal) {
+                        let at = node as usize + layer;
                         for (part, value) in blocks.diagonal.parts.iter_mut().zip(block) {
                             part[at] += value.to_array()[lane];
                         }
@@ -192,6 +214,14 @@ impl Border {
 }
 
 impl Four {
+    /// The modes of the cells between two layers of nodes.
+    fn modes(&self, u: &Field, layers: [usize; 2]) -> Modes<f32x4> {
+        let [inner, outer] = layers.map(|layer| self.gather(u, layer));
+        let mut modes = modes(&inner, &outer);
+        modes.linear = turned(modes.linear, self.sides);
+        modes
+    }
+
     /// The sums over the corners of a face.
     fn gather(&self, u: &Field, layer: usize) -> Corners<f32x4> {
         let mut at = self.corners.map(|nodes| {

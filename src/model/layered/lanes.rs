@@ -71,6 +71,8 @@ pub(crate) struct Scratch {
     /// The augmented pressure of the cell at each stored node, shape (layers of cells, stored nodes) \[secants\]; empty unless a
     /// tissue is nearly incompressible.
     pressure: Vec<f32>,
+    /// The same of the groups of four cells at the border, shape (layers of cells, groups).
+    border_pressure: Vec<f32x4>,
     /// Of the cells at each stored node: 1 in the ring of four points, else 0.
     in_ring: Vec<f32>,
     /// Of the cell at each stored node: integrals of the attachment for [`PAIRS`], scaled.
@@ -106,6 +108,14 @@ impl Layered {
             attachment,
             stiffness,
         }
+    }
+}
+
+impl Scratch {
+    /// The augmented pressures at the border of a layer of cells; empty without.
+    fn border_pressure(&self, layer: usize) -> &[f32x4] {
+        let groups = self.border.len();
+        self.border_pressure.get(layer * groups..(layer + 1) * groups).unwrap_or_default()
     }
 }
 
@@ -290,6 +300,7 @@ impl ElasticModel for Layered {
             border: Border::new(layout),
             shapes: vec![Shape::default(); self.cells.len()],
             pressure: Vec::new(),
+            border_pressure: Vec::new(),
             in_ring: vec![0.0; layout.len()],
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
@@ -305,8 +316,11 @@ impl ElasticModel for Layered {
             stiffness: self.stiffness,
         };
         scratch.pressure.clear();
+        scratch.border_pressure.clear();
         if self.is_augmented() {
             scratch.pressure.resize(layout.len() * self.cells.len(), 0.0);
+            let groups = scratch.border.len() * self.cells.len();
+            scratch.border_pressure.resize(groups, f32x4::ZERO);
         }
         for (shape, cells) in scratch.shapes.iter_mut().zip(&self.cells) {
             let slope = spacing / cells.height;
@@ -347,7 +361,9 @@ impl ElasticModel for Layered {
         self.add_cells(layout, u, f, scratch);
         Self::add_attachment(layout, u, f, scratch);
         for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
-            scratch.border.add_forces(&cells.law, shape, layer * layout.len(), layout.len(), u, f);
+            let layers = [layer, layer + 1].map(|layer| layer * layout.len());
+            let pressure = scratch.border_pressure(layer);
+            scratch.border.add_forces(&cells.law, shape, layers, pressure, u, f);
         }
     }
 
@@ -370,7 +386,9 @@ impl ElasticModel for Layered {
                     cells.add_blocks(layout, u, at, shape, lanes, blocks);
                 }
             }
-            scratch.border.add_blocks(&cells.law, shape, layer * length, length, u, blocks);
+            let layers = [layer, layer + 1].map(|layer| layer * length);
+            let pressure = scratch.border_pressure(layer);
+            scratch.border.add_blocks(&cells.law, shape, layers, pressure, u, blocks);
         }
         // An upper bound: the sum of each row.
         attached_groups(layout, &scratch.attachment[0], |k| {
@@ -446,6 +464,15 @@ impl ElasticModel for Layered {
                     let renewed = cells.law.renewed(pi) & row.counts(group);
                     store(&mut scratch.pressure, at, renewed);
                 }
+            }
+        }
+        let groups = scratch.border.len();
+        let all = scratch.border_pressure.chunks_mut(groups.max(1));
+        for (layer, (cells, pressure)) in self.cells.iter().zip(all).enumerate() {
+            if cells.is_augmented {
+                let layers = [layer, layer + 1].map(|layer| layer * length);
+                let slope = scratch.shapes[layer].slope;
+                scratch.border.renew(&cells.law, slope, layers, u, pressure);
             }
         }
     }

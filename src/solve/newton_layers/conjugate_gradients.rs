@@ -68,7 +68,7 @@ impl Newton {
         let start = if step == 0 { rho.max(0.0).sqrt() } else { start };
         let near = usize::from(self.relative_residual < NEAR);
         let is_small = rho.max(0.0).sqrt() <= DROP[near] * start;
-        if !(rho > 0.0) || step > 0 && is_small || step >= MAX_STEPS {
+        if rho <= 0.0 || !rho.is_finite() || step > 0 && is_small || step >= MAX_STEPS {
             self.phase = Phase::ActiveSet;
             return;
         }
@@ -83,7 +83,7 @@ impl Newton {
         self.product_into_z(&p);
         self.p = p;
         let bend = self.dot(&self.p, &self.z);
-        if !(bend > 0.0) {
+        if bend <= 0.0 || !bend.is_finite() {
             // Without a step so far: along the preconditioned forces.
             if step == 0 {
                 self.add_to_step(1.0);

@@ -1,0 +1,298 @@
+//! Sizes of round implants and expanders: base width, projection, volume, profile class.
+//!
+//! The shape is a half-ellipsoid dome: volume = ⅔ π R² p, R half the base width, p the projection.
+
+use super::{ClinicalError, checked, limits, rounded};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// mm³ per ml (= cm³).
+const MM3_PER_ML: f64 = 1000.0;
+
+/// Volumes of all domes within the limits of base width and projection, rounded outwards \[ml\].
+const VOLUME_ML: (f64, f64) = (0.4, 3620.0);
+
+/// Base width, projection and volume of a half-ellipsoid dome; any two give the third.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    base_width_mm: f64,
+    projection_mm: f64,
+}
+
+/// One of the three dimensions of a [`Size`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dimension {
+    /// Base width \[mm\].
+    BaseWidth,
+    /// Projection \[mm\].
+    Projection,
+    /// Volume \[ml\].
+    Volume,
+}
+
+impl Size {
+    /// The size of a base width and a projection \[mm\].
+    ///
+    /// # Errors
+    /// A base width outside of 20–240 mm or a projection outside of 2–120 mm.
+    pub fn of_width_and_projection(
+        base_width_mm: f64,
+        projection_mm: f64,
+    ) -> Result<Self, ClinicalError> {
+        Ok(Self {
+            base_width_mm: checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?,
+            projection_mm: checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?,
+        })
+    }
+
+    /// The size of a base width \[mm\] and a volume \[ml\]: projection = 3 V / (2 π R²).
+    ///
+    /// # Errors
+    /// A base width out of its range, or a volume that gives a projection outside of 2–120 mm.
+    pub fn of_width_and_volume(base_width_mm: f64, volume_ml: f64) -> Result<Self, ClinicalError> {
+        let width = checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?;
+        let projection = 1.5 * MM3_PER_ML * volume_ml / (PI * (0.5 * width).powi(2));
+        let given = || format!("{} ml on a base of {} mm", rounded(volume_ml), rounded(width));
+        let allowed = limits::PROJECTION_MM;
+        let projection_mm = derived("projection", projection, allowed, volume_ml, given)?;
+        Ok(Self { base_width_mm: width, projection_mm })
+    }
+
+    /// The size of a projection \[mm\] and a volume \[ml\]: R = √(3 V / (2 π p)).
+    ///
+    /// # Errors
+    /// A projection out of its range, or a volume that gives a base width outside of 20–240 mm.
+    pub fn of_projection_and_volume(
+        projection_mm: f64,
+        volume_ml: f64,
+    ) -> Result<Self, ClinicalError> {
+        let projection = checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?;
+        let width = 2.0 * (1.5 * MM3_PER_ML * volume_ml / (PI * projection)).sqrt();
+        let given =
+            || format!("{} ml at a projection of {} mm", rounded(volume_ml), rounded(projection));
+        let base_width_mm = derived("base width", width, limits::BASE_WIDTH_MM, volume_ml, given)?;
+        Ok(Self { base_width_mm, projection_mm: projection })
+    }
+
+    /// The size after a change of one dimension \[mm or ml\], with another dimension locked. With the changed dimension
+    /// as the locked one, base width is locked, and projection for a change of the base width.
+    ///
+    /// # Errors
+    /// As of the constructors.
+    pub fn changed(
+        self,
+        dimension: Dimension,
+        value: f64,
+        locked: Dimension,
+    ) -> Result<Self, ClinicalError> {
+        use Dimension::{BaseWidth, Projection, Volume};
+        let (width, projection, volume) =
+            (self.base_width_mm, self.projection_mm, self.volume_ml());
+        match (dimension, locked) {
+            (BaseWidth, Volume) => Self::of_width_and_volume(value, volume),
+            (BaseWidth, _) => Self::of_width_and_projection(value, projection),
+            (Projection, Volume) => Self::of_projection_and_volume(value, volume),
+            (Projection, _) => Self::of_width_and_projection(width, value),
+            (Volume, Projection) => Self::of_projection_and_volume(projection, value),
+            (Volume, _) => Self::of_width_and_volume(width, value),
+        }
+    }
+
+    /// Base width \[mm\], twice the base radius.
+    #[must_use]
+    pub fn base_width_mm(self) -> f64 {
+        self.base_width_mm
+    }
+
+    /// Projection \[mm\].
+    #[must_use]
+    pub fn projection_mm(self) -> f64 {
+        self.projection_mm
+    }
+
+    /// Volume \[ml\], ⅔ π R² p.
+    #[must_use]
+    pub fn volume_ml(self) -> f64 {
+        2.0 / 3.0 * PI * (0.5 * self.base_width_mm).powi(2) * self.projection_mm / MM3_PER_ML
+    }
+
+    /// Base width \[cm\].
+    #[must_use]
+    pub fn base_width_cm(self) -> f64 {
+        self.base_width_mm / 10.0
+    }
+
+    /// Projection \[cm\].
+    #[must_use]
+    pub fn projection_cm(self) -> f64 {
+        self.projection_mm / 10.0
+    }
+
+    /// Projection / half base width \[-\]; 1 is a half sphere.
+    #[must_use]
+    pub fn ratio(self) -> f64 {
+        self.projection_mm / (0.5 * self.base_width_mm)
+    }
+
+    /// The profile class.
+    #[must_use]
+    pub fn profile(self) -> ProfileClass {
+        ProfileClass::of_ratio(self.ratio())
+    }
+
+    /// Does the size lie within the range of typical round implants: base 78–180 mm, projection 20–75 mm, 95–965 ml,
+    /// projection / half base width 0.39–1.07?
+    #[must_use]
+    pub fn is_typical(self) -> bool {
+        let is_in = |value: f64, (least, most): (f64, f64)| (least..=most).contains(&value);
+        is_in(self.base_width_mm, limits::TYPICAL_WIDTH_MM)
+            && is_in(self.projection_mm, limits::TYPICAL_PROJECTION_MM)
+            && is_in(self.volume_ml(), limits::TYPICAL_VOLUME_ML)
+            && is_in(self.ratio(), limits::TYPICAL_RATIO)
+    }
+}
+
+/// Checks a volume and the dimension that the volume gives.
+fn derived(
+    quantity: &'static str,
+    value: f64,
+    allowed: (f64, f64),
+    volume_ml: f64,
+    given: impl Fn() -> String,
+) -> Result<f64, ClinicalError> {
+    checked("volume", volume_ml, VOLUME_ML, " ml")?;
+    if (allowed.0 * (1.0 - 1e-12)..=allowed.1 * (1.0 + 1e-12)).contains(&value) {
+        return Ok(value.clamp(allowed.0, allowed.1));
+    }
+    Err(ClinicalError::Derived { given: given(), quantity, value, allowed, unit: " mm" })
+}
+
+/// Profile class of a round implant by projection / half base width.
+///
+/// The limits 0.50, 0.65 and 0.95 are a convention of this program: the class names of manufacturers have no common
+/// limits. Typical round implants have ratios of 0.39–1.07.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProfileClass {
+    /// Ratio below 0.50.
+    Low,
+    /// Ratio of 0.50 to below 0.65.
+    Moderate,
+    /// Ratio of 0.65 to below 0.95.
+    High,
+    /// Ratio of 0.95 or more.
+    HalfSphere,
+}
+
+impl ProfileClass {
+    /// All classes, from the flattest.
+    pub const ALL: [Self; 4] = [Self::Low, Self::Moderate, Self::High, Self::HalfSphere];
+
+    /// The class of a ratio projection / half base width \[-\].
+    #[must_use]
+    pub fn of_ratio(ratio: f64) -> Self {
+        match ratio {
+            ratio if ratio < 0.50 => Self::Low,
+            ratio if ratio < 0.65 => Self::Moderate,
+            ratio if ratio < 0.95 => Self::High,
+            _ => Self::HalfSphere,
+        }
+    }
+
+    /// A ratio in the middle of the class \[-\], for a choice of the class.
+    #[must_use]
+    pub fn ratio(self) -> f64 {
+        match self {
+            Self::Low => 0.45,
+            Self::Moderate => 0.57,
+            Self::High => 0.78,
+            Self::HalfSphere => 1.0,
+        }
+    }
+
+    /// The class in words.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Low => "low",
+            Self::Moderate => "moderate",
+            Self::High => "high",
+            Self::HalfSphere => "half sphere",
+        }
+    }
+}
+
+/// Typical round sizes without brands, in the order of base width and projection: base widths in steps of 6 mm, the
+/// ratios of the profile classes, projections in whole mm.
+///
+/// The table is generated: the volumes are those of the half-ellipsoid dome, not of a catalogue. Every size is typical
+/// ([`Size::is_typical`]).
+#[must_use]
+pub fn typical_sizes() -> Vec<Size> {
+    let (least, most) = limits::TYPICAL_WIDTH_MM;
+    let widths = (0_u32..).map(|k| least + 6.0 * f64::from(k)).take_while(|width| *width <= most);
+    let sizes = widths.flat_map(|base_width_mm| {
+        ProfileClass::ALL.map(|class| Size {
+            base_width_mm,
+            projection_mm: (0.5 * base_width_mm * class.ratio()).round(),
+        })
+    });
+    sizes.filter(|size| size.is_typical()).collect()
+}
+
+/// A tissue expander on a base of fixed width: the fill raises the dome.
+///
+/// The pocket fixes the base; the shell is a half-ellipsoid at every fill. An expander with a built-in shape differs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expander {
+    base_width_mm: f64,
+}
+
+impl Expander {
+    /// An expander on a base of a width \[mm\].
+    ///
+    /// # Errors
+    /// A base width outside of 20–240 mm.
+    pub fn new(base_width_mm: f64) -> Result<Self, ClinicalError> {
+        checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")
+            .map(|base_width_mm| Self { base_width_mm })
+    }
+
+    /// Base width \[mm\].
+    #[must_use]
+    pub fn base_width_mm(self) -> f64 {
+        self.base_width_mm
+    }
+
+    /// The dome at a fill volume \[ml\]: projection = 3 V / (2 π R²).
+    ///
+    /// # Errors
+    /// A fill that gives a projection outside of 2–120 mm.
+    pub fn dome(self, fill_ml: f64) -> Result<Size, ClinicalError> {
+        Size::of_width_and_volume(self.base_width_mm, fill_ml)
+    }
+
+    /// Least and greatest fill \[ml\]: projections of 2 and 120 mm.
+    #[must_use]
+    pub fn fills_ml(self) -> (f64, f64) {
+        let (least, most) = limits::PROJECTION_MM;
+        let fill = |projection_mm| Size { projection_mm, ..self.flat() }.volume_ml();
+        (fill(least), fill(most))
+    }
+
+    /// The domes of `steps` equal fills up to a volume \[ml\]; the last one is the full expander. Fills below the least
+    /// fill are left out.
+    ///
+    /// # Errors
+    /// A volume that gives a projection outside of 2–120 mm.
+    pub fn filling(self, full_ml: f64, steps: u16) -> Result<Vec<Size>, ClinicalError> {
+        self.dome(full_ml)?;
+        let (least, _) = self.fills_ml();
+        let fills = (1..=steps).map(|k| full_ml * f64::from(k) / f64::from(steps));
+        fills.filter(|fill| *fill >= least).map(|fill| self.dome(fill)).collect()
+    }
+
+    fn flat(self) -> Size {
+        Size { base_width_mm: self.base_width_mm, projection_mm: limits::PROJECTION_MM.0 }
+    }
+}

@@ -1,0 +1,132 @@
+//! One layer of tissue, and its format in a file.
+
+use crate::curve::{CurveSpec, GivenCurve, ScaledCurve};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// One tissue layer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(from = "LayerFile")]
+#[schemars(with = "LayerFile")]
+pub struct Layer {
+    /// Free text; `skin`, `adipose` and `muscle` have colours of their own.
+    pub tissue: String,
+    /// Thickness at rest \[mm\], 0.2 to 60.
+    pub thickness_mm: f64,
+    /// Poisson ratio ν \[-\], 0 to 0.5.
+    pub poisson_ratio: f64,
+    /// Stress–strain curve.
+    pub curve: ScaledCurve,
+}
+
+/// A layer in a file; a field that the file does not contain is `None`.
+#[derive(Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "Layer")]
+pub(super) struct LayerFile {
+    /// Free text; `skin`, `adipose` and `muscle` have colours of their own.
+    #[serde(default = "default_tissue")]
+    tissue: String,
+    /// Thickness at rest \[mm\], 0.2 to 60. Default: from `patient`, or 1.5.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<f64>")]
+    pub(super) thickness_mm: Option<f64>,
+    /// Poisson ratio ν \[-\], 0 to 0.5.
+    #[serde(default = "default_poisson_ratio")]
+    poisson_ratio: f64,
+    /// Stress–strain curve. Default: the skin preset.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<ScaledCurve>")]
+    curve: Option<GivenCurve>,
+}
+
+/// Reads a field that is present; `null` is rejected unless `T` allows it.
+pub(super) fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(reader).map(Some)
+}
+
+impl From<LayerFile> for Layer {
+    fn from(file: LayerFile) -> Self {
+        Self {
+            tissue: file.tissue,
+            thickness_mm: file.thickness_mm.unwrap_or(DEFAULT_THICKNESS_MM),
+            poisson_ratio: file.poisson_ratio,
+            curve: file.curve.map_or_else(|| CurveSpec::Skin {}.into(), ScaledCurve::from),
+        }
+    }
+}
+
+impl LayerFile {
+    /// The strain scale, if the file contains the field.
+    pub(super) fn strain_scale(&self) -> Option<f64> {
+        self.curve.as_ref().and_then(|curve| curve.strain_scale)
+    }
+
+    /// The first scale of the curve that the file contains, as a path in the layer.
+    pub(super) fn given_scale(&self) -> Option<&'static str> {
+        let curve = self.curve.as_ref()?;
+        match (curve.strain_scale, curve.stress_scale) {
+            (Some(_), _) => Some("curve.strain_scale"),
+            (None, Some(_)) => Some("curve.stress_scale"),
+            (None, None) => None,
+        }
+    }
+}
+
+/// Thickness of a layer without a thickness \[mm\].
+const DEFAULT_THICKNESS_MM: f64 = 1.5;
+
+fn default_tissue() -> String {
+    "skin".to_owned()
+}
+
+fn default_poisson_ratio() -> f64 {
+    0.45
+}
+
+/// The layers of a scene without layers.
+pub(super) fn default_layers() -> Vec<Layer> {
+    vec![Layer::skin(), Layer::adipose()]
+}
+
+impl Layer {
+    /// Skin, 1.5 mm, ν = 0.45.
+    #[must_use]
+    pub fn skin() -> Self {
+        Self {
+            tissue: default_tissue(),
+            thickness_mm: DEFAULT_THICKNESS_MM,
+            poisson_ratio: default_poisson_ratio(),
+            curve: CurveSpec::Skin {}.into(),
+        }
+    }
+
+    /// Adipose, 10 mm, ν = 0.45.
+    #[must_use]
+    pub fn adipose() -> Self {
+        Self {
+            tissue: ADIPOSE.to_owned(),
+            thickness_mm: 10.0,
+            poisson_ratio: default_poisson_ratio(),
+            curve: CurveSpec::Adipose {}.into(),
+        }
+    }
+
+    /// The first scale of the curve that differs from 1, as a path in the layer.
+    pub(super) fn scale(&self) -> Option<&'static str> {
+        let curve = &self.curve;
+        let scales = [
+            ("curve.strain_scale", curve.strain_scale),
+            ("curve.stress_scale", curve.stress_scale),
+        ];
+        scales
+            .into_iter()
+            .find(|(_, scale)| scale.to_bits() != 1.0_f64.to_bits())
+            .map(|(path, _)| path)
+    }
+}
+
+/// Name of the tissue between skin and implant that a pinch measures.
+pub(super) const ADIPOSE: &str = "adipose";

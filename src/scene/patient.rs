@@ -1,0 +1,296 @@
+//! Measurements of a person in a scene, and the fields of the scene that are derived from them.
+//!
+//! A pinch determines the thickness of the skin (`layers[0]`) and of the first layer named `adipose`; a pull or a class of
+//! the skin determines `layers[0].curve.strain_scale` if this curve is the skin preset.
+//!
+//! A determined field is either *derived* (its path is in [`Patient::derived`]) or *set by hand*. Reading a file never
+//! changes a number that the file contains.
+
+use super::body::in_first;
+use super::layer::{ADIPOSE, LayerFile, given};
+use super::{SCENE_SCHEMA_2, Scene, SceneError, limits, one_line, out_of_range};
+use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
+use crate::curve::{CurveSpec, List, number};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Measurements of a person, and the fields of the scene that were derived from them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Patient {
+    /// What was measured.
+    #[serde(flatten)]
+    pub measured: Measurements,
+    /// Paths of the fields whose values were derived; all other fields that the measurements determine were set by hand.
+    pub derived: Vec<String>,
+}
+
+/// Greatest number of derived fields in a file.
+const MAX_DERIVED: usize = 16;
+
+/// A patient in a file.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "Patient")]
+pub(super) struct PatientFile {
+    /// Base width of the breast \[mm\], 60 to 240.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<f64>")]
+    base_width_mm: Option<f64>,
+    /// Pinch: thickness of a fold of skin and fat \[mm\], 4 to 120.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<f64>")]
+    pinch_mm: Option<f64>,
+    /// Anterior pull of the skin \[mm\], 5 to 80; with `base_width_mm`, without `skin_class`.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<f64>")]
+    skin_pull_mm: Option<f64>,
+    /// Class of the skin by its anterior pull.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<SkinClass>")]
+    skin_class: Option<SkinClass>,
+    /// Paths of the derived fields; the scene contains their values. Default: the determined fields that the scene does
+    /// not contain are derived.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<Vec<String>>")]
+    derived: Option<List<String, MAX_DERIVED>>,
+}
+
+/// The fields of a layer in a file that a patient may fill: are they present?
+#[derive(Clone, Copy, Default)]
+pub(super) struct Given {
+    thickness: bool,
+    strain_scale: bool,
+}
+
+impl Given {
+    pub(super) fn of(layer: &LayerFile) -> Self {
+        Self {
+            thickness: layer.thickness_mm.is_some(),
+            strain_scale: layer.strain_scale().is_some(),
+        }
+    }
+}
+
+/// A field of a scene that a measurement may determine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Field {
+    /// `layers[k].thickness_mm`.
+    Thickness(usize),
+    /// `layers[0].curve.strain_scale`.
+    StrainScale,
+}
+
+impl Field {
+    fn path(self) -> String {
+        match self {
+            Self::Thickness(k) => format!("layers[{k}].thickness_mm"),
+            Self::StrainScale => "layers[0].curve.strain_scale".to_owned(),
+        }
+    }
+
+    fn of_path(path: &str) -> Option<Self> {
+        let thicknesses = (0..limits::LAYERS.1).map(Self::Thickness);
+        thicknesses.chain([Self::StrainScale]).find(|field| field.path() == path)
+    }
+
+    fn is_given(self, given: &[Given]) -> bool {
+        match self {
+            Self::Thickness(k) => given.get(k).is_some_and(|layer| layer.thickness),
+            Self::StrainScale => given.first().is_some_and(|layer| layer.strain_scale),
+        }
+    }
+
+    fn value(self, scene: &Scene) -> f64 {
+        match self {
+            Self::Thickness(k) => scene.layers[k].thickness_mm,
+            Self::StrainScale => scene.layers[0].curve.strain_scale,
+        }
+    }
+
+    fn set(self, scene: &mut Scene, value: f64) {
+        match self {
+            Self::Thickness(k) => scene.layers[k].thickness_mm = value,
+            Self::StrainScale => scene.layers[0].curve.strain_scale = value,
+        }
+    }
+}
+
+/// Greatest relative difference of a derived value in a file from the derivation \[-\].
+const ROUNDING: f64 = 1e-6;
+
+fn is_equal(a: f64, b: f64) -> bool {
+    (a - b).abs() <= ROUNDING * b.abs()
+}
+
+fn error((field, source): (&'static str, ClinicalError)) -> SceneError {
+    SceneError::Patient { field, source }
+}
+
+impl PatientFile {
+    /// Sets the patient of a scene that was read. Without a list of derived fields, the fields that the file does not
+    /// contain are derived; with a list no number changes.
+    ///
+    /// # Errors
+    /// A measurement is invalid, a path in the list is unknown, or a derived value is out of its range.
+    pub(super) fn fill(self, scene: &mut Scene, given: &[Given]) -> Result<(), SceneError> {
+        let Self { base_width_mm, pinch_mm, skin_pull_mm, skin_class, derived } = self;
+        let measured = Measurements { base_width_mm, pinch_mm, skin_pull_mm, skin_class };
+        measured.check().map_err(error)?;
+        let mut paths = Vec::new();
+        if let Some(list) = derived {
+            let listed = fields(&list.0)?;
+            for field in scene.patient_fields().into_iter().filter(|field| listed.contains(field)) {
+                let value = derivation(&measured, field).ok().flatten();
+                // Another number in the file was set by hand.
+                if value.is_some_and(|value| is_equal(field.value(scene), value.value)) {
+                    paths.push(field.path());
+                }
+            }
+        } else {
+            for field in scene.patient_fields() {
+                if field.is_given(given) {
+                    continue;
+                }
+                if let Some(value) = derivation(&measured, field)? {
+                    field.set(scene, value.value);
+                    paths.push(field.path());
+                }
+            }
+        }
+        scene.patient = Some(Patient { measured, derived: paths });
+        Ok(())
+    }
+}
+
+/// The fields of a list of paths.
+fn fields(paths: &[String]) -> Result<Vec<Field>, SceneError> {
+    let field = |(k, path): (usize, &String)| {
+        Field::of_path(path).ok_or_else(|| {
+            out_of_range(
+                &format!("patient.derived[{k}]"),
+                one_line(path, 40),
+                "layers[k].thickness_mm, layers[0].curve.strain_scale",
+            )
+        })
+    };
+    paths.iter().enumerate().map(field).collect()
+}
+
+impl Scene {
+    /// Sets the measurements of the patient and derives the values of the scene that they determine.
+    ///
+    /// Fields that the earlier measurements determined and that were set by hand keep their values. The values derived
+    /// from a measurement that is no longer given stay in the scene.
+    ///
+    /// # Errors
+    /// The scene is of `scene/1`, a measurement is invalid, or a derived value is out of its range; the scene is
+    /// unchanged.
+    pub fn apply_patient(&mut self, measured: Measurements) -> Result<(), SceneError> {
+        if self.schema != SCENE_SCHEMA_2 {
+            return Err(in_first("patient"));
+        }
+        measured.check().map_err(error)?;
+        let is_by_hand = |value: &PatientValue| value.set_by_hand;
+        let by_hand: Vec<String> =
+            self.patient_values().into_iter().filter(is_by_hand).map(|value| value.field).collect();
+        let mut values = Vec::new();
+        for field in self.patient_fields() {
+            if !by_hand.contains(&field.path())
+                && let Some(value) = derivation(&measured, field)?
+            {
+                values.push((field, value.value));
+            }
+        }
+        let mut derived = Vec::new();
+        for (field, value) in values {
+            field.set(self, value);
+            derived.push(field.path());
+        }
+        self.patient = Some(Patient { measured, derived });
+        Ok(())
+    }
+
+    /// The values of the scene that the patient's measurements determine, derived or set by hand.
+    ///
+    /// A value counts as derived if [`Patient::derived`] lists its path and the value is the derived one.
+    #[must_use]
+    pub fn patient_values(&self) -> Vec<PatientValue> {
+        let Some(patient) = &self.patient else { return Vec::new() };
+        let value = |field: Field| {
+            let derived = derivation(&patient.measured, field).ok()??;
+            let (path, value) = (field.path(), field.value(self));
+            let is_derived = patient.derived.contains(&path) && is_equal(value, derived.value);
+            Some(PatientValue::new(path, value, !is_derived, &derived))
+        };
+        self.patient_fields().into_iter().filter_map(value).collect()
+    }
+
+    /// Sentences on measurements that do not fit to the scene: a value set by hand outside of the range of its
+    /// measurement, a measurement without effect, an implant wider than the base width.
+    #[must_use]
+    pub fn patient_warnings(&self) -> Vec<String> {
+        let Some(Patient { measured, .. }) = &self.patient else { return Vec::new() };
+        let values = self.patient_values();
+        let mut warnings: Vec<String> = values.iter().filter_map(PatientValue::warning).collect();
+        let fields = self.patient_fields();
+        let errors = fields.iter().filter_map(|field| derivation(measured, *field).err());
+        warnings.extend(errors.map(|error| format!("{error}.")));
+        if measured.pinch_mm.is_some() && !fields.iter().any(|f| matches!(f, Field::Thickness(1..)))
+        {
+            warnings.push(
+                "The pinch determines no thickness of fat: the scene has no layer named adipose below the skin."
+                    .to_owned(),
+            );
+        }
+        let is_pulled = measured.skin_pull_mm.is_some() || measured.skin_class.is_some();
+        if is_pulled && !self.has_preset_skin() {
+            warnings.push(
+                "The pull of the skin has no effect: the curve of the first layer is not the skin preset."
+                    .to_owned(),
+            );
+        }
+        let width = 2.0 * self.implant.base_radius_mm;
+        if let Some(measured) = measured.base_width_mm.filter(|measured| width > *measured) {
+            warnings.push(format!(
+                "The implant's base of {} mm is wider than the measured base width of {} mm.",
+                number(width),
+                number(measured)
+            ));
+        }
+        warnings
+    }
+
+    /// Checks the patient's measurements.
+    pub(super) fn check_patient(&self) -> Result<(), SceneError> {
+        match &self.patient {
+            Some(_) if self.schema != SCENE_SCHEMA_2 => Err(in_first("patient")),
+            Some(patient) => patient.measured.check().map_err(error),
+            None => Ok(()),
+        }
+    }
+
+    fn has_preset_skin(&self) -> bool {
+        self.layers.first().is_some_and(|skin| skin.curve.spec == CurveSpec::Skin {})
+    }
+
+    /// The fields of this scene that a patient may determine.
+    fn patient_fields(&self) -> Vec<Field> {
+        let is_fat = |k: &usize| self.layers[*k].tissue == ADIPOSE;
+        let skin = (!self.layers.is_empty()).then_some(0);
+        let fat = (1..self.layers.len()).find(is_fat);
+        let strain_scale = self.has_preset_skin().then_some(Field::StrainScale);
+        skin.into_iter().chain(fat).map(Field::Thickness).chain(strain_scale).collect()
+    }
+}
+
+/// The value that the measurements give for a field.
+fn derivation(measured: &Measurements, field: Field) -> Result<Option<Derived>, SceneError> {
+    let invalid = |name| move |source| error((name, source));
+    match field {
+        Field::Thickness(k) => {
+            let cover = measured.cover().map_err(invalid("pinch_mm"))?;
+            Ok(cover.map(|cover| if k == 0 { cover.skin } else { cover.fat }))
+        }
+        Field::StrainScale => measured.strain_scale().map_err(invalid("skin_pull_mm")),
+    }
+}

@@ -1,0 +1,560 @@
+//! What a hand measures and what it becomes: the rules with their published numbers, sizes, and the patient of a scene.
+
+#![allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::clinical::spread::{self, Distribution};
+use implant_preview::clinical::{
+    ClinicalError, Dimension, Expander, Measurements, PatientValue, ProfileClass, Size, SkinClass,
+    cover, limits, pull_strain_scale, strain_scale_of_class, strain_scale_of_pull, typical_sizes,
+};
+use implant_preview::scene::{self, Scene};
+use implant_preview::simulate::simulate;
+use serde_json::{Value, json};
+
+fn assert_close(found: f64, wanted: f64, tolerance: f64) {
+    assert!((found - wanted).abs() <= tolerance * wanted.abs(), "{found} instead of {wanted}");
+}
+
+#[test]
+fn half_the_pinch_is_the_cover_within_a_factor_of_1_3() {
+    let cover = cover(20.0).unwrap();
+    assert_eq!((cover.whole.value, cover.skin.value, cover.fat.value), (10.0, 1.5, 8.5));
+    assert_eq!(cover.fat.measured, "pinch 20 mm");
+    let (least, most) = cover.whole.range(1.0);
+    assert_close(least, 10.0 / 1.3, 1e-12);
+    assert_close(most, 13.0, 1e-12);
+    // The cover of a pinch of 2 cm within two standard deviations: 6 to 17 mm.
+    let (least, most) = cover.whole.range(2.0);
+    assert_eq!((least.round(), most.round()), (6.0, 17.0));
+    // The fat is what the skin leaves of the cover.
+    let (least, most) = cover.fat.range(1.0);
+    assert_close(least, 10.0 / 1.3 - 1.5, 1e-12);
+    assert_close(most, 11.5, 1e-12);
+    assert_eq!(cover.skin.range(1.0), (1.25, 1.75));
+}
+
+#[test]
+fn ranges_never_fall_below_zero() {
+    let cover = cover(4.0).unwrap();
+    assert_eq!((cover.whole.value, cover.fat.value), (2.0, 0.5));
+    assert_eq!(cover.fat.range(2.0).0, 0.0);
+    assert_eq!(cover.skin.range(7.0).0, 0.0);
+}
+
+#[test]
+fn classes_of_the_skin_have_their_limits_and_strain_scales() {
+    for (pull, class, word, scale) in [
+        (19.9, SkinClass::Tight, "tight", 0.25),
+        (20.0, SkinClass::Normal, "normal", 0.5),
+        (30.0, SkinClass::Normal, "normal", 0.5),
+        (30.1, SkinClass::Lax, "lax", 1.0),
+        (40.0, SkinClass::Lax, "lax", 1.0),
+        (40.1, SkinClass::VeryLax, "very lax", 1.7),
+    ] {
+        assert_eq!(SkinClass::of_pull(pull), Ok(class), "{pull}");
+        let derived = strain_scale_of_class(class);
+        assert_eq!((derived.value, derived.word), (scale, Some(word)));
+        assert_eq!(derived.range(1.0), (scale / 2.0, scale * 2.0));
+        assert!((class.pulls_mm().0..=class.pulls_mm().1).contains(&pull), "{pull}");
+    }
+}
+
+#[test]
+fn a_pull_of_30_mm_gives_the_stated_strain_scales() {
+    for (width, scale) in [(100.0, 1.15), (120.0, 0.71), (140.0, 0.47)] {
+        let derived = strain_scale_of_pull(30.0, width).unwrap();
+        assert_eq!((100.0 * derived.value).round() / 100.0, scale, "base width {width}");
+        assert_eq!(derived.word, Some("normal"));
+        assert_close(derived.range(1.0).1, 2.0 * derived.value, 1e-12);
+        assert_close(derived.range(1.0).0, 0.5 * derived.value, 1e-12);
+    }
+}
+
+#[test]
+fn at_a_base_width_of_120_mm_the_strain_scale_is_a_power_of_the_pull() {
+    for pull in 15..=48 {
+        let pull = f64::from(pull);
+        assert_close(pull_strain_scale(pull, 120.0), (pull / 35.0).powf(2.4), 0.04);
+    }
+}
+
+#[test]
+fn the_strain_scale_increases_with_the_pull_and_decreases_with_the_base_width() {
+    for width in [60.0, 90.0, 120.0, 160.0, 240.0] {
+        let scales: Vec<f64> =
+            (5..=80).map(|pull| pull_strain_scale(f64::from(pull), width)).collect();
+        assert!(scales.windows(2).all(|pair| pair[0] < pair[1]), "{width}");
+        assert!(
+            pull_strain_scale(30.0, width) > pull_strain_scale(30.0, width + 0.1) || width >= 240.0
+        );
+    }
+}
+
+#[test]
+fn measurements_out_of_range_are_rejected_in_one_line() {
+    let error = |result: Result<_, ClinicalError>| match result {
+        Err(error) => error.to_string(),
+        Ok(value) => panic!("{value:?}"),
+    };
+    for (pinch, wanted) in [
+        (3.9, "the pinch is 3.9 mm; allowed: 4 to 120 mm"),
+        (500.0, "the pinch is 500 mm; allowed: 4 to 120 mm"),
+        (1e308, "the pinch is 1e308 mm; allowed: 4 to 120 mm"),
+        (f64::NAN, "the pinch is NaN mm; allowed: 4 to 120 mm"),
+    ] {
+        assert_eq!(error(cover(pinch).map(|cover| cover.whole)), wanted);
+    }
+    let pull = |pull, width| error(strain_scale_of_pull(pull, width));
+    assert_eq!(pull(4.0, 120.0), "the pull of the skin is 4 mm; allowed: 5 to 80 mm");
+    assert_eq!(pull(f64::INFINITY, 120.0), "the pull of the skin is inf mm; allowed: 5 to 80 mm");
+    assert_eq!(pull(30.0, 12.0), "the base width is 12 mm; allowed: 60 to 240 mm");
+    assert_eq!(
+        pull(10.0, 120.0),
+        "skin pull 10 mm, base width 120 mm gives a strain scale of 0.0479; allowed: 0.05 to 20"
+    );
+    assert!(pull_strain_scale(f64::NAN, 120.0).is_nan() && pull_strain_scale(30.0, 10.0).is_nan());
+}
+
+#[test]
+fn spreads_between_people_are_the_stated_ones() {
+    for (spread, wanted) in [
+        (spread::SKIN_THICKNESS, Distribution::Normal { mean: 1.55, sd: 0.25 }),
+        (spread::SKIN_STRESS_SCALE, Distribution::LogNormal { median: 1.0, gsd: 1.3 }),
+        (spread::SKIN_STRAIN_SCALE, Distribution::LogNormal { median: 0.65, gsd: 1.9 }),
+        (spread::SKIN_STRAIN_SCALE_MEASURED, Distribution::LogNormal { median: 1.0, gsd: 2.0 }),
+        (spread::FAT_MODULUS, Distribution::LogNormal { median: 4.0, gsd: 1.8 }),
+        (spread::COVER_THICKNESS, Distribution::LogNormal { median: 1.0, gsd: 1.3 }),
+        (spread::POCKET_RADIUS, Distribution::Normal { mean: 0.0, sd: 2.5 }),
+        (spread::PROJECTION, Distribution::Normal { mean: -0.035, sd: 0.03 }),
+        (spread::POISSON_RATIO, Distribution::Uniform { least: 0.45, most: 0.49 }),
+    ] {
+        assert_eq!(spread.distribution, wanted, "{}", spread.quantity);
+        let (least, most) = wanted.range();
+        assert!(least < wanted.median() && wanted.median() < most);
+    }
+    assert_eq!(spread::METHOD_SCALES, [0.4, 1.0, 2.5]);
+}
+
+#[test]
+fn any_two_dimensions_give_the_third() {
+    for width in [78.0, 100.0, 120.0, 180.0] {
+        for projection in [20.0, 39.8, 75.0] {
+            let size = Size::of_width_and_projection(width, projection).unwrap();
+            let volume = size.volume_ml();
+            let wanted =
+                2.0 / 3.0 * std::f64::consts::PI * (width / 2.0).powi(2) * projection / 1e3;
+            assert_close(volume, wanted, 1e-14);
+            let by_volume = Size::of_width_and_volume(width, volume).unwrap();
+            assert_close(by_volume.projection_mm(), projection, 1e-13);
+            let by_projection = Size::of_projection_and_volume(projection, volume).unwrap();
+            assert_close(by_projection.base_width_mm(), width, 1e-13);
+        }
+    }
+    // 12 cm and 300 ml.
+    let size = Size::of_width_and_volume(120.0, 300.0).unwrap();
+    assert_eq!((10.0 * size.projection_cm()).round(), 40.0);
+    assert_eq!((size.base_width_cm(), size.profile()), (12.0, ProfileClass::High));
+    // 30 ml, the step of the rule for the pull, is 4 mm of projection.
+    let larger = Size::of_width_and_volume(120.0, 330.0).unwrap();
+    assert_close(larger.projection_mm() - size.projection_mm(), 4.0, 0.01);
+}
+
+#[test]
+fn a_changed_dimension_keeps_the_locked_one() {
+    use Dimension::{BaseWidth, Projection, Volume};
+    let size = Size::of_width_and_volume(120.0, 300.0).unwrap();
+    let value = |size: Size, dimension| match dimension {
+        BaseWidth => size.base_width_mm(),
+        Projection => size.projection_mm(),
+        Volume => size.volume_ml(),
+    };
+    for changed in [BaseWidth, Projection, Volume] {
+        for locked in [BaseWidth, Projection, Volume] {
+            let new = 1.1 * value(size, changed);
+            let after = size.changed(changed, new, locked).unwrap();
+            assert_close(value(after, changed), new, 1e-13);
+            if locked != changed {
+                assert_close(value(after, locked), value(size, locked), 1e-13);
+            }
+        }
+    }
+}
+
+#[test]
+fn sizes_out_of_range_are_rejected_in_one_line() {
+    let error = |result: Result<Size, ClinicalError>| result.map(|_| ()).unwrap_err().to_string();
+    for (found, wanted) in [
+        (
+            error(Size::of_width_and_projection(300.0, 40.0)),
+            "the base width is 300 mm; allowed: 20 to 240 mm",
+        ),
+        (
+            error(Size::of_width_and_projection(120.0, f64::NAN)),
+            "the projection is NaN mm; allowed: 2 to 120 mm",
+        ),
+        (
+            error(Size::of_width_and_volume(60.0, 400.0)),
+            "400 ml on a base of 60 mm gives a projection of 212 mm; allowed: 2 to 120 mm",
+        ),
+        (
+            error(Size::of_projection_and_volume(4.0, 300.0)),
+            "300 ml at a projection of 4 mm gives a base width of 378 mm; allowed: 20 to 240 mm",
+        ),
+        (
+            error(Size::of_width_and_volume(120.0, -300.0)),
+            "the volume is -300 ml; allowed: 0.4 to 3620 ml",
+        ),
+        (
+            error(Size::of_width_and_volume(120.0, 1e308)),
+            "the volume is 1e308 ml; allowed: 0.4 to 3620 ml",
+        ),
+    ] {
+        assert_eq!(found, wanted);
+    }
+}
+
+#[test]
+fn profile_classes_follow_projection_over_half_the_base_width() {
+    for (ratio, class) in [
+        (0.39, ProfileClass::Low),
+        (0.499, ProfileClass::Low),
+        (0.5, ProfileClass::Moderate),
+        (0.65, ProfileClass::High),
+        (0.95, ProfileClass::HalfSphere),
+        (1.07, ProfileClass::HalfSphere),
+    ] {
+        assert_eq!(ProfileClass::of_ratio(ratio), class);
+    }
+    for class in ProfileClass::ALL {
+        assert_eq!(ProfileClass::of_ratio(class.ratio()), class);
+        let (least, most) = limits::TYPICAL_RATIO;
+        assert!((least..=most).contains(&class.ratio()));
+    }
+}
+
+#[test]
+fn the_table_of_typical_sizes_covers_the_range_of_round_implants() {
+    let sizes = typical_sizes();
+    assert!(sizes.len() > 40, "{}", sizes.len());
+    assert!(sizes.iter().all(|size| size.is_typical()));
+    let range = |value: fn(Size) -> f64| {
+        let values = sizes.iter().map(|size| value(*size));
+        (values.clone().fold(f64::MAX, f64::min), values.fold(f64::MIN, f64::max))
+    };
+    assert_eq!(range(Size::base_width_mm), (78.0, 180.0));
+    let (least, most) = range(Size::projection_mm);
+    assert!(least <= 22.0 && most >= 70.0, "{least} {most}");
+    let (least, most) = range(Size::volume_ml);
+    assert!(least <= 110.0 && most >= 880.0, "{least} {most}");
+    for class in ProfileClass::ALL {
+        assert!(sizes.iter().any(|size| size.profile() == class), "{}", class.word());
+    }
+    let order = |size: &Size| (size.base_width_mm(), size.projection_mm());
+    assert!(sizes.windows(2).all(|pair| order(&pair[0]) < order(&pair[1])));
+    // The limits of a scene are those of a size.
+    let (least, most) = scene::limits::BASE_RADIUS_MM;
+    assert_eq!(limits::BASE_WIDTH_MM, (2.0 * least, 2.0 * most));
+    assert_eq!(limits::PROJECTION_MM, scene::limits::PROJECTION_MM);
+}
+
+#[test]
+fn an_expander_rises_in_proportion_to_its_fill() {
+    let expander = Expander::new(120.0).unwrap();
+    let domes = expander.filling(400.0, 8).unwrap();
+    assert_eq!(domes.len(), 8);
+    for (k, dome) in domes.iter().enumerate() {
+        assert_eq!(dome.base_width_mm(), 120.0);
+        assert_close(dome.volume_ml(), 50.0 * (k + 1) as f64, 1e-13);
+        assert_close(dome.projection_mm(), (k + 1) as f64 * domes[0].projection_mm(), 1e-12);
+    }
+    let (least, most) = expander.fills_ml();
+    assert_close(expander.dome(least).unwrap().projection_mm(), 2.0, 1e-12);
+    assert_close(expander.dome(most).unwrap().projection_mm(), 120.0, 1e-12);
+    // A fill below the least dome is left out; too large a fill is one line.
+    assert_eq!(expander.filling(400.0, 40).unwrap().len(), 39);
+    let error = expander.filling(2000.0, 4).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "2000 ml on a base of 120 mm gives a projection of 265 mm; allowed: 2 to 120 mm"
+    );
+}
+
+fn read(scene: &Value) -> Scene {
+    Scene::from_json(&scene.to_string()).unwrap()
+}
+
+fn error_of(scene: &Value) -> String {
+    Scene::from_json(&scene.to_string()).unwrap_err().to_string()
+}
+
+fn with_patient(patient: &Value) -> Value {
+    json!({ "implant": { "base_radius_mm": 60, "projection_mm": 40 }, "patient": patient })
+}
+
+/// The paths of the derived fields, and of those set by hand.
+fn origins(scene: &Scene) -> (Vec<String>, Vec<String>) {
+    let (by_hand, derived): (Vec<_>, Vec<_>) =
+        scene.patient_values().into_iter().partition(|value| value.set_by_hand);
+    let paths = |values: Vec<PatientValue>| values.into_iter().map(|value| value.field).collect();
+    (paths(derived), paths(by_hand))
+}
+
+const SKIN: &str = "layers[0].thickness_mm";
+const FAT: &str = "layers[1].thickness_mm";
+const SCALE: &str = "layers[0].curve.strain_scale";
+
+#[test]
+fn absent_fields_are_derived_from_the_patient_and_listed() {
+    let scene =
+        read(&with_patient(&json!({ "base_width_mm": 120, "pinch_mm": 30, "skin_pull_mm": 30 })));
+    assert_eq!((scene.layers[0].thickness_mm, scene.layers[1].thickness_mm), (1.5, 13.5));
+    assert_eq!(scene.layers[0].curve.strain_scale, pull_strain_scale(30.0, 120.0));
+    assert_eq!(scene.patient.as_ref().unwrap().derived, [SKIN, FAT, SCALE]);
+    assert_eq!(origins(&scene), (vec![SKIN.into(), FAT.into(), SCALE.into()], vec![]));
+    // What is written is read back to the last bit.
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    // Without measurements nothing is derived.
+    let none = read(&with_patient(&json!({})));
+    assert_eq!((none.layers[1].thickness_mm, none.layers[0].curve.strain_scale), (10.0, 1.0));
+    assert_eq!(origins(&none), (vec![], vec![]));
+    assert_eq!(Scene::from_json(&none.to_json()).unwrap(), none);
+    // A lax skin has the default scale, which is not written but listed.
+    let lax = read(&with_patient(&json!({ "skin_class": "lax" })));
+    assert_eq!(origins(&lax), (vec![SCALE.into()], vec![]));
+    assert!(!lax.to_json().contains("strain_scale\":"));
+    assert_eq!(Scene::from_json(&lax.to_json()).unwrap(), lax);
+}
+
+#[test]
+fn a_number_of_the_file_stays_and_counts_as_set_by_hand() {
+    let mut file = with_patient(&json!({ "pinch_mm": 20, "skin_class": "normal" }));
+    file["layers"] = json!([{ "curve": { "kind": "skin", "strain_scale": 0.6 } },
+        { "tissue": "adipose", "thickness_mm": 30, "curve": { "kind": "adipose" } }]);
+    let scene = read(&file);
+    assert_eq!((scene.layers[1].thickness_mm, scene.layers[0].curve.strain_scale), (30.0, 0.6));
+    assert_eq!(origins(&scene), (vec![SKIN.into()], vec![FAT.into(), SCALE.into()]));
+    // 0.6 lies within the range of the class, 30 mm does not lie within the range of the pinch.
+    assert_eq!(
+        scene.patient_warnings(),
+        [
+            "layers[1].thickness_mm is 30, set by hand; the measurement (pinch 20 mm) gives 8.5, 6.19 to 11.5 within one \
+          standard deviation."
+        ]
+    );
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    // A scale of 1 set by hand stays although it is not written.
+    file["layers"][0]["curve"]["strain_scale"] = json!(1);
+    let scene = read(&file);
+    assert_eq!(scene.layers[0].curve.strain_scale, 1.0);
+    let again = Scene::from_json(&scene.to_json()).unwrap();
+    assert_eq!((&again, origins(&again).1.len()), (&scene, 2));
+}
+
+#[test]
+fn a_list_of_derived_fields_decides() {
+    // With a list nothing is derived: the default thickness of 10 mm counts as set by hand.
+    let scene = read(&with_patient(&json!({ "pinch_mm": 30, "derived": [SKIN, FAT] })));
+    assert_eq!((scene.layers[0].thickness_mm, scene.layers[1].thickness_mm), (1.5, 10.0));
+    assert_eq!(origins(&scene), (vec![SKIN.into()], vec![FAT.into()]));
+    // A listed field with another number in the file keeps this number and leaves the list.
+    let mut file = with_patient(&json!({ "pinch_mm": 30, "derived": [SKIN, FAT] }));
+    file["layers"] = json!([{}, { "tissue": "adipose", "thickness_mm": 12 }]);
+    let scene = read(&file);
+    assert_eq!(scene.layers[1].thickness_mm, 12.0);
+    assert_eq!(scene.patient.as_ref().unwrap().derived, [SKIN]);
+    // A path that no measurement determines is dropped; an unknown path is an error.
+    let scene = read(&with_patient(&json!({ "derived": ["layers[7].thickness_mm", SCALE] })));
+    assert!(scene.patient.unwrap().derived.is_empty());
+    for path in ["layers[8].thickness_mm", "insertion", "", "layers[0].curve"] {
+        let error = error_of(&with_patient(&json!({ "derived": [FAT, path] })));
+        assert_eq!(
+            error,
+            format!(
+                "patient.derived[1] is {path}; allowed: layers[k].thickness_mm, layers[0].curve.strain_scale"
+            )
+        );
+    }
+}
+
+#[test]
+fn invalid_and_inconsistent_patients_are_rejected_in_one_line() {
+    for (patient, wanted) in [
+        (json!({ "pinch_mm": 2 }), "patient.pinch_mm: the pinch is 2 mm; allowed: 4 to 120 mm"),
+        (
+            json!({ "base_width_mm": 1e308 }),
+            "patient.base_width_mm: the base width is 1e308 mm; allowed: 60 to 240 mm",
+        ),
+        (
+            json!({ "skin_pull_mm": 0, "base_width_mm": 120 }),
+            "patient.skin_pull_mm: the pull of the skin is 0 mm; allowed: 5 to 80 mm",
+        ),
+        (
+            json!({ "skin_pull_mm": 30 }),
+            "patient.skin_pull_mm: skin_pull_mm is given without base_width_mm; allowed: both, or skin_class",
+        ),
+        (
+            json!({ "skin_pull_mm": 30, "skin_class": "lax", "base_width_mm": 120 }),
+            "patient.skin_class: skin_pull_mm and skin_class are both given; allowed: one of them",
+        ),
+        (
+            json!({ "skin_pull_mm": 10, "base_width_mm": 120 }),
+            "patient.skin_pull_mm: skin pull 10 mm, base width 120 mm gives a strain scale of 0.0479; allowed: 0.05 to 20",
+        ),
+    ] {
+        assert_eq!(error_of(&with_patient(&patient)), wanted);
+    }
+    for (patient, wanted) in [
+        (json!({ "skin_class": "loose" }), "patient.skin_class: unknown variant `loose`"),
+        (json!({ "pinch_mm": "20" }), "patient.pinch_mm: invalid type: string"),
+        (json!({ "pinch_mm": null }), "patient.pinch_mm: invalid type: null"),
+        (json!({ "pinch": 20 }), "patient.pinch: unknown field `pinch`"),
+        (json!([20]), "patient: invalid type: sequence, expected one JSON object"),
+        (json!({ "derived": vec![FAT; 17] }), "patient.derived: "),
+        (json!({ "derived": "all" }), "patient.derived: invalid type: string"),
+    ] {
+        let error = error_of(&with_patient(&patient));
+        assert!(error.starts_with(wanted), "{error}\nwanted: {wanted}");
+        assert!(!error.contains('\n'));
+    }
+}
+
+#[test]
+fn scene_1_has_no_patient_and_no_scales() {
+    let first = |part: Value| {
+        let mut scene =
+            json!({ "schema": "implant-preview/scene/1", "implant": { "base_radius_mm": 60 } });
+        scene.as_object_mut().unwrap().extend(part.as_object().unwrap().clone());
+        error_of(&scene)
+    };
+    for (part, field) in [
+        (json!({ "patient": {} }), "patient"),
+        (
+            json!({ "layers": [{ "curve": { "kind": "skin", "strain_scale": 1 } }] }),
+            "layers[0].curve.strain_scale",
+        ),
+        (
+            json!({ "layers": [{}, { "curve": { "kind": "skin", "stress_scale": 2 } }] }),
+            "layers[1].curve.stress_scale",
+        ),
+    ] {
+        assert_eq!(
+            first(part),
+            format!(
+                "{field}: the field belongs to implant-preview/scene/2; the schema is implant-preview/scene/1"
+            )
+        );
+    }
+    // The same of scenes that a program builds.
+    let mut sheet = Scene::sheet();
+    sheet.layers[1].curve.stress_scale = 2.0;
+    let error = sheet.validate().unwrap_err().to_string();
+    assert!(error.starts_with("layers[1].curve.stress_scale: the field belongs"), "{error}");
+    let mut sheet = Scene::sheet();
+    let error = sheet.apply_patient(Measurements::default()).unwrap_err().to_string();
+    assert!(error.starts_with("patient: the field belongs"), "{error}");
+    sheet.patient = Some(scene::Patient::default());
+    assert!(sheet.validate().unwrap_err().to_string().starts_with("patient: the field belongs"));
+}
+
+#[test]
+fn a_patient_is_applied_and_values_set_by_hand_stay() {
+    let mut scene = Scene::default();
+    let pinch = |mm: f64| Measurements { pinch_mm: Some(mm), ..Measurements::default() };
+    // The first patient determines everything.
+    scene.layers[1].thickness_mm = 25.0;
+    scene.apply_patient(pinch(20.0)).unwrap();
+    assert_eq!(scene.layers[1].thickness_mm, 8.5);
+    assert_eq!(origins(&scene), (vec![SKIN.into(), FAT.into()], vec![]));
+    // A change of the measurement changes what is derived and adds what it determines.
+    let lax = Measurements { skin_class: Some(SkinClass::VeryLax), ..pinch(30.0) };
+    scene.apply_patient(lax).unwrap();
+    assert_eq!((scene.layers[1].thickness_mm, scene.layers[0].curve.strain_scale), (13.5, 1.7));
+    // A value set by hand stays, also after the next measurement.
+    scene.layers[1].thickness_mm = 12.0;
+    assert_eq!(origins(&scene), (vec![SKIN.into(), SCALE.into()], vec![FAT.into()]));
+    scene.apply_patient(pinch(40.0)).unwrap();
+    assert_eq!(scene.layers[1].thickness_mm, 12.0);
+    assert_eq!(origins(&scene), (vec![SKIN.into()], vec![FAT.into()]));
+    // The scale of the class that is no longer given stays in the scene.
+    assert_eq!(scene.layers[0].curve.strain_scale, 1.7);
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    // A scale of 1, set by hand after the derivation, is not written and stays 1.
+    scene.apply_patient(lax).unwrap();
+    scene.layers[0].curve.strain_scale = 1.0;
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap().layers, scene.layers);
+    // An error changes nothing.
+    let before = scene.clone();
+    let error = scene.apply_patient(pinch(1.0)).unwrap_err().to_string();
+    assert_eq!(error, "patient.pinch_mm: the pinch is 1 mm; allowed: 4 to 120 mm");
+    assert_eq!(scene, before);
+    // Without its patient the scene starts again.
+    scene.patient = None;
+    scene.apply_patient(pinch(40.0)).unwrap();
+    assert_eq!(scene.layers[1].thickness_mm, 18.5);
+    assert!(scene.same_physics(&Scene { patient: None, ..scene.clone() }));
+}
+
+#[test]
+fn measurements_without_effect_are_warnings() {
+    let mut scene = Scene::default();
+    scene.layers[1].tissue = "fat".to_owned();
+    scene.layers[0].curve.spec = implant_preview::curve::CurveSpec::Linear { modulus_kpa: 50.0 };
+    let measured = Measurements {
+        base_width_mm: Some(100.0),
+        pinch_mm: Some(20.0),
+        skin_pull_mm: Some(30.0),
+        skin_class: None,
+    };
+    scene.apply_patient(measured).unwrap();
+    assert_eq!(origins(&scene), (vec![SKIN.into()], vec![]));
+    let warnings = scene.patient_warnings();
+    assert_eq!(warnings.len(), 3, "{warnings:#?}");
+    assert!(warnings[0].contains("no layer named adipose"));
+    assert!(warnings[1].contains("not the skin preset"));
+    assert_eq!(
+        warnings[2],
+        "The implant's base of 110 mm is wider than the measured base width of 100 mm."
+    );
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+}
+
+#[test]
+fn the_schema_contains_patient_and_scales() {
+    let schema: Value = serde_json::from_str(&scene::schema()).unwrap();
+    let patient = &schema["$defs"]["Patient"]["properties"];
+    for field in ["base_width_mm", "pinch_mm", "skin_pull_mm", "skin_class", "derived"] {
+        assert!(patient[field].is_object(), "{field}: {schema:#}");
+    }
+    let kinds = schema["$defs"]["Curve"]["oneOf"].as_array().unwrap();
+    assert_eq!(kinds.len(), 7);
+    for kind in kinds {
+        assert_eq!(kind["properties"]["strain_scale"]["maximum"], 20.0);
+        assert_eq!(kind["properties"]["stress_scale"]["minimum"], 0.05);
+        assert_eq!(kind["additionalProperties"], false);
+    }
+}
+
+#[test]
+fn results_list_the_values_of_the_patient() {
+    let mut file = with_patient(&json!({ "pinch_mm": 20, "skin_class": "tight" }));
+    file["solver"] = json!({ "nodes_per_side": 33 });
+    let outcome = simulate(&read(&file)).unwrap();
+    let json = serde_json::to_value(&outcome).unwrap();
+    assert_eq!(
+        json["patient_values"][2],
+        json!({ "field": SCALE, "value": 0.25, "set_by_hand": false, "measured": "skin class tight",
+            "derived": 0.25, "range": [0.125, 0.5] })
+    );
+    // Tight skin is stretched beyond its data, which end at a quarter of the preset's strain.
+    let greatest = outcome.strain.as_ref().unwrap().max_principal;
+    assert_eq!(outcome.layers[0].beyond_curve_data, greatest > 0.25, "{greatest}");
+    let mut lax = file.clone();
+    lax["patient"]["skin_class"] = json!("lax");
+    let lax = simulate(&read(&lax)).unwrap();
+    assert!(lax.contact_force_n < outcome.contact_force_n);
+    let none = simulate(&read(&json!({ "implant": { "base_radius_mm": 60, "projection_mm": 40 },
+        "solver": { "nodes_per_side": 33 } })))
+    .unwrap();
+    assert!(serde_json::to_value(&none).unwrap().get("patient_values").is_none());
+}
