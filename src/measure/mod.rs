@@ -191,8 +191,8 @@ pub struct SolverOutcome {
     pub method: SolverMethod,
     /// Multigrid cycles of the finest level.
     pub cycles: u32,
-    /// Did multigrid not converge at first? Then Newton's method replaced it, for layered tissue a second attempt with
-    /// smaller steps.
+    /// Did multigrid not converge at first? Then Newton's method replaced it; for layered tissue a second attempt
+    /// of multigrid with smaller steps, and Newton's method after the second attempt (`method`).
     pub fell_back: bool,
     /// Work \[evaluations of all nodal forces on the finest grid\].
     pub work_units: f64,
@@ -390,7 +390,7 @@ impl Outcome {
         if self.status == Status::NotConverged {
             self.warnings.push(
                 "The solver did not reach the tolerance; the estimated position error applies to all \
-                 values."
+                 values. Without an estimate the error is unknown."
                     .to_owned(),
             );
         }

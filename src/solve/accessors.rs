@@ -87,7 +87,7 @@ impl Solver {
         self.grids_built
     }
 
-    /// Did Newton's method take over because full multigrid did not converge?
+    /// See [`Report::fell_back`].
     #[must_use]
     pub fn fell_back(&self) -> bool {
         self.fell_back

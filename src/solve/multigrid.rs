@@ -115,11 +115,13 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts again with smaller steps; the fallback of a sheet is Newton's method instead.
+    /// Starts layered tissue again with smaller steps; a sheet has no second attempt.
     pub(super) fn start_gently(&mut self, problem: &Problem, stop: Stop) {
         if let Self::Layered(scheme) = self {
+            let work_units = scheme.work_units();
             scheme.set_parameters(&LAYERED_GENTLE);
             scheme.start(problem, stop, None);
+            scheme.add_work(work_units);
         }
     }
 

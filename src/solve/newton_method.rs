@@ -32,7 +32,7 @@ impl NewtonMethod {
         }
     }
 
-    /// Starts from the initial guess on the coarsest grid.
+    /// Starts on the coarsest grid, of a sheet from the initial guess, of layered tissue from rest under a rising dome.
     pub(super) fn start_cold(&mut self, problem: &Problem, law: &Law, mirrors: Mirrors) {
         match (self, law.layered()) {
             (Self::Sheet(newton), _) => newton.start_cold(&problem.obstacle, mirrors),

@@ -20,7 +20,7 @@ pub enum Verdict {
     NotConverged,
     /// The estimated position error is within the tolerance.
     Converged,
-    /// The springs have no stable equilibrium, or the implant protrudes.
+    /// The springs have no stable equilibrium, the implant protrudes, or no valid shape of layered tissue was found.
     Unstable,
 }
 
@@ -58,8 +58,8 @@ pub struct Report {
     /// Nodes that one pass over the finest grid visits: [`Self::nodes_solved`], each row filled up to whole
     /// groups of four.
     pub nodes_swept: usize,
-    /// Did full multigrid not converge at first? Then Newton's method took over, for layered tissue a second attempt with
-    /// smaller steps.
+    /// Did full multigrid not converge at first? Then Newton's method replaced it; for layered tissue a second attempt
+    /// of multigrid with smaller steps, and Newton's method after the second attempt ([`Self::method`]).
     pub fell_back: bool,
     /// Did the sheet stay at rest because the insertion is below the tolerance?
     pub is_left_at_rest: bool,

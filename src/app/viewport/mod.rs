@@ -141,7 +141,7 @@ impl Viewport {
     pub(crate) fn show(&mut self, ui: &mut Ui, session: &Session, options: &mut Options) {
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         // An id of its own: the focus stays while the progress of a solve is shown above the picture.
-        let id = ui.id().with("3-D view");
+        let id = ui.scope_id().with("3-D view");
         let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
         self.id = Some(response.id);
         self.place_camera(session, area.width() / area.height());

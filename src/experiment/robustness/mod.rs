@@ -96,7 +96,7 @@ pub struct Case {
     pub ending: Ending,
     /// Failed checks.
     pub findings: Vec<Finding>,
-    /// `true` if Newton's method replaced full multigrid.
+    /// `true` if Newton's method, or the second attempt of layered tissue, replaced full multigrid.
     pub fell_back: bool,
     /// Work \[evaluations of all forces on the finest grid\].
     pub work_units: f64,

@@ -41,7 +41,7 @@ use serde_json::json;
 pub const PAPER_STEPS: u32 = 15_000;
 /// Error at which baselines end \[fraction of the base radius\]; f32 rounding dominates smaller errors.
 pub const GOAL: f64 = 1e-5;
-/// As [`GOAL`], of layered tissue, whose own equilibrium is from f32.
+/// As [`GOAL`], of layered tissue.
 pub const LAYERED_GOAL: f64 = 1e-4;
 
 /// Solution method.

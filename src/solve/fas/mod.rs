@@ -173,6 +173,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.convergence.ending
     }
 
+    /// Adds the work of an earlier attempt.
+    pub(super) fn add_work(&mut self, work_units: f64) {
+        self.work_units += work_units;
+    }
+
     /// See [`Parameters::least_tolerance`].
     pub(super) fn least_tolerance(&self) -> f64 {
         self.parameters.least_tolerance

@@ -145,6 +145,7 @@ pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     max_start_cycles: 4,
     max_slow_cycles: 16,
     max_stagnations: 6,
+    error_safety: 8.0,
     ..LAYERED
 };
 

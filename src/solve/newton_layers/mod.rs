@@ -10,7 +10,7 @@
 //!    2002).
 //! 4. Line search along the step, projected out of the obstacle (`line_search`).
 //!
-//! `nested` (nested grids).
+//! `nested` (nested grids, rising dome).
 
 mod conjugate_gradients;
 mod line_search;
