@@ -45,6 +45,27 @@ impl<R: Real> Variation<R> {
         }
     }
 
+    /// The weights times a number.
+    #[inline(always)]
+    pub(super) fn weighted(&self, weight: R) -> Self {
+        Self {
+            in_plane: self.in_plane * weight,
+            through: self.through * weight,
+            d: self.d * weight,
+        }
+    }
+
+    /// Half of the derivatives of [`Self::mean_square`] by the modes; those by the linear modes are zero.
+    #[inline(always)]
+    pub(super) fn slopes(&self, modes: &Modes<R>) -> Modes<R> {
+        let [xy, xz, yz] = modes.twist;
+        Modes {
+            linear: Matrix::default(),
+            twist: [scale(xy, self.in_plane), scale(xz, self.through), scale(yz, self.through)],
+            d: scale(modes.d, self.d),
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn mean_square(&self, modes: &Modes<R>) -> R {
         let [xy, xz, yz] = modes.twist.map(|b| dot(b, b));
@@ -180,13 +201,7 @@ pub(crate) fn center<R: Real, T: AsRef<Buckets<R>>>(
     let secant = law.secant(law.equivalent(shape.g + variation.mean_square(modes), pi));
     let shear = secant * law.shear;
     let [x, y, z] = deformed.stress(&shape, shear, secant * per_volume(pi, deformed.volume));
-    let (in_plane, through) = (shear * variation.in_plane, shear * variation.through);
-    let [xy, xz, yz] = modes.twist;
-    Modes {
-        linear: [x, y, scale(z, slope)],
-        twist: [scale(xy, in_plane), scale(xz, through), scale(yz, through)],
-        d: scale(modes.d, shear * variation.d),
-    }
+    Modes { linear: [x, y, scale(z, slope)], ..variation.weighted(shear).slopes(modes) }
 }
 
 /// The deformation gradients at the four points of a parity, ±1.

@@ -289,19 +289,11 @@ impl Slopes {
 }
 
 /// The derivative of the stress `shear`·½∂g/∂F + Π·cof F by F, where Π is `pressure`, and `bulk`·ln J/J more.
-pub(crate) fn stress_slopes(
-    columns: Matrix<f64>,
-    shear: f64,
-    bulk: Option<f64>,
-    pressure: f64,
-) -> Slopes {
+pub(crate) fn stress_slopes(columns: Matrix<f64>, shear: f64, bulk: f64, pressure: f64) -> Slopes {
     let variable = |c: usize, r: usize| Dual::<9>::variable(columns[c][r], 3 * c + r);
     let deformed = Deformed::new([0, 1, 2].map(|c| [0, 1, 2].map(|r| variable(c, r))));
-    let mut of_volume = Dual::splat(pressure);
-    if let Some(bulk) = bulk {
-        let least = deformed.volume.max(Dual::splat(LEAST_VOLUME));
-        of_volume += Dual::splat(bulk) * deformed.log_volume() / least;
-    }
+    let of_volume = Dual::splat(pressure)
+        + Dual::splat(bulk) * per_volume(deformed.log_volume(), deformed.volume);
     let stress = deformed.stress(&deformed.isochoric(), Dual::splat(shear), of_volume);
     let part = |p: usize, q: usize| {
         let column = |c: usize| DVec3::from([0, 1, 2].map(|r| stress[p][r].slopes[3 * q + c]));
@@ -433,14 +425,11 @@ mod tests {
         for spec in curves() {
             let law = SolidLaw::new(&material(&spec, 0.4));
             let columns = [[1.3, 0.1, -0.2], [0.05, 0.9, 0.15], [-0.1, 0.2, 1.1]];
-            let energy =
-                |columns| {
-                    let deformed = Deformed::new(columns);
-                    law.energy(law.equivalent(
-                        deformed.isochoric().g,
-                        law.pressure(deformed.log_volume(), 0.0),
-                    ))
-                };
+            let energy = |columns| {
+                let deformed = Deformed::new(columns);
+                let pi = law.pressure(deformed.log_volume(), 0.0);
+                law.energy(law.equivalent(deformed.isochoric().g, pi))
+            };
             let stress = law.response(columns).0;
             for c in 0..3 {
                 for r in 0..3 {

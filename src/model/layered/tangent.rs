@@ -103,31 +103,16 @@ impl Tangent {
         let deformed = Deformed::new(columns);
         let shape = deformed.isochoric();
         let pi = law.pressure(deformed.log_volume(), 0.0);
-        let mut variation = Variation::new(*slope);
+        let variation = Variation::new(*slope);
         let square = variation.mean_square(modes);
         let (secant, bend) = law.secant_and_bend(law.equivalent(shape.g + square, pi));
         let [x, y, z] = deformed.stress(&shape, law.shear, per_volume(pi, deformed.volume));
-        for weight in [&mut variation.in_plane, &mut variation.through, &mut variation.d] {
-            *weight *= law.shear;
-        }
-        self.vectors.push((
-            bend,
-            Modes {
-                linear: [x, y, scale(z, *slope)],
-                twist: [
-                    scale(modes.twist[0], variation.in_plane),
-                    scale(modes.twist[1], variation.through),
-                    scale(modes.twist[2], variation.through),
-                ],
-                d: scale(modes.d, variation.d),
-            },
-        ));
-        for weight in [&mut variation.in_plane, &mut variation.through, &mut variation.d] {
-            *weight *= secant;
-        }
-        let slopes = stress_slopes(columns, secant * law.shear, Some(secant * law.bulk), 0.0);
+        let variation = variation.weighted(law.shear);
+        let linear = [x, y, scale(z, *slope)];
+        self.vectors.push((bend, Modes { linear, ..variation.slopes(modes) }));
+        let slopes = stress_slopes(columns, secant * law.shear, secant * law.bulk, 0.0);
         self.points.push(Point { at: [0.0; 3], slopes });
-        variation
+        variation.weighted(secant)
     }
 
     /// Adds the points and the vectors of a cell.
@@ -150,7 +135,7 @@ impl Tangent {
             let shape = point.stress(&shapes[k], law.shear, 0.0);
             let along = volume_slope.weighted(per_volume(pi, volume));
             self.vectors.push((0.25 * bend, sum(&to_modes(shape, *at, *slope, 1.0), &along)));
-            let slopes = stress_slopes(point.columns, 0.25 * secant * law.shear, None, pressure);
+            let slopes = stress_slopes(point.columns, 0.25 * secant * law.shear, 0.0, pressure);
             self.points.push(Point { at: *at, slopes });
         }
         let volumetric = mean * law.bulk * (1.0 - log) / (least * least);
@@ -164,16 +149,7 @@ impl Tangent {
             let faces = [*layer, layer + 1].map(|l| cell.gather(|k| v[l][k]));
             let mut modes = modes(&faces[0], &faces[1]);
             modes.linear = turned(modes.linear, cell.sides());
-            let [xy, xz, yz] = modes.twist;
-            let mut force = Modes {
-                linear: Matrix::default(),
-                twist: [
-                    scale(xy, variation.in_plane),
-                    scale(xz, variation.through),
-                    scale(yz, variation.through),
-                ],
-                d: scale(modes.d, variation.d),
-            };
+            let mut force = variation.slopes(&modes);
             for Point { at, slopes } in &self.points[point..ends[0]] {
                 let stress = slopes.product(from_modes(&modes, *at, *slope));
                 force = sum(&force, &to_modes(stress, *at, *slope, 1.0));

@@ -60,6 +60,7 @@ impl Newton {
             return State::Working;
         }
         std::mem::swap(&mut self.x, &mut self.trial);
+        self.energy = energy;
         self.revision += 1;
         self.phase = Phase::Linearize { place: 0 };
         let is_whole = halvings == 0;

@@ -100,6 +100,7 @@ pub(in crate::solve) struct Newton {
     active: Vec<u8>,
     /// What the obstacle's curvature takes from the blocks of nodes under a reaction.
     curvature: Vec<(usize, DMat3)>,
+    /// Energy at `x` \[kPa·mm³\].
     energy: f64,
     /// The step.
     d: Layers,
@@ -230,9 +231,11 @@ impl Newton {
         if place == 0 {
             self.work_units += cost::LINEARIZE;
             self.forces = exact.forces(&self.x);
-            self.energy = exact.energy(&self.places, &self.x);
-            if !self.energy.is_finite() {
-                return State::Stalled;
+            if self.iterations == 0 {
+                self.energy = exact.energy(&self.places, &self.x);
+                if !self.energy.is_finite() {
+                    return State::Stalled;
+                }
             }
             self.tangent.clear();
         }
