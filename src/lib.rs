@@ -4,7 +4,7 @@
 //! quantities. Module order; imports point left only (`tests/modules.rs`):
 //!
 //! `number` → `curve` → `clinical` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `scene` → `simulate` →
-//! `session` → `experiment` → `view` → `app` → `platform`
+//! `study` → `session` → `experiment` → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
@@ -24,4 +24,5 @@ pub mod session;
 pub mod simulate;
 pub mod solve;
 pub mod springs;
+pub mod study;
 pub mod view;

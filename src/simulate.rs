@@ -2,9 +2,9 @@
 //!
 //! Command line, JavaScript API and studies compute by [`run`].
 //!
-//! Uses `scene` and all to its left. Used by `session`, `experiment`, `platform`.
+//! Uses `scene` and all to its left. Used by `study`, `session`, `experiment`, `platform`.
 
-use crate::measure::{self, Fields, Outcome};
+use crate::measure::{self, Fields, Outcome, Selection};
 use crate::scene::{CheckedScene, Scene, SceneError};
 use crate::solve::{Options, Progress, Solution, Solver};
 use std::sync::Arc;
@@ -18,17 +18,54 @@ pub struct Simulation {
     pub solution: Arc<Solution>,
 }
 
+/// Nodes per side up to which a [`Simulator`] keeps its grids: some 15 MB of a whole sheet, 50 MB of layered tissue.
+const MAX_KEPT_NODES_PER_SIDE: usize = 257;
+
+/// Computes one scene after the other. Each result is that of a new simulator; tables of the law and grids that a scene
+/// shares with the previous scene are kept.
+#[derive(Default)]
+pub struct Simulator {
+    solver: Option<Solver>,
+}
+
+impl Simulator {
+    /// Solves a scene from scratch and measures the selected fields. With a `clock` \[ms\] the result contains the solve's
+    /// time, without the measuring.
+    #[must_use]
+    pub fn run(
+        &mut self,
+        scene: &CheckedScene,
+        options: Options,
+        selection: &Selection,
+        clock: Option<&dyn Fn() -> f64>,
+    ) -> Simulation {
+        let start = clock.map(|clock| clock());
+        let problem = scene.problem();
+        // A panic leaves no solver behind.
+        let mut solver = match self.solver.take() {
+            Some(mut solver) => {
+                solver.start_anew(problem, options);
+                solver
+            }
+            None => Solver::with_options(problem, options),
+        };
+        while solver.advance(&mut || false) == Progress::Working {}
+        let solution = Arc::new(solver.take_solution());
+        let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
+        if solution.problem().sheet.nodes_per_side() <= MAX_KEPT_NODES_PER_SIDE {
+            self.solver = Some(solver);
+        }
+        let fields = Fields::new(Arc::clone(&solution));
+        let mut outcome = measure_selected(scene.scene(), &fields, selection);
+        outcome.solver.time_ms = time_ms;
+        Simulation { outcome, solution }
+    }
+}
+
 /// Solves a scene from scratch and measures the solution. With a `clock` \[ms\] the result contains the solve's time.
 #[must_use]
 pub fn run(scene: &CheckedScene, options: Options, clock: Option<&dyn Fn() -> f64>) -> Simulation {
-    let start = clock.map(|clock| clock());
-    let mut solver = Solver::with_options(scene.problem(), options);
-    while solver.advance(&mut || false) == Progress::Working {}
-    let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
-    let solution = Arc::new(solver.into_solution());
-    let mut outcome = measure(scene.scene(), &Fields::new(Arc::clone(&solution)));
-    outcome.solver.time_ms = time_ms;
-    Simulation { outcome, solution }
+    Simulator::default().run(scene, options, &Selection::all(), clock)
 }
 
 /// Solves a scene from scratch; returns the result.
@@ -42,8 +79,12 @@ pub fn simulate(scene: &Scene) -> Result<Outcome, SceneError> {
 /// Measures the solution of a scene.
 #[must_use]
 pub fn measure(scene: &Scene, fields: &Fields) -> Outcome {
+    measure_selected(scene, fields, &Selection::all())
+}
+
+fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Outcome {
     let tissues: Vec<String> = scene.layers.iter().map(|layer| layer.tissue.clone()).collect();
-    let mut outcome = measure::measure(fields, &tissues);
+    let mut outcome = measure::measure(fields, &tissues, selection);
     let (asked, given) = (scene.solver.nodes_per_side, outcome.solver.nodes_per_side);
     if asked != given {
         outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
@@ -53,8 +94,11 @@ pub fn measure(scene: &Scene, fields: &Fields) -> Outcome {
     outcome
 }
 
-/// Replaces the part of a result that depends on the patient, after a change of the patient alone.
-pub(crate) fn replace_patient(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
+/// Adapts a result to another scene of the same physics: names of tissues, and what depends on the patient.
+pub(crate) fn relabel(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
+    for (outcome, layer) in outcome.layers.iter_mut().zip(&scene.layers) {
+        outcome.tissue.clone_from(&layer.tissue);
+    }
     let old = before.patient_warnings();
     outcome.warnings.retain(|warning| !old.contains(warning));
     outcome.patient_values = scene.patient_values();
@@ -82,6 +126,75 @@ mod tests {
         assert_eq!(restored.faces(), solution.faces());
         assert_eq!(restored.reactions().force, solution.reactions().force);
         assert_eq!(measure(scene.scene(), &Fields::new(restored)), outcome);
+    }
+
+    #[test]
+    fn the_result_of_a_simulator_does_not_depend_on_the_scenes_before() {
+        let mut scenes = Vec::new();
+        for base in [Scene::sheet(), Scene::default()] {
+            for (center, insertion, thickness) in
+                [(0.0, 1.0, 10.0), (0.0, 0.6, 10.0), (5.0, 0.6, 10.0), (5.0, 0.6, 14.0)]
+            {
+                let mut scene = base.clone();
+                scene.solver.nodes_per_side = 33;
+                scene.implant.center_mm = [center, 0.0];
+                scene.insertion = insertion;
+                scene.layers[1].thickness_mm = thickness;
+                scenes.push(CheckedScene::new(scene).unwrap());
+            }
+        }
+        // To a tolerance of Newton's method, and at rest.
+        for (tolerance, insertion) in [(1e-7, 0.6), (1e-3, 0.0)] {
+            let mut scene = scenes[0].scene().clone();
+            (scene.solver.tolerance, scene.insertion) = (tolerance, insertion);
+            scenes.insert(2, CheckedScene::new(scene).unwrap());
+        }
+        let mut simulator = Simulator::default();
+        for scene in scenes.iter().chain(scenes.iter().rev()) {
+            let kept = simulator.run(scene, Options::default(), &Selection::all(), None);
+            let new = run(scene, Options::default(), None);
+            assert_eq!(kept.outcome, new.outcome);
+            assert_eq!(kept.solution.record(), new.solution.record());
+        }
+    }
+
+    #[test]
+    fn a_quarter_and_half_have_the_result_of_the_whole_sheet() {
+        for base in [Scene::sheet(), Scene::default()] {
+            for center_mm in [[0.0, 0.0], [5.0, 0.0], [0.0, -5.0]] {
+                let mut scene = base.clone();
+                scene.solver.nodes_per_side = 33;
+                scene.implant.center_mm = center_mm;
+                let scene = CheckedScene::new(scene).unwrap();
+                let part = run(&scene, Options::default(), None);
+                let mut record = part.solution.record();
+                assert_eq!(record.mirrored, center_mm.map(|c| c == 0.0));
+                record.mirrored = [false; 2];
+                let whole = Arc::new(Solution::restore(scene.problem(), record).unwrap());
+                let whole = serde_json::to_value(measure(scene.scene(), &Fields::new(whole)));
+                let part = serde_json::to_value(part.outcome).unwrap();
+                assert_close(&part, &whole.unwrap(), "");
+            }
+        }
+    }
+
+    fn assert_close(a: &serde_json::Value, b: &serde_json::Value, path: &str) {
+        use serde_json::Value;
+        match (a, b) {
+            (Value::Object(a), Value::Object(b)) => {
+                assert_eq!(a.len(), b.len());
+                a.iter().for_each(|(k, a)| assert_close(a, &b[k], &format!("{path}.{k}")));
+            }
+            (Value::Array(a), Value::Array(b)) => {
+                assert_eq!(a.len(), b.len());
+                a.iter().zip(b).for_each(|(a, b)| assert_close(a, b, path));
+            }
+            (Value::Number(x), Value::Number(y)) => {
+                let (x, y) = (x.as_f64().unwrap(), y.as_f64().unwrap());
+                assert!((x - y).abs() <= 1e-11 * x.abs().max(y.abs()), "{path}: {x} and {y}");
+            }
+            _ => assert_eq!(a, b, "{path}"),
+        }
     }
 
     #[test]

@@ -558,3 +558,22 @@ fn results_list_the_values_of_the_patient() {
     .unwrap();
     assert!(serde_json::to_value(&none).unwrap().get("patient_values").is_none());
 }
+
+#[test]
+fn the_opening_plan_is_usual_and_all_its_tissue_is_derived() {
+    let scene = Scene::opening();
+    assert_eq!(scene.validate(), Ok(()));
+    assert_eq!(Scene::from_json(&scene.to_json()).as_ref(), Ok(&scene));
+    let implant = scene.implant;
+    let size =
+        Size::of_width_and_projection(2.0 * implant.base_radius_mm, implant.projection_mm).unwrap();
+    assert!((size.base_width_mm() - 120.0).abs() < 1e-9 && (size.volume_ml() - 300.0).abs() < 1e-9);
+    assert!(size.is_typical());
+    assert!((scene.room_mm() - 10.0).abs() < 1e-12);
+    let values = scene.patient_values();
+    let derived: Vec<f64> = values.iter().map(|value| value.value).collect();
+    assert_eq!(derived, [1.5, 8.5, 0.5]);
+    assert!(values.iter().all(|value| !value.set_by_hand));
+    // The defaults of files are not those of the app.
+    assert_eq!(Scene::from_json(r#"{"implant":{"base_radius_mm":55}}"#), Ok(Scene::default()));
+}

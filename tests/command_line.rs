@@ -180,6 +180,46 @@ fn several_scenes_give_json_lines_in_their_order() {
 }
 
 #[test]
+fn simulate_writes_the_fields_asked_for() {
+    let folder = folder("fields");
+    fs::write(folder.join("scene.json"), scene(55.0, "coupled")).unwrap();
+    let result = |arguments: &[&str]| -> Value {
+        let output = run_in(&folder, &[&["simulate", "scene.json"], arguments].concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let whole = result(&[]);
+    let some = result(&["--fields", "contact_force_n,strain.max_principal,layers.max_stress_kpa"]);
+    let stress =
+        |layer: usize| json!({ "max_stress_kpa": whole["layers"][layer]["max_stress_kpa"] });
+    assert_eq!(
+        some,
+        json!({
+            "schema": whole["schema"],
+            "status": "converged",
+            "contact_force_n": whole["contact_force_n"],
+            "strain": { "max_principal": whole["strain"]["max_principal"] },
+            "layers": [stress(0), stress(1)],
+        })
+    );
+    let mut short = result(&["--no-profile"]);
+    let mut expected = whole.clone();
+    for result in [&mut short, &mut expected] {
+        result["solver"]["time_ms"] = Value::Null;
+        let fields = result.as_object_mut().unwrap();
+        assert_eq!(fields.remove("profile").is_some(), fields.remove("profile_skin").is_some());
+    }
+    assert_eq!(short, expected);
+    // The table of the profile does not depend on the fields of the result.
+    result(&["--profile", "all.csv"]);
+    result(&["--fields", "status", "--no-profile", "--profile", "some.csv"]);
+    let table = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    assert_eq!(table("some.csv"), table("all.csv"));
+    let unknown = ["simulate", "scene.json", "--fields", "strain.max"];
+    assert_refused(&folder, &unknown, "", &["--fields", "strain.max", "max_principal"]);
+}
+
+#[test]
 fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
     let folder = folder("bad-scenes");
     let put = |name: &str, content: &[u8]| fs::write(folder.join(name), content).unwrap();
@@ -577,4 +617,117 @@ fn help_and_version_exit_with_success() {
         assert_eq!(output.status.code(), Some(0));
         assert!(text(&output.stdout).contains(wanted) && output.stderr.is_empty());
     }
+}
+
+#[test]
+fn a_map_is_written_as_table_json_and_chart() {
+    let folder = folder("map");
+    fs::write(
+        folder.join("scene.json"),
+        scene(50.0, "coupled").replacen('{', r#"{"schema":"implant-preview/scene/1","#, 1),
+    )
+    .unwrap();
+    let map = |out: &str, more: &[&str]| {
+        let mut arguments = vec!["map", "scene.json", "--out-dir", out, "--nodes", "17"];
+        arguments.extend(more);
+        let output = run_in(&folder, &arguments, "");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert_eq!(names_in(&folder.join(out)), ["map.csv", "map.json", "map.svg"]);
+        let read = |name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+        let json: Value = serde_json::from_str(&read("map.json")).unwrap();
+        (json, read("map.csv"), read("map.svg"), text(&output.stderr))
+    };
+    let axes = ["--x", "base_width_mm=90:130:4", "--y", "projection_mm=25:55:3"];
+    let (json, csv, svg, notes) = map("plane", &axes);
+    assert_eq!((csv.lines().count(), json["points"].as_array().unwrap().len()), (13, 12));
+    assert!(
+        csv.starts_with("base_width_mm,projection_mm,status,pocket_radius_mm,greatest_strain,")
+    );
+    assert_eq!(json["schema"], "implant-preview/map/1");
+    assert_eq!(json["check"]["points"], 9);
+    assert_eq!(json["axes"][0]["present"], 100.0);
+    assert!(notes.contains("checked points converged at 129 nodes per side"), "{notes}");
+    assert!(notes.contains("The pocket follows the implant"), "{notes}");
+    for words in ["<svg", "base width (mm)", "projection (mm)", "ml", "typical size"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    let curve = ["--x", "insertion=0.2:1:5", "--show", "force_n", "--no-check"];
+    let (json, csv, svg, _) = map("curve", &curve);
+    assert!(
+        csv.lines().count() == 6 && json["check"].is_null() && svg.contains("contact force (N)")
+    );
+    let forces: Vec<f64> = json["points"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| p["values"]["force_n"].as_f64().unwrap())
+        .collect();
+    assert!(forces.windows(2).all(|pair| pair[0] < pair[1]), "{forces:?}");
+}
+
+#[test]
+fn bands_are_equal_for_equal_seeds() {
+    let folder = folder("bands");
+    let scene = scene(50.0, "coupled").replacen('{', r#"{"schema":"implant-preview/scene/1","#, 1);
+    fs::write(folder.join("scene.json"), scene).unwrap();
+    fs::write(
+        folder.join("choices.json"),
+        r#"{"unknowns":{"projection":null,"pocket_radius":{"normal":{"mean":0,"sd":1}}}}"#,
+    )
+    .unwrap();
+    let bands = |more: &[&str]| -> Value {
+        let mut arguments =
+            vec!["bands", "scene.json", "--nodes", "17", "--samples", "32", "--importance", "16"];
+        arguments.extend(more);
+        let output = run_in(&folder, &arguments, "");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("not a prediction for a person."));
+        serde_json::from_str(&text(&output.stdout)).unwrap()
+    };
+    let first = bands(&["--seed", "3"]);
+    assert_eq!(first, bands(&["--seed", "3"]));
+    assert_ne!(first["bands"], bands(&["--seed", "4"])["bands"]);
+    assert_eq!(
+        (&first["counts"]["converged"], first["unknowns"].as_array().unwrap().len()),
+        (&json!(32), 8)
+    );
+    let chosen = bands(&["--settings", "choices.json", "--without", "fat_modulus"]);
+    let names: Vec<&str> = chosen["unknowns"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|u| u["name"].as_str().unwrap())
+        .collect();
+    assert!(names.len() == 6 && !names.contains(&"projection") && !names.contains(&"fat_modulus"));
+}
+
+#[test]
+fn bad_maps_and_bands_are_refused_in_one_line() {
+    let folder = folder("bad-studies");
+    fs::write(folder.join("scene.json"), scene(50.0, "coupled")).unwrap();
+    fs::write(folder.join("choices.json"), r#"{"unknowns":{"hair":null}}"#).unwrap();
+    let map = |more: &[&'static str], wanted: &[&str]| {
+        let arguments = [&["map", "scene.json", "--out-dir", "out"], more].concat();
+        assert_refused(&folder, &arguments, "", wanted);
+    };
+    map(&["--x", "colour=1:2:3"], &["\"colour\" is not a field", "base_width_mm"]);
+    map(&["--x", "projection_mm=20:20:5"], &["two different numbers"]);
+    map(&["--x", "projection_mm=20:40:0"], &["0 values"]);
+    map(&["--x", "projection_mm=20:40:1000000000"], &["a map of 1000000000 points", "3600"]);
+    map(&["--x", "projection_mm=20:1e308:5"], &["projection_mm"]);
+    map(&["--x", "projection_mm=NaN:40:5"], &["NaN"]);
+    map(&["--y", "projection_mm=20:40:5"], &["--x"]);
+    map(&["--show", "beauty"], &["\"beauty\" is not a quantity", "greatest_strain"]);
+    map(&["--nodes", "5"], &["nodes_per_side is 5", "17 to 1025"]);
+    let bands = |more: &[&'static str], wanted: &[&str]| {
+        let arguments = [&["bands", "scene.json"], more].concat();
+        assert_refused(&folder, &arguments, "", wanted);
+    };
+    bands(&["--samples", "0"], &["samples is 0", "16 to 16384"]);
+    bands(&["--seed", "-1"], &["0 to 4294967295"]);
+    bands(&["--without", "hair"], &["\"hair\" is not an unknown", "skin_thickness"]);
+    bands(&["--settings", "choices.json"], &["choices.json", "hair"]);
+    bands(&["--importance", "1000"], &["importance_rows is 1000"]);
+    bands(&["--out", "none/b.json"], &["none"]);
+    assert_refused(&folder, &["bands", "missing.json"], "", &["missing.json", "cannot be read"]);
 }

@@ -7,8 +7,10 @@ use dhat::{HeapStats, Profiler};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::experiment::work_precision::Plan;
 use implant_preview::measure::Status;
-use implant_preview::scene::{CheckedScene, Scene, SceneError, read};
+use implant_preview::scene::pins::{PINS_SCHEMA, pins_from_json, pins_json};
+use implant_preview::scene::{CheckedScene, Document, Scene, SceneError, read};
 use implant_preview::simulate::simulate;
+use implant_preview::study::{Axis, Bands, BandsSettings, Map, MapSettings};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -85,6 +87,39 @@ fn layered_scenes_of_any_numbers_are_valid_or_rejected() {
     });
     let [sheets, layered] = accepted.get();
     assert!(sheets > 50 && layered > 200, "{accepted:?} are too few to say much");
+}
+
+#[test]
+fn pins_of_any_scenes_are_valid_or_rejected() {
+    let accepted = std::cell::Cell::new(0);
+    let scene = r#"{"implant":{"base_radius_mm":50}}"#;
+    check(4000, &(bytes(), vec(any::<u8>(), 0..6)), |(bytes, pins)| {
+        let mut choices = Choices(&bytes);
+        let pin = |kind: u8| {
+            let scene = match kind % 4 {
+                0 => choices.scene(),
+                1 => choices.layered_scene(),
+                _ => scene.to_owned(),
+            };
+            let name = ["", "before", "\\n", "💧"][usize::from(kind / 4 % 4)];
+            let letter = ["\"A\"", "\"B\"", "\"D\"", "null", "\"E\""][usize::from(kind / 16 % 5)];
+            format!(r#"{{"letter":{letter},"name":"{name}","scene":{scene}}}"#)
+        };
+        let pins: Vec<String> = pins.into_iter().map(pin).collect();
+        let list = format!(r#"{{"schema":"{PINS_SCHEMA}","pins":[{}]}}"#, pins.join(","));
+        match pins_from_json(&list) {
+            Ok(pins) => {
+                assert_eq!(pins_from_json(&pins_json(&pins)), Ok(pins));
+                accepted.set(accepted.get() + 1);
+            }
+            Err(error) => hostile::check_message(&error),
+        }
+        let file = format!(r#"{{"implant":{{"base_radius_mm":50}},"pins":[{}]}}"#, pins.join(","));
+        let read = Document::from_json(&file);
+        assert_eq!(read.is_ok(), pins_from_json(&list).is_ok());
+        assert_eq!(read.is_ok(), Scene::from_json(&file).is_ok());
+    });
+    assert!(accepted.get() > 400, "{accepted:?} are too few to say much");
 }
 
 #[test]
@@ -499,4 +534,40 @@ fn the_solve_of_every_accepted_layered_scene_ends() {
     });
     println!("layered, converged, not converged, unstable: {counts:?}");
     assert!(counts.borrow()[0] > 10, "{counts:?}");
+}
+
+#[test]
+fn axes_and_choices_of_bands_of_any_text_are_valid_or_rejected() {
+    let scene = Scene::sheet();
+    let axis = "(projection_mm|volume_ml|insertion|layers\\[[0-9]\\].thickness_mm|[ -~]{0,9})=\
+                [-+.0-9einfNa]{0,9}:[-+.0-9e]{0,9}:[-0-9]{0,12}";
+    check(4000, &axis, |text| {
+        let map = Axis::parse(&text).and_then(|axis| {
+            let settings = MapSettings { nodes_per_side: 17, ..MapSettings::default() };
+            Map::new(&scene, &[axis], settings)
+        });
+        if let Err(error) = map {
+            let line = error.to_string();
+            assert!(line.len() < 800 && !line.contains('\n'), "{line}");
+        }
+    });
+    let number = "-?[0-9]{1,3}(e[0-9]{1,3})?";
+    let choices = (number, number, number).prop_map(|(samples, median, gsd)| {
+        format!(
+            r#"{{"samples":{samples},"unknowns":{{"fat_modulus":{{"log_normal":{{"median":{median},"gsd":{gsd}}}}}}}}}"#
+        )
+    });
+    check(2000, &choices, |text| {
+        let line = match BandsSettings::from_json(&text) {
+            Ok(choices) => Bands::new(&scene, choices).err().map(|error| error.to_string()),
+            Err(error) => Some(error.to_string()),
+        };
+        assert!(line.is_none_or(|line| line.len() < 400 && !line.contains('\n')));
+    });
+    check(2000, &vec(any::<u8>(), 0..60), |bytes| {
+        let text = String::from_utf8_lossy(&bytes);
+        if let Err(error) = BandsSettings::from_json(&text) {
+            assert!(!error.to_string().contains('\n'));
+        }
+    });
 }

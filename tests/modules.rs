@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from left to right, as in ARCHITECTURE.md.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "number",
     "curve",
     "clinical",
@@ -20,6 +20,7 @@ const ORDER: [&str; 16] = [
     "measure",
     "scene",
     "simulate",
+    "study",
     "session",
     "experiment",
     "view",

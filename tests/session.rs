@@ -117,6 +117,7 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         stability_limits: after.stability_limits - before.stability_limits,
         previews: after.previews - before.previews,
         reverted: after.reverted - before.reverted,
+        shared: after.shared - before.shared,
     }
 }
 

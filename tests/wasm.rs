@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 mod common;
+#[path = "common/samples.rs"]
+mod samples;
 
 use implant_preview::platform::js;
 use serde_json::Value;
@@ -75,6 +77,9 @@ fn the_default_scene_the_schema_and_the_version_are_valid() {
     assert_eq!(scene["schema"], "implant-preview/scene/2");
     assert_eq!(scene["tissue_model"], "layered");
     assert_eq!(scene["solver"]["nodes_per_side"], 129);
+    let opening: Value = serde_json::from_str(&js::opening_scene()).unwrap();
+    assert_eq!(opening["patient"]["pinch_mm"], 20.0);
+    assert_eq!(opening["pocket_radius_mm"], 70.0);
     let schema: Value = serde_json::from_str(&js::schema()).unwrap();
     assert!(schema["properties"]["implant"].is_object());
     assert_eq!(js::version(), env!("CARGO_PKG_VERSION"));
@@ -121,4 +126,9 @@ async fn random_scenes_satisfy_all_invariants() {
         assert!(case.ending != Ending::Failed, "{case:?}");
         rest().await;
     }
+}
+
+#[wasm_bindgen_test]
+fn samples_are_equal_to_the_native_samples() {
+    assert_eq!(samples::samples(), samples::SAMPLES);
 }

@@ -22,7 +22,7 @@ const METHODS = {
 };
 
 // One worker: the study measures one thread.
-const runner = new Runner(1);
+const runner = new Runner({ program: new URL("implant-preview.mjs", import.meta.url), workers: 1 });
 let isRunning = false;
 let startedAt = 0;
 let clockStep = 0;
@@ -163,7 +163,7 @@ function start() {
   element("state").textContent = "Loading…";
   startedAt = performance.now();
   isRunning = true;
-  runner.submit({ kind: "benchmark", options: JSON.stringify(options) }, onPiece).result.then(
+  runner.submit({ kind: "benchmark", options: JSON.stringify(options) }, { onPiece }).result.then(
     () => end(`Done in ${timeText(performance.now() - startedAt)}.`),
     (error) => {
       if (error.name !== "AbortError") fail(error.message);

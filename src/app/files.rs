@@ -45,8 +45,9 @@ impl Files {
     /// Opens a dialog for a file name and writes the text.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn save(&self, ctx: &Context, suggestion: &str, text: String) {
+        let extension = suggestion.rsplit('.').next().unwrap_or_default();
         let dialog = rfd::AsyncFileDialog::new()
-            .add_filter("JSON", &["json"])
+            .add_filter(extension.to_uppercase(), &[extension])
             .set_file_name(suggestion)
             .save_file();
         self.run(ctx, async move {

@@ -1,8 +1,9 @@
 //! Keyboard shortcuts, and playback of the insertion.
 
-use super::{App, toolbar};
+use super::{App, view_bar};
 use crate::scene::Scene;
 use crate::session::Command;
+use crate::view::camera::View;
 use eframe::egui::{self, Key, Modifiers};
 
 /// Duration of the playback from flat to full height \[s\].
@@ -51,11 +52,11 @@ impl App {
         }
         (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_playback());
         if shortcut(Modifiers::NONE, Key::F) {
-            self.viewport.fit(&self.session);
+            self.viewport.fit(&self.session, View::All);
         }
         for (key, quantity) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5]
             .into_iter()
-            .zip(toolbar::QUANTITIES)
+            .zip(view_bar::QUANTITIES)
         {
             if shortcut(Modifiers::NONE, key) {
                 self.options.quantity = quantity;

@@ -1,15 +1,16 @@
 //! The logic of a frame: slices of solving, commands, edits of the panels, files.
 
+use super::answer::PreviousResults;
 use super::files::FileEvent;
 use super::focus::Boundary;
 use super::messages::Notice;
-use super::readings::PreviousResults;
 use super::status::SliceOf;
-use super::{App, is_hemisphere, theme};
+use super::{App, theme};
 use crate::measure::no_shape;
-use crate::scene::{Scene, SceneError};
-use crate::session::Command;
+use crate::scene::Scene;
+use crate::session::{Command, CommandError};
 use crate::solve::Progress;
+use crate::view::camera::View;
 use eframe::egui::{self, Ui};
 use web_time::{Duration, Instant};
 
@@ -45,13 +46,14 @@ impl App {
         self.is_scene_replaced = false;
         self.advance_playback(&ctx, &mut scene);
         self.solve_slice(&ctx);
+        self.poll_studies(&ctx);
         self.focus.boundary(ui, Boundary::First);
         if ui.available_width() < theme::NARROW {
             self.narrow(ui, &mut scene);
         } else {
             self.wide(ui, &mut scene);
         }
-        self.about_window(&ctx);
+        self.help_window(&ctx);
         self.focus.boundary(ui, Boundary::Last);
         self.submit_edits(&ctx, &mut scene);
         // An edit clears the previous notice, so a notice about this edit is stored after it.
@@ -62,6 +64,7 @@ impl App {
         if self.session.is_working() || self.is_playing {
             ctx.request_repaint();
         }
+        self.note_pins();
         self.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
     }
 
@@ -69,6 +72,7 @@ impl App {
     fn solve_slice(&mut self, ctx: &egui::Context) {
         if !self.session.is_working() {
             self.solving = None;
+            self.solve_pin();
             return;
         }
         let now = Instant::now();
@@ -102,6 +106,24 @@ impl App {
         }
     }
 
+    /// Advances the studies. New jobs wait for a solve of the app, unless that takes long.
+    fn poll_studies(&mut self, ctx: &egui::Context) {
+        self.studies.poll(ctx, self.session.is_working() && !self.is_long());
+        self.range.advance(ctx, self.session.scene(), &mut self.studies);
+        // What is not known is sampled after an edit and its solve.
+        let is_held = ctx.input(|input| input.pointer.any_down());
+        let is_busy = self.session.is_working() || self.is_playing || is_held;
+        self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);
+    }
+
+    /// Solves a pin for one slice.
+    fn solve_pin(&mut self) {
+        let now = Instant::now();
+        if self.session.advance_pins(&mut || now.elapsed() >= SLICE) == Progress::Working {
+            self.request_frame();
+        }
+    }
+
     /// Is a long solve in progress?
     pub(super) fn is_long(&self) -> bool {
         self.session.is_working()
@@ -120,25 +142,23 @@ impl App {
         self.is_playing = false;
         self.solving = None;
         self.timing.solve_ms = 0.0;
-        self.is_hemisphere = is_hemisphere(self.session.scene());
         self.notice = (!self.session.is_stopped()).then(|| {
             Notice::info(
-                "Cancelled. The previous scene is open; Redo computes the cancelled one again.",
+                "Cancelled. The previous plan is open; Redo computes the cancelled one again.",
             )
         });
     }
 
     /// Applies a command to the session.
-    pub(super) fn apply(&mut self, command: Command) -> Result<(), SceneError> {
-        let before = self.session.counters().solves;
+    pub(super) fn apply(&mut self, command: Command) -> Result<(), CommandError> {
+        let before = self.session.revision();
         self.session.apply(command)?;
         self.notice = None;
         self.is_scene_replaced = true;
-        if self.session.counters().solves != before {
+        if self.session.revision() != before {
             self.timing.solve_ms = 0.0;
             self.solving = None;
         }
-        self.is_hemisphere = is_hemisphere(self.session.scene());
         Ok(())
     }
 
@@ -160,21 +180,15 @@ impl App {
             // From press to release is one gesture; each key is its own.
             self.gesture += u64::from(!self.is_playing);
         }
-        let is_hemisphere = self.is_hemisphere;
-        let is_same = scene == self.session.scene()
-            && (!is_hemisphere || self::is_hemisphere(self.session.scene()));
-        if self.is_scene_replaced || is_same {
+        if self.is_scene_replaced || scene == self.session.scene() {
             return;
-        }
-        if is_hemisphere {
-            scene.implant.projection_mm = scene.implant.base_radius_mm;
         }
         let repair = scene.repair();
         self.execute(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
         if let Some(repair) = repair {
             self.notice = Some(Notice::caution(repair.to_string()));
         }
-        self.is_hemisphere = is_hemisphere;
+        self.is_edited = true;
         ctx.request_repaint();
     }
 
@@ -187,10 +201,12 @@ impl App {
             self.notice = Some(match event {
                 FileEvent::Opened { name, text } => match self.open(text) {
                     Ok(()) => {
-                        self.viewport.fit(&self.session);
+                        self.viewport.fit(&self.session, View::All);
                         Notice::info(format!("Opened {name}."))
                     }
-                    Err(error) => Notice::error(format!("{name}: {error}")),
+                    Err(error) => Notice::error(format!(
+                        "{name} was not opened; the plan is unchanged. {error}"
+                    )),
                 },
                 FileEvent::Saved(name) => Notice::info(format!("Saved {name}.")),
                 FileEvent::Failed(error) => Notice::error(error),
@@ -199,7 +215,7 @@ impl App {
     }
 
     pub(super) fn save_scene(&mut self, ctx: &egui::Context) {
-        self.files.save(ctx, "scene.json", self.session.scene().to_json());
+        self.files.save(ctx, "scene.json", self.session.document_json());
     }
 
     pub(super) fn save_result(&mut self, ctx: &egui::Context) {

@@ -119,7 +119,7 @@ impl App {
     /// Shows that the solve was cancelled, with a button to continue.
     pub(super) fn stopped_page(&mut self, ui: &mut Ui) {
         message_page(ui, "Stopped", |ui| {
-            ui.label("This scene has not been computed, so there are no results.");
+            ui.label("This plan has not been computed, so there are no results.");
             ui.add_space(theme::SPACE);
             if ui.button("Continue computing").clicked() {
                 self.session.resume();
@@ -135,12 +135,13 @@ pub(super) fn no_shape_page(ui: &mut Ui, fault: Option<Invalid>, scene: &mut Sce
             ui.label(no_shape(fault));
             return;
         }
-        ui.label(
+        ui.label("The 2013 model has no answer for this much stretch.");
+        ui.small(
             "At these strains and this Poisson ratio the springs of Nikolaev 2013 are unstable: their \
              energy has no minimum, so no shape can be computed.",
         );
         ui.add_space(theme::SPACE);
-        if ui.button("Use the coupled springs").clicked() {
+        if ui.button("Use the standard model").clicked() {
             scene.springs = Springs::Coupled;
         }
     });

@@ -5,42 +5,56 @@
 //! At rest the app neither solves nor draws.
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `ui` arranges the panels, `messages` shows notices and the pages without a picture.
+//! frames, `ui` arranges the screen: `plan` with `advanced` on the left, `viewport` with `view_bar` or `range` in the
+//! middle, `answer` with `uncertainty`, `details` and `plots` on the right. `messages` shows notices and the pages without a
+//! picture.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
-mod controls;
+mod advanced;
+mod answer;
+mod compare;
 mod curve_editor;
+mod details;
 mod files;
 mod focus;
 mod keys;
 mod logic;
 mod messages;
+mod plan;
 mod plots;
-mod readings;
+mod range;
 mod stability;
 mod stats;
 mod status;
+mod studies;
 mod theme;
 mod toolbar;
 mod ui;
+mod uncertainty;
+mod view_bar;
 mod viewport;
 mod widgets;
 
 pub use stats::Stats;
+pub use studies::{JobRunner, Wake};
 
 use crate::measure::Outcome;
 use crate::scene::{Scene, SceneError};
-use crate::session::{Command, Record, Session};
+use crate::session::{Command, CommandError, Record, Session};
+use compare::{Compare, Keep};
 use eframe::{egui, glow};
 use egui::FocusDirection;
 use files::Files;
 use focus::Focus;
 use logic::RunningSolve;
 use messages::Notice;
+use range::Range;
 use status::Timing;
 use std::sync::Arc;
+use studies::Studies;
 use ui::NarrowTab;
+use uncertainty::Uncertainty;
 use viewport::Viewport;
 
 /// The app.
@@ -49,8 +63,13 @@ pub struct App {
     session: Session,
     viewport: Viewport,
     options: viewport::Options,
+    compare: Compare,
+    keep: Keep,
     files: Files,
     timing: Timing,
+    studies: Studies,
+    range: Range,
+    uncertainty: Uncertainty,
     notice: Option<Notice>,
     /// Notice about a position requested in this frame that does not fit the pocket.
     position_notice: Option<Notice>,
@@ -60,20 +79,23 @@ pub struct App {
     draft: Option<Scene>,
     /// Did a command of this frame replace the session's scene? The draft is then outdated.
     is_scene_replaced: bool,
-    is_hemisphere: bool,
+    plan: plan::Choices,
+    /// Was the plan edited since the start? Then the hint is gone.
+    is_edited: bool,
     is_playing: bool,
     /// Was drawing suspended since the previous frame?
     was_paused: bool,
     /// Number of the present gesture; edits of one gesture are one step of the history.
     gesture: u64,
     narrow_tab: NarrowTab,
-    show_left: bool,
-    show_right: bool,
-    show_about: bool,
+    show_help: bool,
+    /// Height of the controls on the picture in the previous frame \[points\].
+    view_bar_height: f32,
 }
 
 impl App {
-    /// Creates the app with its first scene. Without `gl`, as in tests, the 3-D view stays empty.
+    /// Creates the app with its first scene. Without `gl`, as in tests, the 3-D view stays empty. `runner` creates the
+    /// runner of the studies' jobs.
     ///
     /// # Errors
     /// Returns an error if the scene exceeds its limits.
@@ -81,30 +103,35 @@ impl App {
         ctx: &egui::Context,
         gl: Option<&Arc<glow::Context>>,
         scene: Scene,
+        runner: impl FnOnce(Wake) -> Box<JobRunner>,
     ) -> Result<Self, SceneError> {
         theme::install(ctx);
-        let is_hemisphere = is_hemisphere(&scene);
         Ok(Self {
             ctx: ctx.clone(),
             session: Session::new(scene)?,
             viewport: Viewport::new(gl),
             options: viewport::Options::default(),
+            compare: Compare::default(),
+            keep: Keep::default(),
             files: Files::new(),
             timing: Timing::default(),
+            studies: Studies::new(ctx, runner),
+            range: Range::default(),
+            uncertainty: Uncertainty::default(),
             notice: None,
             position_notice: None,
             focus: Focus::default(),
             solving: None,
             draft: None,
             is_scene_replaced: false,
-            is_hemisphere,
+            plan: plan::Choices::default(),
+            is_edited: false,
             is_playing: false,
             was_paused: false,
             gesture: 0,
             narrow_tab: NarrowTab::Implant,
-            show_left: true,
-            show_right: true,
-            show_about: false,
+            show_help: false,
+            view_bar_height: 40.0,
         })
     }
 
@@ -116,6 +143,7 @@ impl App {
         ctx.memory_mut(|own| *own = memory);
         self.ctx = ctx.clone();
         self.viewport.move_to(gl);
+        self.range.forget_texture();
         self.mark_paused();
     }
 
@@ -189,7 +217,7 @@ impl App {
     ///
     /// # Errors
     /// Returns one line that names the invalid field; the scene is then unchanged.
-    pub fn open(&mut self, json: String) -> Result<(), SceneError> {
+    pub fn open(&mut self, json: String) -> Result<(), CommandError> {
         self.apply(Command::Open(json))
     }
 
@@ -197,11 +225,6 @@ impl App {
     pub fn request_frame(&self) {
         self.ctx.request_repaint();
     }
-}
-
-fn is_hemisphere(scene: &Scene) -> bool {
-    let implant = &scene.implant;
-    (implant.projection_mm - implant.base_radius_mm).abs() < 1e-9 * implant.base_radius_mm
 }
 
 impl eframe::App for App {

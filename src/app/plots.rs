@@ -1,14 +1,17 @@
 //! The plots: stress–strain curves of the layers with the present strains, and the cross-section.
 
-use super::readings::PreviousResults;
+use super::answer::PreviousResults;
+use super::compare::{self, Compare, Silhouette};
 use super::theme;
 use super::widgets::group;
 use crate::mesh::NodeKind;
-use crate::session::Session;
-use crate::solve::Problem;
+use crate::session::{Pin, Session};
+use crate::solve::{Problem, Solution};
+use crate::study::SectionBand;
 use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{
-    Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, PlotUi, Points, uniform_grid_spacer,
+    FilledArea, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, PlotUi, Points,
+    uniform_grid_spacer,
 };
 
 /// Number of intervals of a sampled curve.
@@ -39,7 +42,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
             || "The strains of this scene are being computed.".to_owned(),
             |strain| {
                 format!(
-                    "Thick line: strains in this scene, up to {:.0} %. Dot: stress at that strain under \
+                    "Thick line: how far this plan stretches it, up to {:.0} %. Dot: stress at that strain under \
                      uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \
                      implant, where the stretch is biaxial.",
                     100.0 * strain
@@ -79,23 +82,28 @@ fn layer_curve(
     }
 }
 
-/// Plots the section in the plane y = 0: implant, inner face and outer skin. Without a stable shape the
-/// tissue is missing.
-pub(super) fn section(ui: &mut Ui, session: &Session) {
+/// Plots the section in the plane y = 0: implant, inner face and outer skin, the outer skin of the pins, and the skin of
+/// sampled patients (`band`), if any. Without a stable shape the tissue is missing.
+pub(super) fn section(ui: &mut Ui, session: &Session, compare: &Compare, band: &[SectionBand]) {
     let palette = theme::palette(ui.visuals());
     let problem = session.problem();
     let implant = ("implant", palette.accent, dome_outline(problem));
     let tissue = (!session.has_no_shape()).then(|| {
-        let [inner, outer] = tissue_faces(session);
+        let [inner, outer] = tissue_faces(session.solution());
         [("skin", palette.curves[0], outer), ("inner face", palette.curves[1], inner)]
     });
     let radius = problem.sheet.radius_mm();
     let wall = ("chest wall", palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
-    let names: Vec<(&str, Color32)> = tissue
-        .iter()
-        .flatten()
-        .chain([&implant, &wall])
-        .map(|&(name, color, _)| (name, color))
+    let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
+    let silhouette = |(pin, _): &(&Pin, Color32)| {
+        let [_, points] = tissue_faces(pin.solution()?);
+        Some(Silhouette { letter: pin.letter(), points })
+    };
+    let silhouettes: Vec<Silhouette> = pins.iter().filter_map(silhouette).collect();
+    let own = tissue.iter().flatten().chain([&implant, &wall]);
+    let names: Vec<(String, Color32)> = own
+        .map(|&(name, color, _)| (name.to_owned(), color))
+        .chain(pins.iter().map(|(pin, color)| (format!("skin of {}", pin.letter()), *color)))
         .collect();
     group(ui, "Cross-section", |ui| {
         fixed_plot("section", 170.0)
@@ -106,11 +114,13 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
             .y_axis_label("height (mm)")
             .include_y(0.0)
             .show(ui, |plot| {
+                skin_band(plot, palette.curves[0], &sampled_skin(session, band));
                 let (name, color, points) = implant;
                 plot.line(Line::new(name, points).color(color).width(1.5));
                 for (name, color, points) in tissue.into_iter().flatten().rev() {
                     plot.line(Line::new(name, points).color(color).width(2.0));
                 }
+                compare::silhouettes(plot, silhouettes, palette);
                 let (name, color, points) = wall;
                 plot.line(
                     Line::new(name, points)
@@ -123,16 +133,44 @@ pub(super) fn section(ui: &mut Ui, session: &Session) {
             for (name, color) in names {
                 ui.label(RichText::new(name).small().color(color));
             }
+            if !band.is_empty() {
+                let words = "shaded: skin of 8 in 10 sampled patients, dotted: median";
+                ui.label(RichText::new(words).small().color(palette.curves[0]));
+            }
         });
     });
 }
 
+/// The skin's band across the plot: on both sides of a centred implant, otherwise on the side of the profile.
+fn sampled_skin(session: &Session, band: &[SectionBand]) -> Vec<SectionBand> {
+    let [x, y] = session.scene().implant.center_mm;
+    let is_centred = x == 0.0 && y == 0.0;
+    let mirrored = |point: &SectionBand| SectionBand { r_mm: -point.r_mm, ..*point };
+    let left = band.iter().skip(1).rev().map(mirrored).filter(|_| is_centred);
+    left.chain(band.iter().copied()).collect()
+}
+
+/// Plots the skin's band, shaded, with its median.
+fn skin_band(plot: &mut PlotUi<'_>, color: Color32, band: &[SectionBand]) {
+    if band.is_empty() {
+        return;
+    }
+    let heights = |k: usize| band.iter().map(|point| point.z_mm[k]).collect::<Vec<_>>();
+    let across: Vec<f64> = band.iter().map(|point| point.r_mm).collect();
+    let area =
+        FilledArea::new("skin of 8 in 10 sampled patients", &across, &heights(0), &heights(2));
+    plot.add(area.fill_color(color.gamma_multiply(0.25)));
+    let median: Polyline = band.iter().map(|point| [point.r_mm, point.z_mm[1]]).collect();
+    let median = Line::new("median of the sampled patients", median);
+    plot.line(median.color(color).style(LineStyle::dotted_dense()).width(1.5));
+}
+
 /// Inner and outer face of the tissue on the grid row nearest to y = 0 \[mm\].
-fn tissue_faces(session: &Session) -> [Polyline; 2] {
-    let sheet = &session.problem().sheet;
+fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
+    let sheet = &solution.problem().sheet;
     let n = sheet.nodes_per_side();
     let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);
-    let (x, stack) = (session.shape(), session.solution().stack());
+    let (x, stack) = (solution.inner(), solution.stack());
     let outer = |k: usize| {
         let along_normal = stack.thickness_mm.len() - stack.between.len();
         let layers = stack.thickness_mm[..along_normal].iter();

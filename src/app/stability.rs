@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
         return;
     };
     ui.add_space(SPACE_SMALL);
-    let words = format!("Springs unstable, first at {:.0} % strain", 100.0 * first);
+    let words = format!("The 2013 model breaks down, first at {:.0} % stretch", 100.0 * first);
     ui.label(RichText::new(words).strong().color(palette.caution));
     ui.small(
         "With these springs, uniformly stretched tissue is unstable at the strains marked below. A \
@@ -49,7 +49,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
             )
         },
     ));
-    let button = ui.button("Switch to coupled springs");
+    let button = ui.button("Use the standard model");
     if button
         .on_hover_text("Coupled springs use the same curves and are stable at all strains")
         .clicked()

@@ -1,7 +1,8 @@
-//! Figures of the running app, and the result in one sentence for screen readers.
+//! Figures of the running app, and the answer in words for screen readers.
 
-use super::App;
-use crate::measure::{Status, bands, no_shape};
+use super::{App, answer};
+use crate::measure::Status;
+use crate::session::Pin;
 
 /// Figures of the running app, for the page and the tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,6 +31,14 @@ pub struct Stats {
     pub tables: u64,
     /// Number of shapes measured.
     pub measurements: u64,
+    /// Number of computed plans of the range of implants; 0 without a chart.
+    pub range_done: usize,
+    /// Number of all plans of the range of implants; 0 without a chart.
+    pub range_all: usize,
+    /// Number of computed plans of the sampled patients; 0 without a study.
+    pub samples_done: usize,
+    /// Number of all plans of the sampled patients, with those of scenarios and importance; 0 without a study.
+    pub samples_all: usize,
 }
 
 impl App {
@@ -39,6 +48,8 @@ impl App {
         let is_converged =
             self.session.result().is_some_and(|outcome| outcome.status == Status::Converged);
         let counters = self.session.counters();
+        let (range_done, range_all) = self.range.progress();
+        let (samples_done, samples_all) = self.uncertainty.progress();
         Stats {
             frames: self.timing.frame_count,
             frame_ms_p50: self.timing.percentile(0.5),
@@ -52,43 +63,24 @@ impl App {
             work_units: counters.work_units,
             tables: counters.tables,
             measurements: counters.measurements,
+            range_done,
+            range_all,
+            samples_done,
+            samples_all,
         }
     }
 
-    /// The result in a few sentences, for screen readers.
+    /// The answer in a few sentences, for screen readers; before it the chosen point of the range of implants.
     #[must_use]
     pub fn summary(&self) -> String {
-        if self.session.is_stopped() {
-            return "Stopped: this scene has not been computed.".to_owned();
-        }
-        let Some(outcome) = self.session.result() else {
-            return "Updating.".to_owned();
-        };
-        let figure = |name: &str, value: Option<f64>, decimals: usize, unit: &str| {
-            value.map_or_else(String::new, |v| format!(" {name} {v:.decimals$}{unit}."))
-        };
-        let state = match outcome.status {
-            Status::Unstable => return no_shape(self.session.invalid()).to_owned(),
-            Status::NotConverged => "Not finished: do not use these numbers.",
-            Status::Converged => "Up to date.",
-        };
-        let greatest = outcome.strain.as_ref().map(|strain| strain.max_principal);
-        let strain = greatest.map_or_else(String::new, |strain| {
-            let word = bands::strain_word(strain);
-            format!(" Greatest strain {:.0} percent, {word}.", 100.0 * strain)
-        });
-        let pressure = outcome.contact_pressure_mmhg.map_or_else(String::new, |p| {
-            let word = bands::pressure_word(p.max);
-            format!(" Contact pressure {:.0} mmHg, at most {:.0}, {word}.", p.mean, p.max)
-        });
-        [
-            state.to_owned(),
-            figure("Skin projection", outcome.skin_projection_mm, 1, " mm"),
-            figure("Area ratio", outcome.area_ratio, 2, ""),
-            strain,
-            pressure,
-            outcome.warnings.iter().map(|warning| format!(" {warning}")).collect(),
-        ]
-        .concat()
+        let answer = answer::summary(&self.session) + &self.uncertainty.summary() + &self.pinned();
+        self.range.summary().map_or(answer.clone(), |point| format!("{point} {answer}"))
+    }
+
+    /// The pins in a sentence; empty without pins.
+    fn pinned(&self) -> String {
+        let pin = |pin: &Pin| format!("{} {}", pin.letter(), pin.name()).trim_end().to_owned();
+        let pins: Vec<String> = self.session.pins().iter().map(pin).collect();
+        if pins.is_empty() { String::new() } else { format!(" Pinned: {}.", pins.join(", ")) }
     }
 }

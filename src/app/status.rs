@@ -1,7 +1,8 @@
 //! The status line: state of the computation, accuracy and cost.
 
-use super::theme;
+use super::{advanced, theme};
 use crate::measure::{Status, no_shape};
+use crate::scene::Scene;
 use crate::session::Session;
 use crate::solve::Displayed;
 use crate::springs::Springs;
@@ -164,6 +165,20 @@ pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
         RichText::new(text).color(ui.visuals().weak_text_color())
     };
     ui.label(text).on_hover_text(details);
+}
+
+/// The model and the accuracy of a scene in a few words.
+pub(super) fn model(scene: &Scene) -> String {
+    let law = match (scene.springs, scene.is_layered()) {
+        (Springs::Nikolaev, _) => "model of 2013",
+        (Springs::Coupled, true) => "standard model",
+        (Springs::Coupled, false) => "one sheet",
+    };
+    let accuracy = advanced::accuracy_name(scene).map_or_else(
+        || format!("{} nodes per side", scene.solver.nodes_per_side),
+        |name| format!("{} accuracy", name.to_lowercase()),
+    );
+    format!("{law}, {accuracy}")
 }
 
 #[cfg(test)]

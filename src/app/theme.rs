@@ -9,8 +9,12 @@ use eframe::egui::{
 pub(super) const SPACE_SMALL: f32 = 4.0;
 /// Space between elements \[points\].
 pub(super) const SPACE: f32 = 8.0;
-/// Width of the side panels \[points\].
-pub(super) const PANEL_WIDTH: f32 = 312.0;
+/// Least and greatest width of the side panels \[points\].
+pub(super) const PANEL_WIDTH: (f32, f32) = (264.0, 330.0);
+/// Height of the greatest figures, those of the answer \[points\].
+pub(super) const FIGURE: f32 = 22.0;
+/// Size of a button for fingers \[points\].
+pub(super) const TOUCH: f32 = 48.0;
 /// Width of the window below which the panels become a bottom sheet \[points\].
 pub(super) const NARROW: f32 = 760.0;
 
@@ -29,7 +33,7 @@ pub(super) struct Palette {
     /// The accent colour.
     pub(super) accent: Color32,
     /// Text on the accent colour.
-    on_accent: Color32,
+    pub(super) on_accent: Color32,
     /// High values and cautions.
     pub(super) caution: Color32,
     /// Very high values and errors.
@@ -93,7 +97,7 @@ fn apply(style: &mut Style, palette: &Palette, theme: Theme) {
         (TextStyle::Small, FontId::new(11.5, FontFamily::Proportional)),
         (TextStyle::Body, FontId::new(13.5, FontFamily::Proportional)),
         (TextStyle::Button, FontId::new(13.5, FontFamily::Proportional)),
-        (TextStyle::Heading, FontId::new(16.0, FontFamily::Proportional)),
+        (TextStyle::Heading, FontId::new(14.5, FontFamily::Proportional)),
         // Numbers: all digits have equal width.
         (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
     ]

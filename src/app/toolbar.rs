@@ -1,19 +1,10 @@
-//! The toolbar: files, history, coloured quantity, section, theme; and the window "About".
+//! The toolbar: files, history, examples, theme; the window "Help"; the words "Not a medical device".
 
-use super::widgets::{Kind, NumberField, button_if, choice, set_accessible_name};
-use super::{App, theme};
+use super::widgets::button_if;
+use super::{App, plan, theme};
+use crate::scene::Scene;
 use crate::session::Command;
-use crate::view::color::Quantity;
 use eframe::egui::{self, RichText, Ui};
-
-/// Quantities of the keys 1 to 5.
-pub(super) const QUANTITIES: [Quantity; 5] = [
-    Quantity::Tissue,
-    Quantity::Strain,
-    Quantity::AreaStretch,
-    Quantity::Stress(0),
-    Quantity::Pressure,
-];
 
 /// Arrangement of the screen, by its width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,9 +16,9 @@ pub(super) enum Layout {
 impl App {
     pub(super) fn toolbar(&mut self, ui: &mut Ui, layout: Layout) {
         ui.add_space(theme::SPACE_SMALL);
-        ui.horizontal_wrapped(|ui| {
+        ui.horizontal(|ui| {
             if layout == Layout::Wide {
-                ui.label(RichText::new("implant-preview").strong());
+                ui.label(RichText::new("Implant preview").strong());
                 ui.separator();
             }
             self.file_menu(ui);
@@ -39,42 +30,19 @@ impl App {
                     self.execute(command);
                 }
             }
-            ui.separator();
-            self.quantity_box(ui);
-            ui.toggle_value(&mut self.options.section, "Section")
-                .on_hover_text("Cut the tissue open to show the layers");
-            if self.options.section && layout == Layout::Wide {
-                ui.toggle_value(&mut self.options.half, "Half")
-                    .on_hover_text("Remove half of the tissue instead of a quarter");
-                let mut angle = f64::from(self.options.section_azimuth_deg);
-                let field = NumberField {
-                    name: "Direction of the cut",
-                    kind: Kind::Angle,
-                    allowed: -180.0..=180.0,
-                    decimals: 0,
-                    step: 5.0,
-                    width: 40.0,
-                    ..NumberField::default()
-                };
-                let typed = field.show(ui, &mut angle);
-                if typed.is_changed {
-                    self.options.section_azimuth_deg = angle as f32;
+            let tooltip = "Open the opening plan; Undo restores the present one";
+            if ui.button("Start over").on_hover_text(tooltip).clicked() {
+                self.open_example(Scene::opening());
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Help").clicked() {
+                    self.show_help = !self.show_help;
                 }
-                typed
-                    .response
-                    .on_hover_text("Direction of the cut in degrees; the arrow keys change it");
-                ui.label("°");
-            }
-            ui.toggle_value(&mut self.options.net, "Net")
-                .on_hover_text("Show the springs of the sheet");
-            if ui.button("Fit").on_hover_text("Show everything (F)").clicked() {
-                self.viewport.fit(&self.session);
-            }
-            ui.separator();
-            theme_menu(ui);
-            if ui.button("About").clicked() {
-                self.show_about = !self.show_about;
-            }
+                theme_menu(ui);
+                if layout == Layout::Wide {
+                    disclaimer(ui, layout);
+                }
+            });
         });
         ui.add_space(theme::SPACE_SMALL);
     }
@@ -82,115 +50,117 @@ impl App {
     fn file_menu(&mut self, ui: &mut Ui) {
         ui.menu_button("File", |ui| {
             let ctx = ui.ctx().clone();
-            if ui.button("Open scene…").clicked() {
+            if ui.button("Open plan…").clicked() {
                 self.files.open(&ctx);
                 ui.close();
             }
-            if ui.button("Save scene…").clicked() {
+            if ui.button("Save plan…").clicked() {
                 self.save_scene(&ctx);
                 ui.close();
             }
             // The result of another scene is never saved.
             let has_result = self.session.result().is_some();
-            let save = ui.add_enabled(has_result, egui::Button::new("Save result…"));
-            if save.on_disabled_hover_text("No result yet: the scene is being computed").clicked() {
+            let save = ui.add_enabled(has_result, egui::Button::new("Save numbers (JSON)…"));
+            if save.on_disabled_hover_text("No result yet: the plan is being computed").clicked() {
                 self.save_result(&ctx);
                 ui.close();
             }
-            if ui
-                .button("Default scene")
-                .on_hover_text("Open the default scene; Undo restores the present one")
-                .clicked()
-            {
-                let scene = Box::default();
-                self.gesture += 1;
-                self.execute(Command::Edit { scene, gesture: self.gesture });
-                ui.close();
+            ui.separator();
+            ui.label(RichText::new("Examples").small().weak());
+            for (name, tooltip, scene) in [
+                (
+                    "Usual implant",
+                    "12 cm, 300 ml, pinch 2 cm, normal skin",
+                    Scene::opening as fn() -> Scene,
+                ),
+                (
+                    "Half sphere of 11 cm",
+                    "The scene of the defaults of a file: much projection, lax skin, cover 11.5 mm",
+                    Scene::default,
+                ),
+            ] {
+                let button = ui.button(name);
+                if button
+                    .on_hover_text(format!("{tooltip}. Undo restores the present plan"))
+                    .clicked()
+                {
+                    self.open_example(scene());
+                    ui.close();
+                }
             }
         });
     }
 
-    fn quantity_box(&mut self, ui: &mut Ui) {
-        let layers = &self.session.scene().layers;
-        let is_layered = self.session.scene().is_layered();
-        let tissue = |k: usize| layers.get(k).map_or("layer", |layer| &layer.tissue);
-        let name = |quantity: Quantity| match quantity {
-            Quantity::Tissue => "Natural colours".to_owned(),
-            Quantity::Strain if is_layered => "Strain, skin".to_owned(),
-            Quantity::Strain => "Strain".to_owned(),
-            Quantity::AreaStretch => "Area stretch".to_owned(),
-            Quantity::Stress(k) => format!("Stress, {}", tissue(k)),
-            Quantity::Pressure => "Contact pressure".to_owned(),
-            Quantity::LayerStrain(k) => format!("Strain, {}", tissue(k)),
-            Quantity::Thickness(k) => format!("Thickness, {}", tissue(k)),
-            Quantity::Cover => "Cover over the implant".to_owned(),
-            Quantity::Traction => "Pull at the pocket's edge".to_owned(),
-        };
-        let mut choices = vec![Quantity::Tissue, Quantity::Strain];
-        if is_layered {
-            choices.extend((1..layers.len()).map(Quantity::LayerStrain));
-            choices.push(Quantity::Cover);
-            choices.extend((0..layers.len()).map(Quantity::Thickness));
-            choices.push(Quantity::Traction);
-        }
-        choices.extend([Quantity::AreaStretch, Quantity::Pressure]);
-        choices.extend((0..layers.len()).map(Quantity::Stress));
-        // A layer or the tissue model may be gone.
-        if !choices.contains(&self.options.quantity) {
-            self.options.quantity = Quantity::Strain;
-        }
-        let response = egui::ComboBox::from_id_salt("quantity")
-            .width(130.0)
-            .selected_text(name(self.options.quantity))
-            .show_ui(ui, |ui| {
-                for quantity in choices {
-                    let present = &mut self.options.quantity;
-                    if choice(ui, *present == quantity, name(quantity)).clicked() {
-                        *present = quantity;
-                    }
-                }
-            })
-            .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Colour by");
-        response.on_hover_text("Quantity shown by the colours (keys 1–5)");
+    fn open_example(&mut self, scene: Scene) {
+        self.gesture += 1;
+        self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+        self.plan = plan::Choices::default();
     }
 
-    pub(super) fn about_window(&mut self, ctx: &egui::Context) {
-        if self.show_about && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
-            self.show_about = false;
+    pub(super) fn help_window(&mut self, ctx: &egui::Context) {
+        if self.show_help && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
+            self.show_help = false;
         }
-        egui::Window::new("About")
-            .open(&mut self.show_about)
+        egui::Window::new("Help")
+            .open(&mut self.show_help)
             .collapsible(false)
             .resizable(false)
-            .default_width(420.0)
+            .default_width(440.0)
+            .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .show(ctx, |ui| {
                 ui.label(RichText::new("A preview, not a medical device.").strong());
                 ui.label(
-                    "The program computes how layers of skin and adipose tissue stretch over a smooth \
-                     dome, from measured stress–strain curves and Poisson ratios, in equilibrium and \
-                     without friction. It does not model a patient's anatomy, healing or blood supply. \
-                     Do not base a decision on it alone.",
+                    "The program computes how skin and fat stretch over an implant, from stress–strain curves, \
+                     in equilibrium and without friction. It does not model a patient's anatomy, healing or \
+                     blood supply. Do not base a decision on it alone.",
+                );
+                ui.label(
+                    "How wrong it is: a pinch gives the cover within a factor 1.3, a skin class the stretch \
+                     within a factor 2 (1 standard deviation); the computation itself is within 0.5 %.",
                 );
                 ui.label("All computation runs on this machine; no data leaves it.");
-                ui.label(
+                ui.separator();
+                egui::Grid::new("keys").num_columns(2).spacing([2.0 * theme::SPACE, 2.0]).show(ui, |ui| {
+                    for (keys, effect) in KEYS {
+                        ui.label(RichText::new(keys).strong());
+                        ui.label(effect);
+                        ui.end_row();
+                    }
+                });
+                ui.separator();
+                ui.small(
                     "Based on S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
                      deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94.",
-                );
-                ui.label(
-                    "Mouse: drag to rotate, Shift or the right button to move, wheel to zoom. Touch: one \
-                     finger to rotate, two fingers to move and zoom.",
-                );
-                ui.separator();
-                ui.label(
-                    "Keys: Ctrl+Z undo · Ctrl+Shift+Z redo · Ctrl+O open · Ctrl+S save · Tab next control · \
-                     Esc close. On a slider: arrows, Page Up, Page Down, Home, End. In the picture, after \
-                     a click on it: [ ] or up and down arrows, insertion · Space play · F fit · 1–5 \
-                     colours · Shift and arrows rotate · + − zoom.",
                 );
                 ui.small(format!("Version {}", env!("CARGO_PKG_VERSION")));
             });
     }
+}
+
+/// Keys and their effects, for the help.
+const KEYS: [(&str, &str); 10] = [
+    ("Tab, Shift+Tab", "next, previous control"),
+    ("Ctrl+Z, Ctrl+Shift+Z", "undo, redo"),
+    ("Ctrl+O, Ctrl+S", "open, save the plan"),
+    ("Arrows, Page Up/Down", "on a slider or number: 1 step, 10 steps"),
+    ("Esc", "close, cancel a long solve"),
+    ("Drag, wheel", "on the picture: turn, zoom; Shift or right button: move"),
+    ("[ ]", "on the picture: implant in place −2 %, +2 %"),
+    ("Space", "on the picture: show the insertion"),
+    ("1 … 5", "on the picture: colours"),
+    ("F", "on the picture: show everything"),
+];
+
+/// The words that are always in sight.
+pub(super) fn disclaimer(ui: &mut Ui, layout: Layout) {
+    let words = match layout {
+        Layout::Wide => "Not a medical device: a physical model, no patient's anatomy or healing.",
+        Layout::Narrow => "Not a medical device",
+    };
+    let words = RichText::new(words).small().color(ui.visuals().weak_text_color());
+    ui.add(egui::Label::new(words).wrap_mode(egui::TextWrapMode::Truncate)).on_hover_text(
+        "A physical model of skin and fat over an implant: no patient's anatomy, no healing, no blood supply.",
+    );
 }
 
 fn theme_menu(ui: &mut Ui) {

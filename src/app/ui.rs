@@ -1,135 +1,224 @@
-//! Layout of the panels: side panels on wide screens, a bottom sheet with tabs on narrow ones.
+//! Layout of the screen. Wide: plan, picture, answer side by side. Narrow: the picture over a sheet with the three
+//! figures of the answer and tabs.
 
-use super::toolbar::Layout;
-use super::widgets::{self, Control, Kind};
-use super::{App, controls, messages, plots, readings, status, theme};
+use super::toolbar::{Layout, disclaimer};
+use super::uncertainty::Findings;
+use super::widgets::{Control, Kind};
+use super::{App, advanced, answer, details, messages, plan, plots, status, theme};
+use crate::measure::Status;
 use crate::scene::Scene;
-use eframe::egui::{self, Ui};
+use eframe::egui::{self, RichText, Ui};
+use plan::Hand;
 
 /// A tab of the bottom sheet on narrow screens.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum NarrowTab {
     Implant,
-    Tissue,
-    Results,
-    Plots,
+    Patient,
+    Pocket,
+    More,
 }
 
+const TABS: [(NarrowTab, &str); 4] = [
+    (NarrowTab::Implant, "Implant"),
+    (NarrowTab::Patient, "Patient"),
+    (NarrowTab::Pocket, "Pocket"),
+    (NarrowTab::More, "More"),
+];
+
 impl App {
-    /// Arranges toolbar, side panels, insertion and picture on a wide screen.
+    /// Arranges the panels of a wide screen.
     pub(super) fn wide(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        let (least, most) = theme::PANEL_WIDTH;
+        let width = (0.24 * ui.available_width()).clamp(least, most);
         egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, Layout::Wide));
         egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
             ui.add_space(theme::SPACE_SMALL);
-            status::show(ui, &self.session, &self.timing);
+            self.status_row(ui, Layout::Wide);
             ui.add_space(theme::SPACE_SMALL);
         });
-        let mut is_open = self.show_left;
-        side_panel(egui::Panel::left("controls")).show_collapsible(ui, &mut is_open, |ui| {
-            column("controls").show(ui, |ui| {
-                widgets::heading(ui, "Scene");
-                self.position_notice = controls::implant(ui, scene, &mut self.is_hemisphere);
-                controls::layers(ui, scene);
-                ui.add_space(theme::SPACE);
-                controls::method(ui, scene, &self.session);
+        side_panel(egui::Panel::left("plan"), width).show(ui, |ui| {
+            column("plan").show(ui, |ui| {
+                ui.add_space(theme::SPACE_SMALL);
+                ui.heading("Plan");
+                self.plan(ui, scene);
                 self.focus.scroll_into_view(ui);
             });
         });
-        self.show_left = is_open;
-        let mut is_open = self.show_right;
-        side_panel(egui::Panel::right("results")).show_collapsible(ui, &mut is_open, |ui| {
-            column("results").show(ui, |ui| {
-                readings::show(ui, &self.session, self.previous_results());
-                self.plots(ui);
+        side_panel(egui::Panel::right("answer"), width).show(ui, |ui| {
+            column("answer").show(ui, |ui| {
+                self.answer(ui);
                 self.focus.scroll_into_view(ui);
             });
         });
-        self.show_right = is_open;
-        let insertion = egui::Panel::bottom("insertion").resizable(false);
-        insertion.show(ui, |ui| self.insertion_row(ui, scene));
-        egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
+        let below = egui::Panel::bottom("insertion").resizable(false);
+        below.show(ui, |ui| {
+            self.insertion_row(ui, scene);
+            self.headline(ui);
+        });
+        egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Wide));
     }
 
-    /// Arranges toolbar, picture and bottom sheet on a narrow screen.
+    /// Arranges picture and sheet of a narrow screen.
     pub(super) fn narrow(&mut self, ui: &mut Ui, scene: &mut Scene) {
         let toolbar = egui::Panel::top("toolbar").resizable(false);
         toolbar.show(ui, |ui| self.toolbar(ui, Layout::Narrow));
         // The picture keeps half of the screen.
-        let height = 0.42 * ui.ctx().content_rect().height();
+        let height = 0.46 * ui.ctx().content_rect().height();
         let sheet = egui::Panel::bottom("sheet").exact_size(height).resizable(false);
         sheet.show(ui, |ui| {
-            status::show(ui, &self.session, &self.timing);
-            ui.horizontal(|ui| {
-                for (tab, name) in [
-                    (NarrowTab::Implant, "Implant"),
-                    (NarrowTab::Tissue, "Tissue"),
-                    (NarrowTab::Results, "Results"),
-                    (NarrowTab::Plots, "Plots"),
-                ] {
-                    ui.selectable_value(&mut self.narrow_tab, tab, name);
-                }
-            });
-            ui.separator();
+            ui.spacing_mut().item_spacing.y = theme::SPACE_SMALL;
+            let findings = self.uncertainty.findings();
+            answer::show_short(ui, &self.session, self.previous_results(), findings);
+            self.tabs(ui);
+            egui::Panel::bottom("sheet status")
+                .resizable(false)
+                .show_separator_line(false)
+                .show(ui, |ui| self.status_row(ui, Layout::Narrow));
             egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-                match self.narrow_tab {
-                    NarrowTab::Implant => {
-                        self.insertion_row(ui, scene);
-                        self.position_notice =
-                            controls::implant(ui, scene, &mut self.is_hemisphere);
-                    }
-                    NarrowTab::Tissue => {
-                        controls::layers(ui, scene);
-                        controls::method(ui, scene, &self.session);
-                    }
-                    NarrowTab::Results => {
-                        readings::show(ui, &self.session, self.previous_results());
-                    }
-                    NarrowTab::Plots => self.plots(ui),
-                }
+                self.narrow_tab(ui, scene);
                 self.focus.scroll_into_view(ui);
             });
         });
-        egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, scene));
+        egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Narrow));
     }
 
-    fn plots(&self, ui: &mut Ui) {
-        plots::section(ui, &self.session);
-        plots::curves(ui, &self.session, self.previous_results());
+    /// The parts of the plan, for a mouse.
+    fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        plan::implant(ui, scene, &mut self.plan, Hand::Mouse);
+        plan::patient(ui, scene, Hand::Mouse);
+        plan::pocket(ui, scene, Hand::Mouse);
+        self.position_notice = plan::position(ui, scene, Hand::Mouse);
+        ui.add_space(theme::SPACE);
+        advanced::show(ui, scene, &self.session, Hand::Mouse);
+    }
+
+    /// The tabs of the sheet, at the size of a finger.
+    fn tabs(&mut self, ui: &mut Ui) {
+        ui.columns_const(|columns: &mut [Ui; 4]| {
+            for (ui, (tab, name)) in columns.iter_mut().zip(TABS) {
+                let size = egui::vec2(ui.available_width(), theme::TOUCH);
+                let button = egui::Button::selectable(self.narrow_tab == tab, name)
+                    .frame_when_inactive(true);
+                if ui.add_sized(size, button).clicked() {
+                    self.narrow_tab = tab;
+                }
+            }
+        });
+    }
+
+    fn narrow_tab(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        match self.narrow_tab {
+            NarrowTab::Implant => {
+                plan::implant(ui, scene, &mut self.plan, Hand::Finger);
+                self.insertion_row(ui, scene);
+            }
+            NarrowTab::Patient => plan::patient(ui, scene, Hand::Finger),
+            NarrowTab::Pocket => {
+                plan::pocket(ui, scene, Hand::Finger);
+                self.position_notice = plan::position(ui, scene, Hand::Finger);
+            }
+            NarrowTab::More => {
+                self.answer(ui);
+                advanced::show(ui, scene, &self.session, Hand::Finger);
+            }
+        }
+    }
+
+    /// The cards, what is not known, the comparison and the details.
+    fn answer(&mut self, ui: &mut Ui) {
+        let findings = self.uncertainty.findings();
+        answer::show(ui, &self.session, self.previous_results(), findings);
+        self.uncertainty.show(ui, &self.session);
+        self.compare(ui);
+        self.details(ui);
+    }
+
+    /// The fold with numbers, cross-section and curves.
+    fn details(&self, ui: &mut Ui) {
+        let (previous, findings) = (self.previous_results(), self.uncertainty.findings());
+        egui::CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
+            let outcome = answer::visible(&self.session, previous);
+            match outcome.filter(|outcome| outcome.status != Status::Unstable) {
+                Some(outcome) => details::show(ui, outcome, findings),
+                None => {
+                    ui.label(
+                        RichText::new("No numbers yet.").color(ui.visuals().weak_text_color()),
+                    );
+                }
+            }
+            let band = findings.map_or(&[][..], Findings::section);
+            plots::section(ui, &self.session, &self.compare, band);
+            plots::curves(ui, &self.session, previous);
+        });
+    }
+
+    /// State of the computation and model; on a narrow screen the words that are always in sight.
+    fn status_row(&self, ui: &mut Ui, layout: Layout) {
+        ui.horizontal(|ui| {
+            status::show(ui, &self.session, &self.timing);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| match layout {
+                Layout::Narrow => disclaimer(ui, layout),
+                Layout::Wide => {
+                    let text = status::model(self.session.scene());
+                    ui.label(RichText::new(text).color(ui.visuals().weak_text_color()));
+                }
+            });
+        });
+    }
+
+    /// The answer in one sentence.
+    fn headline(&self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            let text = answer::headline(&self.session, self.previous_results());
+            ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
+        });
+        ui.add_space(theme::SPACE_SMALL);
     }
 
     /// The slider of the insertion with its play button.
     fn insertion_row(&mut self, ui: &mut Ui, scene: &mut Scene) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal(|ui| {
-            let name = if self.is_playing { "Pause" } else { "Play" };
-            let button = ui.add_sized([56.0, 24.0], egui::Button::new(name));
-            if button.on_hover_text(format!("{name} the insertion (space)")).clicked() {
+            let name = if self.is_playing { "Pause" } else { "Show insertion" };
+            let button = ui.add_sized([108.0, 24.0], egui::Button::new(name));
+            if button.on_hover_text(format!("{name} (space)")).clicked() {
                 self.toggle_playback();
             }
-            ui.vertical(|ui| {
-                let mut percent = 100.0 * scene.insertion;
-                let slider = Control {
-                    label: "Insertion",
-                    unit: "%",
-                    kind: Kind::Percent,
-                    range: 0.0..=100.0,
-                    reset: 100.0,
-                    decimals: 0,
-                    step: 1.0,
-                    tooltip: "Height of the implant under the tissue, from flat (0 %) to full (100 %).",
-                    ..Control::default()
-                };
-                if slider.show(ui, &mut percent).is_changed {
-                    scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
-                    self.is_playing = false;
-                }
-            });
+            let mut percent = 100.0 * scene.insertion;
+            let slider = Control {
+                label: "In place",
+                unit: "%",
+                kind: Kind::Percent,
+                range: 0.0..=100.0,
+                reset: 100.0,
+                decimals: 0,
+                step: 1.0,
+                tooltip: "Height of the implant under the tissue, from flat (0 %) to full (100 %).",
+                ..Control::default()
+            };
+            if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
+                scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
+                self.is_playing = false;
+            }
         });
         ui.add_space(theme::SPACE_SMALL);
     }
 
-    /// The 3-D view with notices above it, or the page that replaces the view.
-    fn picture(&mut self, ui: &mut Ui, scene: &mut Scene) {
+    /// The middle of the screen: the picture of this plan or the range of implants.
+    fn central(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
+        if layout == Layout::Wide {
+            self.middle_switch(ui);
+        }
+        if self.range.is_open {
+            self.range_page(ui, scene, layout);
+        } else {
+            self.picture(ui, scene, layout);
+        }
+    }
+
+    /// The 3-D view with its controls and notices, or the page that replaces the view.
+    fn picture(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
         self.show_notice(ui);
         if self.session.is_stopped() {
             self.stopped_page(ui);
@@ -139,14 +228,36 @@ impl App {
             if self.is_long() {
                 self.progress_bar(ui);
             }
-            self.viewport.show(ui, &self.session, &mut self.options);
+            let area = ui.available_rect_before_wrap();
+            let envelope = self.uncertainty.envelope().unwrap_or_default();
+            let (options, bar) = (&self.options, self.view_bar_height);
+            if self.compare.is_side_by_side(&self.session) {
+                self.viewport.show_side_by_side(ui, &self.session, options, envelope, bar);
+            } else {
+                self.viewport.show(ui, &self.session, options, envelope, bar);
+            }
+            self.view_bar_height = self.view_bar(ui, area, layout);
+            if !self.is_edited && layout == Layout::Wide {
+                hint(ui, area);
+            }
         }
     }
 }
 
-/// A side panel of limited width. A wide line or figure widens a panel for good, and the picture pays.
-fn side_panel(panel: egui::Panel) -> egui::Panel {
-    panel.default_size(theme::PANEL_WIDTH).max_size(1.15 * theme::PANEL_WIDTH).resizable(false)
+/// What to do first, on the lower edge of the picture.
+fn hint(ui: &mut Ui, area: egui::Rect) {
+    let layout = egui::Layout::bottom_up(egui::Align::Max);
+    let inner = area.shrink(2.0 * theme::SPACE);
+    let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
+    let words = "Change width, volume or pinch · drag the picture to turn it";
+    let words = RichText::new(words).color(ui.visuals().weak_text_color());
+    ui.new_child(builder).add(egui::Label::new(words).selectable(false));
+}
+
+/// A side panel. Its width follows the window's alone: a wide line or figure would widen a panel for good, and the
+/// picture would pay.
+fn side_panel(panel: egui::Panel, width: f32) -> egui::Panel {
+    panel.exact_size(width).resizable(false)
 }
 
 /// The scrolled content of a side panel, at the panel's full width. A content that shrinks would make

@@ -3,8 +3,12 @@
 //! Methods of measurement differ more than people (skin 56 against 344 kPa, fat 3 against 9 kPa):
 //! [`METHOD_SCALES`] are scenarios beside a band, not part of the band.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 /// A distribution of a value or of a factor.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Distribution {
     /// Lognormal, by its median and its geometric standard deviation.
     LogNormal {

@@ -1,10 +1,11 @@
 //! Experiments: the paper's tension test of a square sample, stability maps of the homogeneous sheet, the
-//! axisymmetric reference solutions of the sheet and of layered tissue, the study of run time against error, robustness
-//! tests, and charts.
+//! axisymmetric reference solutions of the sheet and of layered tissue, errors of all nodes, the study of run time against
+//! error, robustness tests, and charts.
 //!
 //! Uses the modules before `experiment` (`curve` … `session`). No files, no clocks, no toolkit. Used by the
 //! command line, the JavaScript API and the tests.
 
+pub mod accuracy;
 pub mod axisymmetric;
 pub mod axisymmetric_layers;
 #[cfg(feature = "drawing")]

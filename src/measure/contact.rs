@@ -2,6 +2,7 @@
 
 use super::Pressure;
 use crate::mesh::NodeKind;
+use crate::mesh::part::Part;
 use crate::solve::Solution;
 use glam::{DMat3, DVec3, dvec3};
 
@@ -11,9 +12,10 @@ const EDGE_BAND: (f64, f64) = (1.0, 6.0);
 /// Columns and rows to either side from which the pressure at the contact's edge is extrapolated.
 const REACH: usize = 4;
 
-/// Contact at every node; all arrays of shape (nodes_per_side², ).
+/// Contact at every node; all arrays are arrays over the part that determines the shape.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
+    part: Part,
     /// Normal force of the dome on the sheet \[kPa·mm²\]; zero outside of the contact.
     force: Vec<f64>,
     /// Deformed area around each node \[mm²\].
@@ -40,24 +42,35 @@ pub(super) struct Edge {
 impl Contact {
     /// The contact of a solution.
     pub(super) fn new(solution: &Solution) -> Self {
-        let (reactions, deformation) = (solution.reactions(), solution.inner_deformation());
+        let (reactions, deformation) = (solution.part_reactions(), solution.inner_deformation());
         let force = reactions.force.clone();
-        let nodes = force.len();
-        let area = (0..nodes).map(|k| deformation.deformed_area(k)).collect();
+        let part = solution.part();
+        let area = part.nodes().map(|k| deformation.deformed_area(k)).collect();
         let n = solution.problem().sheet.nodes_per_side();
         // A node with a contact offset disturbs the forces on its neighbours: two rings of nodes are left out.
+        let [first, first_row] = part.first();
         let within = |marks: &[bool]| -> Vec<bool> {
-            let is_within =
-                |k: usize| marks[k] && around(k, n).as_flattened().iter().all(|&k| marks[k]);
-            (0..nodes).map(is_within).collect()
+            let mut within = Vec::with_capacity(marks.len());
+            for (row, marked) in (first_row..).zip(marks.chunks_exact(part.columns())) {
+                within.extend((first..).zip(marked).map(|(column, is_marked)| {
+                    // A node in contact is free: the node has neighbours on all sides.
+                    *is_marked
+                        && (row - 1..=row + 1).all(|row| {
+                            (column - 1..=column + 1)
+                                .all(|column| marks[part.index_at(column, row)])
+                        })
+                }));
+            }
+            within
         };
         let touching: Vec<bool> = force.iter().map(|force| *force > 0.0).collect();
         let one_ring = within(&touching);
         let two_rings = within(&one_ring);
         let inside = if two_rings.contains(&true) { two_rings } else { one_ring };
-        let vertical_force = force.iter().zip(&reactions.normal).map(|(f, n)| f * n.z).sum();
-        let at_nodes = vec![0.0; nodes];
+        let vertical_force = reactions.vertical_force();
+        let at_nodes = vec![0.0; part.len()];
         let mut contact = Self {
+            part,
             force,
             area,
             inside,
@@ -75,29 +88,25 @@ impl Contact {
         self.vertical_force
     }
 
-    /// Number of nodes in contact.
+    /// Number of nodes of the sheet in contact.
     pub(super) fn nodes(&self) -> usize {
-        (0..self.force.len()).filter(|&k| self.touches(k)).count()
+        self.touching().map(|(_, node)| self.part.multiplicity(node)).sum::<f64>() as usize
     }
 
-    fn touches(&self, node: usize) -> bool {
-        self.force[node] > 0.0
+    /// The part's nodes in contact: index in the arrays, node of the grid.
+    fn touching(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.part.nodes().enumerate().filter(|(index, _)| self.force[*index] > 0.0)
     }
 
-    /// Sums of force and area over some nodes.
-    fn sums(&self, nodes: impl Iterator<Item = usize>) -> (f64, f64) {
-        nodes.fold((0.0, 0.0), |(f, a), k| (f + self.force[k], a + self.area[k]))
-    }
-
-    /// The node and its eight neighbours.
+    /// Indices of a node and its eight neighbours.
     fn around(&self, node: usize) -> [[usize; 3]; 3] {
-        around(node, self.nodes_per_side)
+        around(node, self.nodes_per_side).map(|row| row.map(|k| self.part.index(k)))
     }
 
     /// Contact pressure at a node \[kPa\], the field with the greatest value of [`Self::pressure`]; zero
     /// outside of the contact.
     pub(super) fn pressure_at(&self, node: usize) -> f64 {
-        self.at_nodes[node]
+        self.at_nodes[self.part.index(node)]
     }
 
     /// Mean and greatest pressure \[kPa\]; `None` without contact.
@@ -109,8 +118,9 @@ impl Contact {
     /// their surroundings are partly free.
     fn pressure_inside(&self, node: usize) -> f64 {
         let beside = self.around(node);
+        let inside = beside.as_flattened().iter().filter(|&&k| self.inside[k]);
         let (force, area) =
-            self.sums(beside.as_flattened().iter().copied().filter(|&k| self.inside[k]));
+            inside.fold((0.0, 0.0), |(f, a), &k| (f + self.force[k], a + self.area[k]));
         force / area
     }
 
@@ -122,10 +132,11 @@ impl Contact {
         let (mut sum, mut least, mut most) = (0.0, f64::MAX, f64::MIN);
         for j in 0..=2 * REACH {
             for i in 0..=2 * REACH {
-                let k = (node + j * n + i).checked_sub(REACH * (n + 1));
-                let Some(k) = k.filter(|&k| k < self.inside.len()) else {
+                let within = |k: usize| k.checked_sub(REACH).filter(|&k| k < n);
+                let (Some(column), Some(row)) = (within(node % n + i), within(node / n + j)) else {
                     continue;
                 };
+                let k = self.part.index_at(column, row);
                 if !self.inside[k] {
                     continue;
                 }
@@ -155,16 +166,18 @@ impl Contact {
     /// The pressure is smooth inside of the contact and jumps to zero at its edge. The area in contact around an edge
     /// node is the node's force divided by the node's pressure. A contact without nodes inside has its mean pressure everywhere.
     fn find_pressure(&mut self) {
-        let touching: Vec<usize> = (0..self.force.len()).filter(|&k| self.touches(k)).collect();
+        let touching: Vec<(usize, usize)> = self.touching().collect();
         let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
-        for &k in &touching {
-            force += self.force[k];
+        for &(k, node) in &touching {
+            let multiplicity = self.part.multiplicity(node);
+            force += multiplicity * self.force[k];
             let pressure = if self.inside[k] {
-                area += self.area[k];
-                self.pressure_inside(k)
+                area += multiplicity * self.area[k];
+                self.pressure_inside(node)
             } else {
-                let at_edge = self.pressure_at_edge(k);
-                area += at_edge.map_or(self.area[k], |pressure| self.force[k] / pressure);
+                let at_edge = self.pressure_at_edge(node);
+                area += multiplicity
+                    * at_edge.map_or(self.area[k], |pressure| self.force[k] / pressure);
                 at_edge.unwrap_or(0.0)
             };
             self.at_nodes[k] = pressure;
@@ -174,7 +187,7 @@ impl Contact {
             return;
         }
         let mean = force / area;
-        for &k in touching.iter().filter(|&&k| !self.inside[k]) {
+        for &(k, _) in touching.iter().filter(|(k, _)| !self.inside[*k]) {
             if self.at_nodes[k] <= 0.0 || max <= mean {
                 self.at_nodes[k] = mean;
             }
@@ -194,10 +207,8 @@ impl Contact {
         // The gap opens with the square of the distance under a membrane only.
         let is_centred =
             dome.center.length() <= 1e-9 * dome.base_radius && solution.outer().is_empty();
-        let reach = (0..sheet.len())
-            .filter(|&k| self.touches(k))
-            .map(|k| sheet.rest()[k].length())
-            .reduce(f64::max)?;
+        let reach =
+            self.touching().map(|(_, k)| sheet.rest()[k].length_squared()).reduce(f64::max)?.sqrt();
         if !is_centred {
             return None;
         }
@@ -208,28 +219,30 @@ impl Contact {
         }
         let (mut for_angle, mut for_radius) = (Fit::default(), Fit::default());
         // Nodes in contact lie inside of the edge, the others outside.
-        let (mut inner, mut outer) = (0.0_f64, wall.angle);
-        for k in 0..sheet.len() {
+        let (mut inner, mut outer) = (PolarAngle::of(DVec3::Z), PolarAngle::at(wall.angle));
+        let band = (reach + EDGE_BAND.0 * h, reach + EDGE_BAND.1 * h);
+        for (index, k) in self.part.nodes().enumerate() {
             if sheet.kinds()[k] != NodeKind::Free {
                 continue;
             }
-            let s = sheet.rest()[k].length();
             let from_origin = x[k] - dome.origin();
-            let angle = from_origin.truncate().length().atan2(from_origin.z);
-            if self.touches(k) {
-                inner = inner.max(angle);
+            if self.force[index] > 0.0 {
+                inner = inner.greater(PolarAngle::of(from_origin));
                 continue;
             }
+            let s = sheet.rest()[k].length();
             if s > reach {
-                outer = outer.min(angle);
+                outer = outer.less(PolarAngle::of(from_origin));
             }
-            if !(reach + EDGE_BAND.0 * h..=reach + EDGE_BAND.1 * h).contains(&s) {
+            if !(band.0..=band.1).contains(&s) {
                 continue;
             }
-            let gap = dome.closest_point(x[k]).0.max(0.0);
-            for_angle.add(gap.sqrt(), angle);
-            for_radius.add(gap.sqrt(), s);
+            let multiplicity = self.part.multiplicity(k);
+            let gap = dome.closest_point(x[k]).0.max(0.0).sqrt();
+            for_angle.add(multiplicity, gap, PolarAngle::of(from_origin).angle());
+            for_radius.add(multiplicity, gap, s);
         }
+        let (inner, outer) = (inner.angle(), outer.angle());
         match (for_angle.at_zero(), for_radius.at_zero()) {
             (Some(angle), Some(radius)) => {
                 let cell = h / dome.base_radius;
@@ -242,6 +255,45 @@ impl Contact {
             }
             _ => Some(Edge { angle: inner.min(wall.angle), material_radius: reach }),
         }
+    }
+}
+
+/// The angle of a direction from the vertical, compared without trigonometry.
+#[derive(Clone, Copy)]
+struct PolarAngle {
+    /// Horizontal and vertical component.
+    direction: [f64; 2],
+    /// Increases with the angle, from 0 up to 2 straight down.
+    order: f64,
+}
+
+impl PolarAngle {
+    fn of(direction: DVec3) -> Self {
+        Self::new([direction.truncate().length(), direction.z])
+    }
+
+    fn at(angle: f64) -> Self {
+        Self::new([angle.sin(), angle.cos()])
+    }
+
+    fn new([across, up]: [f64; 2]) -> Self {
+        let fraction = across / (across + up.abs()).max(f64::MIN_POSITIVE);
+        let order = if up < 0.0 { 2.0 - fraction } else { fraction };
+        Self { direction: [across, up], order }
+    }
+
+    fn greater(self, other: Self) -> Self {
+        if other.order > self.order { other } else { self }
+    }
+
+    fn less(self, other: Self) -> Self {
+        if other.order < self.order { other } else { self }
+    }
+
+    /// \[rad\]
+    fn angle(self) -> f64 {
+        let [across, up] = self.direction;
+        across.atan2(up)
     }
 }
 
@@ -261,8 +313,9 @@ struct Fit {
 }
 
 impl Fit {
-    fn add(&mut self, u: f64, y: f64) {
-        let mut power = 1.0;
+    /// Adds a point with a weight.
+    fn add(&mut self, weight: f64, u: f64, y: f64) {
+        let mut power = weight;
         for k in 0..5 {
             self.powers[k] += power;
             if k < 3 {

@@ -100,11 +100,12 @@ impl Fields {
         cell.get_or_init(|| {
             self.computed.set(self.computed.get() + 1);
             let deformation = self.solution.deformation();
-            let mut values = vec![0.0; deformation.len()];
+            let part = deformation.part();
+            let mut values = vec![0.0; part.len()];
             for k in deformation.inside() {
-                values[k] = self.at(field, k).unwrap_or(0.0) as f32;
+                values[part.index(k)] = self.at(field, k).unwrap_or(0.0) as f32;
             }
-            values
+            part.on_grid(values)
         })
     }
 

@@ -1,7 +1,7 @@
 //! What a result of layered tissue adds: cover, skin area, traction of the attachment, loads of the solid layers.
 
 use super::profile;
-use super::{Outcome, ProfilePoint};
+use super::{Outcome, ProfilePoint, Selection};
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::layered::exact::CellState;
 use crate::solve::Solution;
@@ -55,23 +55,33 @@ pub struct Thickness {
     pub greatest: f64,
 }
 
-/// Weight of each node in sums over the pocket: the part of the node's surroundings inside of the pocket, to second order.
-pub(super) fn pocket_weights(sheet: &Sheet, pocket_radius: f64) -> Vec<f64> {
-    let h = sheet.spacing_mm();
-    let inside = |r: f64| ((pocket_radius - r) / h + 0.5).clamp(0.0, 1.0);
-    sheet.rest().iter().map(|p| inside(p.length())).collect()
+/// Weight of a node in sums over the pocket: the part of the node's surroundings inside of the pocket, to second order.
+pub(super) fn pocket_weight(sheet: &Sheet, pocket_radius: f64, node: usize) -> f64 {
+    let distance = pocket_radius - sheet.rest()[node].length();
+    (distance / sheet.spacing_mm() + 0.5).clamp(0.0, 1.0)
+}
+
+/// The free nodes that determine a solution: of mirror images the first one.
+fn free_nodes(solution: &Solution) -> impl Iterator<Item = usize> + '_ {
+    let kinds = solution.problem().sheet.kinds();
+    solution.part().first_images().filter(|&k| kinds[k] == NodeKind::Free)
 }
 
 impl Outcome {
-    /// Adds the fields of layered tissue.
-    pub(super) fn measure_layers(&mut self, solution: &Solution) {
+    /// Adds the selected fields of layered tissue.
+    pub(super) fn measure_layers(&mut self, solution: &Solution, selection: &Selection) {
         let problem = solution.problem();
-        let (sheet, patch) = (&problem.sheet, &problem.patch);
-        let faces = solution.faces();
-        let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
-        self.cover_mm = cover(solution, &outer);
-        let apex = problem.obstacle.dome.apex();
-        self.skin_projection_mm = height_above(sheet, &outer, apex.x, apex.y);
+        let patch = &problem.patch;
+        // That of a sheet.
+        self.skin_projection_mm = None;
+        if selection.wants_any(&["cover_mm", "skin_projection_mm"]) {
+            let outer: Vec<(usize, DVec3)> = free_nodes(solution)
+                .map(|k| (k, solution.outer_surface_at(k).as_dvec3()))
+                .collect();
+            let apex = problem.obstacle.dome.apex();
+            self.skin_projection_mm = height_above(solution, &outer, apex.x, apex.y);
+            self.cover_mm = cover(solution, &outer, self.skin_projection_mm);
+        }
         let deformation = solution.deformation();
         let whole = PI * patch.radius_mm * patch.radius_mm / 100.0;
         let skin = deformation.summary([], |_| 1.0);
@@ -81,15 +91,18 @@ impl Outcome {
             patch_before_cm2: whole,
             patch_after_cm2: whole * skin.area_ratio,
         });
-        self.attachment_traction_kpa = traction(solution);
-        let stack = solution.stack();
-        for (layer, thickness) in self.layers.iter_mut().zip(&stack.thickness_mm) {
-            let free = (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free);
-            let range = free.fold((f64::MAX, f64::MIN), |(least, greatest), k| {
-                let value = f64::from(thickness[k]);
-                (least.min(value), greatest.max(value))
-            });
-            layer.thickness_mm = Some(Thickness { least: range.0, greatest: range.1 });
+        if selection.wants("attachment_traction_kpa") {
+            self.attachment_traction_kpa = traction(solution);
+        }
+        if selection.wants("profile_skin") {
+            self.profile_skin = skin_profile(solution);
+        }
+        if !selection.wants_any(&["layers", "warnings"]) {
+            return;
+        }
+        for (layer, range) in self.layers.iter_mut().zip(solution.thickness_ranges()) {
+            let (least, greatest) = (range.0.into(), range.1.into());
+            layer.thickness_mm = Some(Thickness { least, greatest });
         }
         self.layers[0].max_stretch = Some(1.0 + skin.greatest);
         let count = self.layers.len();
@@ -101,7 +114,6 @@ impl Outcome {
             self.layers[layer].max_stress_kpa = Some(load.stress);
             self.layers[layer].beyond_curve_data = curve.is_beyond_data(load.strain);
         }
-        self.profile_skin = skin_profile(solution);
     }
 }
 
@@ -134,11 +146,17 @@ impl Solution {
                 loads.resize(state.solid + 1, SolidLoad::default());
             }
             let load = &mut loads[state.solid];
+            load.strain = load.strain.max(state.equivalent);
+            // Most cells are below the greatest values so far by bounds without eigenvalues.
+            let (stretch, stress) = state.bounds();
+            if stretch <= load.stretch && stress <= load.stress {
+                return;
+            }
             let (stretch, stress) = state.greatest_stretch_and_stress();
             load.stretch = load.stretch.max(stretch);
             load.stress = load.stress.max(stress);
-            load.strain = load.strain.max(state.equivalent.exp_m1());
         });
+        loads.iter_mut().for_each(|load| load.strain = load.strain.exp_m1());
         loads
     }
 }
@@ -154,7 +172,8 @@ pub(super) struct NodalLoads {
 impl Solution {
     /// The loads of the solid layers at the nodes, from the inner face outwards.
     pub(super) fn nodal_loads(&self) -> Vec<NodalLoads> {
-        let nodes = self.problem().sheet.len();
+        let part = self.part();
+        let nodes = part.len();
         let mut loads: Vec<NodalLoads> = Vec::new();
         let mut cells: Vec<Vec<f32>> = Vec::new();
         self.visit_cells(|state: &CellState| {
@@ -164,7 +183,7 @@ impl Solution {
             }
             let (stretch, stress) = state.greatest_stretch_and_stress();
             let (strain, stress) = ((stretch - 1.0) as f32, stress as f32);
-            for &k in &state.corners {
+            for k in state.corners.map(|k| part.index(k)) {
                 loads[state.solid].strain[k] += strain;
                 loads[state.solid].stress[k] += stress;
                 cells[state.solid][k] += 1.0;
@@ -175,6 +194,8 @@ impl Solution {
                 load.strain[k] /= count;
                 load.stress[k] /= count;
             }
+            load.strain = part.on_grid(std::mem::take(&mut load.strain));
+            load.stress = part.on_grid(std::mem::take(&mut load.stress));
         }
         loads
     }
@@ -199,20 +220,17 @@ pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
     })
 }
 
-/// The cover over the implant; `outer` is the skin's outer surface. `None` without an implant above the wall.
-fn cover(solution: &Solution, outer: &[DVec3]) -> Option<Cover> {
-    let problem = solution.problem();
-    let (sheet, dome) = (&problem.sheet, &problem.obstacle.dome);
+/// The cover over the implant; `outer` is the skin's outer surface at the free nodes of the part, `height` that above the
+/// apex \[mm\]. `None` without an implant above the wall.
+fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> Option<Cover> {
+    let dome = &solution.problem().obstacle.dome;
     let apex = dome.apex();
     if apex.z <= 0.0 {
         return None;
     }
-    let height = height_above(sheet, outer, apex.x, apex.y)?;
+    let height = height?;
     let mut least = (f64::INFINITY, [apex.x, apex.y]);
-    for (k, point) in outer.iter().enumerate() {
-        if sheet.kinds()[k] != NodeKind::Free {
-            continue;
-        }
+    for (_, point) in outer {
         // A bound without roots keeps far nodes out of the search.
         if dome.gauge(*point) * dome.projection.min(dome.base_radius) > least.0 {
             continue;
@@ -225,21 +243,21 @@ fn cover(solution: &Solution, outer: &[DVec3]) -> Option<Cover> {
     Some(Cover { apex: height - apex.z, least: least.0, least_at_mm: least.1 })
 }
 
-/// Height of a surface above a point of the wall \[mm\], by a parabola in each direction about the nearest node.
-fn height_above(sheet: &Sheet, x: &[DVec3], px: f64, py: f64) -> Option<f64> {
-    let n = sheet.nodes_per_side();
-    let free = (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free);
-    let apart = |k: usize| (x[k].x - px).powi(2) + (x[k].y - py).powi(2);
-    let k = free.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
-    let along = |low: usize, high: usize, target: f64, coordinate: &dyn Fn(usize) -> f64| {
-        let (a, b, c) = (coordinate(low), coordinate(k), coordinate(high));
+/// Height of the skin's outer surface above a point of the wall \[mm\], by a parabola in each direction about the nearest
+/// of the nodes `outer`.
+fn height_above(solution: &Solution, outer: &[(usize, DVec3)], px: f64, py: f64) -> Option<f64> {
+    let n = solution.problem().sheet.nodes_per_side();
+    let apart = |x: DVec3| (x.x - px).powi(2) + (x.y - py).powi(2);
+    let &(k, x) = outer.iter().min_by(|(_, a), (_, b)| apart(*a).total_cmp(&apart(*b)))?;
+    let at = |k: usize| solution.outer_surface_at(k).as_dvec3();
+    let along = |[low, high]: [DVec3; 2], target: f64, axis: usize| {
+        let (a, b, c) = (low[axis], x[axis], high[axis]);
         // Newton's divided differences through three points.
-        let first = (x[k].z - x[low].z) / (b - a);
-        let second = ((x[high].z - x[k].z) / (c - b) - first) / (c - a);
+        let first = (x.z - low.z) / (b - a);
+        let second = ((high.z - x.z) / (c - b) - first) / (c - a);
         (target - b) * (first + second * (target - a))
     };
-    let height =
-        x[k].z + along(k - 1, k + 1, px, &|k| x[k].x) + along(k - n, k + n, py, &|k| x[k].y);
+    let height = x.z + along([at(k - 1), at(k + 1)], px, 0) + along([at(k - n), at(k + n)], py, 1);
     height.is_finite().then_some(height)
 }
 
@@ -249,7 +267,7 @@ fn traction(solution: &Solution) -> Option<Traction> {
     let (sheet, patch) = (&problem.sheet, &problem.patch);
     patch.attachment()?;
     let mut greatest = Traction { max: 0.0, at_mm: [0.0; 2] };
-    for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+    for k in free_nodes(solution) {
         let pull = traction_at(solution, k);
         if pull > greatest.max {
             greatest = Traction { max: pull, at_mm: sheet.rest()[k].to_array() };

@@ -82,7 +82,7 @@ struct SortedStrains {
 
 impl SortedStrains {
     fn new(deformation: &Deformation, poisson_ratio: f64) -> Self {
-        let mut strains = Vec::with_capacity(deformation.len());
+        let mut strains = Vec::with_capacity(deformation.part().len());
         let plane = 1.0 - poisson_ratio * poisson_ratio;
         let mut greatest = 0.0_f64;
         for k in deformation.inside() {

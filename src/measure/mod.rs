@@ -1,11 +1,10 @@
 //! The result of a solved scene: strain, stress, pressure, area, profile.
 //!
 //! Strains are recovered at the nodes from the adjacent triangles; areas and forces are sums over the sheet. The
-//! contact edge is located between nodes, from the opening gap. The only input is a
-//! [`Solution`](crate::solve::Solution).
+//! contact edge is located between nodes, from the opening gap. The only input is a [`Solution`].
 //!
 //! `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (nodal fields, computed on demand) |
-//! `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
+//! `selection` (the fields asked for) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
@@ -15,12 +14,15 @@ mod fields;
 pub(crate) mod layered;
 mod layers;
 mod profile;
+mod selection;
 mod surface;
 
 pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
 pub use fields::{Field, Fields};
 pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
+pub use profile::skin_surface;
+pub use selection::{Selected, Selection, UnknownField};
 #[cfg(all(test, feature = "command-line"))]
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
@@ -28,7 +30,7 @@ pub use surface::{Surfaces, surfaces};
 use crate::clinical::PatientValue;
 use crate::model::layered::law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
-use crate::solve::{Invalid, Method, Problem, Report, Tissue, Verdict};
+use crate::solve::{Invalid, Method, Problem, Report, Solution, Tissue, Verdict};
 use crate::springs::Springs;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -210,9 +212,10 @@ pub struct SolverOutcome {
 /// bands, 0.54 is the mean failure strain of excised back skin (54 ± 17 %).
 pub const STRAIN_BANDS: [f64; 3] = [0.25, 0.50, 0.54];
 
-/// Measures the solution of a finished solve. `tissues` are the layers' names, from the skin inwards.
+/// Measures the solution of a finished solve: the selected fields, and fields at no cost. `tissues` are the layers'
+/// names, from the skin inwards.
 #[must_use]
-pub fn measure(fields: &Fields, tissues: &[String]) -> Outcome {
+pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Outcome {
     let solution = fields.solution();
     let (problem, report) = (solution.problem(), solution.report());
     let mut outcome = Outcome::without_shape(problem, report, tissues);
@@ -220,18 +223,30 @@ pub fn measure(fields: &Fields, tissues: &[String]) -> Outcome {
         outcome.warnings.push(no_shape(report.invalid).to_owned());
         return outcome;
     }
-    let weights = match problem.tissue {
-        Tissue::Sheet => None,
-        Tissue::Layered { .. } => {
-            Some(layered::pocket_weights(&problem.sheet, problem.patch.pocket_radius_mm))
-        }
+    let pocket_radius = problem.patch.pocket_radius_mm;
+    let weight = |k: usize| match problem.tissue {
+        Tissue::Sheet => 1.0,
+        Tissue::Layered { .. } => layered::pocket_weight(&problem.sheet, pocket_radius, k),
     };
-    let weight = |k: usize| weights.as_ref().map_or(1.0, |weights| weights[k]);
-    let summary = solution.deformation().summary(STRAIN_BANDS, weight);
-    outcome.measure_shape(fields, &summary);
-    let least_stress =
-        layers::least_stress(problem.membrane(), solution.deformation(), &problem.sheet);
-    outcome.warn(problem, &summary, fields.contact().nodes(), least_stress);
+    outcome.measure_contact(fields, selection);
+    if selection.wants("profile") {
+        outcome.profile = profile::along_x(solution);
+    }
+    if selection.wants_any(&OF_MEMBRANE) {
+        let summary = solution.deformation().summary(STRAIN_BANDS, weight);
+        outcome.measure_shape(fields, &summary);
+        if selection.wants_any(&["layers", "warnings"]) {
+            outcome.measure_loads(solution);
+        }
+        if matches!(problem.tissue, Tissue::Layered { .. }) {
+            outcome.measure_layers(solution, selection);
+        }
+        if selection.wants("warnings") {
+            let least_stress =
+                layers::least_stress(problem.membrane(), solution.deformation(), &problem.sheet);
+            outcome.warn(problem, &summary, fields.contact().nodes(), least_stress);
+        }
+    }
     if report.is_left_at_rest {
         outcome.warnings.push(
             "The insertion is below the solver tolerance; the tissue was left undeformed. Reduce the \
@@ -241,6 +256,31 @@ pub fn measure(fields: &Fields, tissues: &[String]) -> Outcome {
     }
     outcome
 }
+
+/// Fields that depend on the membrane's deformation.
+const OF_MEMBRANE: [&str; 12] = [
+    "apex_stretch",
+    "skin_projection_mm",
+    "area_after_cm2",
+    "area_ratio",
+    "area_gain_cm2",
+    "strain",
+    "layers",
+    "profile_skin",
+    "cover_mm",
+    "skin_area",
+    "attachment_traction_kpa",
+    "warnings",
+];
+
+/// Fields that depend on the contact.
+const OF_CONTACT: [&str; 5] = [
+    "contact_angle_deg",
+    "contact_material_radius_mm",
+    "contact_force_n",
+    "contact_pressure_kpa",
+    "contact_pressure_mmhg",
+];
 
 /// The reason why a result has no shape.
 #[must_use]
@@ -343,19 +383,7 @@ impl Outcome {
             .iter()
             .map(|m| m.thickness_mm * apex.thickness_stretch(m.poisson_ratio))
             .sum();
-        self.projection_mm = Some(height);
         self.skin_projection_mm = Some(height + thickness);
-
-        let contact = fields.contact();
-        self.contact_force_n = Some(contact.vertical_force() / 1000.0);
-        self.contact_pressure_kpa = contact.pressure();
-        self.contact_pressure_mmhg = self
-            .contact_pressure_kpa
-            .map(|p| Pressure { mean: p.mean * MMHG_PER_KPA, max: p.max * MMHG_PER_KPA });
-        if let Some(edge) = contact.edge(solution) {
-            self.contact_material_radius_mm = Some(edge.material_radius);
-            self.contact_angle_deg = dome.is_hemisphere().then(|| edge.angle.to_degrees());
-        }
 
         let ratio = summary.area_ratio;
         self.area_ratio = Some(ratio);
@@ -369,14 +397,33 @@ impl Outcome {
                 .map(|(limit, fraction)| (format!("{limit:.2}"), fraction))
                 .collect(),
         });
-        let loads = layers::loads(problem.membrane(), deformation);
+    }
+
+    /// Adds the loads of the membrane's layers.
+    fn measure_loads(&mut self, solution: &Solution) {
+        let loads = layers::loads(solution.problem().membrane(), solution.deformation());
         for (layer, load) in self.layers.iter_mut().zip(loads) {
             layer.max_stress_kpa = Some(load.max_stress);
             layer.beyond_curve_data = load.is_beyond_data;
         }
-        self.profile = profile::along_x(solution);
-        if matches!(problem.tissue, Tissue::Layered { .. }) {
-            self.measure_layers(solution);
+    }
+
+    fn measure_contact(&mut self, fields: &Fields, selection: &Selection) {
+        let solution = fields.solution();
+        let dome = &solution.problem().obstacle.dome;
+        self.projection_mm = Some(dome.apex().z);
+        if !selection.wants_any(&OF_CONTACT) {
+            return;
+        }
+        let contact = fields.contact();
+        self.contact_force_n = Some(contact.vertical_force() / 1000.0);
+        self.contact_pressure_kpa = contact.pressure();
+        self.contact_pressure_mmhg = self
+            .contact_pressure_kpa
+            .map(|p| Pressure { mean: p.mean * MMHG_PER_KPA, max: p.max * MMHG_PER_KPA });
+        if let Some(edge) = contact.edge(solution) {
+            self.contact_material_radius_mm = Some(edge.material_radius);
+            self.contact_angle_deg = dome.is_hemisphere().then(|| edge.angle.to_degrees());
         }
     }
 

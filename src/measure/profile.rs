@@ -19,6 +19,14 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
     beside_edges(sheet, solution.inner(), pocket_radius, &edges(solution, row))
 }
 
+/// 41 points of the skin's outer surface along +x, material radius 0 … patch radius in equal steps.
+#[must_use]
+pub fn skin_surface(solution: &Solution) -> Vec<ProfilePoint> {
+    let faces = solution.faces();
+    let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
+    along(&solution.problem().sheet, &outer, solution.problem().patch.radius_mm)
+}
+
 /// 41 points of a face, material radius 0 … `radius` in equal steps.
 pub(super) fn along(sheet: &Sheet, x: &[DVec3], radius: f64) -> Vec<ProfilePoint> {
     beside_edges(sheet, x, radius, &[])

@@ -47,6 +47,8 @@ pub struct Sheet {
     cells: Vec<CellKind>,
     /// For each row the half-open range of columns that belong to the sheet.
     row_spans: Vec<(usize, usize)>,
+    /// For each row the half-open range of columns with free nodes.
+    free_spans: Vec<(usize, usize)>,
 }
 
 /// Rounds to the nearest m·2ᵏ + 1 with 8 ≤ m ≤ 15: halving the cells of each grid ends at 8 to 15 cells a side.
@@ -66,6 +68,20 @@ pub(crate) fn coarser_nodes_per_side(nodes_per_side: usize) -> Option<usize> {
     (cells >= 16 && cells.is_multiple_of(4)).then_some(cells / 2 + 1)
 }
 
+/// Half-open range of columns of row j within `margin` half spacings beyond the circle, the circle's own nodes excluded;
+/// by integers, without rounding.
+fn span(nodes_per_side: usize, row: usize, margin: i64) -> (usize, usize) {
+    let (half, n) = ((nodes_per_side / 2) as i64, nodes_per_side);
+    let (across, reach) = (row as i64 - half, 2 * half + margin);
+    // No node has the distance half ± ½ itself: its square is no integer.
+    let square = reach * reach - 4 * across * across;
+    if square < 0 {
+        return (n / 2, n / 2);
+    }
+    let most = (square / 4).isqrt().min(half) as usize;
+    (n / 2 - most, n / 2 + most + 1)
+}
+
 impl Sheet {
     /// A sheet on the disc of the given radius \[mm\] with an odd number of nodes a side, at least 5.
     ///
@@ -77,39 +93,38 @@ impl Sheet {
         let n = nodes_per_side;
         let half = (n / 2) as f64;
         let spacing = radius_mm / half;
-        let (mut rest, mut kinds) = (Vec::with_capacity(n * n), Vec::with_capacity(n * n));
-        for j in 0..n {
-            for i in 0..n {
-                // Relative to the centre: the grid is symmetric to the last bit.
-                let p = DVec2::new(i as f64 - half, j as f64 - half) * spacing;
-                let r = p.length();
-                let (kind, p) = if r <= radius_mm - 0.5 * spacing {
-                    (NodeKind::Free, p)
-                } else if r < radius_mm + 0.5 * spacing {
-                    (NodeKind::Clamped, p * (radius_mm / r))
-                } else {
-                    (NodeKind::Outside, p)
-                };
-                rest.push(p);
-                kinds.push(kind);
-            }
-        }
+        let (row_spans, free_spans) =
+            (0..n).map(|j| [1, -1].map(|margin| span(n, j, margin))).map(|[a, b]| (a, b)).unzip();
         let mut sheet = Self {
             nodes_per_side,
             radius_mm,
-            rest,
-            kinds,
-            cells: Vec::new(),
-            row_spans: Vec::with_capacity(n),
+            rest: Vec::with_capacity(n * n),
+            kinds: vec![NodeKind::Outside; n * n],
+            cells: vec![CellKind::Outside; (n - 1) * (n - 1)],
+            row_spans,
+            free_spans,
         };
-        sheet.cells =
-            (0..(n - 1) * (n - 1)).map(|c| sheet.classify(c % (n - 1), c / (n - 1))).collect();
         for j in 0..n {
-            let row = &sheet.kinds[j * n..(j + 1) * n];
-            let inside = |k: &NodeKind| *k != NodeKind::Outside;
-            let first = row.iter().position(inside).unwrap_or(0);
-            let last = row.iter().rposition(inside).map_or(0, |k| k + 1);
-            sheet.row_spans.push((first, last));
+            // Relative to the centre: the grid is symmetric to the last bit.
+            let at = |i: usize| DVec2::new(i as f64 - half, j as f64 - half) * spacing;
+            sheet.rest.extend((0..n).map(at));
+            let ((from, to), (first, last)) = (sheet.row_spans[j], sheet.free_spans[j]);
+            let row = j * n..(j + 1) * n;
+            let (rest, kinds) = (&mut sheet.rest[row.clone()], &mut sheet.kinds[row]);
+            kinds[first..last].fill(NodeKind::Free);
+            for i in (from..first.min(to)).chain(last.max(from)..to) {
+                kinds[i] = NodeKind::Clamped;
+                rest[i] *= radius_mm / rest[i].length();
+            }
+        }
+        for j in 0..n - 1 {
+            let ((a, b), (c, d)) = (sheet.row_spans[j], sheet.row_spans[j + 1]);
+            let (from, to) = sheet.cell_span(j);
+            let whole = a.max(c)..b.min(d).saturating_sub(1);
+            for i in from..to {
+                sheet.cells[j * (n - 1) + i] =
+                    if whole.contains(&i) { CellKind::Whole } else { sheet.classify(i, j) };
+            }
         }
         sheet
     }
@@ -199,6 +214,11 @@ impl Sheet {
         &self.row_spans
     }
 
+    /// For each row the half-open range of columns with free nodes; empty ranges are in the middle of the row.
+    pub(crate) fn free_spans(&self) -> &[(usize, usize)] {
+        &self.free_spans
+    }
+
     /// The four corner nodes of cell (i, j), counter-clockwise from the least x and y.
     #[must_use]
     pub fn corners(&self, i: usize, j: usize) -> [usize; 4] {
@@ -211,6 +231,12 @@ impl Sheet {
     #[must_use]
     pub fn cell(&self, i: usize, j: usize) -> CellKind {
         self.cells[j * (self.nodes_per_side - 1) + i]
+    }
+
+    /// Half-open range of the cells of row j that can belong to the sheet.
+    pub(crate) fn cell_span(&self, j: usize) -> (usize, usize) {
+        let (below, above) = (self.row_spans[j], self.row_spans[j + 1]);
+        (below.0.min(above.0), below.1.max(above.1).saturating_sub(1))
     }
 
     /// The triangles of cell (i, j), as indices of [`Self::corners`], and their weight.

@@ -4,7 +4,7 @@
 //! digits. A mirrored grid stores one side of an axis of symmetry, x ≥ 0 or y ≥ 0, and one ghost column or row
 //! beyond the axis: half of the sheet, or a quarter with two axes.
 
-use super::{CellKind, NodeKind, Sheet};
+use super::{CellKind, Sheet};
 use glam::DVec2;
 use wide::f32x4;
 
@@ -207,28 +207,29 @@ impl Layout {
             sources: Vec::new(),
             origin: 0,
         };
-        let is_free = |i: usize, j: usize| {
-            sheet.kinds()[(j + first[1]) * nodes_per_side + i + first[0]] == NodeKind::Free
+        let free = |j: usize| {
+            let (from, to) = sheet.free_spans()[j + first[1]];
+            (from.saturating_sub(first[0]), to - first[0])
         };
         let mut border = Vec::new();
         let [ghost, _] = layout.ghost();
         for j in 0..rows {
-            let from = (ghost..columns).find(|&i| is_free(i, j));
-            let to = (ghost..columns).rfind(|&i| is_free(i, j)).map_or(0, |i| i + 1);
-            layout.free.push((from.unwrap_or(to) as u32, to as u32));
+            let (from, to) = free(j);
+            let (from, to) = if from < to { (from.max(ghost), to) } else { (0, 0) };
+            layout.free.push((from as u32, to as u32));
         }
         let stored = |k: usize| {
             ((k / nodes_per_side - first[1]) * pitch + k % nodes_per_side - first[0]) as u32
         };
         for j in 0..rows - 1 {
-            let regular = |i: usize| {
-                [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].iter().all(|&(i, j)| is_free(i, j))
-            };
-            let from = (0..columns - 1).find(|&i| regular(i));
-            let to = (0..columns - 1).rfind(|&i| regular(i)).map_or(0, |i| i + 1);
-            let from = from.unwrap_or(to);
+            let ((a, b), (c, d)) = (free(j), free(j + 1));
+            let (from, to) = (a.max(c), b.min(d).saturating_sub(1));
+            let (from, to) = if from < to && a < b && c < d { (from, to) } else { (0, 0) };
             layout.regular.push((from as u32, to as u32));
-            for i in (0..from).chain(to..columns - 1) {
+            let (sheet_from, sheet_to) = sheet.cell_span(j + first[1]);
+            let begin = sheet_from.saturating_sub(first[0]);
+            let end = sheet_to.saturating_sub(first[0]).min(columns - 1);
+            for i in (begin..from.max(begin).min(end)).chain(to.max(begin)..end) {
                 let (i, j) = (i + first[0], j + first[1]);
                 if sheet.cell(i, j) != CellKind::Outside {
                     border.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {

@@ -5,10 +5,17 @@
 use super::text::{text, text_or_nothing};
 use crate::experiment::charts::work_precision::draw;
 use crate::experiment::work_precision::{Plan, Study, axisymmetric};
+use crate::measure::Selection;
 use crate::scene::{self, CheckedScene, Scene};
-use crate::simulate;
+use crate::simulate::Simulator;
 use crate::solve::Options;
+use std::cell::RefCell;
 use wasm_bindgen::prelude::*;
+
+thread_local! {
+    /// Keeps the grids and tables that the scenes of a page share.
+    static SIMULATOR: RefCell<Simulator> = RefCell::default();
+}
 
 /// Solves a scene (JSON text) from scratch; returns the result (JSON text).
 ///
@@ -19,11 +26,20 @@ pub fn simulate(
     #[wasm_bindgen(unchecked_param_type = "string")] scene_json: &JsValue,
 ) -> Result<String, JsError> {
     let scene = CheckedScene::from_json(&text(scene_json, "scene")?)?;
-    let simulation = simulate::run(&scene, Options::default(), Some(&clock()));
+    let simulation = SIMULATOR.with_borrow_mut(|simulator| {
+        simulator.run(&scene, Options::default(), &Selection::all(), Some(&clock()))
+    });
     Ok(serde_json::to_string(&simulation.outcome)?)
 }
 
-/// The scene that the app opens on (JSON text).
+/// The plan that the app opens on (JSON text).
+#[wasm_bindgen]
+#[must_use]
+pub fn opening_scene() -> String {
+    Scene::opening().to_json()
+}
+
+/// The scene of the defaults (JSON text): a hemisphere under layered tissue.
 #[wasm_bindgen]
 #[must_use]
 pub fn default_scene() -> String {

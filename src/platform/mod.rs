@@ -5,10 +5,13 @@
 #[cfg(all(feature = "js-api", target_arch = "wasm32"))]
 pub mod js;
 
+#[cfg(all(feature = "js-api", target_arch = "wasm32"))]
+pub mod studies;
+
 #[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 pub mod command_line;
 
-#[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
+#[cfg(all(any(feature = "app", feature = "command-line"), not(target_arch = "wasm32")))]
 pub mod runner;
 
 #[cfg(all(feature = "app", not(target_arch = "wasm32")))]
@@ -19,3 +22,6 @@ mod text;
 
 #[cfg(all(feature = "app", target_arch = "wasm32"))]
 pub mod web;
+
+#[cfg(all(any(feature = "app", feature = "js-api"), target_arch = "wasm32"))]
+pub mod workers;

@@ -1,8 +1,12 @@
-//! The desktop window.
+//! The desktop window, and the file that keeps the pins for the next start.
 
+use super::runner;
 use crate::app::App;
-use crate::scene::Scene;
-use eframe::egui;
+use crate::scene::{MAX_SCENE_BYTES, Scene};
+use eframe::{egui, glow};
+use std::fs;
+use std::io::{self, ErrorKind, Read as _};
+use std::path::{Path, PathBuf};
 
 /// Opens the desktop app; returns after its window is closed.
 ///
@@ -24,6 +28,142 @@ pub fn run() -> eframe::Result {
     eframe::run_native(
         "implant-preview",
         options,
-        Box::new(|cc| Ok(Box::new(App::new(&cc.egui_ctx, cc.gl.as_ref(), Scene::default())?))),
+        Box::new(|cc| {
+            let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
+            let app = App::new(ctx, gl, Scene::opening(), runner::beside_window)?;
+            Ok(Box::new(Window::new(app, Store::of_user())))
+        }),
     )
+}
+
+/// The app in its window.
+struct Window {
+    app: App,
+    store: Option<Store>,
+}
+
+impl Window {
+    fn new(mut app: App, store: Option<Store>) -> Self {
+        match store.as_ref().map(Store::read) {
+            Some(Ok(Some(pins))) => app.restore_pins(&pins),
+            Some(Ok(None)) | None => {}
+            Some(Err(_)) => app.report_storage_failure(),
+        }
+        Self { app, store }
+    }
+
+    fn store_pins(&mut self, is_closing: bool) {
+        if let Some(pins) = self.app.take_pins_to_store(is_closing)
+            && self.store.as_ref().is_none_or(|store| store.write(&pins).is_err())
+        {
+            self.app.report_storage_failure();
+        }
+    }
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.app.ui(ui, frame);
+        self.store_pins(false);
+    }
+
+    fn on_exit(&mut self, gl: Option<&glow::Context>) {
+        self.store_pins(true);
+        self.app.on_exit(gl);
+    }
+}
+
+/// The file of the kept pins.
+struct Store(PathBuf);
+
+impl Store {
+    /// The file in the user's folder for data of programs, if the system has such a folder.
+    fn of_user() -> Option<Self> {
+        Some(Self(dirs::data_dir()?.join("implant-preview").join("pins.json")))
+    }
+
+    /// The stored text; `None` before the first pin.
+    fn read(&self) -> io::Result<Option<String>> {
+        let file = match fs::File::open(&self.0) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            file => file?,
+        };
+        let mut bytes = Vec::new();
+        // One byte more than allowed: the reader rejects the text.
+        file.take(MAX_SCENE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+        Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
+    }
+
+    /// Replaces the text as a whole: another start never reads a part of the text.
+    fn write(&self, text: &str) -> io::Result<()> {
+        fs::create_dir_all(self.0.parent().unwrap_or(Path::new("")))?;
+        let temporary = self.0.with_extension(format!("{}.tmp", std::process::id()));
+        fs::write(&temporary, text)?;
+        fs::rename(&temporary, &self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A store in a new folder.
+    fn store(name: &str) -> Store {
+        let name = format!("implant-preview-pins-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        let _ = fs::remove_dir_all(&folder);
+        Store(folder.join("data").join("pins.json"))
+    }
+
+    fn window(store: &Store) -> Window {
+        let app =
+            App::new(&egui::Context::default(), None, Scene::default(), runner::beside_window)
+                .unwrap();
+        Window::new(app, Some(Store(store.0.clone())))
+    }
+
+    /// Draws a frame.
+    fn frame(window: &mut Window) {
+        let ctx = egui::Context::default();
+        let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
+            window.app.show(ui);
+            window.store_pins(false);
+        });
+        output.textures_delta.clear();
+    }
+
+    #[test]
+    fn pins_are_in_the_next_window_and_an_invalid_file_is_not_touched() {
+        let store = store("next");
+        let mut first = window(&store);
+        assert!(first.app.session().pins().is_empty() && store.read().unwrap().is_none());
+        let scene = Scene::default();
+        let json = serde_json::json!({ "implant": { "base_radius_mm": 50.0 },
+            "pins": [{ "name": "before", "scene": scene }] });
+        first.app.open(json.to_string()).unwrap();
+        frame(&mut first);
+        first.store_pins(true);
+        let second = window(&store);
+        let pins = second.app.session().pins();
+        assert_eq!((pins.len(), pins[0].name(), pins[0].scene()), (1, "before", &scene));
+
+        fs::write(&store.0, [0xff; 9]).unwrap();
+        let mut third = window(&store);
+        frame(&mut third);
+        third.store_pins(true);
+        assert!(third.app.session().pins().is_empty());
+        assert_eq!(fs::read(&store.0).unwrap(), [0xff; 9]);
+        fs::remove_dir_all(store.0.parent().unwrap().parent().unwrap()).unwrap();
+    }
+
+    #[test]
+    fn a_folder_in_place_of_the_file_is_reported_once() {
+        let store = store("folder");
+        fs::create_dir_all(&store.0).unwrap();
+        let mut window = window(&store);
+        frame(&mut window);
+        window.store_pins(true);
+        assert!(window.app.session().pins().is_empty());
+        fs::remove_dir_all(store.0.parent().unwrap().parent().unwrap()).unwrap();
+    }
 }

@@ -1,121 +1,111 @@
-//! Runners compute independent jobs: [`Threads`] natively, `web/runner.mjs` in workers of the page.
-//!
-//! The unit of work is a solve: [`crate::simulate::run`] on a [`crate::scene::CheckedScene`].
+//! The native runner: threads. On the page `web/runner.mjs` runs jobs in workers.
 
-use std::collections::VecDeque;
+use crate::study::{Case, Evaluator, Finished, Job, JobPanic, Runner};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::any::Any;
+use std::cell::Cell;
+use std::collections::{BTreeMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-
-/// Runs independent jobs and returns the results in the order of completion.
-///
-/// A drop cancels all jobs that have not begun; the result of a running job is discarded.
-pub trait Runner {
-    /// Input of a job.
-    type Job;
-    /// Result of a job.
-    type Done;
-
-    /// Queues a job; returns the index of the job, counted from 0.
-    fn submit(&mut self, job: Self::Job) -> usize;
-
-    /// Returns a finished job, or `None` if no further job has finished.
-    fn poll(&mut self) -> Option<Finished<Self::Done>>;
-
-    /// Waits for a finished job; returns `None` if no job is left.
-    fn next(&mut self) -> Option<Finished<Self::Done>>;
-
-    /// Runs jobs; returns the results in the order of the jobs.
-    ///
-    /// # Errors
-    /// If a job panics. The other jobs are cancelled by the drop of the runner.
-    fn run_all(
-        mut self,
-        jobs: impl IntoIterator<Item = Self::Job>,
-    ) -> Result<Vec<Self::Done>, JobPanic>
-    where
-        Self: Sized,
-    {
-        let mut results = Vec::new();
-        for job in jobs {
-            let index = self.submit(job);
-            results.resize_with(index + 1, || None);
-        }
-        while let Some(Finished { index, result }) = self.next() {
-            results[index] = Some(result?);
-        }
-        Ok(results.into_iter().flatten().collect())
-    }
-}
-
-/// A finished job.
-#[derive(Debug)]
-pub struct Finished<T> {
-    /// Index of the job in the order of submission, from 0.
-    pub index: usize,
-    /// Result of the job, or the panic that ended the job.
-    pub result: Result<T, JobPanic>,
-}
-
-/// The panic of a job, in one line.
-#[derive(Debug, thiserror::Error)]
-#[error("job {index}: internal error: {message}")]
-pub struct JobPanic {
-    index: usize,
-    message: String,
-}
 
 /// Runs jobs on rayon's threads.
 ///
 /// The number of started jobs with unread results is bounded: a consumer that reads result by result
 /// holds a few results at a time. `next` blocks its thread; the thread must not be one of rayon's.
 pub struct Threads<J, T> {
-    // Started jobs have a weak reference: a drop of the runner cancels started jobs that do not run yet.
     work: Arc<dyn Fn(J) -> T + Send + Sync>,
-    waiting: VecDeque<J>,
+    place: Place,
+    waiting: VecDeque<(usize, J)>,
     submitted: usize,
-    unread: usize,
+    /// Jobs with unread results. A started job has a weak reference: if the strong one is dropped, a job that does not
+    /// run yet never runs.
+    started: BTreeMap<usize, Arc<()>>,
     sender: Sender<Finished<T>>,
     receiver: Receiver<Finished<T>>,
+}
+
+/// The threads of a runner.
+enum Place {
+    /// The threads of the whole program, one per core.
+    Global,
+    /// Threads of the runner's own, started with the first job, and a function called after each job.
+    Own { pool: Option<ThreadPool>, threads: usize, wake: Arc<dyn Fn() + Send + Sync> },
 }
 
 /// Greatest number of started jobs with unread results, per thread: one job runs, one is ready.
 const UNREAD_PER_THREAD: usize = 2;
 
 impl<J: Send + 'static, T: Send + 'static> Threads<J, T> {
-    /// Creates a runner whose jobs are arguments of `work`.
+    /// Creates a runner whose jobs are arguments of `work`, on all cores.
     pub fn new(work: impl Fn(J) -> T + Send + Sync + 'static) -> Self {
+        Self::with_place(work, Place::Global)
+    }
+
+    /// Creates a runner on threads of its own beside a window: one per core less one, at least one. The threads start
+    /// with the first job; `wake` is called after each job, by the job's thread.
+    pub fn beside_window(
+        work: impl Fn(J) -> T + Send + Sync + 'static,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Self::with_place(work, Place::Own { pool: None, threads: (cores - 1).max(1), wake })
+    }
+
+    fn with_place(work: impl Fn(J) -> T + Send + Sync + 'static, place: Place) -> Self {
         let (sender, receiver) = channel();
-        let (waiting, submitted, unread) = (VecDeque::new(), 0, 0);
-        Self { work: Arc::new(work), waiting, submitted, unread, sender, receiver }
+        let (waiting, started) = (VecDeque::new(), BTreeMap::new());
+        Self { work: Arc::new(work), place, waiting, submitted: 0, started, sender, receiver }
     }
 
     /// Starts waiting jobs, up to the limit of unread results.
     fn start(&mut self) {
-        while self.unread < UNREAD_PER_THREAD * rayon::current_num_threads() {
-            let index = self.submitted - self.waiting.len();
-            let Some(job) = self.waiting.pop_front() else { return };
-            self.unread += 1;
-            let (work, sender) = (Arc::downgrade(&self.work), self.sender.clone());
-            rayon::spawn(move || {
-                let Some(work) = work.upgrade() else { return };
-                let result = catch_unwind(AssertUnwindSafe(|| work(job))).map_err(|payload| {
-                    let text = payload.downcast_ref::<String>().map(String::as_str);
-                    let text = text.or_else(|| payload.downcast_ref::<&str>().copied());
-                    let words: Vec<&str> = text.unwrap_or("panic").split_whitespace().collect();
-                    JobPanic { index, message: words.join(" ") }
-                });
-                // After the drop of the runner a result has no receiver.
-                let _ = sender.send(Finished { index, result });
-            });
+        while self.started.len() < UNREAD_PER_THREAD * self.workers() {
+            let Some((index, job)) = self.waiting.pop_front() else { return };
+            let token = Arc::new(());
+            let is_wanted = Arc::downgrade(&token);
+            self.started.insert(index, token);
+            let (work, sender) = (Arc::clone(&self.work), self.sender.clone());
+            let run = move || {
+                if is_wanted.strong_count() > 0 {
+                    let result = catch_unwind(AssertUnwindSafe(|| work(job)))
+                        .map_err(|payload| JobPanic::new(index, panic_text(&*payload)));
+                    // After the drop of the runner a result has no receiver.
+                    let _ = sender.send(Finished { index, result });
+                }
+            };
+            self.place.spawn(run);
         }
     }
 
-    /// Counts a read result and starts a waiting job.
-    fn read(&mut self, finished: Finished<T>) -> Finished<T> {
-        self.unread -= 1;
+    /// Counts a read result and starts a waiting job; `None` for the result of a cancelled job.
+    fn read(&mut self, finished: Finished<T>) -> Option<Finished<T>> {
+        self.started.remove(&finished.index)?;
         self.start();
-        finished
+        Some(finished)
+    }
+}
+
+impl Place {
+    fn spawn(&mut self, run: impl FnOnce() + Send + 'static) {
+        let Self::Own { pool, threads, wake } = self else { return rayon::spawn(run) };
+        if pool.is_none() {
+            *pool = ThreadPoolBuilder::new()
+                .num_threads(*threads)
+                .thread_name(|k| format!("job {k}"))
+                .build()
+                .ok();
+        }
+        let wake = Arc::clone(wake);
+        let run = move || {
+            run();
+            wake();
+        };
+        match pool {
+            Some(pool) => pool.spawn(run),
+            // The system starts no further threads.
+            None => rayon::spawn(run),
+        }
     }
 }
 
@@ -124,29 +114,93 @@ impl<J: Send + 'static, T: Send + 'static> Runner for Threads<J, T> {
     type Done = T;
 
     fn submit(&mut self, job: J) -> usize {
-        self.waiting.push_back(job);
+        let index = self.submitted;
+        self.waiting.push_back((index, job));
         self.submitted += 1;
         self.start();
-        self.submitted - 1
+        index
+    }
+
+    fn cancel(&mut self, index: usize) {
+        self.waiting.retain(|(waiting, _)| *waiting != index);
+        self.started.remove(&index);
+        self.start();
     }
 
     fn poll(&mut self) -> Option<Finished<T>> {
-        let finished = self.receiver.try_recv().ok()?;
-        Some(self.read(finished))
+        while let Ok(finished) = self.receiver.try_recv() {
+            if let Some(finished) = self.read(finished) {
+                return Some(finished);
+            }
+        }
+        None
     }
 
     fn next(&mut self) -> Option<Finished<T>> {
-        if self.unread == 0 {
-            return None;
+        while !self.started.is_empty() {
+            let finished = self.receiver.recv().ok()?;
+            if let Some(finished) = self.read(finished) {
+                return Some(finished);
+            }
         }
-        let finished = self.receiver.recv().ok()?;
-        Some(self.read(finished))
+        None
     }
+
+    fn workers(&self) -> usize {
+        match &self.place {
+            Place::Global => rayon::current_num_threads(),
+            Place::Own { threads, .. } => *threads,
+        }
+    }
+}
+
+fn panic_text(payload: &(dyn Any + Send)) -> &str {
+    let text = payload.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("panic")
+}
+
+/// The runner of the jobs of studies beside a window.
+#[cfg(feature = "app")]
+#[must_use]
+pub fn beside_window(wake: crate::app::Wake) -> Box<crate::app::JobRunner> {
+    Box::new(Threads::beside_window(|job: Job| evaluate(&job), wake))
+}
+
+thread_local! {
+    static EVALUATOR: Cell<Option<Evaluator>> = const { Cell::new(None) };
+}
+
+/// Solves the scenes of a job on this thread, with the tables and grids of the thread's previous job. A scene that
+/// panics is solved once more from scratch; after a second panic its case is an error in one line.
+#[must_use]
+pub fn evaluate(job: &Job) -> Vec<Case> {
+    job.scenes.iter().map(|scene| twice(|solver| solver.case(scene, job.profile))).collect()
+}
+
+fn twice(solve: impl Fn(&mut Evaluator) -> Case) -> Case {
+    let attempt = || {
+        let mut evaluator = EVALUATOR.take().unwrap_or_default();
+        // A panic drops the evaluator.
+        let case = catch_unwind(AssertUnwindSafe(|| {
+            let case = solve(&mut evaluator);
+            (case, evaluator)
+        }));
+        case.map(|(case, evaluator)| {
+            EVALUATOR.set(Some(evaluator));
+            case
+        })
+    };
+    attempt().or_else(|_| attempt()).unwrap_or_else(|payload| {
+        let words: Vec<&str> = panic_text(&*payload).split_whitespace().collect();
+        Case::invalid(format!("internal error, twice: {}", words.join(" ")))
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Scene;
+    use crate::study;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
@@ -179,5 +233,71 @@ mod tests {
             std::thread::yield_now();
         }
         assert!(begun.load(Ordering::SeqCst) <= most + 1);
+    }
+
+    #[test]
+    fn a_cancelled_job_has_no_result_and_leaves_the_others() {
+        let mut runner = Threads::new(|job: usize| job);
+        let count = 4 * UNREAD_PER_THREAD * rayon::current_num_threads();
+        (0..count).for_each(|job| _ = runner.submit(job));
+        // A job that may be running or done, and a job that has not begun.
+        runner.cancel(0);
+        runner.cancel(count - 1);
+        runner.cancel(count - 1);
+        let mut indices: Vec<_> =
+            std::iter::from_fn(|| runner.next()).map(|finished| finished.index).collect();
+        indices.sort_unstable();
+        assert_eq!(indices, (1..count - 1).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn threads_beside_a_window_start_with_the_first_job_and_wake_after_each_job() {
+        let (sender, woken) = channel();
+        let wake = Arc::new(move || {
+            sender.send(std::thread::current().name().map(str::to_owned)).unwrap();
+        });
+        let mut runner = Threads::beside_window(|job: usize| 2 * job, wake);
+        assert!(runner.workers() >= 1);
+        assert!(matches!(runner.place, Place::Own { pool: None, .. }));
+        (0..3).for_each(|job| _ = runner.submit(job));
+        let mut results = Vec::new();
+        for _ in 0..3 {
+            assert!(woken.recv().unwrap().unwrap().starts_with("job "));
+            // A job waits until a result before is read.
+            let finished = std::iter::from_fn(|| runner.poll());
+            results.extend(finished.map(|finished| finished.result.unwrap()));
+        }
+        results.sort_unstable();
+        assert_eq!(results, [0, 2, 4]);
+    }
+
+    #[test]
+    fn a_scene_that_panics_is_solved_once_more_and_then_named() {
+        let attempts = Cell::new(0);
+        let panics = |until: usize| {
+            attempts.set(0);
+            twice(|_| {
+                attempts.set(attempts.get() + 1);
+                assert!(attempts.get() > until, "a defect\nin two lines");
+                Case::default()
+            })
+        };
+        assert_eq!((panics(0), attempts.get()), (Case::default(), 1));
+        assert_eq!((panics(1), attempts.get()), (Case::default(), 2));
+        let line = panics(2).error.unwrap();
+        assert_eq!(attempts.get(), 2);
+        assert_eq!(line, "internal error, twice: a defect in two lines");
+    }
+
+    #[test]
+    fn jobs_of_studies_are_evaluated_as_on_one_thread() {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 17;
+        let mut invalid = scene.clone();
+        invalid.pocket_radius_mm = 1.0;
+        let job = Job { scenes: vec![scene, invalid], profile: true };
+        let cases = Threads::new(|job| evaluate(&job)).run_all([job.clone(), job.clone()]).unwrap();
+        assert!(cases.iter().all(|cases| *cases == study::evaluate(&job)));
+        assert!(cases[0][0].is_converged() && cases[0][1].error.is_some());
     }
 }

@@ -1,9 +1,12 @@
 //! The page: runs the app on the canvas, restores it after the loss of the WebGL context, suspends it
 //! while the tab is hidden, and exports it to JavaScript as `window.implantPreview`.
 //!
+//! The pins are kept in the browser's storage of the page's origin.
+//!
 //! After a crash of the app only JavaScript remains: `web/crash.mjs`, which gets every new scene and
 //! every panic message.
 
+use super::workers::{Workers, object};
 use crate::app::App;
 use crate::scene::Scene;
 use eframe::WebRunner;
@@ -15,8 +18,13 @@ use wasm_bindgen::prelude::*;
 const CANVAS: &str = "implant-preview-canvas";
 /// Id of the result in words; in the Tab order it follows the app's last control.
 const SUMMARY: &str = "implant-preview-summary";
+/// Time without a change after which the result in words is passed to the page \[s\].
+const SUMMARY_REST_S: f64 = 0.6;
 /// Id of the link before the app; in the Tab order it precedes the app's first control.
 const SKIP: &str = "implant-preview-skip";
+
+/// Key of the kept pins in the storage of the page's origin.
+const PINS: &str = "implant-preview/pins/1";
 
 /// Initial size of the heap \[bytes\], above that of a session at 129 nodes per side.
 const HEAP: usize = 26 << 20;
@@ -70,6 +78,29 @@ fn call(function: &str, text: &str) -> JsValue {
 fn show_crash(error: &JsValue) {
     let text = error.as_string().unwrap_or_else(|| format!("{error:?}"));
     call("implantPreviewCrashed", &text);
+}
+
+/// The storage of the page's origin on this machine. Some browsers refuse the storage in private windows.
+fn storage() -> Result<web_sys::Storage, JsValue> {
+    let window = web_sys::window().ok_or("the page has no window")?;
+    Ok(window.local_storage()?.ok_or("the browser has no storage")?)
+}
+
+/// Reads the kept pins into a new app.
+fn restore_pins(app: &mut App) {
+    // A missing storage is reported with the first pin.
+    if let Ok(Some(pins)) = storage().and_then(|storage| storage.get_item(PINS)) {
+        app.restore_pins(&pins);
+    }
+}
+
+/// Stores the pins after a change.
+fn store_pins(app: &mut App, is_closing: bool) {
+    if let Some(pins) = app.take_pins_to_store(is_closing)
+        && storage().and_then(|storage| storage.set_item(PINS, &pins)).is_err()
+    {
+        app.report_storage_failure();
+    }
 }
 
 fn document() -> Result<web_sys::Document, JsValue> {
@@ -139,7 +170,7 @@ impl PageHost {
         Ok(host)
     }
 
-    /// Starts the runner with the scene kept from a crash, with the default scene, or with the app that
+    /// Starts the runner with the scene kept from a crash, with the opening plan, or with the app that
     /// has lost its context.
     async fn start(&'static self) {
         let options = eframe::WebOptions {
@@ -156,18 +187,25 @@ impl PageHost {
                 // A scene of an older version may be invalid.
                 let kept = kept.and_then(|json| Scene::from_json(&json).ok());
                 let is_kept = kept.is_some();
-                let new = App::new(&cc.egui_ctx, cc.gl.as_ref(), kept.unwrap_or_default())?;
+                let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
+                let scene = kept.unwrap_or_else(Scene::opening);
+                let new = App::new(ctx, gl, scene, |wake| Box::new(Workers::new(move || wake())))?;
                 let new = app.insert(new);
                 new.enable_page_navigation();
                 if is_kept {
+                    // The pins may be the cause of the error.
                     new.notify(
-                        "The preview restarted after an error, with the scene that was open.",
+                        "The preview restarted after an error, with the scene that was open. A reload \
+                         opens the kept pins.",
                     );
+                } else {
+                    restore_pins(new);
                 }
             }
             Ok(Box::new(PageApp {
                 host: self,
                 summary: String::new(),
+                next_summary: (String::new(), 0.0),
                 scene: None,
                 is_loading: true,
                 is_decimal_keyboard: false,
@@ -231,6 +269,8 @@ impl PageHost {
                 && let Some(app) = &mut *app
             {
                 app.mark_paused();
+                // A tab is hidden before a reload or its end.
+                store_pins(app, true);
             }
         }
     }
@@ -249,7 +289,10 @@ impl PageHost {
 /// The app in its runner, and the state of the page around it.
 struct PageApp {
     host: &'static PageHost,
+    /// The words of the page, and those that replace them once they have not changed for a while, with the time of
+    /// their last change \[s\].
     summary: String,
+    next_summary: (String, f64),
     /// The last scene passed to the page.
     scene: Option<Scene>,
     is_loading: bool,
@@ -288,17 +331,33 @@ impl eframe::App for PageApp {
             call("implantPreviewKeep", &scene.to_json());
             self.scene = Some(scene.clone());
         }
-        let summary = app.summary();
-        if summary != self.summary
-            && let Some(element) = document().ok().and_then(|d| d.get_element_by_id(SUMMARY))
-        {
-            element.set_text_content(Some(&summary));
-            self.summary = summary;
-        }
+        store_pins(app, false);
+        self.update_summary(ui, app.summary());
     }
 
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
         Some(self)
+    }
+}
+
+impl PageApp {
+    /// Passes the words of the answer to screen readers, once the words rest: an edit would be read as many changes.
+    fn update_summary(&mut self, ui: &eframe::egui::Ui, summary: String) {
+        let now = ui.input(|input| input.time);
+        let (next, since) = &mut self.next_summary;
+        if *next != summary {
+            (*next, *since) = (summary, now);
+        }
+        if *next == self.summary {
+            return;
+        }
+        let wait = SUMMARY_REST_S - (now - *since);
+        if wait > 0.0 {
+            ui.ctx().request_repaint_after_secs(wait as f32);
+        } else if let Some(element) = document().ok().and_then(|d| d.get_element_by_id(SUMMARY)) {
+            element.set_text_content(Some(next));
+            self.summary.clone_from(next);
+        }
     }
 }
 
@@ -362,7 +421,8 @@ impl Handle {
     }
 
     /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, solver_ms_max,
-    /// converged, solves, work_units, tables, measurements }`.
+    /// converged, solves, work_units, tables, measurements, range_done, range_all,
+    /// samples_done, samples_all }`.
     ///
     /// # Errors
     /// Throws if the app is not running.
@@ -381,16 +441,10 @@ impl Handle {
             ("work_units", stats.work_units.into()),
             ("tables", JsValue::from(stats.tables as f64)),
             ("measurements", JsValue::from(stats.measurements as f64)),
+            ("range_done", JsValue::from(stats.range_done as f64)),
+            ("range_all", JsValue::from(stats.range_all as f64)),
+            ("samples_done", JsValue::from(stats.samples_done as f64)),
+            ("samples_all", JsValue::from(stats.samples_all as f64)),
         ]))
     }
-}
-
-/// Creates a JavaScript object with these properties.
-fn object<const N: usize>(fields: [(&str, JsValue); N]) -> JsValue {
-    let object = js_sys::Object::new();
-    for (name, value) in fields {
-        // Setting a property of a new object does not fail.
-        let _ = js_sys::Reflect::set(&object, &name.into(), &value);
-    }
-    object.into()
 }

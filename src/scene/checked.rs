@@ -26,7 +26,7 @@ impl CheckedScene {
     }
 
     /// Checks a scene; curves of an `earlier` scene with the same layers are shared.
-    pub(super) fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
+    pub(crate) fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
         scene.check_limits()?;
         if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {
             return Ok(Self { scene, materials: Arc::clone(&earlier.materials) });

@@ -5,7 +5,8 @@
 //! rejected with one line that names the field.
 //!
 //! `body` (tissue model, patch) | `checked` (a scene with its curves) | `layer` (a layer and its file format) | `patient`
-//! (measurements and the values derived from them) | `read` (bytes and JSON) | `repair` (scenes that an edit made invalid).
+//! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
+//! `repair` (scenes that an edit made invalid).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -13,10 +14,11 @@ mod body;
 mod checked;
 mod layer;
 mod patient;
+pub mod pins;
 pub mod read;
 mod repair;
 
-use crate::clinical::ClinicalError;
+use crate::clinical::{ClinicalError, Size};
 use crate::curve::{CurveError, List, Pair, number, object};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
@@ -26,6 +28,7 @@ pub use layer::Layer;
 use layer::{LayerFile, default_layers};
 pub use patient::Patient;
 use patient::PatientFile;
+pub use pins::{Document, Letter, PinnedScene};
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
@@ -153,6 +156,10 @@ struct SceneFile {
     springs: Springs,
     #[serde(default, deserialize_with = "object")]
     solver: SolverSettings,
+    /// `scene/2` only: up to 4 scenes for comparison; a computation ignores them.
+    #[serde(default, deserialize_with = "pins::list")]
+    #[schemars(with = "Vec<pins::PinFile>")]
+    pins: Option<Vec<pins::PinFile>>,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -223,6 +230,14 @@ pub enum SceneError {
         /// The error of the measurement.
         source: ClinicalError,
     },
+    /// The scene of a pin is invalid.
+    #[error("pins[{pin}].scene: {source}")]
+    Pin {
+        /// The pin in its list, from 0.
+        pin: usize,
+        /// The error of its scene.
+        source: Box<SceneError>,
+    },
     /// A curve in a file of its own is invalid.
     #[error("{0}")]
     CurveFile(CurveError),
@@ -245,12 +260,13 @@ impl TryFrom<SceneFile> for Scene {
 }
 
 impl SceneFile {
-    /// Fills omitted fields with defaults.
+    /// Fills omitted fields with defaults; checks the pins and drops them.
     ///
     /// # Errors
-    /// A field of `scene/2` in a scene of `scene/1`; all other checks are those of [`CheckedScene::new`].
+    /// A field of `scene/2` in a scene of `scene/1`, an invalid pin; all other checks are those of [`CheckedScene::new`].
     fn filled(self) -> Result<Scene, SceneError> {
-        let file = self;
+        let mut file = self;
+        file.take_pins()?;
         let is_first = file.schema == SCENE_SCHEMA;
         if is_first {
             for (field, is_given) in [
@@ -313,7 +329,7 @@ impl SceneFile {
 }
 
 impl Default for Scene {
-    /// The scene that the app opens with: a 55 mm hemisphere fully under layered skin and adipose.
+    /// The scene of the defaults of a file: a 55 mm hemisphere fully under layered skin and adipose.
     fn default() -> Self {
         let pocket_radius_mm = 70.0;
         Self {
@@ -330,7 +346,35 @@ impl Default for Scene {
     }
 }
 
+/// The patient and the implant that the app opens with.
+const OPENING: &str = r#"{
+    "implant": { "base_radius_mm": 60.0 },
+    "pocket_radius_mm": 70.0,
+    "layers": [
+        { "tissue": "skin", "curve": { "kind": "skin" } },
+        { "tissue": "adipose", "curve": { "kind": "adipose" } }
+    ],
+    "patient": { "pinch_mm": 20.0, "skin_class": "normal" }
+}"#;
+
+/// Volume of the implant that the app opens with \[ml\].
+const OPENING_VOLUME_ML: f64 = 300.0;
+
 impl Scene {
+    /// The plan that the app opens with, a usual one: an implant of 12 cm and 300 ml in a pocket 1 cm wider all round,
+    /// pinch 2 cm, normal skin.
+    ///
+    /// [`Scene::default`] keeps the defaults of files.
+    #[must_use]
+    pub fn opening() -> Self {
+        let mut scene = Self::from_json(OPENING).unwrap_or_default();
+        let width_mm = 2.0 * scene.implant.base_radius_mm;
+        if let Ok(size) = Size::of_width_and_volume(width_mm, OPENING_VOLUME_ML) {
+            scene.implant.projection_mm = size.projection_mm();
+        }
+        scene
+    }
+
     /// The default scene as a sheet of `scene/1`.
     #[must_use]
     pub fn sheet() -> Self {
@@ -411,20 +455,7 @@ impl Scene {
             let field = |name: &str| format!("layers[{k}].{name}");
             within(&field("thickness_mm"), layer.thickness_mm, limits::THICKNESS_MM, " mm")?;
             within(&field("poisson_ratio"), layer.poisson_ratio, limits::POISSON_RATIO, "")?;
-            if layer.tissue.len() > 100 {
-                return Err(out_of_range(
-                    &field("tissue"),
-                    format!("{} bytes long", layer.tissue.len()),
-                    "up to 100 bytes",
-                ));
-            }
-            if layer.tissue.contains(char::is_control) {
-                return Err(out_of_range(
-                    &field("tissue"),
-                    one_line(&layer.tissue, 40),
-                    "text without line breaks and control characters",
-                ));
-            }
+            check_words(&field("tissue"), &layer.tissue, 100)?;
         }
         let (least, most) = limits::NODES_PER_SIDE;
         if !(least..=most).contains(&self.solver.nodes_per_side) {
@@ -498,6 +529,19 @@ fn within(
         let allowed = format!("{} to {}{unit}", number(least), number(most));
         Err(out_of_range(field, number(value), &allowed))
     }
+}
+
+/// Checks a name or words of a user.
+fn check_words(field: &str, text: &str, most_bytes: usize) -> Result<(), SceneError> {
+    if text.len() > most_bytes {
+        let allowed = format!("up to {most_bytes} bytes");
+        return Err(out_of_range(field, format!("{} bytes long", text.len()), &allowed));
+    }
+    if text.contains(char::is_control) {
+        let allowed = "text without line breaks and control characters";
+        return Err(out_of_range(field, one_line(text, 40), allowed));
+    }
+    Ok(())
 }
 
 fn out_of_range(field: &str, value: String, allowed: &str) -> SceneError {

@@ -2,8 +2,9 @@
 //! line; reading stops at the first surplus entry of a list.
 
 use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
-use crate::curve::{Curve, ScaledCurve};
+use crate::curve::{Curve, List, ScaledCurve};
 use serde::de::{DeserializeOwned, IgnoredAny};
+use serde_json::value::RawValue;
 
 /// Greatest size of a scene or a curve \[bytes\].
 pub const MAX_SCENE_BYTES: usize = 10_000_000;
@@ -50,6 +51,32 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
         return Err(out_of_range("file", "empty".to_owned(), "one scene per line"));
     }
     Ok(scenes)
+}
+
+/// Splits a list of scenes (JSON), or scenes one per line, into the texts of the scenes, which stay unchecked.
+///
+/// # Errors
+/// One line if the text is not a list or is too long.
+pub fn texts(text: &str) -> Result<Vec<String>, SceneError> {
+    if text.len() > MAX_LINES_BYTES {
+        return Err(out_of_range("scenes", format!("{} bytes long", text.len()), "up to 100 MB"));
+    }
+    let text = unmarked(text);
+    let texts: Vec<&str> = if text.trim_start().starts_with('[') {
+        let list: List<&RawValue, MAX_SCENES> =
+            serde_json::from_str(text).map_err(|error| problem("scenes", &error.to_string()))?;
+        list.0.into_iter().map(RawValue::get).collect()
+    } else if starts_with_a_value(text) {
+        let lines = text.lines().filter(|line| !line.trim().is_empty());
+        lines.take(MAX_SCENES + 1).collect()
+    } else {
+        vec![text]
+    };
+    if texts.len() > MAX_SCENES {
+        let allowed = format!("up to {MAX_SCENES} scenes");
+        return Err(out_of_range("scenes", "too long".to_owned(), &allowed));
+    }
+    Ok(texts.into_iter().map(str::to_owned).collect())
 }
 
 /// Reads a file with one curve in the format of a scene's curve.
@@ -107,4 +134,34 @@ pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
     })?;
     reader.end().map_err(|error| problem(whole, &error.to_string()))?;
     Ok(read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_scenes_are_split_from_lists_and_lines() {
+        let list = texts("\u{feff} [ {\"a\": 0.10} , 5,\n{}]").unwrap();
+        assert_eq!(list, ["{\"a\": 0.10}", "5", "{}"]);
+        assert_eq!(texts("{}\n\n{\r\n").unwrap(), ["{}", "{"]);
+        assert_eq!(texts("{\n}").unwrap(), ["{\n}"]);
+        assert_eq!(texts("[]").unwrap(), [""; 0]);
+    }
+
+    #[test]
+    fn a_broken_or_long_list_of_scenes_is_one_line() {
+        let long = format!("[{}1]", "1,".repeat(MAX_SCENES));
+        let lines = "{}\n".repeat(MAX_SCENES + 1);
+        let allowed = format!("up to {MAX_SCENES} scenes");
+        for (text, expected) in [
+            ("[{}, {]", "scenes: key must be a string at line 1 column 7"),
+            ("[{}] 5", "scenes: trailing characters"),
+            (&long, "a list of at most 100000 entries"),
+            (&lines, &allowed),
+        ] {
+            let line = texts(text).unwrap_err().to_string();
+            assert!(line.contains(expected) && !line.contains('\n'), "{line}");
+        }
+    }
 }

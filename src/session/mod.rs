@@ -1,17 +1,24 @@
-//! Document state: current scene, undo history, running solve.
+//! Document state: current scene, undo history, running solve, pinned scenes.
 //!
 //! The app and the page send [`Command`]s; [`Session::apply`] executes a command, and a rejected command changes
-//! nothing. [`Session::advance`] runs a slice of the solve.
+//! nothing. [`Session::advance`] runs a slice of the solve, [`Session::advance_pins`] of the solve of a pinned scene.
 //!
 //! Uses all modules to its left. Used by `experiment`, `view`, `app` and `platform`.
 
+mod command;
+mod pins;
+
 use crate::measure::{Field, Fields, Outcome, Status};
-use crate::scene::{CheckedScene, Scene, SceneError};
+use crate::scene::pins::document_json;
+use crate::scene::{CheckedScene, Document, Scene, SceneError};
 use crate::simulate;
 use crate::solve::{Displayed, Invalid, Options, Problem, Progress, Solution, Solver};
 use crate::springs::Springs;
 use crate::springs::stability::Limits;
+pub use command::{Command, CommandError};
 use glam::DVec3;
+pub use pins::Pin;
+use pins::{PinSolve, Solved};
 use serde::Serialize;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
@@ -19,24 +26,6 @@ use std::sync::Arc;
 
 /// Undo steps kept.
 const HISTORY: usize = 100;
-
-/// A user's command.
-#[derive(Clone, Debug)]
-pub enum Command {
-    /// Replaces the scene. Edits of one gesture (a drag of a slider) are one undo step.
-    Edit {
-        /// The complete new scene.
-        scene: Box<Scene>,
-        /// Number of the gesture; consecutive edits of equal number are merged in the history.
-        gesture: u64,
-    },
-    /// Opens the text of a scene file.
-    Open(String),
-    /// Reverts the last undo step.
-    Undo,
-    /// Repeats the last reverted step.
-    Redo,
-}
 
 /// Position error of a draft during the drag of a control \[base radius\].
 const DRAFT_TOLERANCE: f64 = 1e-3;
@@ -68,6 +57,8 @@ pub struct Counters {
     pub stability_limits: u64,
     /// Displayed shapes before convergence: drafts and solutions of coarser grids.
     pub previews: u64,
+    /// Solutions shared by pins and the current scene instead of a solve.
+    pub shared: u64,
 }
 
 /// A saved result, complete without the session.
@@ -84,13 +75,15 @@ pub struct Record {
     pub date: String,
 }
 
-/// The current scene, its history and its solve.
+/// The current scene, its history and its solve; the pinned scenes.
 pub struct Session {
     scene: Scene,
     undo: Vec<Scene>,
     redo: Vec<Scene>,
     last_gesture: Option<u64>,
     solver: Solver,
+    /// Is the current solution that of a pin? The solver then still has its previous problem.
+    is_held: bool,
     working: bool,
     revision: u64,
     fields: OnceCell<Rc<Fields>>,
@@ -105,6 +98,11 @@ pub struct Session {
     valid: Scene,
     reverted: Option<Invalid>,
     counters: Cell<Counters>,
+    /// In the order of their letters.
+    pins: Vec<Pin>,
+    pins_added: u64,
+    pins_revision: u64,
+    pin_solve: Option<PinSolve>,
 }
 
 impl Session {
@@ -125,6 +123,7 @@ impl Session {
             redo: Vec::new(),
             last_gesture: None,
             solver,
+            is_held: false,
             working: true,
             revision: 1,
             fields: OnceCell::new(),
@@ -134,6 +133,10 @@ impl Session {
             is_measured: true,
             is_stopped: false,
             counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
+            pins: Vec::new(),
+            pins_added: 0,
+            pins_revision: 0,
+            pin_solve: None,
         })
     }
 
@@ -146,16 +149,20 @@ impl Session {
     /// Executes a command.
     ///
     /// # Errors
-    /// One line with the field of an invalid scene; the session is unchanged.
-    pub fn apply(&mut self, command: Command) -> Result<(), SceneError> {
+    /// One line, for an invalid scene with its field; the session is unchanged.
+    pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
         match command {
             Command::Edit { scene, gesture } => {
                 let merge = self.last_gesture == Some(gesture);
-                self.replace(CheckedScene::new(*scene)?, merge)?;
+                self.replace(CheckedScene::new(*scene)?, merge);
                 self.last_gesture = Some(gesture);
             }
             Command::Open(json) => {
-                self.replace(CheckedScene::from_json(&json)?, false)?;
+                let Document { scene, pins } = Document::from_json(&json)?;
+                if let Some(pins) = pins {
+                    self.set_pins(pins)?;
+                }
+                self.replace(scene, false);
                 self.last_gesture = None;
             }
             Command::Undo => {
@@ -172,8 +179,22 @@ impl Session {
                     self.last_gesture = None;
                 }
             }
+            Command::Pin => self.pin_scene()?,
+            Command::Unpin(letter) => self.unpin(letter)?,
+            Command::Rename(letter, name) => self.rename_pin(letter, name)?,
+            Command::OpenPin(letter) => {
+                let pin = self.pin(letter).ok_or(CommandError::NoPin(letter))?;
+                self.replace(CheckedScene::new(pin.scene().clone())?, false);
+                self.last_gesture = None;
+            }
         }
         Ok(())
+    }
+
+    /// The current scene and its pins as the JSON text of a scene file.
+    #[must_use]
+    pub fn document_json(&self) -> String {
+        document_json(&self.scene, &self.pinned_scenes())
     }
 
     /// Does the history contain a step for [`Command::Undo`]?
@@ -188,9 +209,9 @@ impl Session {
         !self.redo.is_empty()
     }
 
-    fn replace(&mut self, scene: CheckedScene, merge: bool) -> Result<(), SceneError> {
+    fn replace(&mut self, scene: CheckedScene, merge: bool) {
         if *scene.scene() == self.scene {
-            return Ok(());
+            return;
         }
         let before = self.show(scene);
         if !merge {
@@ -200,25 +221,26 @@ impl Session {
             self.undo.push(before);
         }
         self.redo.clear();
-        Ok(())
     }
 
-    /// Replaces the current scene; returns the previous scene. Only a change of the physics starts a solve.
+    /// Replaces the current scene; returns the previous scene. Only a change of the physics to that of no pin starts a
+    /// solve.
     fn show(&mut self, checked: CheckedScene) -> Scene {
         if checked.scene().same_physics(&self.scene) {
             let before = std::mem::replace(&mut self.scene, checked.into_scene());
             if let Some(outcome) = &mut self.outcome {
-                for (outcome, layer) in outcome.layers.iter_mut().zip(&self.scene.layers) {
-                    outcome.tissue.clone_from(&layer.tissue);
-                }
-                simulate::replace_patient(outcome, &before, &self.scene);
+                simulate::relabel(outcome, &before, &self.scene);
             }
             return before;
         }
         let problem = checked.problem();
-        if problem.materials != self.solver.problem().materials {
+        if problem.materials != self.problem().materials {
             self.stability_limits.take();
         }
+        if let Some(solved) = self.held(checked.scene()) {
+            return self.hold(checked.into_scene(), solved);
+        }
+        self.is_held = false;
         self.solver.restart(problem);
         self.reshaped();
         self.working = true;
@@ -226,6 +248,21 @@ impl Session {
         self.is_outcome_present = false;
         self.count(|c| c.solves += 1);
         std::mem::replace(&mut self.scene, checked.into_scene())
+    }
+
+    /// Replaces the current scene by a scene whose solution a pin has; returns the previous scene.
+    fn hold(&mut self, scene: Scene, Solved { outcome, fields }: Solved) -> Scene {
+        self.reshaped();
+        self.fields = OnceCell::from(fields);
+        self.outcome = Some(outcome);
+        self.is_outcome_present = true;
+        self.is_measured = true;
+        self.is_held = true;
+        self.working = false;
+        self.is_stopped = false;
+        self.count(|c| c.shared += 1);
+        self.valid.clone_from(&scene);
+        std::mem::replace(&mut self.scene, scene)
     }
 
     /// Runs a slice of the solve until `pause` returns true or the solve ends; calls `pause` every few milliseconds.
@@ -321,18 +358,28 @@ impl Session {
             self.is_outcome_present = true;
             self.count(|c| c.measurements += 1);
         }
+        if !self.working {
+            self.share_solutions();
+        }
     }
 
     /// Drops the displayed solution.
     fn reshaped(&mut self) {
         self.revision += 1;
-        if let Some(fields) = self.fields.take() {
-            let (recoveries, computed) = work_of(&fields);
-            self.count(|c| {
-                c.recoveries += recoveries;
-                c.fields += computed;
-            });
+        if let Some(fields) = self.fields.take()
+            && !self.is_pinned(&fields)
+        {
+            self.count_fields(&fields);
         }
+    }
+
+    /// Counts the work of fields that are not used any more.
+    fn count_fields(&self, fields: &Fields) {
+        let (recoveries, computed) = work_of(fields);
+        self.count(|c| {
+            c.recoveries += recoveries;
+            c.fields += computed;
+        });
     }
 
     /// Is a solve running?
@@ -344,28 +391,31 @@ impl Session {
     /// The problem being solved: grid, patch, obstacle, layers.
     #[must_use]
     pub fn problem(&self) -> &Problem {
-        self.solver.problem()
+        match self.fields.get() {
+            Some(fields) if self.is_held => fields.solution().problem(),
+            _ => self.solver.problem(),
+        }
     }
 
     /// Why the last shape of the current solve was invalid.
     #[must_use]
     pub fn invalid(&self) -> Option<Invalid> {
-        self.solver.invalid()
+        self.solver.invalid().filter(|_| !self.is_held)
     }
 
     /// Origin of the displayed shape.
     #[must_use]
     pub fn displayed(&self) -> Displayed {
-        self.solver.displayed()
+        if self.is_held { Displayed::Final } else { self.solver.displayed() }
     }
 
     /// Completed fraction of the current solve, 0 to 1.
     #[must_use]
     pub fn fraction_done(&self) -> f64 {
-        self.solver.fraction_done()
+        if self.is_held { 1.0 } else { self.solver.fraction_done() }
     }
 
-    /// The solver, for tests.
+    /// The solver, for tests; with the solution of a pin the solver still has its previous problem.
     #[must_use]
     pub fn solver(&self) -> &Solver {
         &self.solver
@@ -413,7 +463,7 @@ impl Session {
         (self.scene.springs == Springs::Nikolaev).then(|| {
             self.stability_limits.get_or_init(|| {
                 self.count(|c| c.stability_limits += 1);
-                Limits::new(Springs::Nikolaev, &self.solver.problem().materials)
+                Limits::new(Springs::Nikolaev, &self.problem().materials)
             })
         })
     }
@@ -463,11 +513,9 @@ impl Session {
         let mut counters = self.counters.get();
         counters.tables = self.solver.tables_built();
         counters.grids = self.solver.grids_built();
-        if let Some(fields) = self.fields.get() {
-            let (recoveries, computed) = work_of(fields);
-            counters.recoveries += recoveries;
-            counters.fields += computed;
-        }
+        let (recoveries, computed) = self.work_of_fields();
+        counters.recoveries += recoveries;
+        counters.fields += computed;
         counters
     }
 }

@@ -25,6 +25,7 @@ impl Solver {
             inner: self.x.clone(),
             offset_nodes: self.offset_nodes.clone(),
             outer: self.outer.clone(),
+            mirrored: self.mirrored,
         };
         Solution::new(&self.problem, &self.law, shape, self.report())
     }
@@ -33,7 +34,20 @@ impl Solver {
     #[must_use]
     pub fn into_solution(self) -> Solution {
         let report = self.report();
-        let shape = Shape { inner: self.x, offset_nodes: self.offset_nodes, outer: self.outer };
+        let Self { x: inner, offset_nodes, outer, mirrored, .. } = self;
+        let shape = Shape { inner, offset_nodes, outer, mirrored };
+        Solution::new(&self.problem, &self.law, shape, report)
+    }
+
+    /// The current state as a solution; leaves a solver without a shape, for another start.
+    pub(crate) fn take_solution(&mut self) -> Solution {
+        let report = self.report();
+        let shape = Shape {
+            inner: std::mem::take(&mut self.x),
+            offset_nodes: std::mem::take(&mut self.offset_nodes),
+            outer: std::mem::take(&mut self.outer),
+            mirrored: self.mirrored,
+        };
         Solution::new(&self.problem, &self.law, shape, report)
     }
 
@@ -159,7 +173,8 @@ impl Solver {
     #[must_use]
     pub fn forces_and_scale(&self) -> (Vec<DVec3>, f64) {
         let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
-        let x = self.solution().balanced();
+        let solution = self.solution();
+        let x = solution.balanced();
         let totals = assembly::forces(&self.problem.sheet, self.law.membrane(), &x, &mut forces);
         (forces, totals.force_scale())
     }

@@ -22,18 +22,20 @@ mod newton;
 mod newton_layers;
 mod newton_method;
 mod problem;
-mod reactions;
+pub(crate) mod reactions;
 mod solution;
 pub(crate) mod validity;
 
 #[doc(hidden)]
 pub use fas::kernels;
+pub use linear::factorization::{Factorization, LowerTriangle, NewFactorization};
 pub use problem::{Method, Options, Problem, Progress, Tissue};
 pub use reactions::Reactions;
 use solution::Shape;
 pub use solution::{Displayed, Record, Report, Solution, Verdict};
 pub use validity::Invalid;
 
+use crate::mesh::lanes::Mirrored;
 use crate::springs::Springs;
 use fas::Stop;
 use glam::DVec3;
@@ -51,6 +53,8 @@ pub struct Solver {
     is_multigrid_law_stale: bool,
     multigrid: Option<Multigrid>,
     newton: Option<NewtonMethod>,
+    /// Solves the linear systems of Newton's method.
+    factorization: Option<NewFactorization>,
     stage: Stage,
     fell_back: bool,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
@@ -58,6 +62,8 @@ pub struct Solver {
     /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
     outer: Vec<Vec<DVec3>>,
     offset_nodes: Vec<(usize, DVec3)>,
+    /// Is the shape mirrored along x, along y, to the last bit?
+    mirrored: Mirrored,
     invalid: Option<Invalid>,
     displayed: Displayed,
     /// Number of changes of [`Self::x`].
@@ -80,8 +86,6 @@ enum Stage {
 /// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
 /// and a shape to display \[base radius\].
 const MAX_ERROR_OF_SHAPE: f64 = 0.02;
-/// Cells of layered tissue up to which Newton's method is the fallback: ten seconds, and 750 bytes a cell.
-const MAX_NEWTON_CELLS: usize = 60_000;
 /// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
 const REST_TOLERANCE: f64 = 0.5;
 
@@ -100,12 +104,14 @@ impl Solver {
             x: problem.sheet.rest_positions(),
             outer: outer_at_rest(&problem, &law),
             offset_nodes: Vec::new(),
+            mirrored: [false; 2],
             invalid: None,
             law,
             is_multigrid_law_stale: true,
             options,
             multigrid: None,
             newton: None,
+            factorization: None,
             stage: Stage::Newton,
             fell_back: false,
             displayed: Displayed::Previous,
@@ -120,11 +126,21 @@ impl Solver {
         solver
     }
 
+    /// A solver at the start of a problem of layered tissue, by Newton's method whose linear systems a factorisation solves: for
+    /// comparisons. Of a sheet the solver is that of [`Self::with_options`].
+    #[must_use]
+    pub fn with_factorization(problem: Problem, options: Options, new: NewFactorization) -> Self {
+        let options = Options { method: Method::Newton, ..options };
+        let mut solver = Self::with_options(problem, options);
+        solver.factorization = Some(new);
+        solver.newton = None;
+        solver.start();
+        solver
+    }
+
     /// Starts another problem with the tables and grids that both problems share.
     pub fn restart(&mut self, problem: Problem) {
-        let same_law = problem.springs == self.problem.springs
-            && problem.materials == self.problem.materials
-            && problem.tissue == self.problem.tissue;
+        let same_law = self.has_law_of(&problem);
         let same_grid =
             problem.sheet == self.problem.sheet && problem.tissue == self.problem.tissue;
         let same_patch = problem.patch == self.problem.patch;
@@ -138,6 +154,7 @@ impl Solver {
         // Layers of another thickness rest at other heights.
         if !same_grid || !same_law && self.law.layered().is_some() {
             self.outer = outer_at_rest(&problem, &self.law);
+            self.mirrored = [false; 2];
             if !self.outer.is_empty() {
                 self.x = problem.sheet.rest_positions();
             }
@@ -145,6 +162,7 @@ impl Solver {
         if !same_grid {
             self.x = problem.sheet.rest_positions();
             self.offset_nodes.clear();
+            self.mirrored = [false; 2];
             self.newton = None;
         }
         let before = std::mem::replace(&mut self.problem, Arc::new(problem));
@@ -156,6 +174,7 @@ impl Solver {
         if self.stage == Stage::Newton && is_warm && !is_layered && self.newton.is_some() {
             let Problem { sheet, obstacle, .. } = &*self.problem;
             if *obstacle != before.obstacle {
+                self.mirrored = [false; 2];
                 let old = initial_guess::taut_profile(sheet, &before.obstacle.dome);
                 let new = initial_guess::taut_profile(sheet, &obstacle.dome);
                 for k in 0..self.x.len() {
@@ -164,6 +183,29 @@ impl Solver {
             }
             self.start_newton(Start::FromSolution);
         }
+    }
+
+    /// Starts another problem as a new solver with these options does, with the tables and grids that both problems share.
+    pub(crate) fn start_anew(&mut self, problem: Problem, options: Options) {
+        if !self.has_law_of(&problem) {
+            self.law = Law::new(&problem);
+            self.tables_built += 1;
+        }
+        self.is_multigrid_law_stale = true;
+        self.newton = None;
+        self.options = options;
+        self.x = problem.sheet.rest_positions();
+        self.outer = outer_at_rest(&problem, &self.law);
+        self.offset_nodes.clear();
+        self.mirrored = [false; 2];
+        self.problem = Arc::new(problem);
+        self.start();
+    }
+
+    fn has_law_of(&self, problem: &Problem) -> bool {
+        problem.springs == self.problem.springs
+            && problem.materials == self.problem.materials
+            && problem.tissue == self.problem.tissue
     }
 
     fn start(&mut self) {
@@ -181,6 +223,7 @@ impl Solver {
                 self.x = self.problem.sheet.rest_positions();
                 self.outer = outer_at_rest(&self.problem, &self.law);
                 self.offset_nodes.clear();
+                self.mirrored = [false; 2];
                 self.revision += 1;
                 self.end(Verdict::Converged);
             }
@@ -227,7 +270,19 @@ impl Solver {
         let mirrors = if is_symmetric { Mirrors::OfDome } else { Mirrors::None };
         let (problem, law) = (&*self.problem, &self.law);
         let factor = self.options.work_limit_factor;
-        let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
+        let factorization = self.factorization;
+        if factorization.is_some() {
+            // The part that the planes of symmetry leave may be another.
+            self.newton = None;
+        }
+        let newton = self.newton.get_or_insert_with(|| {
+            let mut newton = NewtonMethod::new(problem, law, factor);
+            if let Some(new) = factorization {
+                let mirrored = problem.obstacle.dome.mirrored();
+                newton.factorize_with(new, mirrored.map(|holds| is_symmetric && holds));
+            }
+            newton
+        });
         match start {
             Start::Cold => newton.start_cold(problem, law, mirrors),
             Start::FromSolution => newton.start_from(&self.x, &self.outer, problem, law, mirrors),
@@ -291,6 +346,7 @@ impl Solver {
         }
         let (x, offset_nodes, outer) = (&mut self.x, &mut self.offset_nodes, &mut self.outer);
         multigrid.write_positions(&self.problem, &self.law, x, offset_nodes, outer);
+        self.mirrored = multigrid.mirrored();
         self.displayed = displayed;
         self.revision += 1;
         true
@@ -368,6 +424,7 @@ impl Solver {
             if self.invalid.is_none() {
                 let offset_nodes = &mut self.offset_nodes;
                 newton.write_positions(problem, &mut self.x, offset_nodes, &mut self.outer);
+                self.mirrored = [false; 2];
                 self.revision += 1;
                 self.displayed = Displayed::Final;
             }
@@ -395,11 +452,15 @@ impl Solver {
     /// Would Newton's method end within seconds?
     fn is_in_reach_of_newton(&self) -> bool {
         let cells = self.law.layered().map_or(0, |law| law.cells.len());
-        cells * self.problem.sheet.free_nodes() <= MAX_NEWTON_CELLS
+        cells * self.problem.sheet.free_nodes() <= self.options.max_newton_cells
     }
 
     /// Ends without convergence: with the last valid shape of either method, if there is one.
     fn end_with_last_shape(&mut self) {
+        if self.displayed == Displayed::Draft && self.multigrid.is_some() {
+            // Newton's method ended without a shape.
+            self.stage = Stage::Multigrid;
+        }
         let has_shape = matches!(self.displayed, Displayed::Draft | Displayed::Final);
         self.invalid = (!has_shape).then_some(Invalid::NotFound);
         self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });

@@ -137,6 +137,11 @@ impl Multigrid {
         delegate!(self, scheme => scheme.nodes())
     }
 
+    /// Is the shape mirrored along x, along y?
+    pub(super) fn mirrored(&self) -> Mirrored {
+        delegate!(self, scheme => scheme.mirrored())
+    }
+
     pub(super) fn lanes(&self) -> usize {
         delegate!(self, scheme => scheme.lanes())
     }

@@ -73,6 +73,9 @@ pub enum Method {
     Newton,
 }
 
+/// Cells of layered tissue up to which Newton's method is the fallback: ten seconds, and 750 bytes a cell.
+const MAX_NEWTON_CELLS: usize = 60_000;
+
 /// Options of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -86,6 +89,8 @@ pub struct Options {
     pub draft_tolerance: Option<f64>,
     /// Factor on Newton's iteration and work limits \[-\].
     pub work_limit_factor: f64,
+    /// Greatest number of cells of layered tissue that Newton's method computes after multigrid.
+    pub max_newton_cells: usize,
 }
 
 impl Default for Options {
@@ -95,6 +100,7 @@ impl Default for Options {
             use_symmetry: true,
             draft_tolerance: None,
             work_limit_factor: 1.0,
+            max_newton_cells: MAX_NEWTON_CELLS,
         }
     }
 }

@@ -4,6 +4,7 @@ use super::Solution;
 use crate::contact::TOUCH;
 use crate::contact::active_set::LEAST_SPREAD;
 use crate::mesh::NodeKind;
+use crate::mesh::part::Part;
 use glam::DVec3;
 
 /// Contact with the dome at every node; arrays of shape (nodes_per_side², ).
@@ -23,37 +24,76 @@ impl Reactions {
     }
 }
 
-pub(super) fn of(solution: &Solution) -> Reactions {
+/// [`Reactions`] on the part of the sheet that determines the shape; arrays over the part.
+#[derive(Clone, Debug)]
+pub(crate) struct PartReactions {
+    part: Part,
+    /// See [`Reactions::force`].
+    pub(crate) force: Vec<f64>,
+    normal: Vec<DVec3>,
+}
+
+impl PartReactions {
+    /// Vertical force of the dome on the whole sheet \[kPa·mm²\].
+    pub(crate) fn vertical_force(&self) -> f64 {
+        let vertical = self.force.iter().zip(&self.normal).map(|(f, n)| f * n.z);
+        let nodes = self.part.nodes().zip(vertical).filter(|(_, vertical)| *vertical != 0.0);
+        nodes.map(|(k, vertical)| self.part.multiplicity(k) * vertical).sum()
+    }
+
+    pub(super) fn on_grid(&self) -> Reactions {
+        let part = self.part;
+        let normal = |k: usize| {
+            let normal = self.normal[part.index(k)];
+            let [x, y] = part.is_image(k).map(|is_image| if is_image { -1.0 } else { 1.0 });
+            DVec3::new(x * normal.x, y * normal.y, normal.z)
+        };
+        Reactions {
+            force: part.on_grid(self.force.clone()),
+            normal: (0..part.nodes_of_grid()).map(normal).collect(),
+        }
+    }
+}
+
+pub(super) fn of(solution: &Solution) -> PartReactions {
     let problem = solution.problem();
     let (sheet, dome, wall) = (&problem.sheet, &problem.obstacle.dome, problem.obstacle.wall);
     let x = solution.inner();
+    let part = solution.part();
     let touch = TOUCH * dome.base_radius;
-    let mut normal = vec![DVec3::ZERO; sheet.len()];
-    let mut touching = vec![false; sheet.len()];
-    for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+    let mut normal = vec![DVec3::ZERO; part.len()];
+    let mut touching = vec![false; part.len()];
+    for (index, k) in part.nodes().enumerate() {
+        if sheet.kinds()[k] != NodeKind::Free {
+            continue;
+        }
         let (gauge, gradient) = dome.gauge_and_gradient(x[k]);
         let steepness = gradient.length();
         if gauge <= touch * steepness {
-            touching[k] = true;
-            normal[k] = gradient / steepness;
+            touching[index] = true;
+            normal[index] = gradient / steepness;
         }
     }
     // Nodes with a contact offset carry a part of the load, on the dome or slightly above the dome.
     for &(k, _) in solution.offset_nodes() {
-        touching[k] = true;
-        normal[k] = dome.normal(x[k]);
-    }
-    let spring_force = solution.forces_on_inner(&touching);
-    let mut force = vec![0.0; sheet.len()];
-    for k in (0..sheet.len()).filter(|&k| touching[k]) {
-        // At a node on dome and wall the wall carries the part along its own normal.
-        let up = wall.normal(x[k]);
-        let on_wall = wall.gap(x[k]) <= touch && spring_force[k].dot(up) < 0.0;
-        let across = if on_wall { normal[k] - up * normal[k].dot(up) } else { normal[k] };
-        let squared = across.length_squared();
-        if squared > LEAST_SPREAD {
-            force[k] = (-spring_force[k].dot(across) / squared).max(0.0);
+        if part.is_image(k) == [false; 2] {
+            let index = part.index(k);
+            touching[index] = true;
+            normal[index] = dome.normal(x[k]);
         }
     }
-    Reactions { force, normal }
+    let spring_forces = solution.forces_on_inner(&touching);
+    let mut force = vec![0.0; part.len()];
+    for (index, k) in part.nodes().enumerate().filter(|(index, _)| touching[*index]) {
+        let (spring_force, normal) = (spring_forces[index], normal[index]);
+        // At a node on dome and wall the wall carries the part along its own normal.
+        let up = wall.normal(x[k]);
+        let on_wall = wall.gap(x[k]) <= touch && spring_force.dot(up) < 0.0;
+        let across = if on_wall { normal - up * normal.dot(up) } else { normal };
+        let squared = across.length_squared();
+        if squared > LEAST_SPREAD {
+            force[index] = (-spring_force.dot(across) / squared).max(0.0);
+        }
+    }
+    PartReactions { part, force, normal }
 }

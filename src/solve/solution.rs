@@ -2,15 +2,19 @@
 
 use super::multigrid::Law;
 use super::problem::{Method, Problem};
-use super::reactions::{self, Reactions};
+use super::reactions::{self, PartReactions, Reactions};
 use super::validity::Invalid;
+use crate::mesh::NodeKind;
+use crate::mesh::lanes::Mirrored;
+use crate::mesh::part::Part;
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::exact::{CellState, Exact};
 use crate::model::membrane::assembly;
 use crate::model::membrane::deformation::Deformation;
-use crate::model::membrane::stack::Stack;
+use crate::model::membrane::stack::{Stack, log_area_stretch, solid_thickness_mm, thickness_at_mm};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 /// Status of a solve.
@@ -81,6 +85,8 @@ pub(super) struct Shape {
     pub(super) offset_nodes: Vec<(usize, DVec3)>,
     /// Of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
     pub(super) outer: Vec<Vec<DVec3>>,
+    /// Is the shape mirrored along x, along y, to the last bit?
+    pub(super) mirrored: Mirrored,
 }
 
 /// The shape of the tissue, the contact forces and how they were obtained.
@@ -95,6 +101,7 @@ pub struct Solution {
     deformation: OnceLock<Deformation>,
     inner_deformation: OnceLock<Deformation>,
     stack: OnceLock<Stack>,
+    part_reactions: OnceLock<PartReactions>,
     reactions: OnceLock<Reactions>,
 }
 
@@ -108,6 +115,9 @@ pub struct Record {
     /// Positions of the layers of nodes above the inner face, shape (layers, nodes_per_side², 3); empty for a sheet.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outer: Vec<Vec<[f64; 3]>>,
+    /// Is the shape mirrored along x, along y, to the last bit? Then one half or quarter of it is measured.
+    #[serde(default)]
+    pub mirrored: [bool; 2],
     /// Method, status, work and accuracy.
     pub report: Report,
 }
@@ -122,6 +132,7 @@ impl Solution {
             deformation: OnceLock::new(),
             inner_deformation: OnceLock::new(),
             stack: OnceLock::new(),
+            part_reactions: OnceLock::new(),
             reactions: OnceLock::new(),
         }
     }
@@ -145,6 +156,7 @@ impl Solution {
             inner: positions(record.inner),
             offset_nodes: record.offset_nodes.into_iter().map(|(k, x)| (k, x.into())).collect(),
             outer: record.outer.into_iter().map(positions).collect(),
+            mirrored: record.mirrored,
         };
         Some(Self::new(&Arc::new(problem), &law, shape, record.report))
     }
@@ -156,6 +168,7 @@ impl Solution {
             inner: arrays(&self.shape.inner),
             offset_nodes: self.offset_nodes().iter().map(|(k, x)| (*k, x.to_array())).collect(),
             outer: self.shape.outer.iter().map(|layer| arrays(layer)).collect(),
+            mirrored: self.shape.mirrored,
             report: self.report.clone(),
         }
     }
@@ -190,9 +203,23 @@ impl Solution {
         self.shape.outer.last().unwrap_or(&self.shape.inner)
     }
 
+    /// The layers of cells of layered tissue, from the inner face outwards: index of the tissue, counted from the skin, and
+    /// height at rest \[mm\]. Empty for a sheet.
+    #[must_use]
+    pub fn cells(&self) -> Vec<(usize, f64)> {
+        let cells = self.law.layered().map_or(&[][..], |law| &law.cells);
+        let innermost = self.problem.materials.len().saturating_sub(1);
+        cells.iter().map(|cells| (innermost - cells.solid, cells.height_mm)).collect()
+    }
+
     /// All layers of nodes, the inner face first.
-    fn node_layers(&self) -> Vec<Vec<DVec3>> {
-        std::iter::once(&self.shape.inner).chain(&self.shape.outer).cloned().collect()
+    fn node_layers(&self) -> Vec<&[DVec3]> {
+        std::iter::once(&self.shape.inner).chain(&self.shape.outer).map(Vec::as_slice).collect()
+    }
+
+    /// The part of the sheet that determines the shape, and that is measured.
+    pub(crate) fn part(&self) -> Part {
+        Part::new(self.problem.sheet.nodes_per_side(), self.shape.mirrored)
     }
 
     /// The last active nodes at the contact edge and their positions with contact offset \[mm\], slightly above the
@@ -205,10 +232,10 @@ impl Solution {
 
     /// The shape with balanced forces: [`Self::inner`] with the positions of [`Self::offset_nodes`].
     #[must_use]
-    pub fn balanced(&self) -> Vec<DVec3> {
-        let mut x = self.shape.inner.clone();
+    pub fn balanced(&self) -> Cow<'_, [DVec3]> {
+        let mut x = Cow::Borrowed(self.inner());
         for &(k, position) in &self.shape.offset_nodes {
-            x[k] = position;
+            x.to_mut()[k] = position;
         }
         x
     }
@@ -216,7 +243,8 @@ impl Solution {
     /// Stretch, normal and area of the membrane at every node.
     #[must_use]
     pub fn deformation(&self) -> &Deformation {
-        self.deformation.get_or_init(|| Deformation::new(&self.problem.sheet, self.membrane()))
+        let Problem { sheet, .. } = &*self.problem;
+        self.deformation.get_or_init(|| Deformation::of_part(sheet, self.membrane(), self.part()))
     }
 
     /// Stretch, normal and area of the inner face at every node.
@@ -225,8 +253,9 @@ impl Solution {
         if self.shape.outer.is_empty() {
             return self.deformation();
         }
+        let Problem { sheet, .. } = &*self.problem;
         self.inner_deformation
-            .get_or_init(|| Deformation::new(&self.problem.sheet, &self.shape.inner))
+            .get_or_init(|| Deformation::of_part(sheet, &self.shape.inner, self.part()))
     }
 
     /// Has [`Self::deformation`] been computed?
@@ -241,11 +270,49 @@ impl Solution {
         self.stack.get_or_init(|| match self.law.layered() {
             None => Stack::new(&self.problem.materials, self.deformation()),
             Some(law) => {
-                let mut faces = vec![self.inner()];
-                faces.extend(law.outer_nodes().into_iter().map(|l| &*self.shape.outer[l - 1]));
+                let faces = self.solid_faces(law);
                 Stack::layered(&self.problem.materials, self.deformation(), &faces)
             }
         })
+    }
+
+    /// The inner face and the outer face of each solid \[mm\], shape (solids + 1, nodes_per_side²).
+    fn solid_faces(&self, law: &LayeredLaw) -> Vec<&[DVec3]> {
+        let outer = law.outer_nodes().into_iter().map(|l| &*self.shape.outer[l - 1]);
+        std::iter::once(self.inner()).chain(outer).collect()
+    }
+
+    /// Layered tissue: least and greatest of [`Stack::thickness_mm`] of each layer over the free nodes, from the skin
+    /// inwards, without the stack.
+    pub(crate) fn thickness_ranges(&self) -> Vec<(f32, f32)> {
+        let Some(law) = self.law.layered() else { return Vec::new() };
+        let (deformation, sheet) = (self.deformation(), &self.problem.sheet);
+        let faces = self.solid_faces(law);
+        let mut ranges = vec![(f32::MAX, f32::MIN); faces.len()];
+        for k in self.part().nodes().filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+            let solids = faces.windows(2).rev();
+            let solid = |p: &[&[DVec3]]| solid_thickness_mm(deformation, p[0][k], p[1][k], k);
+            let all = std::iter::once(self.skin_thickness_mm(k)).chain(solids.map(solid));
+            for ((least, greatest), thickness) in ranges.iter_mut().zip(all) {
+                (*least, *greatest) = (least.min(thickness), greatest.max(thickness));
+            }
+        }
+        ranges
+    }
+
+    /// [`Stack::thickness_mm`] of the skin at a node, zero outside of the sheet, without the stack.
+    fn skin_thickness_mm(&self, node: usize) -> f32 {
+        if self.problem.sheet.kinds()[node] == NodeKind::Outside {
+            return 0.0;
+        }
+        let logarithm = log_area_stretch(self.deformation(), node);
+        thickness_at_mm(&self.problem.materials[0], logarithm)
+    }
+
+    /// Layered tissue: position of the skin's outer surface at a node \[mm\], that of [`Self::faces`], without the stack.
+    pub(crate) fn outer_surface_at(&self, node: usize) -> Vec3 {
+        let normal = self.deformation().normal(node).as_vec3();
+        self.membrane()[node].as_vec3() + normal * self.skin_thickness_mm(node)
     }
 
     /// Positions of the tissue's faces \[mm\]: the inner face, the faces between the layers, the skin; shape
@@ -257,12 +324,12 @@ impl Solution {
         stack.faces(inner)
     }
 
-    /// Forces of the tissue on the inner face at the marked nodes \[kPa·mm²\], shape (nodes_per_side², ).
+    /// Forces of the tissue on the inner face at the marked nodes \[kPa·mm²\]. Arrays over the part.
     pub(super) fn forces_on_inner(&self, wanted: &[bool]) -> Vec<DVec3> {
-        let sheet = &self.problem.sheet;
+        let (sheet, part) = (&self.problem.sheet, self.part());
         match &self.law {
-            Law::Sheet(law) => assembly::forces_at(sheet, law, &self.balanced(), wanted),
-            Law::Layered(law) => self.exact(law).forces(&self.node_layers()).swap_remove(0),
+            Law::Sheet(law) => assembly::forces_at(sheet, law, &self.balanced(), part, wanted),
+            Law::Layered(law) => self.exact(law).forces_on_inner(&self.node_layers(), part, wanted),
         }
     }
 
@@ -272,17 +339,22 @@ impl Solution {
         Exact { sheet, law, pocket_radius, attachment }
     }
 
-    /// Calls `visit` with the state in the middle of every cell of layered tissue.
+    /// Calls `visit` with the state in the middle of every cell of layered tissue between nodes of the part.
     pub(crate) fn visit_cells(&self, visit: impl FnMut(&CellState)) {
         if let Some(law) = self.law.layered() {
-            self.exact(law).visit(&self.node_layers(), visit);
+            self.exact(law).visit(&self.node_layers(), self.part(), visit);
         }
+    }
+
+    /// [`Self::reactions`] on the part.
+    pub(crate) fn part_reactions(&self) -> &PartReactions {
+        self.part_reactions.get_or_init(|| reactions::of(self))
     }
 
     /// The active set and the forces of the dome on the inner face.
     #[must_use]
     pub fn reactions(&self) -> &Reactions {
-        self.reactions.get_or_init(|| reactions::of(self))
+        self.reactions.get_or_init(|| self.part_reactions().on_grid())
     }
 }
 

@@ -1,14 +1,14 @@
 //! The tissue as a body: columns of points through all layers, over one triangulation.
 //!
-//! A column stands on every sheet node: its points are the inner face and, along the nodal normal,
-//! the deformed thicknesses of the layers. Around the pocket a ring of tissue without simulation continues the stack
-//! on the wall.
+//! A column stands on every grid node. In layered tissue its points are the nodes from the inner face to the skin, and the
+//! skin's outer surface; in a sheet the inner face and, along the nodal normal, the deformed thicknesses of the layers.
+//! Around the patch a ring of tissue without simulation continues the stack on the wall.
 
 use crate::measure::Stack;
 use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use crate::model::membrane::stack::offset;
-use crate::solve::Problem;
-use glam::{DVec3, Vec3};
+use crate::solve::{Problem, Solution};
+use glam::{Vec2, Vec3};
 
 /// Width of the ring of unsimulated tissue, relative to the pocket radius, at least twice the stack.
 const RING_WIDTH: f32 = 0.2;
@@ -21,8 +21,10 @@ const MITRE_REACH: f64 = 1.6;
 /// Columns through the layers. Level 0 is the skin's outer surface, the last level the inner face.
 #[derive(Clone, Debug, Default)]
 pub struct Body {
-    /// Points \[mm\], one list of all columns per level, layers + 1 of them.
+    /// Points \[mm\], one list of all columns per level, one level more than [`Self::slabs`].
     pub levels: Vec<Vec<Vec3>>,
+    /// What lies between a level and the next: a layer of the tissue, or a layer of cells.
+    pub slabs: Vec<Slab>,
     /// Triangles over the columns, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Number of columns on sheet nodes, with the nodes' indices; the ring's columns follow.
@@ -41,70 +43,75 @@ pub struct Body {
     made_for: Option<Grid>,
 }
 
+/// Tissue between two levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slab {
+    /// Index of the tissue's layer, counted from the skin.
+    pub layer: usize,
+    /// Thickness at rest \[mm\].
+    pub height_mm: f32,
+    /// Is the slab a layer of cells between computed nodes?
+    pub has_cells: bool,
+}
+
 /// Parameters of a triangulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Grid {
     nodes_per_side: usize,
     radius_mm: f64,
-    layers: usize,
 }
 
 impl Body {
-    /// The body of a shape with its stack of layers.
+    /// The body of a solution.
     #[must_use]
-    pub fn new(problem: &Problem, shape: &[DVec3], stack: &Stack) -> Self {
+    pub fn new(solution: &Solution) -> Self {
         let mut body = Self::default();
-        body.update(problem, shape, stack);
+        body.update(solution);
         body
     }
 
-    /// Updates the body to another shape. Returns whether the triangulation is new: with equal grid and number of
-    /// layers only points move.
-    pub fn update(&mut self, problem: &Problem, shape: &[DVec3], stack: &Stack) -> bool {
-        let (sheet, layers) = (&problem.sheet, problem.materials.len());
-        let grid =
-            Grid { nodes_per_side: sheet.nodes_per_side(), radius_mm: sheet.radius_mm(), layers };
-        let is_new = self.made_for != Some(grid);
+    /// Updates the body to another solution. Returns whether the triangulation is new: with equal grid and slabs only
+    /// points move.
+    pub fn update(&mut self, solution: &Solution) -> bool {
+        let problem = solution.problem();
+        let sheet = &problem.sheet;
+        let slabs = slabs(solution);
+        let grid = Grid { nodes_per_side: sheet.nodes_per_side(), radius_mm: sheet.radius_mm() };
+        let is_new = self.made_for != Some(grid) || self.slabs.len() != slabs.len();
         if is_new {
-            *self = Self::triangulated(sheet, grid);
+            *self = Self::triangulated(sheet, grid, slabs.len());
         }
-        if !stack.between.is_empty() {
-            self.set_computed_faces(shape, stack);
-            self.add_ring_points(problem);
-            return is_new;
+        self.slabs = slabs;
+        for level in &mut self.levels {
+            level.clear();
         }
-        let along = stack_directions(problem, &self.border, stack);
-        let inner = &mut self.levels[layers];
-        inner.clear();
-        inner.extend(shape.iter().map(|p| p.as_vec3()));
-        for (level, thickness) in stack.thickness_mm.iter().enumerate().rev() {
+        // From the inner face outwards.
+        let mut levels = self.levels.iter_mut().rev();
+        let nodes = std::iter::once(solution.inner()).chain(solution.outer().iter().map(|l| &**l));
+        for (level, nodes) in levels.by_ref().zip(nodes) {
+            level.extend(nodes.iter().map(|p| p.as_vec3()));
+        }
+        // Layers that are not computed lie along the normals: all of a sheet's, the skin of layered tissue.
+        let stack = solution.stack();
+        let directions =
+            (solution.outer().is_empty()).then(|| stack_directions(problem, &self.border, stack));
+        let along = directions.as_ref().unwrap_or(&stack.normal);
+        let first = solution.outer().len();
+        for level in (0..self.slabs.len() - first).rev() {
             let (above, below) = self.levels.split_at_mut(level + 1);
-            let (above, below) = (&mut above[level], &below[0]);
-            above.clear();
-            above.extend(offset(below, &along, thickness));
+            let thickness = &stack.thickness_mm[self.slabs[level].layer];
+            above[level].extend(offset(&below[0], along, thickness));
         }
         self.add_ring_points(problem);
         is_new
     }
 
-    /// Sets the levels to computed faces; the skin lies along the normals of its membrane.
-    fn set_computed_faces(&mut self, shape: &[DVec3], stack: &Stack) {
-        let layers = self.layers();
-        let mut faces = stack.faces(shape.iter().map(|p| p.as_vec3()).collect());
-        for level in &mut self.levels {
-            level.clear();
-        }
-        for (level, face) in self.levels.iter_mut().rev().zip(faces.drain(..=layers)) {
-            level.extend(face);
-        }
-    }
-
     /// Triangles and ring without points.
-    fn triangulated(sheet: &Sheet, grid: Grid) -> Self {
+    fn triangulated(sheet: &Sheet, grid: Grid, slabs: usize) -> Self {
         let columns = sheet.len();
         let border = border_loop(sheet);
         let mut body = Self {
-            levels: vec![Vec::with_capacity(columns + 3 * border.len()); grid.layers + 1],
+            levels: vec![Vec::with_capacity(columns + 3 * border.len()); slabs + 1],
             triangles: sheet_triangles(sheet),
             node_columns: columns,
             nodes_per_side: grid.nodes_per_side,
@@ -126,10 +133,18 @@ impl Body {
         body
     }
 
-    /// Number of layers.
+    /// Is there nothing to draw?
     #[must_use]
-    pub fn layers(&self) -> usize {
-        self.levels.len().saturating_sub(1)
+    pub fn is_empty(&self) -> bool {
+        self.slabs.is_empty()
+    }
+
+    /// Place at rest of a column on a vertical plane of this normal \[cells\], from the middle of the grid; `None` in the ring.
+    pub(super) fn cells_along(&self, column: usize, normal: Vec3) -> Option<f32> {
+        let n = self.nodes_per_side;
+        let from_middle = |k: usize| k as f32 - 0.5 * (n - 1) as f32;
+        let place = Vec2::new(from_middle(column % n), from_middle(column / n));
+        (column < self.node_columns).then(|| normal.truncate().perp().dot(place))
     }
 
     fn add_ring_points(&mut self, problem: &Problem) {
@@ -143,14 +158,12 @@ impl Body {
             let outward = sheet.rest()[node].as_vec2().normalize_or_zero();
             for (step, fraction) in RING_STEPS.into_iter().enumerate() {
                 let offset = (outward * fraction * width).extend(0.0);
-                self.push_ring_column(problem, node, step, offset);
+                self.push_ring_column(node, step, offset);
             }
         }
     }
 
-    fn push_ring_column(&mut self, problem: &Problem, node: usize, step: usize, offset: Vec3) {
-        let layers = self.layers();
-        let foot = self.levels[layers][node] + offset;
+    fn push_ring_column(&mut self, node: usize, step: usize, offset: Vec3) {
         if step == 0 {
             for level in &mut self.levels {
                 let point = level[node];
@@ -158,13 +171,29 @@ impl Body {
             }
             return;
         }
-        let mut height = 0.0;
-        self.levels[layers].push(foot);
-        for level in (0..layers).rev() {
-            height += problem.materials[level].thickness_mm as f32;
-            self.levels[level].push(foot + Vec3::Z * height);
+        let innermost = self.slabs.len();
+        let mut point = self.levels[innermost][node] + offset;
+        self.levels[innermost].push(point);
+        for (level, slab) in self.levels.iter_mut().zip(&self.slabs).rev() {
+            point.z += slab.height_mm;
+            level.push(point);
         }
     }
+}
+
+/// What lies between the levels, from the skin inwards.
+fn slabs(solution: &Solution) -> Vec<Slab> {
+    let cells = solution.cells();
+    let slab = |(layer, height_mm): (usize, f64), has_cells| Slab {
+        layer,
+        height_mm: height_mm as f32,
+        has_cells,
+    };
+    let layers = solution.problem().materials.iter().map(|m| m.thickness_mm).enumerate();
+    let along_normals = if cells.is_empty() { usize::MAX } else { 1 };
+    let mut slabs: Vec<Slab> = layers.take(along_normals).map(|layer| slab(layer, false)).collect();
+    slabs.extend(cells.into_iter().rev().map(|cells| slab(cells, true)));
+    slabs
 }
 
 /// Two triangles of each whole cell, one triangle of each cut cell.
@@ -266,7 +295,7 @@ pub(crate) mod tests {
         while session.is_working() {
             session.advance(&mut || false);
         }
-        let body = Body::new(session.problem(), session.shape(), session.solution().stack());
+        let body = Body::new(session.solution());
         (session, body)
     }
 
@@ -277,12 +306,14 @@ pub(crate) mod tests {
             let sheet = &session.problem().sheet;
             let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
             for k in (0..sheet.len()).filter(inside) {
-                for layer in 0..body.layers() {
-                    let apart = body.levels[layer][k] - body.levels[layer + 1][k];
+                let mut thickness = vec![0.0; session.scene().layers.len()];
+                for (slab, pair) in body.slabs.iter().zip(body.levels.windows(2)) {
+                    let apart = pair[0][k] - pair[1][k];
                     // The columns of layered tissue are sheared; their thickness is that along the skin's normal.
-                    let is_column = session.scene().is_layered() && layer > 0;
-                    let thickness =
-                        if is_column { apart.dot(stack.normal[k]) } else { apart.length() };
+                    thickness[slab.layer] +=
+                        if slab.has_cells { apart.dot(stack.normal[k]) } else { apart.length() };
+                }
+                for (layer, thickness) in thickness.into_iter().enumerate() {
                     assert!((thickness - stack.thickness_mm[layer][k]).abs() < 1e-3, "{k} {layer}");
                 }
             }

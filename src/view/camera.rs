@@ -26,6 +26,19 @@ pub struct Pose {
     pub distance: f32,
 }
 
+/// A standard view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// From the front, the head up.
+    Front,
+    /// From the patient's side, the chest wall down.
+    Side,
+    /// From the head, the chest wall down.
+    Top,
+    /// Three-quarter view.
+    All,
+}
+
 /// An orbit camera with a perspective lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -94,9 +107,16 @@ impl Camera {
         *self != before
     }
 
-    /// Starts the animation to the three-quarter view of a ball of this radius \[mm\].
-    pub fn fit(&mut self, radius_mm: f32, aspect: f32) -> bool {
-        let to = fitted(radius_mm, aspect);
+    /// Starts the animation to a view of a ball of this radius \[mm\].
+    pub fn fit(&mut self, radius_mm: f32, aspect: f32, view: View) -> bool {
+        let quarter = std::f32::consts::FRAC_PI_2;
+        let fitted = fitted(radius_mm, aspect);
+        let to = match view {
+            View::Front => Pose { azimuth: -quarter, elevation: ELEVATION.1, ..fitted },
+            View::Side => Pose { azimuth: 0.0, elevation: 0.0, ..fitted },
+            View::Top => Pose { azimuth: quarter, elevation: 0.0, ..fitted },
+            View::All => fitted,
+        };
         if self.pose == to {
             return false;
         }
@@ -225,7 +245,7 @@ mod tests {
     fn a_fit_ends_at_the_view_of_a_new_camera() {
         let mut camera = Camera::new(80.0, 1.5);
         camera.drag(Vec2::new(300.0, 40.0));
-        assert!(camera.fit(80.0, 1.5));
+        assert!(camera.fit(80.0, 1.5, View::All));
         let mut steps = 0;
         while camera.ease(0.05) {
             steps += 1;
@@ -233,7 +253,7 @@ mod tests {
         }
         assert!(steps > 3 && !camera.is_easing());
         assert_eq!(camera.pose(), Camera::new(80.0, 1.5).pose());
-        assert!(!camera.fit(80.0, 1.5));
+        assert!(!camera.fit(80.0, 1.5, View::All));
     }
 
     #[test]

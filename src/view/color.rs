@@ -1,7 +1,7 @@
 //! Colours of quantities and tissues, and scales of the colour bar.
 
-use crate::measure::{Field, STRAIN_BANDS};
-use crate::scene::Layer;
+use crate::measure::{Field, MMHG_PER_KPA, STRAIN_BANDS, bands};
+use crate::scene::{Layer, Scene};
 
 /// A colour as sRGB, 0 to 1 each.
 pub type Rgb = [f32; 3];
@@ -46,6 +46,10 @@ pub struct Scale {
     pub high: f32,
     /// Field values of the ticks, with their labels.
     pub ticks: Vec<(f32, String)>,
+    /// Words of the bands, with the field values of their middles; empty without bands.
+    pub words: Vec<(f32, &'static str)>,
+    /// Greatest value of the field, to be marked.
+    pub greatest: Option<f32>,
     /// The colours from low to high.
     pub table: Vec<Rgb>,
 }
@@ -67,16 +71,28 @@ impl Quantity {
         }
     }
 
-    /// The scale of the colour bar for the field's values; `None` for plain tissue.
+    /// Has a scene this quantity?
     #[must_use]
-    pub fn scale(&self, values: &[f32], layers: &[Layer]) -> Option<Scale> {
-        let greatest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
+    pub fn is_of(&self, scene: &Scene) -> bool {
+        match *self {
+            Self::Tissue | Self::Strain | Self::AreaStretch | Self::Pressure => true,
+            Self::Stress(layer) => layer < scene.layers.len(),
+            Self::LayerStrain(layer) | Self::Thickness(layer) => {
+                scene.is_layered() && layer < scene.layers.len()
+            }
+            Self::Cover | Self::Traction => scene.is_layered(),
+        }
+    }
+
+    /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue.
+    #[must_use]
+    pub fn scale(&self, greatest: f32, layers: &[Layer]) -> Option<Scale> {
         let name = |layer: usize| layers.get(layer).map_or("layer", |l| l.tissue.as_str());
         Some(match *self {
             Self::Tissue => return None,
-            Self::Strain => strain_scale(),
+            Self::Strain => strain_scale(greatest),
             Self::LayerStrain(layer) => {
-                Scale { title: format!("Strain of {}", name(layer)), ..strain_scale() }
+                Scale { title: format!("Stretch of {}", name(layer)), ..strain_scale(greatest) }
             }
             Self::Thickness(layer) => {
                 let high = nice_above(f64::from(greatest).max(1.0)) as f32;
@@ -96,12 +112,15 @@ impl Quantity {
                 let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
                 even(format!("Stress in {}", name(layer)), "kPa", 0.0, high, sequential)
             }
-            Self::Pressure => {
-                let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
-                even("Contact pressure".to_owned(), "kPa", 0.0, high, sequential)
-            }
+            Self::Pressure => pressure_scale(greatest),
         })
     }
+}
+
+/// The greatest finite value, at least 0.
+#[must_use]
+pub fn greatest(values: &[f32]) -> f32 {
+    values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max)
 }
 
 /// The colour of a tissue: skin, adipose and muscle have colours of their own, others a colour of a muted palette by
@@ -148,36 +167,97 @@ pub fn sequential(t: f32) -> Rgb {
     })
 }
 
-/// Colour of a strain by bands: neutral below 0.25, amber to 0.5, red above, dark red beyond failure.
+/// Colours of the bands from "usual" to "beyond", each from its start to its end. Lightness falls throughout.
+const BANDS: [(Rgb, Rgb); 4] = [
+    ([0.87, 0.90, 0.84], [0.44, 0.71, 0.71]),
+    ([0.88, 0.60, 0.14], [0.75, 0.39, 0.05]),
+    ([0.75, 0.24, 0.16], [0.66, 0.15, 0.15]),
+    ([0.46, 0.05, 0.24], [0.20, 0.01, 0.16]),
+];
+
+/// Colour of a whole band, counted from "usual".
 #[must_use]
-pub fn strain_bands(strain: f32) -> Rgb {
-    let [high, very_high, failure] = STRAIN_BANDS.map(|limit| limit as f32);
-    let bands: [(f32, Rgb, Rgb); 4] = [
-        (high, [0.93, 0.95, 0.93], [0.36, 0.66, 0.66]),
-        (very_high, [0.99, 0.85, 0.58], [0.88, 0.46, 0.13]),
-        (failure, [0.84, 0.33, 0.22], [0.80, 0.27, 0.20]),
-        (0.8, [0.62, 0.12, 0.24], [0.36, 0.03, 0.22]),
-    ];
-    let band = bands.iter().position(|(to, ..)| strain < *to).unwrap_or(bands.len() - 1);
-    let (to, low, high) = bands[band];
-    let from = if band == 0 { 0.0 } else { bands[band - 1].0 };
-    let t = ((strain - from) / (to - from)).clamp(0.0, 1.0);
-    std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t)
+pub fn band(band: usize) -> Rgb {
+    let (low, high) = BANDS[band.min(BANDS.len() - 1)];
+    std::array::from_fn(|k| 0.5 * (low[k] + high[k]))
 }
 
-fn strain_scale() -> Scale {
-    let (low, high) = (0.0, 0.8);
+/// The cover over the implant in the bar of its card.
+pub const COVER: Rgb = [0.80, 0.66, 0.36];
+
+/// Upper end of the colours of strain \[-\]; greater strains have the last colour.
+const MOST_STRAIN: f64 = 0.8;
+
+/// Colour of a strain by its band.
+#[must_use]
+pub fn strain_bands(strain: f32) -> Rgb {
+    in_band(&bands::STRAIN, MOST_STRAIN, strain)
+}
+
+/// Colour of a value by its band \[unit of the limits\]; values above `most` have the last colour.
+#[must_use]
+pub fn in_band(limits: &bands::Limits, most: f64, value: f32) -> Rgb {
+    let ends = limits.bands.iter().map(|band| band.limit.unwrap_or(most) as f32);
+    let value = value.min(most as f32);
+    let mut from = 0.0;
+    for (to, (low, high)) in ends.zip(BANDS) {
+        if value <= to {
+            let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
+            return std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t);
+        }
+        from = to;
+    }
+    BANDS[BANDS.len() - 1].1
+}
+
+fn strain_scale(greatest: f32) -> Scale {
+    let (low, high) = (0.0, MOST_STRAIN as f32);
     let [strain_high, very_high, failure] = STRAIN_BANDS;
-    let marks = [0.0, strain_high, very_high, failure, f64::from(high)];
+    let marks = [0.0, strain_high, very_high, failure, MOST_STRAIN];
+    let mut from = low;
+    let mut words = Vec::new();
+    for band in bands::STRAIN.bands {
+        let to = band.limit.unwrap_or(MOST_STRAIN) as f32;
+        words.push((0.5 * (from + to), band.word));
+        from = to;
+    }
     Scale {
-        title: "Principal strain".to_owned(),
+        title: "Skin stretch".to_owned(),
         unit: "%",
         low,
         high,
         ticks: marks.iter().map(|m| (*m as f32, format!("{:.0}", 100.0 * m))).collect(),
+        words,
+        greatest: Some(greatest),
         table: table(|t| strain_bands(low + (high - low) * t)),
     }
 }
+
+/// Contact pressure: field values in kPa, labels in mmHg; without contact the colour of skin.
+fn pressure_scale(greatest: f32) -> Scale {
+    // The end is one of 20, 40, 80, 100, 200, … mmHg: equal for similar implants.
+    let end_mmhg = nice_above((f64::from(greatest) * MMHG_PER_KPA).max(11.0));
+    let high = (end_mmhg / MMHG_PER_KPA) as f32;
+    let ticks = (0..=4).map(|k| 0.25 * k as f32).map(|t| {
+        let mmhg = f64::from(t) * end_mmhg;
+        (t * high, format!("{mmhg:.0}"))
+    });
+    let skin = tissue("skin", 0);
+    let map = |t: f32| if t < NO_CONTACT { skin } else { sequential(t) };
+    Scale {
+        title: "Pressure".to_owned(),
+        unit: "mmHg",
+        low: 0.0,
+        high,
+        ticks: ticks.collect(),
+        words: Vec::new(),
+        greatest: Some(greatest),
+        table: table(map),
+    }
+}
+
+/// Fraction of the scale of pressure below which there is no contact \[-\].
+const NO_CONTACT: f32 = 0.015;
 
 fn even(title: String, unit: &'static str, low: f32, high: f32, map: fn(f32) -> Rgb) -> Scale {
     let decimals = decimals_for(f64::from(high - low) / 4.0);
@@ -185,7 +265,7 @@ fn even(title: String, unit: &'static str, low: f32, high: f32, map: fn(f32) -> 
         .map(|k| low + (high - low) * k as f32 / 4.0)
         .map(|v| (v, format!("{v:.decimals$}")))
         .collect();
-    Scale { title, unit, low, high, ticks, table: table(map) }
+    Scale { title, unit, low, high, ticks, words: Vec::new(), greatest: None, table: table(map) }
 }
 
 fn table(map: impl Fn(f32) -> Rgb) -> Vec<Rgb> {
@@ -230,14 +310,39 @@ mod tests {
     }
 
     #[test]
-    fn strain_bands_darken_and_jump_at_their_limits() {
-        let samples: Vec<f32> = (0..800).map(|k| k as f32 / 1000.0).collect();
+    fn strain_bands_darken_throughout_and_jump_at_their_limits() {
+        let mut last = f32::INFINITY;
+        for k in 0..800 {
+            let now = luminance(strain_bands(k as f32 / 1000.0));
+            assert!(now < last, "at {k} ‰: {now} after {last}");
+            last = now;
+        }
         for limit in STRAIN_BANDS {
             let (a, b) = (strain_bands(limit as f32 - 1e-4), strain_bands(limit as f32 + 1e-4));
             let jump: f32 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
             assert!(jump > 0.15, "{limit}: {jump}");
         }
-        assert!(luminance(strain_bands(samples[0])) > 4.0 * luminance(strain_bands(0.79)));
+        assert!(luminance(strain_bands(0.0)) > 4.0 * luminance(strain_bands(0.79)));
+        assert!(strain_bands(2.0).iter().zip(strain_bands(0.8)).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+
+    #[test]
+    fn the_legend_of_strain_has_the_words_of_the_limits() {
+        let scale = strain_scale(0.21);
+        let words: Vec<&str> = scale.words.iter().map(|(_, word)| *word).collect();
+        assert_eq!(words, ["usual", "high", "very high", "beyond"]);
+        assert_eq!(scale.greatest, Some(0.21));
+        for (value, word) in scale.words {
+            assert_eq!(bands::strain_word(f64::from(value)), word);
+        }
+    }
+
+    #[test]
+    fn pressure_is_labelled_in_mmhg_and_without_contact_has_the_colour_of_skin() {
+        let scale = pressure_scale(1.69);
+        assert_eq!(scale.ticks.last().map(|(_, label)| label.as_str()), Some("20"));
+        assert!((f64::from(scale.high) * MMHG_PER_KPA - 20.0).abs() < 1e-4);
+        assert_eq!((scale.table[0], scale.table[8]), (tissue("skin", 0), sequential(8.5 / 256.0)));
     }
 
     #[test]

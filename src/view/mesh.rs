@@ -3,12 +3,12 @@
 use crate::contact::Dome;
 use crate::view::body::Body;
 use crate::view::color::{IMPLANT, Rgb, WALL};
-use crate::view::section::CapTriangle;
+use crate::view::section::{CapTriangle, Corner};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// A vertex: position \[mm\] (3), unit normal (3), coordinates on the sheet's grid \[cells\] (2; negative: no net),
-/// value of the displayed quantity (1, or [`NO_VALUE`]), colour (3).
+/// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
+/// skin those of the grid, on a cut face those of [`crate::view::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]), colour (3).
 pub type Vertex = [f32; 12];
 
 /// The value of a vertex without quantity, drawn in the vertex's colour.
@@ -49,9 +49,8 @@ fn quad_indices(first: u32) -> [u32; 6] {
 ///
 /// `values` at the sheet's nodes colour the surface; without values the surface has the colour of the tissue.
 #[must_use]
-pub fn tissue(body: &Body, colors: &[Rgb], first_layer: usize, values: Option<&[f32]>) -> Mesh {
-    let vertices = tissue_vertices(Vec::new(), body, colors, first_layer, values);
-    Mesh::new(vertices, tissue_indices(body, first_layer))
+pub fn tissue(body: &Body, colors: &[Rgb], values: Option<&[f32]>) -> Mesh {
+    Mesh::new(tissue_vertices(Vec::new(), body, colors, values), tissue_indices(body))
 }
 
 /// The vertices of [`tissue`], in the memory of an unused list.
@@ -60,44 +59,39 @@ pub fn tissue_vertices(
     room: Vec<Vertex>,
     body: &Body,
     colors: &[Rgb],
-    first_layer: usize,
     values: Option<&[f32]>,
 ) -> Vec<Vertex> {
     let mut vertices = room;
     vertices.clear();
-    let layers = body.layers();
-    if layers == 0 {
+    let (Some(top), Some(bottom)) = (body.slabs.first(), body.slabs.last()) else {
         return vertices;
-    }
-    let top = first_layer.min(layers - 1);
-    let columns = body.levels[layers].len();
-    let count = 2 * columns + 4 * body.rim.len() * (layers - top);
+    };
+    let (outer, inner) = (&body.levels[0], &body.levels[body.slabs.len()]);
+    let count = 2 * outer.len() + 4 * body.rim.len() * body.slabs.len();
     // Frees the surplus memory of a much finer grid.
     vertices.shrink_to(2 * count);
     vertices.reserve_exact(count);
     let n = body.nodes_per_side;
-    let outer = &body.levels[top];
     let on_grid = |k: usize| [(k % n) as f32, (k / n) as f32];
     let value = |k: usize| values.and_then(|v| v.get(k)).copied().unwrap_or(NO_VALUE);
     for (k, (&point, normal)) in outer.iter().zip(normals(body, outer)).enumerate() {
         let (grid, value) =
             if k < body.node_columns { (on_grid(k), value(k)) } else { ([-1.0; 2], NO_VALUE) };
-        vertices.push(vertex(point, normal, grid, value, colors[top]));
+        vertices.push(vertex(point, normal, grid, value, colors[top.layer]));
     }
     // The inner face has opposite normals and no net.
-    let inner = &body.levels[layers];
-    let dim = colors[layers - 1].map(|c| c * 0.82);
+    let dim = colors[bottom.layer].map(|c| c * 0.82);
     for (&point, normal) in inner.iter().zip(normals(body, inner)) {
         vertices.push(vertex(point, -normal, [-1.0; 2], NO_VALUE, dim));
     }
-    for layer in top..layers {
-        let (high, low) = (&body.levels[layer], &body.levels[layer + 1]);
+    for (slab, pair) in body.slabs.iter().zip(body.levels.windows(2)) {
+        let (high, low) = (&pair[0], &pair[1]);
         let out = |p: Vec3| Vec3::new(p.x, p.y, 0.0).normalize_or_zero();
         for k in 0..body.rim.len() {
             let (a, b) = (body.rim[k] as usize, body.rim[(k + 1) % body.rim.len()] as usize);
             let (na, nb) = (out(low[a]), out(low[b]));
             for (point, normal) in [(low[a], na), (low[b], nb), (high[b], nb), (high[a], na)] {
-                vertices.push(vertex(point, normal, [-1.0; 2], NO_VALUE, colors[layer]));
+                vertices.push(vertex(point, normal, [-1.0; 2], NO_VALUE, colors[slab.layer]));
             }
         }
     }
@@ -106,14 +100,11 @@ pub fn tissue_vertices(
 
 /// The indices of [`tissue`], equal for all shapes of one triangulation.
 #[must_use]
-pub fn tissue_indices(body: &Body, first_layer: usize) -> Vec<u32> {
-    let layers = body.layers();
-    if layers == 0 {
-        return Vec::new();
-    }
-    let columns = body.levels[layers].len() as u32;
+pub fn tissue_indices(body: &Body) -> Vec<u32> {
+    let Some(inner) = body.levels.last() else { return Vec::new() };
+    let columns = inner.len() as u32;
     let triangles = body.triangles.as_flattened();
-    let sides = body.rim.len() * (layers - first_layer.min(layers - 1));
+    let sides = body.rim.len() * body.slabs.len();
     let mut indices = Vec::with_capacity(2 * triangles.len() + 6 * sides);
     indices.extend_from_slice(triangles);
     indices.extend(triangles.iter().map(|k| columns + k));
@@ -154,7 +145,9 @@ pub fn caps(caps: &[CapTriangle], colors: &[Rgb]) -> Mesh {
         .iter()
         .flat_map(|cap| {
             let color = colors.get(cap.layer).copied().unwrap_or(IMPLANT);
-            cap.corners.map(|corner| vertex(corner, cap.normal, [-1.0; 2], NO_VALUE, color))
+            cap.corners.map(|Corner { position, net }| {
+                vertex(position, cap.normal, net.to_array(), NO_VALUE, color)
+            })
         })
         .collect();
     let indices = (0..vertices.len() as u32).collect();
@@ -244,10 +237,10 @@ mod tests {
         for (session, body) in both() {
             let colors = [[0.5; 3]; 2];
             let strain = session.values(Field::PrincipalStrain);
-            check(&tissue(&body, &colors, 0, Some(strain)));
-            check(&tissue(&body, &colors, 1, None));
+            check(&tissue(&body, &colors, Some(strain)));
+            check(&tissue(&body, &colors, None));
             let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
-            check(&caps(&section.caps(&body, 0), &colors));
+            check(&caps(&section.caps(&body), &colors));
             check(&implant(&session.problem().obstacle.dome));
             check(&wall(80.0));
         }

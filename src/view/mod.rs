@@ -12,3 +12,4 @@ pub mod mesh;
 pub mod pick;
 pub mod picture;
 pub mod section;
+pub mod subject;

@@ -41,7 +41,7 @@ impl Target {
     }
 }
 
-/// The first intersection of a ray; `first_layer` is the outermost displayed layer.
+/// The first intersection of a ray.
 #[must_use]
 pub fn pick(
     ray: &Ray,
@@ -49,7 +49,6 @@ pub fn pick(
     section: &Section,
     caps: &[CapTriangle],
     obstacle: &Obstacle,
-    first_layer: usize,
 ) -> Option<Hit> {
     let mut nearest: Option<(f32, Target)> = None;
     let mut offer = |distance: f32, target: Target| {
@@ -57,11 +56,8 @@ pub fn pick(
             nearest = Some((distance, target));
         }
     };
-    if body.levels.is_empty() {
-        return None;
-    }
-    for level in [first_layer.min(body.layers()), body.layers()] {
-        let points = &body.levels[level];
+    let (Some(outer), Some(inner)) = (body.levels.first(), body.levels.last()) else { return None };
+    for points in [outer, inner] {
         for triangle in &body.triangles {
             let corners = triangle.map(|c| points[c as usize]);
             if let Some((distance, weights)) = ray_triangle(ray, corners)
@@ -78,7 +74,7 @@ pub fn pick(
         }
     }
     for cap in caps {
-        if let Some((distance, _)) = ray_triangle(ray, cap.corners) {
+        if let Some((distance, _)) = ray_triangle(ray, cap.corners.map(|corner| corner.position)) {
             offer(distance, Target::Cut(cap.layer));
         }
     }
@@ -131,16 +127,15 @@ mod tests {
             let obstacle = session.problem().obstacle;
             let mut section = Section { opening: Opening::Closed, angle: 0.0, axis: Vec2::ZERO };
             let down = Ray { origin: Vec3::new(20.0, 3.0, 400.0), direction: -Vec3::Z };
-            let hit = pick(&down, &body, &section, &[], &obstacle, 0).expect("tissue is there");
+            let hit = pick(&down, &body, &section, &[], &obstacle).expect("tissue is there");
             assert!(matches!(hit.target, Target::Sheet(_)), "{hit:?}");
             let x: Vec<f32> = session.shape().iter().map(|p| p.x as f32).collect();
             let at = hit.target.value(&x).expect("a sheet point has values");
             assert!((at - 20.0).abs() < 8.0, "{at}");
 
             section.opening = Opening::Wedge;
-            let caps = section.caps(&body, 0);
-            let hit =
-                pick(&down, &body, &section, &caps, &obstacle, 0).expect("the implant is there");
+            let caps = section.caps(&body);
+            let hit = pick(&down, &body, &section, &caps, &obstacle).expect("the implant is there");
             assert_eq!(hit.target, Target::Implant);
             assert!((hit.point.z - (55f32 * 55.0 - 409.0).sqrt()).abs() < 0.01);
         }
@@ -151,22 +146,21 @@ mod tests {
         for (session, body) in both() {
             let obstacle = session.problem().obstacle;
             let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
-            let caps = section.caps(&body, 0);
+            let caps = section.caps(&body);
             let apex = |level: usize| body.levels[level][16 * 33 + 16].z;
             for layer in [0, 1] {
                 let height = 0.5 * (apex(layer) + apex(layer + 1));
                 let ray = Ray { origin: Vec3::new(300.0, 0.5, height), direction: -Vec3::X };
-                let hit =
-                    pick(&ray, &body, &section, &caps, &obstacle, 0).expect("a face is there");
+                let hit = pick(&ray, &body, &section, &caps, &obstacle).expect("a face is there");
                 assert_eq!(hit.target, Target::Cut(layer));
             }
             let beside = -8.0 - session.problem().sheet.radius_mm() as f32;
             let down = Ray { origin: Vec3::new(beside, 0.0, 400.0), direction: -Vec3::Z };
-            let hit = pick(&down, &body, &section, &caps, &obstacle, 0).expect("the ring is there");
+            let hit = pick(&down, &body, &section, &caps, &obstacle).expect("the ring is there");
             assert_eq!(hit.target, Target::Ring);
             assert_eq!(hit.target.value(&[0.0; 9]), None);
             let miss = Ray { origin: Vec3::new(500.0, 0.0, 400.0), direction: -Vec3::Z };
-            assert_eq!(pick(&miss, &body, &section, &caps, &obstacle, 0), None);
+            assert_eq!(pick(&miss, &body, &section, &caps, &obstacle), None);
         }
     }
 }

@@ -2,12 +2,11 @@
 
 use crate::contact::Dome;
 use crate::measure::Fields;
-use crate::session::Session;
-use crate::solve::Displayed;
 use crate::view::body::Body;
 use crate::view::color::{self, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
+use crate::view::subject::Subject;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -23,6 +22,8 @@ pub struct Picture {
     pub fields: Option<Rc<Fields>>,
     /// The colour bar's scale; `None` for plain tissue.
     pub scale: Option<Scale>,
+    /// Greatest value of the displayed quantity, at least 0.
+    pub greatest: f32,
     /// The cut faces.
     pub caps: Vec<CapTriangle>,
     /// Meshes in the order of drawing: tissue, cut faces, implant, wall. An unchanged mesh stays the same `Arc`, with
@@ -37,7 +38,7 @@ pub struct Picture {
     tissues_before: Vec<Arc<Mesh>>,
     /// The tissue's indices, common to all shapes of one triangulation.
     tissue_indices: Arc<Vec<u32>>,
-    /// The session's revision of the shape.
+    /// The subject's revision of the shape.
     shape_made: Option<u64>,
     quantity_made: Option<Quantity>,
     tissues_made: Vec<String>,
@@ -53,39 +54,40 @@ impl Picture {
     /// a clock.
     pub fn update(
         &mut self,
-        session: &Session,
+        subject: &impl Subject,
         quantity: Quantity,
         section: Section,
         seconds: &dyn Fn() -> f64,
     ) -> bool {
-        let layers = &session.scene().layers;
+        let layers = &subject.scene().layers;
         let tissues = layers.iter().map(|layer| &layer.tissue);
         let rename = !tissues.clone().eq(&self.tissues_made);
         let recolor = rename || self.quantity_made != Some(quantity);
-        let stale = self.shape_made != Some(session.revision());
+        let stale = self.shape_made != Some(subject.revision());
         // Values belong to the shape of their own revision.
         let start = seconds();
         // A draft is displayed immediately.
-        let is_unsettled = session.is_working() && session.displayed() != Displayed::Draft;
+        let is_unsettled = subject.is_unsettled();
         let wait = is_unsettled && !recolor && self.should_wait(start);
         let reshape = stale && !wait;
         let recut = self.section_made != Some(section);
         if reshape {
-            self.make_shape(session);
+            self.make_shape(subject);
         }
         if !(reshape || recolor || recut) {
             return !stale;
         }
         // The drawn shape may have another number of layers than the scene.
-        let colors: Vec<Rgb> = (0..self.body.layers().max(layers.len()))
+        let drawn = self.body.slabs.iter().map(|slab| slab.layer + 1).max().unwrap_or(0);
+        let colors: Vec<Rgb> = (0..drawn.max(layers.len()))
             .map(|k| color::tissue(layers.get(k).map_or("", |layer| &layer.tissue), k))
             .collect();
         if reshape || recolor {
-            self.make_colors(session, quantity, &colors);
+            self.make_colors(subject, quantity, &colors);
             self.quantity_made = Some(quantity);
         }
         if reshape || recut {
-            self.caps = section.caps(&self.body, 0);
+            self.caps = section.caps(&self.body);
             self.section_made = Some(section);
         }
         if reshape || recut || rename {
@@ -104,17 +106,14 @@ impl Picture {
         self.last_shape.is_some_and(|(when, cost)| now - when < cost / SHARE_WHILE_SOLVING)
     }
 
-    fn make_shape(&mut self, session: &Session) {
-        let problem = session.problem();
-        self.shape_made = Some(session.revision());
-        self.fields = Some(Rc::clone(session.fields()));
-        if is_hidden(session) {
+    fn make_shape(&mut self, subject: &impl Subject) {
+        let problem = subject.problem();
+        self.shape_made = Some(subject.revision());
+        self.fields = Some(Rc::clone(subject.fields()));
+        if is_hidden(subject) {
             self.body = Body::default();
-        } else {
-            let stack = session.solution().stack();
-            if self.body.update(problem, session.shape(), stack) {
-                self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body, 0));
-            }
+        } else if self.body.update(subject.fields().solution()) {
+            self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body));
         }
         if self.dome_made != Some(problem.obstacle.dome) {
             self.dome_made = Some(problem.obstacle.dome);
@@ -127,12 +126,15 @@ impl Picture {
         }
     }
 
-    fn make_colors(&mut self, session: &Session, quantity: Quantity, colors: &[Rgb]) {
-        let is_shown = self.body.layers() > 0;
-        let values = quantity.field().filter(|_| is_shown).map(|field| session.values(field));
-        self.scale = values.and_then(|v| quantity.scale(v, &session.scene().layers));
+    fn make_colors(&mut self, subject: &impl Subject, quantity: Quantity, colors: &[Rgb]) {
+        let is_shown = !self.body.is_empty();
+        let values =
+            quantity.field().filter(|_| is_shown).map(|field| subject.fields().values(field));
+        self.greatest = values.map_or(0.0, color::greatest);
+        let scale = quantity.scale(self.greatest, &subject.scene().layers);
+        self.scale = scale.filter(|_| is_shown);
         let room = take_unused(&mut self.tissues_before);
-        let vertices = mesh::tissue_vertices(room, &self.body, colors, 0, values);
+        let vertices = mesh::tissue_vertices(room, &self.body, colors, values);
         let indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
         self.tissues_before.push(Arc::clone(&self.meshes[0]));
         self.set_mesh(0, Mesh { vertices, indices });
@@ -156,15 +158,15 @@ fn take_unused(meshes: &mut Vec<Arc<Mesh>>) -> Vec<Vertex> {
 }
 
 /// Is the shape hidden? True without a stable shape and for positions that are not finite.
-fn is_hidden(session: &Session) -> bool {
-    session.has_no_shape() || session.shape().iter().any(|p| !p.is_finite())
+fn is_hidden(subject: &impl Subject) -> bool {
+    subject.has_no_shape() || subject.fields().solution().inner().iter().any(|p| !p.is_finite())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use crate::session::Command;
+    use crate::session::{Command, Session};
     use crate::solve::Progress;
     use std::cell::Cell;
 

@@ -1,6 +1,6 @@
 //! The section cut: the removed part of the tissue and the cut faces.
 //!
-//! Cut faces are exact: every prism of a layer (a sheet triangle with thickness) is split into
+//! Cut faces are exact: every prism of a slab (a triangle of the grid with thickness) is split into
 //! three tetrahedra and cut by the plane into convex polygons in no particular order.
 
 use crate::view::body::Body;
@@ -29,11 +29,30 @@ pub struct Section {
     pub axis: Vec2,
 }
 
+/// A point of a cut face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// Position \[mm\].
+    pub position: Vec3,
+    /// Place at rest \[cells\]: along the cut from the middle of the grid, and inwards from the outermost cells' outer face.
+    /// The second is negative where the tissue has no cells.
+    pub net: Vec2,
+}
+
+impl Corner {
+    fn lerp(self, other: Self, fraction: f32) -> Self {
+        Self {
+            position: self.position.lerp(other.position, fraction),
+            net: self.net.lerp(other.net, fraction),
+        }
+    }
+}
+
 /// A triangle of a cut face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapTriangle {
-    /// Corners \[mm\], counter-clockwise seen from the removed part.
-    pub corners: [Vec3; 3],
+    /// Corners, counter-clockwise seen from the removed part.
+    pub corners: [Corner; 3],
     /// Index of the layer, from the skin inwards.
     pub layer: usize,
     /// Unit normal, pointing into the removed part.
@@ -46,6 +65,13 @@ struct Face {
     axis: Vec3,
     normal: Vec3,
     along: Option<Vec3>,
+}
+
+impl Face {
+    /// Distance in front of the plane \[mm\].
+    fn side(&self, p: Vec3) -> f32 {
+        self.normal.dot(p - self.axis)
+    }
 }
 
 impl Section {
@@ -71,40 +97,40 @@ impl Section {
         self.planes().is_some_and(|planes| planes.iter().all(|n| n.dot(from_axis) > 0.0))
     }
 
-    /// The cut faces through every layer from `first_layer` inwards.
+    /// The cut faces through all of the tissue.
     #[must_use]
-    pub fn caps(&self, body: &Body, first_layer: usize) -> Vec<CapTriangle> {
+    pub fn caps(&self, body: &Body) -> Vec<CapTriangle> {
         let mut caps = Vec::new();
         let axis = self.axis.extend(0.0);
         match (self.opening, self.planes()) {
             (_, None) => {}
             (Opening::Half, Some([normal, _])) => {
-                cut(body, first_layer, Face { axis, normal, along: None }, &mut caps);
+                cut(body, Face { axis, normal, along: None }, &mut caps);
             }
             (_, Some([a, b])) => {
-                cut(body, first_layer, Face { axis, normal: a, along: Some(b) }, &mut caps);
-                cut(body, first_layer, Face { axis, normal: b, along: Some(a) }, &mut caps);
+                cut(body, Face { axis, normal: a, along: Some(b) }, &mut caps);
+                cut(body, Face { axis, normal: b, along: Some(a) }, &mut caps);
             }
         }
         caps
     }
 }
 
-fn cut(body: &Body, first_layer: usize, face: Face, caps: &mut Vec<CapTriangle>) {
-    let (Some(outer), Some(inner)) = (body.levels.get(first_layer), body.levels.last()) else {
+fn cut(body: &Body, face: Face, caps: &mut Vec<CapTriangle>) {
+    let (Some(outer), Some(inner)) = (body.levels.first(), body.levels.last()) else {
         return;
     };
-    // If all points of the columns of a triangle lie on one side, no layer is cut.
-    let side = |p: Vec3| face.normal.dot(p - face.axis);
+    // If all points of the columns of a triangle lie on one side, no slab is cut.
     let is_shown = |p: Vec3| face.along.is_none_or(|along| along.dot(p - face.axis) >= 0.0);
-    let mut columns: Vec<Side> = outer.iter().map(|p| Side::of(side(*p))).collect();
-    for level in &body.levels[first_layer + 1..] {
+    let mut columns: Vec<Side> = outer.iter().map(|p| Side::of(face.side(*p))).collect();
+    for level in &body.levels[1..] {
         for (column, p) in columns.iter_mut().zip(level) {
-            if *column != Side::of(side(*p)) {
+            if *column != Side::of(face.side(*p)) {
                 *column = Side::Both;
             }
         }
     }
+    let first_cells = body.slabs.iter().take_while(|slab| !slab.has_cells).count();
     for &triangle in &body.triangles {
         let [a, b, c] = triangle.map(|c| columns[c as usize]);
         if a == b && b == c && a != Side::Both {
@@ -115,13 +141,24 @@ fn cut(body: &Body, first_layer: usize, face: Face, caps: &mut Vec<CapTriangle>)
         }
         let mut columns = triangle.map(|c| c as usize);
         columns.sort_unstable();
-        for layer in first_layer..body.layers() {
-            let top = columns.map(|c| body.levels[layer][c]);
-            let low = columns.map(|c| body.levels[layer + 1][c]);
-            cut_prism(top, low, layer, face, caps);
+        let along = columns.map(|c| body.cells_along(c, face.normal));
+        for (k, slab) in body.slabs.iter().enumerate() {
+            let corners = |level: usize| {
+                std::array::from_fn(|corner| Corner {
+                    position: body.levels[level][columns[corner]],
+                    net: match along[corner] {
+                        Some(u) if slab.has_cells => Vec2::new(u, (level - first_cells) as f32),
+                        _ => NO_NET,
+                    },
+                })
+            };
+            cut_prism(corners(k), corners(k + 1), slab.layer, face, caps);
         }
     }
 }
+
+/// Place of a corner without cells.
+const NO_NET: Vec2 = Vec2::new(0.0, -1.0e3);
 
 /// Side of a plane on which a column lies.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -137,15 +174,15 @@ impl Side {
     }
 }
 
-/// Cuts the prism of a layer between two triangles.
+/// Cuts the prism of a slab between two triangles.
 fn cut_prism(
-    top: [Vec3; 3],
-    low: [Vec3; 3],
+    top: [Corner; 3],
+    low: [Corner; 3],
     layer: usize,
     face: Face,
     caps: &mut Vec<CapTriangle>,
 ) {
-    let is_behind = |p: &&Vec3| face.normal.dot(**p - face.axis) < 0.0;
+    let is_behind = |p: &&Corner| face.side(p.position) < 0.0;
     let behind = top.iter().chain(&low).filter(is_behind).count();
     if behind == 0 || behind == 6 {
         return;
@@ -167,8 +204,8 @@ fn cut_prism(
 }
 
 /// The intersection of the plane and a tetrahedron: a convex polygon of 0, 3 or 4 corners, in order.
-fn slice(corners: [Vec3; 4], face: Face) -> Vec<Vec3> {
-    let side = corners.map(|p| face.normal.dot(p - face.axis));
+fn slice(corners: [Corner; 4], face: Face) -> Vec<Corner> {
+    let side = corners.map(|p| face.side(p.position));
     let (front, back): (Vec<usize>, Vec<usize>) = (0..4).partition(|&k| side[k] >= 0.0);
     let crossing = |a: usize, b: usize| corners[a].lerp(corners[b], side[a] / (side[a] - side[b]));
     match (&front[..], &back[..]) {
@@ -183,8 +220,8 @@ fn slice(corners: [Vec3; 4], face: Face) -> Vec<Vec3> {
 }
 
 /// The part of a convex polygon with `along · (p − axis) ≥ 0`.
-fn keep_front(polygon: &[Vec3], along: Vec3, axis: Vec3) -> Vec<Vec3> {
-    let side = |p: Vec3| along.dot(p - axis);
+fn keep_front(polygon: &[Corner], along: Vec3, axis: Vec3) -> Vec<Corner> {
+    let side = |p: Corner| along.dot(p.position - axis);
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (k, &a) in polygon.iter().enumerate() {
         let b = polygon[(k + 1) % polygon.len()];
@@ -199,10 +236,11 @@ fn keep_front(polygon: &[Vec3], along: Vec3, axis: Vec3) -> Vec<Vec3> {
     kept
 }
 
-fn fan(polygon: &[Vec3], layer: usize, normal: Vec3, caps: &mut Vec<CapTriangle>) {
+fn fan(polygon: &[Corner], layer: usize, normal: Vec3, caps: &mut Vec<CapTriangle>) {
     for k in 2..polygon.len() {
         let mut corners = [polygon[0], polygon[k - 1], polygon[k]];
-        let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal);
+        let [a, b, c] = corners.map(|corner| corner.position);
+        let area = (b - a).cross(c - a).dot(normal);
         if area < 0.0 {
             corners.swap(1, 2);
         }
@@ -219,7 +257,8 @@ mod tests {
         caps.iter()
             .filter(|c| c.layer == layer)
             .map(|c| {
-                0.5 * (c.corners[1] - c.corners[0]).cross(c.corners[2] - c.corners[0]).length()
+                let [a, b, c] = c.corners.map(|corner| corner.position);
+                0.5 * (b - a).cross(c - a).length()
             })
             .sum()
     }
@@ -228,7 +267,7 @@ mod tests {
     fn a_closed_body_has_no_caps_and_a_cut_removes_points_in_front() {
         for (_, body) in both() {
             let mut section = Section { opening: Opening::Closed, angle: 0.3, axis: Vec2::ZERO };
-            assert!(section.caps(&body, 0).is_empty());
+            assert!(section.caps(&body).is_empty());
             assert!(!section.removes(Vec3::new(30.0, 10.0, 20.0)));
             section.opening = Opening::Wedge;
             assert!(section.removes(Vec3::new(30.0, 10.0, 20.0)));
@@ -243,10 +282,10 @@ mod tests {
         for (_, body) in both() {
             let faces = |opening, angle| {
                 let section = Section { opening, angle, axis: Vec2::ZERO };
-                let caps = section.caps(&body, 0);
+                let caps = section.caps(&body);
                 for cap in &caps {
                     for corner in cap.corners {
-                        assert!(cap.normal.dot(corner).abs() < 1e-3);
+                        assert!(cap.normal.dot(corner.position).abs() < 1e-3);
                     }
                 }
                 [0, 1].map(|layer| area(&caps, layer))
@@ -260,5 +299,30 @@ mod tests {
                 assert!((wedge[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {wedge:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_net_of_a_cut_face_follows_the_cells_of_layered_tissue() {
+        let [(layered, body), (_, sheet)] = both();
+        let section = Section { opening: Opening::Half, angle: 0.4, axis: Vec2::ZERO };
+        let has_net = |corner: &&Corner| corner.net.y > -0.5;
+        assert!(!section.caps(&sheet).iter().flat_map(|cap| &cap.corners).any(|c| has_net(&c)));
+        let cells = layered.solution().cells().len() as f32;
+        let patch = &layered.problem().sheet;
+        let spacing = 2.0 * patch.radius_mm() as f32 / (patch.nodes_per_side() - 1) as f32;
+        let direction = Vec2::from_angle(0.4).perp();
+        let caps = section.caps(&body);
+        let (mut least, mut most) = (f32::MAX, f32::MIN);
+        for corner in caps.iter().flat_map(|cap| &cap.corners).filter(has_net) {
+            (least, most) = (least.min(corner.net.y), most.max(corner.net.y));
+            // Outside of the pocket the tissue has hardly moved.
+            let place = direction.dot(corner.position.truncate());
+            if place.abs() > 100.0 {
+                assert!((corner.net.x - place / spacing).abs() < 0.25, "{corner:?}");
+            }
+        }
+        assert_eq!((least, most), (0.0, cells), "from the skin to the inner face");
+        let skin = caps.iter().filter(|cap| cap.layer == 0).flat_map(|cap| &cap.corners);
+        assert_eq!(skin.filter(has_net).count(), 0);
     }
 }

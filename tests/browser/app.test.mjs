@@ -36,19 +36,21 @@ function assertSameAsNative({ text, scene, result }) {
 }
 
 describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
-  test("opens on the default scene, solved as natively, in one download, and then rests", async () => {
+  test("opens on a usual plan, solved as natively, in one download, and then rests", async () => {
     const { page, finish } = await openApp();
-    const { defaults, downloads } = await page.evaluate(() => ({
-      defaults: JSON.parse(implantPreviewApi.default_scene()),
+    const { opening, downloads } = await page.evaluate(() => ({
+      opening: JSON.parse(implantPreviewApi.opening_scene()),
       downloads: performance.getEntriesByType("resource").filter((r) => r.name.endsWith(".wasm")),
     }));
     const opened = await solved(page);
-    assert.deepEqual(opened.scene, defaults);
+    assert.deepEqual(opened.scene, opening);
     assert.equal(opened.scene.tissue_model, "layered");
     assert.equal(opened.result.schema, "implant-preview/result/2");
     assert.equal(downloads.length, 1);
     assertSameAsNative(opened);
-    assert.match(await page.locator("#implant-preview-summary").textContent(), /^Up to date\. Skin projection 62\./);
+    // The words follow once they rest.
+    const words = await harness.summary(page, "Up to date.");
+    assert.match(words, /^300 ml implant, 12 cm wide\. Skin stretch 1\d percent, usual\. Cover 8 of 10 mm\. Pressure \d+/);
     const frames = await settled(page);
     const before = await stats(page);
     await page.waitForTimeout(2000);
@@ -86,7 +88,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await settled(page);
     const before = await solved(page);
     const insertion = () => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);
-    const rail = await harness.control(page, "Insertion (%)");
+    const rail = await harness.control(page, "In place (%)");
     // The handle is at the right end.
     const slider = { x: rail.x + rail.width - 7, y: rail.y + rail.height / 2 };
     await page.mouse.move(slider.x, slider.y);
@@ -175,20 +177,21 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
       await page.waitForTimeout(300);
     };
     const before = await page.evaluate(() => implantPreview.scene());
-    let rail = await harness.control(page, "Base radius (mm)");
-    const beside = (at) => [at.x + 0.8 * at.width, at.y + at.height / 2];
+    // The last control of its tab: the panel can be scrolled down only.
+    let rail = await harness.control(page, "In place (%)");
+    const beside = (at) => [at.x + 0.3 * at.width, at.y + at.height / 2];
     // Up and down on a slider, the panel scrolls; nothing else moves.
-    await swipe(...beside(rail), 4, -80);
+    await swipe(...beside(rail), 4, 50);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
-    const up = rail.y - (await harness.focused(page)).y;
-    assert.ok(up > 30, `the panel was scrolled by ${up} pixels`);
-    await swipe(...beside(await harness.focused(page)), 4, 100);
+    const down = (await harness.focused(page)).y - rail.y;
+    assert.ok(down > 20, `the panel was scrolled by ${down} pixels`);
+    await swipe(...beside(rail), 4, -90);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
     // Along it, it moves.
     rail = await harness.focused(page);
     await swipe(...beside(rail), -40, 3);
-    const { base_radius_mm } = JSON.parse(await page.evaluate(() => implantPreview.scene())).implant;
-    assert.ok(base_radius_mm < 52, `the radius is ${base_radius_mm} mm`);
+    const { insertion } = JSON.parse(await page.evaluate(() => implantPreview.scene()));
+    assert.ok(insertion < 0.9, `the insertion is ${insertion}`);
     // A number field asks for the keyboard with digits, nothing else does.
     const keyboard = () => page.locator("#implant-preview-canvas + input").getAttribute("inputmode");
     assert.notEqual(await keyboard(), "decimal");

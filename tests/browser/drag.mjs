@@ -55,7 +55,7 @@ const browser = await harness.startBrowser();
 // The page's own policy allows no code from text.
 const { page, problems } = await harness.openApp(browser, site, { options: { bypassCSP: true } });
 await drawLast(browser);
-const scene = JSON.parse(await page.evaluate(() => implantPreview.scene()));
+const scene = JSON.parse(await page.evaluate(() => implantPreviewApi.default_scene()));
 scene.solver.nodes_per_side = nodesPerSide;
 scene.tissue_model = tissueModel;
 const opening = JSON.stringify(scene);

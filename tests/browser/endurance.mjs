@@ -10,11 +10,10 @@ import * as harness from "./harness.mjs";
 
 // Controls by their names, in the order of the Tab key, and what of the scene each changes.
 const SLIDERS = [
-  ["Base radius (mm)", "implant.base_radius_mm"],
-  ["Position across (mm)", "implant.center_mm.0"],
-  ["Position along (mm)", "implant.center_mm.1"],
-  ["Pocket radius (mm)", "pocket_radius_mm"],
-  ["Poisson ratio", "layers.0.poisson_ratio"],
+  ["Width (cm)", "implant.base_radius_mm"],
+  ["Volume (ml)", "implant.projection_mm"],
+  ["Pinch (cm)", "layers.1.thickness_mm"],
+  ["Margin (cm)", "pocket_radius_mm"],
 ];
 
 // The picture is drawn in software: a small one leaves time for what is tested.
@@ -40,7 +39,7 @@ async function findSliders(page) {
   await harness.focusPicture(page);
   for (let k = 0; k < 2; k += 1) await harness.tab(page, { back: true });
   const insertion = await harness.focused(page);
-  assert.equal(insertion.name, "Insertion (%)");
+  assert.equal(insertion.name, "In place (%)");
   found("insertion", insertion);
   return sliders;
 }

@@ -127,6 +127,11 @@ export function native(scene) {
   return JSON.parse(text);
 }
 
+/** The bands that the native program computes for a scene (JSON text) with options of the command line. */
+export function nativeBands(scene, options) {
+  return JSON.parse(execFileSync(NATIVE, ["bands", "-", ...options], { input: scene, encoding: "utf8" }));
+}
+
 /** The table (CSV text) that the native program's quick benchmark writes. */
 export function nativeBenchmark() {
   const folder = mkdtempSync(join(tmpdir(), "implant-preview-bench-"));
@@ -294,6 +299,13 @@ export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** The control that has the keyboard's focus. */
 export const focused = (page) => page.evaluate(() => implantPreview.focused());
+
+/** The answer in words for screen readers, once it contains some words. */
+export async function summary(page, words) {
+  const text = () => page.locator("#implant-preview-summary").textContent();
+  for (let tries = 0; tries < 100 && !(await text()).includes(words); tries += 1) await page.waitForTimeout(100);
+  return text();
+}
 
 /** What of the page has the keyboard's focus: the app, or what is before or behind it. */
 export const place = (page) =>

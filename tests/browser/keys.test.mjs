@@ -50,24 +50,33 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
       "File",
       "Undo",
       "Colour by",
-      "Section",
+      "Start over",
+      "Help",
+      "Width (cm)",
+      "Volume (ml)",
+      "Projection (cm)",
+      "Let the volume follow",
+      "Half sphere",
+      "Pinch (cm)",
+      "very lax",
+      "Margin (cm)",
+      "Position of the implant",
+      "To the side (cm)",
+      "Advanced",
+      "Where limits come from",
+      "Details",
+      "Show insertion",
+      "In place (%)",
+      "Front",
+      "Cut",
       "Direction of the cut",
-      "About",
-      "Base radius (mm)",
-      "Hemisphere (projection = base radius)",
-      "Pocket radius (mm)",
-      "Thickness (mm)",
-      "Poisson ratio",
-      "Add adipose",
-      "Tolerance (% of the base radius)",
-      "Play",
-      "Insertion (%)",
+      "Grid",
       "3-D view",
     ]) {
       assert.ok(there.includes(name), `${name} is not among ${there.join(", ")}`);
     }
     // Sliders are two stops: the handle and the number.
-    assert.equal(there.filter((name) => name === "Base radius (mm)").length, 2);
+    assert.equal(there.filter((name) => name === "Width (cm)").length, 2);
     // The browser goes on from the link to the app, and the link leads to the words.
     await harness.tab(page);
     assert.equal((await harness.focused(page)).name, "File");
@@ -77,7 +86,7 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
   test("does so on a phone's tabs too", async () => {
     const { page, close } = await openApp({ viewport: { width: 390, height: 844 } });
     const names = new Set();
-    for (const name of ["Implant", "Tissue", "Results", "Plots"]) {
+    for (const name of ["Implant", "Patient", "Pocket", "More"]) {
       await harness.control(page, name);
       await page.keyboard.press("Enter");
       await page.waitForTimeout(400);
@@ -92,7 +101,7 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
       // From behind the app back into it.
       await harness.tab(page, { back: true });
     }
-    for (const name of ["Base radius (mm)", "Thickness (mm)", "Shape", "3-D view"]) {
+    for (const name of ["Volume (ml)", "More Volume", "Pinch (cm)", "Margin (cm)", "Details", "3-D view"]) {
       assert.ok(names.has(name), `${name} is not among ${[...names].join(", ")}`);
     }
     await close();
@@ -103,13 +112,13 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
   test("step a slider, commit a number and stay, and close what is open", async () => {
     const { page, finish } = await openApp();
     const pocket = async () => (await harness.scene(page)).pocket_radius_mm;
-    await harness.control(page, "Pocket radius (mm)");
+    await harness.control(page, "Margin (cm)");
     for (const [key, value] of [
-      ["ArrowRight", 70.5],
-      ["PageUp", 75.5],
-      ["PageDown", 70.5],
-      ["End", 200],
-      ["Home", 55],
+      ["ArrowRight", 71],
+      ["PageUp", 81],
+      ["PageDown", 71],
+      ["End", 100],
+      ["Home", 60],
     ]) {
       await page.keyboard.press(key);
       await page.waitForFunction(
@@ -118,11 +127,11 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
       );
     }
     await harness.tab(page);
-    await page.keyboard.type("6,642 cm", { delay: 40 });
+    await page.keyboard.type("0,642", { delay: 40 });
     await page.keyboard.press("Enter");
     await page.waitForTimeout(300);
     assert.equal(await pocket(), 66.42);
-    assert.equal((await harness.focused(page)).name, "Pocket radius (mm)");
+    assert.equal((await harness.focused(page)).name, "Margin (cm)");
     // What is not allowed changes nothing.
     await page.keyboard.type("-5", { delay: 40 });
     await page.keyboard.press("Enter");
@@ -131,14 +140,14 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
     await harness.screenshot(page, "refused");
     await page.keyboard.press("Escape");
     // A window that is open closes, and the focus is where it was.
-    await harness.control(page, "About");
+    await harness.control(page, "Help");
     await page.keyboard.press("Enter");
     await page.waitForTimeout(500);
     const open = await page.screenshot();
     await page.keyboard.press("Escape");
     await page.waitForTimeout(500);
-    assert.ok((await harness.difference(page, open, await page.screenshot())) > 5000, "About stays open");
-    assert.equal((await harness.focused(page)).name, "About");
+    assert.ok((await harness.difference(page, open, await page.screenshot())) > 5000, "Help stays open");
+    assert.equal((await harness.focused(page)).name, "Help");
     await finish();
   });
 
@@ -183,7 +192,7 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     await page.keyboard.press("Enter");
     await page.waitForTimeout(400);
     for (let presses = 0; presses < 3; presses += 1) await harness.tab(page);
-    assert.equal((await harness.focused(page)).name, "Save result…");
+    assert.equal((await harness.focused(page)).name, "Save numbers (JSON)…");
     const saved = JSON.parse((await harness.download(page, () => page.keyboard.press("Enter"))).text);
     assert.deepEqual(saved.scene, result.scene);
     assert.equal(saved.contact_force_n, result.contact_force_n);

@@ -20,6 +20,12 @@ function watchPolicy() {
 /** Tries what a script from elsewhere would; returns what of it was done. */
 async function attack() {
   globalThis.done = [];
+  const start = (address) =>
+    new Promise((resolve, reject) => {
+      const worker = new Worker(address, { type: "module" });
+      worker.onmessage = () => resolve(done.push(`a worker from ${address}`));
+      worker.onerror = reject;
+    });
   const attempts = {
     script: () => {
       const script = document.createElement("script");
@@ -57,13 +63,9 @@ async function attack() {
       }),
     request: () => fetch("http://localhost:9/").then(() => done.push("a request")),
     beacon: () => navigator.sendBeacon("http://localhost:9/", "scene"),
-    worker: () =>
-      new Promise((resolve, reject) => {
-        const source = new Blob(["postMessage(1)"], { type: "text/javascript" });
-        const worker = new Worker(URL.createObjectURL(source));
-        worker.onmessage = () => resolve(done.push("a worker"));
-        worker.onerror = reject;
-      }),
+    worker: () => start(URL.createObjectURL(new Blob(["postMessage(1)"], { type: "text/javascript" }))),
+    "a worker from data": () => start("data:text/javascript,postMessage(1)"),
+    "a worker from elsewhere": () => start("http://localhost:9/worker.mjs"),
   };
   for (const attempt of Object.values(attempts)) {
     try {
@@ -189,8 +191,12 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
       await page.mouse.move(600, 400);
       await page.mouse.wheel(0, -300);
     });
-    await change("what is folded", () => page.mouse.click(60, 89));
-    await change("the section", () => page.mouse.click(466, 18));
+    const click = async (name) => {
+      const { x, y, width, height } = await harness.control(page, name);
+      await page.mouse.click(x + width / 2, y + height / 2);
+    };
+    await change("what is folded", () => click("Advanced"));
+    await change("the grid", () => click("Grid"));
     const before = { scene: await sceneText(page), stats: await page.evaluate(() => implantPreview.stats()) };
     for (let times = 0; times < 2; times += 1) {
       await lose(page);
@@ -373,7 +379,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
 
   test("by a panic is shown, keeps the scene for the reload, and for one reload only", async () => {
     const { page, scene, close } = await openChanged();
-    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
     assert.equal(await page.evaluate(() => sessionStorage.length), 0, "kept before there was a crash");
     await crash(page, panic);
     assert.match(await cause(page), /^should have a Performance \(eframe-[\d.]+\/src\/web\/\w+\.rs:\d+\)$/);
@@ -417,7 +423,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
 
   test("that comes again with the same scene opens the default one, and the scene can be saved", async () => {
     const { page, scene, close } = await openChanged();
-    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
     await crash(page, panic);
     await reload(page);
     assert.equal(await sceneText(page), scene);
@@ -432,7 +438,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
 
   test("at the start, before the first frame, leads to the default scene too", async () => {
     const { page, scene, close } = await openChanged();
-    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
     await crash(page, panic);
     // The first thing that the next start does with the scene ends it.
     await page.addInitScript(() => {
@@ -507,7 +513,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     const { page, close } = await openApp({
       init: () => sessionStorage.setItem("implant-preview/kept-scene/1", '{"schema":"of another time"}'),
     });
-    const defaults = await page.evaluate(() => implantPreviewApi.default_scene());
+    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
     assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
     await close();
   });

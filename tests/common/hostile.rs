@@ -134,6 +134,9 @@ pub(crate) fn check_lines(bytes: &[u8]) {
             Err(error) => check_message(&error),
         }
     }
+    if let Some(error) = std::str::from_utf8(bytes).ok().and_then(|text| read::texts(text).err()) {
+        check_message(&error);
+    }
 }
 
 /// Solves the first scene of a file if its tissue is layered; see [`check_layered_solve`].

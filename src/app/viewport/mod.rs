@@ -2,23 +2,30 @@
 //!
 //! Without GL (in tests, without WebGL 2) only the picture itself is missing.
 
+mod envelope;
 mod overlay;
+mod panes;
 mod renderer;
+
+pub(crate) use overlay::pointer_box;
 
 use super::widgets::arrow_keys;
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
-use crate::view::camera::Camera;
-use crate::view::color::Quantity;
-use crate::view::pick::{self, Hit};
+use crate::study::SectionBand;
+use crate::view::camera::{Camera, View};
+use crate::view::color::{Quantity, Rgb};
+use crate::view::pick;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
+use crate::view::subject::Subject;
 use eframe::egui::{
     self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
     Ui, WidgetInfo,
 };
 use eframe::{egui_glow, glow};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
+use panes::Pane;
 use renderer::{Frame, Renderer};
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
@@ -71,18 +78,29 @@ pub(crate) struct Viewport {
     /// Position of the last touch.
     touched: Option<Pos2>,
     picture: Picture,
+    /// The pins' pictures beside the picture.
+    panes: Vec<Pane>,
+    /// Colour table of all pictures side by side.
+    common_table: Arc<Vec<Rgb>>,
     /// Start of the picture's clock.
     start: Instant,
 }
 
-/// What is drawn on tissue and wall.
-struct Drawn {
+/// Number of the current scene's picture; the pins' numbers are greater.
+const CURRENT: u64 = 0;
+
+/// What is drawn in an area.
+struct Drawn<'a> {
+    /// The number of the picture, and the numbers of all pictures in use.
+    number: u64,
+    numbers: Arc<[u64]>,
+    picture: &'a Picture,
+    table: &'a Arc<Vec<Rgb>>,
+    range: [f32; 2],
+    problem: &'a Problem,
+    section: Section,
     /// The springs?
     net: bool,
-    /// Radius of the circle where the implant meets the chest wall \[mm\].
-    foot_radius: f32,
-    /// Radius of the pocket's edge \[cells\]; 0: no line.
-    pocket: f32,
 }
 
 impl Viewport {
@@ -100,6 +118,8 @@ impl Viewport {
             tapped: None,
             touched: None,
             picture: Picture::default(),
+            panes: Vec::new(),
+            common_table: Arc::default(),
             start: Instant::now(),
         };
         viewport.move_to(gl);
@@ -120,11 +140,13 @@ impl Viewport {
         self.id
     }
 
-    /// Moves the camera smoothly to the three-quarter view of the whole body.
-    pub(crate) fn fit(&mut self, session: &Session) {
-        let radius = radius_to_fit(session);
-        self.camera.fit(radius, self.aspect);
-        self.fitted = Some(radius);
+    /// Moves the camera smoothly to a standard view of the whole body.
+    pub(crate) fn fit(&mut self, session: &Session, view: View) {
+        let radius = self.radius_to_fit(session);
+        self.camera.fit(radius, self.aspect, view);
+        // A new aspect ratio restores the three-quarter view only.
+        self.fitted = (view == View::All).then_some(radius);
+        self.tapped = None;
     }
 
     /// Frees the resources on the graphics card.
@@ -137,28 +159,25 @@ impl Viewport {
         }
     }
 
-    /// Shows the session in the remaining space.
-    pub(crate) fn show(&mut self, ui: &mut Ui, session: &Session, options: &mut Options) {
+    /// Shows the session in the remaining space. `envelope`: band of the skin whose lines are drawn. `bar`: height of the
+    /// controls over the top of the picture \[points\].
+    pub(crate) fn show(
+        &mut self,
+        ui: &mut Ui,
+        session: &Session,
+        options: &Options,
+        envelope: &[SectionBand],
+        bar: f32,
+    ) {
+        self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
-        // An id of its own: the focus stays while the progress of a solve is shown above the picture.
-        let id = ui.scope_id().with("3-D view");
-        let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
-        self.id = Some(response.id);
-        self.place_camera(session, area.width() / area.height());
-        let section = Section {
-            opening: match (options.section, options.half) {
-                (false, _) => Opening::Closed,
-                (true, false) => Opening::Wedge,
-                (true, true) => Opening::Half,
-            },
-            angle: options.section_azimuth_deg.to_radians(),
-            axis: session.problem().obstacle.dome.center.as_vec2(),
-        };
+        let response = self.interact(ui, area);
+        self.place_camera(radius_of(session.problem()), area.width() / area.height());
+        let section = section_of(options, session.problem());
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
         let up_to_date = self.picture.update(session, options.quantity, section, &clock);
         let moved = self.move_camera(ui, &response, area);
-        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
@@ -167,27 +186,44 @@ impl Viewport {
         }
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
-        let foot_radius = session.problem().obstacle.dome.wall_radius() as f32;
-        // A sheet ends at the pocket's edge.
-        let Problem { sheet, patch, tissue, .. } = session.problem();
-        let pocket = match tissue {
-            Tissue::Sheet => 0.0,
-            Tissue::Layered { .. } => (patch.pocket_radius_mm / sheet.spacing_mm()) as f32,
+        let scale = self.picture.scale.as_ref();
+        let drawn = Drawn {
+            number: CURRENT,
+            numbers: Arc::new([CURRENT]),
+            picture: &self.picture,
+            table: &self.picture.table,
+            range: scale.map_or([0.0, 1.0], |s| [s.low, s.high]),
+            problem: session.problem(),
+            section,
+            net: options.net,
         };
-        self.draw(ui, &painter, area, section, Drawn { net: options.net, foot_radius, pocket });
-        if let Some(scale) = &self.picture.scale
-            && self.picture.body.layers() > 0
+        self.draw(ui, &painter, area, drawn);
+        self.draw_envelope(ui, &painter, area, (session, section), envelope);
+        if let Some(scale) = scale
+            && !self.picture.body.is_empty()
         {
-            overlay::color_bar(ui, &painter, area, scale);
+            overlay::legend(ui, &painter, area.with_min_y(area.top() + bar), scale);
         }
+        overlay::directions(ui, &painter, self.directions(session, area));
         overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));
-        self.show_values(ui, &painter, &response, session, section);
+        let pointer = self.pointer(ui, &response);
+        self.show_values(ui, &response, &self.picture, session, section, pointer);
+    }
+
+    /// The widget of the current scene's picture.
+    fn interact(&mut self, ui: &Ui, area: Rect) -> Response {
+        // An id of its own: the focus stays while the progress of a solve is shown above the picture.
+        let id = ui.scope_id().with("3-D view");
+        let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
+        self.id = Some(response.id);
+        response
     }
 
     /// Fits the camera to a new aspect ratio, unless the user has moved the camera.
-    fn place_camera(&mut self, session: &Session, aspect: f32) {
+    fn place_camera(&mut self, radius: f32, aspect: f32) {
         if !self.is_placed {
-            self.fitted = Some(radius_to_fit(session));
+            self.fitted = Some(radius);
         }
         let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
         if let Some(radius) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
@@ -201,7 +237,7 @@ impl Viewport {
         let eased = self.camera.ease(seconds);
         let mut moved = false;
         if response.clicked() || response.drag_started() {
-            response.request_focus();
+            ui.memory_mut(|memory| memory.request_focus(self.id.unwrap_or(response.id)));
         }
         let to_glam = |v: egui::Vec2| Vec2::new(v.x, v.y);
         let delta = to_glam(response.drag_delta());
@@ -254,14 +290,8 @@ impl Viewport {
         moved
     }
 
-    fn draw(
-        &self,
-        ui: &Ui,
-        painter: &egui::Painter,
-        area: Rect,
-        section: Section,
-        Drawn { net, foot_radius, pocket }: Drawn,
-    ) {
+    fn draw(&self, ui: &Ui, painter: &egui::Painter, area: Rect, drawn: Drawn<'_>) {
+        let Drawn { number, numbers, picture, table, range, problem, section, net } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
             let text = format!("The 3-D view is not available: {why}.\nControls and results work.");
@@ -271,10 +301,17 @@ impl Viewport {
             return;
         };
         let (right, up) = self.camera.right_and_up();
+        // A sheet ends at the pocket's edge.
+        let pocket = match problem.tissue {
+            Tissue::Sheet => 0.0,
+            Tissue::Layered { .. } => problem.patch.pocket_radius_mm / problem.sheet.spacing_mm(),
+        };
         let frame = Frame {
-            meshes: self.picture.meshes.clone(),
-            table: Arc::clone(&self.picture.table),
-            range: self.picture.scale.as_ref().map_or([0.0, 1.0], |s| [s.low, s.high]),
+            picture: number,
+            pictures: numbers,
+            meshes: picture.meshes.clone(),
+            table: Arc::clone(table),
+            range,
             clip_from_world: self.camera.clip_from_world(self.aspect),
             eye: self.camera.eye(),
             right,
@@ -282,9 +319,9 @@ impl Viewport {
             planes: section.planes(),
             axis: section.axis,
             net,
-            grid_centre: 0.5 * self.picture.body.nodes_per_side.saturating_sub(1) as f32,
-            foot_radius,
-            pocket,
+            grid_centre: 0.5 * picture.body.nodes_per_side.saturating_sub(1) as f32,
+            foot_radius: problem.obstacle.dome.wall_radius() as f32,
+            pocket: pocket as f32,
         };
         let renderer = Arc::clone(renderer);
         let paint = egui_glow::CallbackFn::new(move |_, painter| {
@@ -302,23 +339,40 @@ impl Viewport {
         0.5 * area.width() * (project(target + right) - project(target)).length()
     }
 
-    fn hit(&self, session: &Session, section: Section, area: Rect, pointer: Pos2) -> Option<Hit> {
-        let x = 2.0 * (pointer.x - area.left()) / area.width() - 1.0;
-        let y = 1.0 - 2.0 * (pointer.y - area.top()) / area.height();
-        let ray = self.camera.ray(Vec2::new(x, y), self.aspect);
-        let obstacle = &session.problem().obstacle;
-        pick::pick(&ray, &self.picture.body, &section, &self.picture.caps, obstacle, 0)
+    /// Places of the words for the directions of the patient, on the rim of the wall.
+    fn directions(&self, session: &Session, area: Rect) -> [(Option<Pos2>, &'static str); 4] {
+        let radius =
+            1.04 * self.picture.body.block_radius.max(session.problem().sheet.radius_mm() as f32);
+        let at = |x: f32, y: f32| self.point(Vec3::new(radius * x, radius * y, 0.0), area);
+        let words =
+            [(0.0, 1.0, "head"), (0.0, -1.0, "feet"), (-1.0, 0.0, "midline"), (1.0, 0.0, "side")];
+        words.map(|(x, y, word)| (at(x, y), word))
     }
 
-    fn show_values(
-        &mut self,
+    /// The place of a point \[mm\] in the area; `None` behind the eye.
+    fn point(&self, point: Vec3, area: Rect) -> Option<Pos2> {
+        let at = self.camera.project(point, self.aspect)?;
+        Some(area.lerp_inside(egui::vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y)))
+    }
+
+    /// Draws the envelopes of the skin of sampled patients over the session's picture.
+    fn draw_envelope(
+        &self,
         ui: &Ui,
         painter: &egui::Painter,
-        response: &Response,
-        session: &Session,
-        section: Section,
+        area: Rect,
+        (session, section): (&Session, Section),
+        band: &[SectionBand],
     ) {
-        let busy = session.is_working() && self.picture.body.nodes_per_side > PICK_WHILE_SOLVING;
+        let azimuth = self.camera.pose().azimuth;
+        for line in envelope::lines(band, session.scene().implant.center_mm, section, azimuth) {
+            let points = line.points.iter().filter_map(|point| self.point(*point, area)).collect();
+            overlay::envelope(ui, painter, points, line.is_outer);
+        }
+    }
+
+    /// The position whose values are shown: under the pointer, or of the last tap.
+    fn pointer(&mut self, ui: &Ui, response: &Response) -> Option<Pos2> {
         // A short touch starts and ends within one frame.
         ui.input(|input| {
             for event in &input.events {
@@ -334,27 +388,59 @@ impl Viewport {
             let is_again = self.tapped.zip(at).is_some_and(|(a, b)| is_same(a, b));
             self.tapped = at.filter(|_| !is_again);
         }
-        let Some(pointer) = response.hover_pos().or(self.tapped) else { return };
+        response.hover_pos().or(self.tapped.filter(|at| response.rect.contains(*at)))
+    }
+
+    /// Shows the values of a picture at a position.
+    fn show_values(
+        &self,
+        ui: &Ui,
+        response: &Response,
+        picture: &Picture,
+        subject: &impl Subject,
+        section: Section,
+        pointer: Option<Pos2>,
+    ) {
+        let Some(pointer) = pointer else { return };
+        let busy = subject.is_working() && picture.body.nodes_per_side > PICK_WHILE_SOLVING;
         if busy || response.dragged() {
             return;
         }
         let area = response.rect;
-        if let Some(hit) = self.hit(session, section, area, pointer) {
+        let x = 2.0 * (pointer.x - area.left()) / area.width() - 1.0;
+        let y = 1.0 - 2.0 * (pointer.y - area.top()) / area.height();
+        let ray = self.camera.ray(Vec2::new(x, y), self.aspect);
+        let obstacle = &subject.problem().obstacle;
+        let hit = pick::pick(&ray, &picture.body, &section, &picture.caps, obstacle);
+        if let Some(hit) = hit {
+            let painter = ui.painter_at(area);
             painter.circle(
                 pointer,
                 3.0,
                 Color32::TRANSPARENT,
                 egui::Stroke::new(1.5, ui.visuals().strong_text_color()),
             );
-            let lines = overlay::readout(&hit, &self.picture, session);
-            overlay::pointer_box(ui, painter, area, pointer, &lines);
+            let lines = overlay::readout(&hit, picture, subject.scene());
+            pointer_box(ui, &painter, area, pointer, &lines);
         }
     }
 }
 
+/// The cut of the options through the axis of an implant.
+fn section_of(options: &Options, problem: &Problem) -> Section {
+    Section {
+        opening: match (options.section, options.half) {
+            (false, _) => Opening::Closed,
+            (true, false) => Opening::Wedge,
+            (true, true) => Opening::Half,
+        },
+        angle: options.section_azimuth_deg.to_radians(),
+        axis: problem.obstacle.dome.center.as_vec2(),
+    }
+}
+
 /// Radius of the sphere around the body \[mm\].
-fn radius_to_fit(session: &Session) -> f32 {
-    let problem = session.problem();
+fn radius_of(problem: &Problem) -> f32 {
     let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
     let radius = problem.sheet.radius_mm();
     (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.obstacle.dome.projection) as f32

@@ -1,7 +1,7 @@
-//! Overlays of the picture: colour bar, scale bar, values at the pointer.
+//! Overlays of the picture: legend, directions, scale bar, values at the pointer.
 
-use crate::measure::Field;
-use crate::session::Session;
+use crate::measure::{Field, MMHG_PER_KPA};
+use crate::scene::Scene;
 use crate::view::color::{Rgb, Scale};
 use crate::view::pick::{Hit, Target};
 use crate::view::picture::Picture;
@@ -22,40 +22,149 @@ fn font(ui: &Ui) -> FontId {
     TextStyle::Small.resolve(ui.style())
 }
 
-/// Draws the colour bar at the right edge with title, unit and ticks.
-pub(crate) fn color_bar(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
-    let font = font(ui);
-    let text = ui.visuals().text_color();
-    let height = (area.height() * 0.42).min(area.width() * 0.36).clamp(70.0, 220.0);
-    let right = area.right() - MARGIN - 34.0;
-    let top = area.top() + MARGIN + 22.0;
-    let bar = Rect::from_min_size(pos2(right - BAR_WIDTH, top), vec2(BAR_WIDTH, height));
-    let title = format!("{} [{}]", scale.title, scale.unit);
-    let at = pos2(area.right() - MARGIN, top - 8.0);
-    let title = painter.layout_no_wrap(title, font.clone(), text);
-    let title_rect = Align2::RIGHT_BOTTOM.anchor_size(at, title.size());
-    let ground = title_rect.union(bar).union(Rect::from_pos(pos2(at.x, bar.bottom() + 4.0)));
-    backdrop(ui, painter, ground);
-    painter.galley(title_rect.min, title, text);
+/// Draws the colour bar with title, unit, limits, words of the bands and a mark at the greatest value: at the right
+/// edge, in a narrow area along the top.
+pub(crate) fn legend(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+    if area.width() < NARROW {
+        strip(ui, painter, area, scale);
+    } else {
+        column(ui, painter, area, scale);
+    }
+}
 
+/// Width of an area below which the legend is a strip \[points\].
+const NARROW: f32 = 420.0;
+
+fn title(scale: &Scale) -> String {
+    format!("{} [{}]", scale.title, scale.unit)
+}
+
+/// Position of a value in the bar, 0 to 1.
+fn fraction(scale: &Scale, value: f32) -> f32 {
+    (value - scale.low) / (scale.high - scale.low)
+}
+
+/// The scale's colours between two corners, low at `from`.
+fn colours(painter: &Painter, bar: Rect, scale: &Scale, is_upright: bool) {
     let mut mesh = Mesh::default();
-    let steps = scale.table.len();
+    let steps = scale.table.len() as f32;
     for (k, &c) in scale.table.iter().enumerate() {
-        let at = |s: usize| bar.bottom() - bar.height() * s as f32 / steps as f32;
-        let band = Rect::from_min_max(pos2(bar.left(), at(k + 1)), pos2(bar.right(), at(k)));
+        let (a, b) = (k as f32 / steps, (k + 1) as f32 / steps);
+        let band = if is_upright {
+            let at = |t: f32| bar.bottom() - bar.height() * t;
+            Rect::from_min_max(pos2(bar.left(), at(b)), pos2(bar.right(), at(a)))
+        } else {
+            let at = |t: f32| bar.left() + bar.width() * t;
+            Rect::from_min_max(pos2(at(a), bar.top()), pos2(at(b), bar.bottom()))
+        };
         mesh.add_colored_rect(band, color32(c));
     }
     painter.add(Shape::mesh(mesh));
+}
+
+/// The legend at the right edge.
+fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+    let (font, text) = (font(ui), ui.visuals().text_color());
+    let height = (area.height() * 0.42).clamp(70.0, 200.0);
+    let layout = |words: &str| painter.layout_no_wrap(words.to_owned(), font.clone(), text);
+    let words: Vec<_> = scale.words.iter().map(|(value, word)| (*value, layout(word))).collect();
+    let labels: Vec<_> = scale.ticks.iter().map(|(_, label)| layout(label)).collect();
+    let width = |of: &mut dyn Iterator<Item = f32>| of.fold(0.0, f32::max);
+    let word_width = width(&mut words.iter().map(|(_, galley)| galley.size().x));
+    let label_width = width(&mut labels.iter().map(|galley| galley.size().x));
+    let title = layout(&title(scale));
+    // From the right: numbers, bar, mark, words.
+    let (right, top) = (area.right() - MARGIN, area.top() + MARGIN);
+    let bar_right = right - label_width - 8.0;
+    let bar_top = top + title.size().y + 10.0;
+    let bar = Rect::from_min_size(pos2(bar_right - BAR_WIDTH, bar_top), vec2(BAR_WIDTH, height));
+    let words_right = bar.left() - 14.0;
+    let left = (words_right - word_width).min(right - title.size().x);
+    backdrop(ui, painter, Rect::from_min_max(pos2(left, top), pos2(right, bar.bottom() + 4.0)));
+    let title_size = title.size();
+    painter.galley(pos2(right - title_size.x, top - 2.0), title, text);
+    colours(painter, bar, scale, true);
     let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
     painter.rect_stroke(bar, CornerRadius::ZERO, outline, StrokeKind::Outside);
-
     let spacing = font.size + 1.0;
-    for ((value, label), y) in scale.ticks.iter().zip(label_heights(scale, bar, spacing)) {
+    for (((value, _), y), label) in
+        scale.ticks.iter().zip(label_heights(scale, bar, spacing)).zip(labels)
+    {
         let tick = height_of(scale, bar, *value);
-        let line = [pos2(bar.right(), tick), pos2(bar.right() + 4.0, y)];
-        painter.line_segment(line, outline);
-        let at = pos2(bar.right() + 7.0, y);
-        painter.text(at, Align2::LEFT_CENTER, label, font.clone(), text);
+        painter.line_segment([pos2(bar.right(), tick), pos2(bar.right() + 4.0, y)], outline);
+        painter.galley(pos2(bar.right() + 7.0, y - 0.5 * label.size().y), label, text);
+    }
+    let mut lowest = f32::INFINITY;
+    for (value, galley) in words {
+        // A narrow band's word is moved up from the word below.
+        let y = (height_of(scale, bar, value)).min(lowest - spacing);
+        lowest = y;
+        painter.galley(
+            pos2(words_right - galley.size().x, y - 0.5 * galley.size().y),
+            galley,
+            text,
+        );
+    }
+    if let Some(greatest) = scale.greatest {
+        let y = height_of(scale, bar, greatest.clamp(scale.low, scale.high));
+        let tip = pos2(bar.left() - 1.0, y);
+        let mark = vec![tip, tip + vec2(-8.0, -5.0), tip + vec2(-8.0, 5.0)];
+        painter.add(Shape::convex_polygon(mark, text, Stroke::NONE));
+    }
+}
+
+/// The legend along the top.
+fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+    let (font, text) = (font(ui), ui.visuals().text_color());
+    let left = area.left() + MARGIN;
+    let bar = Rect::from_min_size(
+        pos2(left, area.top() + MARGIN + 12.0),
+        vec2(area.width() - 2.0 * MARGIN, 8.0),
+    );
+    let ground = Rect::from_min_max(bar.min - vec2(0.0, 16.0), bar.max + vec2(0.0, 14.0));
+    backdrop(ui, painter, ground);
+    colours(painter, bar, scale, false);
+    let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
+    painter.rect_stroke(bar, CornerRadius::ZERO, outline, StrokeKind::Outside);
+    let at = |value: f32| bar.left() + bar.width() * fraction(scale, value).clamp(0.0, 1.0);
+    let above = pos2(left, bar.top() - 2.0);
+    painter.text(above, Align2::LEFT_BOTTOM, title(scale), font.clone(), text);
+    // Words above, as far as there is room to the right of the title; numbers below.
+    let mut free = left + 0.36 * bar.width();
+    for (value, word) in &scale.words {
+        let galley = painter.layout_no_wrap((*word).to_owned(), font.clone(), text);
+        let start = at(*value) - 0.5 * galley.size().x;
+        if start > free && start + galley.size().x <= bar.right() {
+            free = start + galley.size().x + 6.0;
+            painter.galley(pos2(start, bar.top() - 2.0 - galley.size().y), galley, text);
+        }
+    }
+    let mut free = f32::NEG_INFINITY;
+    for (value, label) in &scale.ticks {
+        let galley = painter.layout_no_wrap(label.clone(), font.clone(), text);
+        let start =
+            (at(*value) - 0.5 * galley.size().x).clamp(bar.left(), bar.right() - galley.size().x);
+        if start > free {
+            free = start + galley.size().x + 4.0;
+            painter.galley(pos2(start, bar.bottom() + 1.0), galley, text);
+        }
+    }
+    if let Some(greatest) = scale.greatest {
+        let tip = pos2(at(greatest), bar.bottom() + 1.0);
+        let mark = vec![tip, tip + vec2(-5.0, 8.0), tip + vec2(5.0, 8.0)];
+        painter.add(Shape::convex_polygon(mark, text, Stroke::new(1.0, ui.visuals().panel_fill)));
+    }
+}
+
+/// Draws the words for the directions of the patient.
+pub(crate) fn directions(ui: &Ui, painter: &Painter, words: [(Option<Pos2>, &'static str); 4]) {
+    for (at, word) in words {
+        let Some(at) = at else { continue };
+        let galley = painter.layout_no_wrap(word.to_owned(), font(ui), ui.visuals().text_color());
+        let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size());
+        let fill = ui.visuals().panel_fill.gamma_multiply(0.75);
+        painter.rect_filled(rect.expand2(vec2(4.0, 0.0)), CornerRadius::same(4), fill);
+        painter.galley(rect.min, galley, ui.visuals().text_color());
     }
 }
 
@@ -66,7 +175,7 @@ fn backdrop(ui: &Ui, painter: &Painter, rect: Rect) {
 }
 
 fn height_of(scale: &Scale, bar: Rect, value: f32) -> f32 {
-    bar.bottom() - bar.height() * (value - scale.low) / (scale.high - scale.low)
+    bar.bottom() - bar.height() * fraction(scale, value)
 }
 
 /// Heights of the labels without overlap: raised from low to high, then pushed down from the top.
@@ -85,6 +194,18 @@ fn label_heights(scale: &Scale, bar: Rect, spacing: f32) -> Vec<f32> {
     heights
 }
 
+/// Draws a line of an envelope: outer solid, inner dashed, on a light ground over any colour.
+pub(crate) fn envelope(ui: &Ui, painter: &Painter, points: Vec<Pos2>, is_outer: bool) {
+    let (line, ground) = (ui.visuals().text_color(), ui.visuals().panel_fill.gamma_multiply(0.6));
+    painter.add(Shape::line(points.clone(), Stroke::new(4.0, ground)));
+    let stroke = Stroke::new(1.5, line);
+    if is_outer {
+        painter.add(Shape::line(points, stroke));
+    } else {
+        painter.extend(Shape::dashed_line(&points, stroke, 6.0, 4.0));
+    }
+}
+
 /// Draws a bar of a round length in mm; the scale holds at the camera's target.
 pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f32) {
     let length_mm = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]
@@ -99,14 +220,27 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
     for p in [start, end] {
         painter.line_segment([p - vec2(0.0, 3.0), p + vec2(0.0, 3.0)], stroke);
     }
-    let label = format!("{length_mm} mm");
+    let label = if length_mm < 10.0 {
+        format!("{length_mm} mm")
+    } else {
+        format!("{} cm", 0.1 * length_mm)
+    };
     let at = start.lerp(end, 0.5) - vec2(0.0, 5.0);
     painter.text(at, Align2::CENTER_BOTTOM, label, font(ui), ui.visuals().text_color());
 }
 
+/// Draws the name of a picture at the left of its upper edge.
+pub(crate) fn caption(ui: &Ui, painter: &Painter, area: Rect, title: &str) {
+    let font = TextStyle::Button.resolve(ui.style());
+    let galley = painter.layout_no_wrap(title.to_owned(), font, ui.visuals().strong_text_color());
+    let at = area.left_top() + vec2(MARGIN, MARGIN);
+    backdrop(ui, painter, Rect::from_min_size(at, galley.size()));
+    painter.galley(at, galley, ui.visuals().strong_text_color());
+}
+
 /// The values at a hit, one per line.
-pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<String> {
-    let layers = &session.scene().layers;
+pub(crate) fn readout(hit: &Hit, picture: &Picture, scene: &Scene) -> Vec<String> {
+    let layers = &scene.layers;
     let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
     match &hit.target {
         Target::Implant => vec![format!("Implant, {:.1} mm above the chest wall", hit.point.z)],
@@ -120,15 +254,16 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, session: &Session) -> Vec<St
                 nodes.iter().map(at).sum::<Option<f32>>().unwrap_or(0.0)
             };
             let mut lines = vec![
-                format!("Strain {:.0} %", 100.0 * value(Field::PrincipalStrain)),
-                format!("Area ratio {:.2}", value(Field::AreaStretch)),
+                format!("Skin stretch {:.0} %", 100.0 * value(Field::PrincipalStrain)),
+                format!("Skin area +{:.0} %", 100.0 * (value(Field::AreaStretch) - 1.0)),
             ];
-            if session.scene().is_layered() {
+            if scene.is_layered() {
                 lines.push(format!("Cover {:.1} mm", value(Field::Cover)));
             }
             let pressure = value(Field::ContactPressure);
             if pressure > 0.0 {
-                lines.push(format!("Pressure {} kPa", three_figures(pressure)));
+                let mmhg = pressure * MMHG_PER_KPA as f32;
+                lines.push(format!("Pressure {} mmHg", three_figures(mmhg)));
             }
             for (k, thickness) in fields.solution().stack().thickness_mm.iter().enumerate() {
                 let thickness = hit.target.value(thickness).unwrap_or(0.0);
@@ -207,6 +342,8 @@ mod tests {
             low: 0.0,
             high: 0.8,
             ticks: marks.map(|m| (m, String::new())).to_vec(),
+            words: Vec::new(),
+            greatest: None,
             table: Vec::new(),
         };
         for height in [70.0, 220.0] {

@@ -1,4 +1,4 @@
-//! Renderer of the picture: one shader program, four meshes, a colour table.
+//! Renderer of the pictures: one shader program, four meshes for each picture, a colour table.
 //!
 //! Uploads changes only: a mesh, its indices or a table with the same `Arc` as before is not uploaded
 //! again.
@@ -7,6 +7,8 @@ use crate::view::color::Rgb;
 use crate::view::mesh::{Mesh, Vertex};
 use eframe::glow::{self, HasContext as _};
 use glam::{Mat4, Vec2, Vec3};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 /// Materials in drawing order; the number is the shader's `u_material`.
@@ -28,6 +30,10 @@ const MATERIALS: [Material; 4] =
 /// Content of a frame.
 #[derive(Clone)]
 pub(crate) struct Frame {
+    /// Number of the picture.
+    pub(crate) picture: u64,
+    /// The pictures in use; the buffers of others are freed.
+    pub(crate) pictures: Arc<[u64]>,
     /// A mesh for each material.
     pub(crate) meshes: [Arc<Mesh>; 4],
     /// Colour table of the displayed quantity.
@@ -70,7 +76,8 @@ impl Buffers {
 /// Draws [`Frame`]s.
 pub(crate) struct Renderer {
     program: glow::Program,
-    buffers: Vec<Buffers>,
+    /// Buffers of each picture, by its number.
+    buffers: BTreeMap<u64, Vec<Buffers>>,
     table: glow::Texture,
     uploaded_table: Option<Arc<Vec<Rgb>>>,
 }
@@ -90,9 +97,10 @@ impl Renderer {
         unsafe {
             let program = link(gl, &prefix)?;
             let table = gl.create_texture()?;
-            let buffers =
-                MATERIALS.iter().map(|_| Buffers::new(gl, program)).collect::<Result<_, _>>()?;
-            Ok(Self { program, buffers, table, uploaded_table: None })
+            let mut renderer =
+                Self { program, buffers: BTreeMap::new(), table, uploaded_table: None };
+            renderer.add_buffers(gl, 0)?;
+            Ok(renderer)
         }
     }
 
@@ -100,7 +108,13 @@ impl Renderer {
     pub(crate) fn paint(&mut self, gl: &glow::Context, frame: &Frame) {
         // SAFETY: as in `new`; egui restores its own state after a paint callback.
         unsafe {
-            for (buffers, mesh) in self.buffers.iter_mut().zip(&frame.meshes) {
+            self.free_others(gl, &frame.pictures);
+            // Without memory for its buffers a picture stays empty.
+            if self.add_buffers(gl, frame.picture).is_err() {
+                return;
+            }
+            let Some(set) = self.buffers.get_mut(&frame.picture) else { return };
+            for (buffers, mesh) in set.iter_mut().zip(&frame.meshes) {
                 buffers.upload(gl, mesh);
             }
             self.upload_table(gl, &frame.table);
@@ -114,7 +128,7 @@ impl Renderer {
             gl.clear(glow::DEPTH_BUFFER_BIT);
             gl.use_program(Some(self.program));
             self.set_frame_uniforms(gl, frame);
-            for (material, buffers) in MATERIALS.into_iter().zip(&self.buffers) {
+            for (material, buffers) in MATERIALS.into_iter().zip(&self.buffers[&frame.picture]) {
                 let Some(mesh) = &buffers.uploaded else { continue };
                 let cut = material == Material::Tissue && frame.planes.is_some();
                 gl.uniform_1_i32(self.uniform(gl, "u_material").as_ref(), material as i32);
@@ -134,12 +148,30 @@ impl Renderer {
         unsafe {
             gl.delete_program(self.program);
             gl.delete_texture(self.table);
-            for buffers in &self.buffers {
-                gl.delete_vertex_array(buffers.vertex_array);
-                gl.delete_buffer(buffers.vertices);
-                gl.delete_buffer(buffers.indices);
-            }
+            self.buffers.values().flatten().for_each(|buffers| buffers.delete(gl));
         }
+    }
+
+    /// Creates the buffers of a picture, if they are missing.
+    unsafe fn add_buffers(&mut self, gl: &glow::Context, picture: u64) -> Result<(), String> {
+        if let Entry::Vacant(place) = self.buffers.entry(picture) {
+            // SAFETY: as in `new`.
+            let set = MATERIALS.iter().map(|_| unsafe { Buffers::new(gl, self.program) });
+            place.insert(set.collect::<Result<_, _>>()?);
+        }
+        Ok(())
+    }
+
+    /// Frees the buffers of pictures that are not in use.
+    unsafe fn free_others(&mut self, gl: &glow::Context, pictures: &[u64]) {
+        self.buffers.retain(|picture, set| {
+            let is_used = pictures.contains(picture);
+            if !is_used {
+                // SAFETY: this context created the objects; they are not used again.
+                set.iter().for_each(|buffers| unsafe { buffers.delete(gl) });
+            }
+            is_used
+        });
     }
 
     unsafe fn uniform(&self, gl: &glow::Context, name: &str) -> Option<glow::UniformLocation> {
@@ -241,6 +273,15 @@ impl Buffers {
             }
             gl.bind_vertex_array(None);
             Ok(Self { vertex_array, vertices, indices, uploaded: None })
+        }
+    }
+
+    unsafe fn delete(&self, gl: &glow::Context) {
+        // SAFETY: this context created the objects; they are not used again.
+        unsafe {
+            gl.delete_vertex_array(self.vertex_array);
+            gl.delete_buffer(self.vertices);
+            gl.delete_buffer(self.indices);
         }
     }
 

@@ -43,6 +43,7 @@ void main() {
 
     // Derivatives are computed before any branch that differs between neighbouring pixels.
     vec2 width = fwidth(v_grid);
+    bool has_net = v_grid.y > -0.5;
 
     bool has_value = v_value > -1.0e8;
     vec3 base = v_color;
@@ -89,7 +90,7 @@ void main() {
         color += vec3(0.10, 0.14, 0.20) * rim;
     }
 
-    if (u_net && u_material == 0 && v_grid.x > -0.5) {
+    if (u_net && u_material == 0 && has_net) {
         float level = max(log2(9.0 * max(width.x, width.y)), 0.0);
         float spacing = exp2(floor(level));
         vec2 grid = v_grid - u_grid_centre;
@@ -98,9 +99,15 @@ void main() {
             springs(grid, width, 2.0 * spacing),
             smoothstep(0.3, 0.9, fract(level)));
         color = mix(color, color * 0.30, 0.42 * net);
+    } else if (u_net && u_material == 1 && has_net) {
+        // The cells in the cut: fewer along the skin from afar, all of them through the thickness.
+        float spacing = exp2(floor(max(log2(9.0 * width.x), 0.0)));
+        vec2 cell = vec2(spacing, 1.0);
+        float net = springs(v_grid / cell, width / cell, 1.0);
+        color = mix(color, color * 0.30, 0.42 * net);
     }
 
-    if (u_pocket > 0.0 && u_material == 0 && v_grid.x > -0.5) {
+    if (u_pocket > 0.0 && u_material == 0 && has_net) {
         float across = abs(length(v_grid - u_grid_centre) - u_pocket);
         float edge = 1.0 - smoothstep(0.8, 1.8, across / max(max(width.x, width.y), 1e-6));
         color = mix(color, vec3(0.05, 0.05, 0.09), 0.75 * edge);

@@ -1,11 +1,17 @@
-//! A row with a slider: label and unit, rail, number field, and the reason of a rejection.
+//! A slider or a stepper: label and unit, rail or buttons, number field, and the reason of a rejection.
 
 use super::number_field::NumberField;
 use super::quantity::{self, Kind};
 use super::rail::Rail;
+use super::set_accessible_name;
 use crate::app::theme;
-use eframe::egui::{self, RichText, Sense, Ui};
+use eframe::egui::{self, Response, RichText, Sense, Ui, vec2};
 use std::ops::RangeInclusive;
+
+/// Widths of label, number field and unit in a row \[points\].
+const LABEL_WIDTH: f32 = 68.0;
+const FIELD_WIDTH: f32 = 52.0;
+const UNIT_WIDTH: f32 = 20.0;
 
 /// A slider with label, unit, number field, tooltip, and reset by double-click.
 pub(in crate::app) struct Control<'a> {
@@ -23,6 +29,8 @@ pub(in crate::app) struct Control<'a> {
     pub(in crate::app) reset: f64,
     /// Minimum number of decimals shown.
     pub(in crate::app) decimals: usize,
+    /// Maximum number of decimals shown; a derived value needs no more.
+    pub(in crate::app) most_decimals: usize,
     /// Rounding step of dragging and keys; 0: three significant digits.
     pub(in crate::app) step: f64,
     pub(in crate::app) logarithmic: bool,
@@ -40,6 +48,7 @@ impl Default for Control<'_> {
             limit_reason: "",
             reset: 0.0,
             decimals: 1,
+            most_decimals: 6,
             step: 0.5,
             logarithmic: false,
             tooltip: "",
@@ -57,49 +66,145 @@ pub(in crate::app) struct ControlResponse {
 }
 
 impl Control<'_> {
+    /// Shows the control; the label stands above the rail.
     pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> ControlResponse {
-        let name = match self.unit {
+        let label = self.label(ui, &self.name());
+        let rail = |ui: &Ui| (ui.available_width() - FIELD_WIDTH - 26.0).max(60.0);
+        self.line(ui, value, label, |ui, line, value| {
+            line.rail(ui, value, rail(ui));
+            line.field(ui, value);
+        })
+    }
+
+    /// Shows the control in one row: label, rail, number field, unit, and what `trailing` adds in the given width
+    /// \[points\].
+    pub(in crate::app) fn row(
+        self,
+        ui: &mut Ui,
+        value: &mut f64,
+        (width, trailing): (f32, impl FnOnce(&mut Ui)),
+    ) -> ControlResponse {
+        let height = ui.spacing().interact_size.y;
+        self.in_row(ui, value, height, |ui, line, value| {
+            let space = ui.spacing().item_spacing.x;
+            let others = FIELD_WIDTH + UNIT_WIDTH + 3.0 * space + 10.0 + width;
+            let rail = ui.available_width() - others;
+            // A rail of a few points would be of no use.
+            if rail >= 40.0 {
+                line.rail(ui, value, rail);
+            }
+            line.field(ui, value);
+            line.unit(ui);
+            trailing(ui);
+        })
+    }
+
+    /// Shows the control in one row for fingers: label, minus, number field, plus, unit, and what `trailing` adds.
+    pub(in crate::app) fn stepper(
+        self,
+        ui: &mut Ui,
+        value: &mut f64,
+        trailing: impl FnOnce(&mut Ui),
+    ) -> ControlResponse {
+        self.in_row(ui, value, theme::TOUCH - 4.0, |ui, line, value| {
+            line.step_button(ui, value, "−", "Less", -1.0);
+            line.field(ui, value);
+            line.step_button(ui, value, "+", "More", 1.0);
+            line.unit(ui);
+            trailing(ui);
+        })
+    }
+
+    /// Shows label and number field without a rail, with buttons for fingers.
+    pub(in crate::app) fn number(
+        self,
+        ui: &mut Ui,
+        value: &mut f64,
+        is_finger: bool,
+    ) -> ControlResponse {
+        let label = self.label(ui, self.label);
+        self.line(ui, value, label, |ui, line, value| {
+            if is_finger {
+                line.step_button(ui, value, "−", "Less", -1.0);
+            }
+            line.field(ui, value);
+            if is_finger {
+                line.step_button(ui, value, "+", "More", 1.0);
+            }
+            line.unit(ui);
+        })
+    }
+
+    /// Shows a row of a height \[points\] with the label at its start.
+    fn in_row(
+        self,
+        ui: &mut Ui,
+        value: &mut f64,
+        height: f32,
+        add: impl FnOnce(&mut Ui, &mut Line<'_, '_>, &mut f64),
+    ) -> ControlResponse {
+        let row = ui.horizontal(|ui| {
+            let size = vec2(LABEL_WIDTH, height);
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            let label = ui
+                .allocate_ui_with_layout(size, layout, |ui| {
+                    ui.set_min_width(LABEL_WIDTH);
+                    self.label(ui, self.label)
+                })
+                .inner;
+            let mut line = Line::new(&self);
+            add(ui, &mut line, value);
+            (label, line.change, line.rejection)
+        });
+        let (label, change, rejection) = row.inner;
+        self.finish(ui, value, &label, (change, rejection))
+    }
+
+    fn line(
+        self,
+        ui: &mut Ui,
+        value: &mut f64,
+        label: Response,
+        add: impl FnOnce(&mut Ui, &mut Line<'_, '_>, &mut f64),
+    ) -> ControlResponse {
+        let done = ui.horizontal(|ui| {
+            let mut line = Line::new(&self);
+            add(ui, &mut line, value);
+            (line.change, line.rejection)
+        });
+        self.finish(ui, value, &label, done.inner)
+    }
+
+    /// Name with the unit, for screen readers and tests.
+    fn name(&self) -> String {
+        match self.unit {
             "" => self.label.to_owned(),
             unit => format!("{} ({unit})", self.label),
-        };
-        let allowed = self.allowed.unwrap_or_else(|| self.range.clone());
-        let tooltip = format!(
+        }
+    }
+
+    fn tooltip(&self) -> String {
+        format!(
             "{}\nDouble-click the name to reset to {}.",
             self.tooltip,
-            quantity::format(self.reset, 0)
-        );
-        let label = ui.label(RichText::new(&name).color(ui.visuals().weak_text_color()));
+            quantity::format_at_most(self.reset, 0, self.most_decimals)
+        )
+    }
+
+    fn label(&self, ui: &mut Ui, text: &str) -> Response {
+        let label = ui.label(RichText::new(text).color(ui.visuals().weak_text_color()));
         // Skipped by the Tab key.
-        let label = label.interact(Sense::CLICK).on_hover_text(&tooltip);
-        let (mut change, mut rejection) = (ControlResponse::default(), None);
-        ui.horizontal(|ui| {
-            // The field is to the right of the rail, at the same position in every row.
-            let field_width = 62.0;
-            let rail = Rail {
-                name: &name,
-                range: self.range.clone(),
-                allowed: allowed.clone(),
-                step: self.step,
-                logarithmic: self.logarithmic,
-                width: (ui.available_width() - field_width - 26.0).max(60.0),
-            };
-            let moved = rail.show(ui, value);
-            moved.response.on_hover_text(&tooltip);
-            let field = NumberField {
-                name: &name,
-                kind: self.kind,
-                allowed,
-                limit_reason: self.limit_reason,
-                decimals: self.decimals,
-                step: if self.step > 0.0 { self.step } else { 0.1 },
-                width: field_width,
-                is_invalid: false,
-            };
-            let typed = field.show(ui, value);
-            change.is_changed = moved.is_changed || typed.is_changed;
-            change.out_of_range = moved.out_of_range.or(typed.out_of_range);
-            rejection = typed.rejection;
-        });
+        label.interact(Sense::CLICK).on_hover_text(self.tooltip())
+    }
+
+    /// Shows a rejection and resets the value after a double-click on the label.
+    fn finish(
+        &self,
+        ui: &mut Ui,
+        value: &mut f64,
+        label: &Response,
+        (mut change, rejection): (ControlResponse, Option<String>),
+    ) -> ControlResponse {
         if let Some(rejection) = rejection {
             rejection_label(ui, &rejection);
         }
@@ -108,6 +213,79 @@ impl Control<'_> {
             change.is_changed = true;
         }
         change
+    }
+}
+
+/// The parts of a control in one line, and what they changed.
+struct Line<'c, 'a> {
+    control: &'c Control<'a>,
+    name: String,
+    change: ControlResponse,
+    rejection: Option<String>,
+}
+
+impl<'c, 'a> Line<'c, 'a> {
+    fn new(control: &'c Control<'a>) -> Self {
+        Self { control, name: control.name(), change: ControlResponse::default(), rejection: None }
+    }
+
+    fn allowed(&self) -> RangeInclusive<f64> {
+        self.control.allowed.clone().unwrap_or_else(|| self.control.range.clone())
+    }
+
+    fn rail(&mut self, ui: &mut Ui, value: &mut f64, width: f32) {
+        let rail = Rail {
+            name: &self.name,
+            range: self.control.range.clone(),
+            allowed: self.allowed(),
+            step: self.control.step,
+            logarithmic: self.control.logarithmic,
+            width,
+        };
+        let moved = rail.show(ui, value);
+        moved.response.on_hover_text(self.control.tooltip());
+        self.change.is_changed |= moved.is_changed;
+        self.change.out_of_range = self.change.out_of_range.or(moved.out_of_range);
+    }
+
+    fn field(&mut self, ui: &mut Ui, value: &mut f64) {
+        let control = self.control;
+        let field = NumberField {
+            name: &self.name,
+            kind: control.kind,
+            allowed: self.allowed(),
+            limit_reason: control.limit_reason,
+            decimals: control.decimals,
+            most_decimals: control.most_decimals,
+            step: if control.step > 0.0 { control.step } else { 0.1 },
+            width: FIELD_WIDTH,
+            is_invalid: false,
+        };
+        let typed = field.show(ui, value);
+        self.change.is_changed |= typed.is_changed;
+        self.change.out_of_range = self.change.out_of_range.or(typed.out_of_range);
+        self.rejection = typed.rejection;
+    }
+
+    /// A button of a finger's size that steps the value.
+    fn step_button(&mut self, ui: &mut Ui, value: &mut f64, text: &str, name: &str, steps: f64) {
+        let button = ui.add_sized([theme::TOUCH, theme::TOUCH - 4.0], egui::Button::new(text));
+        set_accessible_name(&button, egui::Role::Button, &format!("{name} {}", self.control.label));
+        if button.clicked() {
+            let allowed = self.allowed();
+            let moved = quantity::stepped(*value, self.control.step, steps);
+            *value = quantity::significant(moved).max(*allowed.start()).min(*allowed.end());
+            self.change.is_changed = true;
+        }
+    }
+
+    fn unit(&self, ui: &mut Ui) {
+        let size = vec2(UNIT_WIDTH, ui.spacing().interact_size.y);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_width(UNIT_WIDTH);
+            ui.label(RichText::new(self.control.unit).color(ui.visuals().weak_text_color()));
+        });
     }
 }
 

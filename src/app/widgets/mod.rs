@@ -7,11 +7,11 @@ mod number_field;
 pub(super) mod quantity;
 mod rail;
 
-pub(super) use control::{Control, rejection_label};
+pub(super) use control::{Control, ControlResponse, rejection_label};
 pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
-use super::theme::{SPACE, SPACE_SMALL};
+use super::theme::SPACE;
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
 use egui::accesskit::{Action, ActionData};
 use std::ops::RangeInclusive;
@@ -25,13 +25,6 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
             ui.add_space(SPACE);
         },
     );
-}
-
-/// A heading with space around it.
-pub(super) fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(SPACE_SMALL);
-    ui.heading(text);
-    ui.add_space(SPACE_SMALL);
 }
 
 /// Sets the name of a widget, for screen readers and tests, in place of its icon or number.

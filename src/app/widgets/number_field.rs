@@ -19,6 +19,8 @@ pub(in crate::app) struct NumberField<'a> {
     pub(in crate::app) limit_reason: &'a str,
     /// Minimum number of decimals shown.
     pub(in crate::app) decimals: usize,
+    /// Maximum number of decimals shown.
+    pub(in crate::app) most_decimals: usize,
     /// Step of the arrow keys.
     pub(in crate::app) step: f64,
     /// Width \[points\].
@@ -35,6 +37,7 @@ impl Default for NumberField<'_> {
             allowed: f64::MIN..=f64::MAX,
             limit_reason: "",
             decimals: 1,
+            most_decimals: 6,
             step: 1.0,
             width: 62.0,
             is_invalid: false,
@@ -131,7 +134,7 @@ impl NumberField<'_> {
         self.describe(ui, &response, *value);
         if let Some(rejection) = &rejection {
             response = response.on_hover_text(rejection);
-        } else if quantity::format(*value, self.decimals).len() > 7 {
+        } else if self.formatted(*value).len() > 7 {
             // The number is longer than the field.
             response = response.on_hover_text(value.to_string());
         }
@@ -140,7 +143,11 @@ impl NumberField<'_> {
 
     /// Text of the field: the text of an edit, otherwise the value.
     fn shown(&self, edit: Option<&Edit>, value: f64) -> String {
-        edit.map_or_else(|| quantity::format(value, self.decimals), |edit| edit.text.clone())
+        edit.map_or_else(|| self.formatted(value), |edit| edit.text.clone())
+    }
+
+    fn formatted(&self, value: f64) -> String {
+        quantity::format_at_most(value, self.decimals, self.most_decimals)
     }
 
     /// The text field, with a red frame around a rejected number.
@@ -180,7 +187,7 @@ impl NumberField<'_> {
         match self.parse(text) {
             Ok(number) => {
                 // The displayed text is rounded: unchanged text leaves the value unchanged.
-                if text != quantity::format(*value, self.decimals) {
+                if text != self.formatted(*value) {
                     *value = number;
                 }
                 *edit = None;

@@ -5,6 +5,10 @@
 pub(in crate::app) enum Kind {
     /// Length \[mm\].
     Length,
+    /// Length \[cm\].
+    Centimetres,
+    /// Volume \[ml\].
+    Volume,
     /// Stress \[kPa\].
     Stress,
     /// Fraction in percent \[%\].
@@ -22,7 +26,8 @@ impl Kind {
     /// Description of a unit of this kind in messages.
     fn name(self) -> &'static str {
         match self {
-            Self::Length => "a unit of length",
+            Self::Length | Self::Centimetres => "a unit of length",
+            Self::Volume => "a unit of volume",
             Self::Stress => "a unit of stress",
             Self::Percent | Self::Fraction => "a percentage",
             Self::Angle => "a unit of angle",
@@ -41,6 +46,15 @@ impl Kind {
                 ("inch", 25.4),
                 ("\"", 25.4),
             ],
+            Self::Centimetres => &[
+                ("cm", 1.0),
+                ("mm", 0.1),
+                ("m", 100.0),
+                ("in", 2.54),
+                ("inch", 2.54),
+                ("\"", 2.54),
+            ],
+            Self::Volume => &[("ml", 1.0), ("cc", 1.0), ("cm³", 1.0), ("cm3", 1.0), ("l", 1000.0)],
             Self::Stress => {
                 &[("kPa", 1.0), ("Pa", 1e-3), ("MPa", 1e3), ("mmHg", 0.133_322), ("N/mm²", 1e3)]
             }
@@ -111,7 +125,7 @@ fn number(text: &str) -> Option<f64> {
 }
 
 /// Rounds to twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
-fn significant(value: f64) -> f64 {
+pub(in crate::app) fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
@@ -142,6 +156,13 @@ pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
     without_negative_zero(text)
 }
 
+/// Formats a value like [`format`] with at most the given number of decimals.
+pub(in crate::app) fn format_at_most(value: f64, decimals: usize, most: usize) -> String {
+    let exact = format(value, decimals);
+    let count = exact.split_once('.').map_or(0, |(_, digits)| digits.len());
+    if count <= most { exact } else { without_negative_zero(format!("{value:.most$}")) }
+}
+
 /// Removes the minus sign of a number that is rounded to zero.
 pub(in crate::app) fn without_negative_zero(text: String) -> String {
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
@@ -164,6 +185,11 @@ mod tests {
             ("−5", Kind::Length, -5.0),
             ("1e1", Kind::Plain, 10.0),
             ("1e2 mm", Kind::Length, 100.0),
+            ("12,5", Kind::Centimetres, 12.5),
+            ("125 mm", Kind::Centimetres, 12.5),
+            ("5 in", Kind::Centimetres, 12.7),
+            ("300 cc", Kind::Volume, 300.0),
+            ("0,35 l", Kind::Volume, 350.0),
             ("20 %", Kind::Fraction, 0.2),
             ("0,5", Kind::Fraction, 0.5),
             ("220 kPa", Kind::Stress, 220.0),
@@ -203,5 +229,8 @@ mod tests {
         assert_eq!(format(46.400_000_000_000_006, 1), "46.4");
         assert_eq!(format(1.0 / 3.0, 1), "0.333333");
         assert_eq!(format(-0.0, 1), "0.0");
+        assert_eq!(format_at_most(3.978_874, 1, 1), "4.0");
+        assert_eq!(format_at_most(12.25, 1, 2), "12.25");
+        assert_eq!(format_at_most(318.7, 0, 0), "319");
     }
 }

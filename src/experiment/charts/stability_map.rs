@@ -3,12 +3,12 @@
 //! The colour is the least stiffness of the infinite sheet against a wave in its plane; lines mark the loss
 //! of stability of the infinite sheet, of the finite sheet, and of the sheet out of its plane.
 
-use super::contour::{Field, Path};
 use super::page::{Area, Drawn, Page, at, draw_label, pen, text};
 use super::panel::{Axis, Element, Grid, Panel, draw_all, draw_panel};
 use crate::experiment::sample::STABILITY_THRESHOLD;
 use crate::experiment::stability::Point;
 use crate::springs::stability::Load;
+use crate::study::contour::{Field, Path};
 use plotters::prelude::*;
 
 /// Content of a map.

@@ -151,8 +151,11 @@ pub fn inward_cosine(sheet: &Sheet, x: &[DVec3]) -> f64 {
 /// all triangles.
 fn relative_residual(solver: &Solver) -> f64 {
     let problem = solver.problem();
-    let (dome, x, (forces, scale)) =
-        (&problem.obstacle.dome, solver.solution().balanced(), solver.forces_and_scale());
+    let (dome, x, (forces, scale)) = (
+        &problem.obstacle.dome,
+        solver.solution().balanced().into_owned(),
+        solver.forces_and_scale(),
+    );
     let touch = 1e-5 * dome.base_radius;
     let mut has_offset = vec![false; x.len()];
     solver.offset_nodes().iter().for_each(|&(k, _)| has_offset[k] = true);

@@ -228,8 +228,11 @@ fn baseline(
             (watch.samples, end)
         };
         let Some(SheetGround { law, touch, .. }) = &ground.sheet else {
-            let is_column = method == Method::ColumnJacobi;
-            let scheme = if is_column { Scheme::ColumnJacobi } else { Scheme::Explicit };
+            let scheme = match method {
+                Method::ColumnJacobi => Scheme::ColumnJacobi,
+                Method::GaussSeidel => Scheme::GaussSeidel,
+                _ => Scheme::Explicit,
+            };
             let mut relaxation = Relaxation::new(problem, &ground.rest, scheme);
             return watched(&mut |watch| relaxation.run(watch), clock);
         };

@@ -6,10 +6,12 @@ use super::border::BorderCell;
 use super::cell::{self, Corners, Modes, Variation, modes, on_faces, turned, turned_back};
 use super::lanes::{is_in_ring, is_large};
 use super::law::{Matrix, SolidLaw};
+use crate::mesh::part::Part;
 use crate::mesh::{Attachment, NodeKind, Sheet};
 use crate::model::membrane::assembly;
 use crate::springs::table::Table;
 use glam::{DMat3, DVec3};
+use std::ops::Range;
 
 /// The body over a sheet.
 pub(crate) struct Exact<'a> {
@@ -34,6 +36,19 @@ pub(crate) struct CellState {
 }
 
 impl CellState {
+    /// Upper bounds of [`Self::greatest_stretch_and_stress`]: √‖FᵀF‖ and ‖P‖, Frobenius norms.
+    pub(crate) fn bounds(&self) -> (f64, f64) {
+        let norm = |matrix: &DMat3| {
+            let squares: f64 = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+                .map(DVec3::length_squared)
+                .iter()
+                .sum();
+            squares.sqrt()
+        };
+        let metric = self.gradient.transpose() * self.gradient;
+        (norm(&metric).sqrt(), norm(&self.stress))
+    }
+
     /// Greatest principal stretch \[-\] and greatest principal nominal (Biot) stress \[kPa\]. The law is isotropic: with a
     /// principal direction N of U, FN = λ RN and the stress is PN·RN.
     pub(crate) fn greatest_stretch_and_stress(&self) -> (f64, f64) {
@@ -108,12 +123,20 @@ pub(super) struct Element<'a> {
 impl Exact<'_> {
     /// The cells of the sheet, row by row.
     pub(crate) fn places(&self) -> Vec<Place> {
+        self.places_from([0; 2], |_, _| true)
+    }
+
+    /// The cells from a column and row on that are `wanted`, row by row.
+    fn places_from(
+        &self,
+        [first, first_row]: [usize; 2],
+        wanted: impl Fn(usize, usize) -> bool,
+    ) -> Vec<Place> {
         let (n, sheet) = (self.sheet.nodes_per_side(), self.sheet);
         let half = (n / 2) as f64;
         let unit = Sheet::new(n, half);
         let spacing = sheet.spacing_mm();
-        let place = |c: usize| {
-            let (i, j) = (c % (n - 1), c / (n - 1));
+        let place = |i: usize, j: usize| {
             let cell = BorderCell::new(&unit, i, j)?;
             let is_regular = cell.missing.is_none()
                 && cell.corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free);
@@ -123,7 +146,13 @@ impl Exact<'_> {
             let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
             Some(Place { cell, parity: has_points.then_some(sign) })
         };
-        (0..(n - 1) * (n - 1)).filter_map(place).collect()
+        let mut places = Vec::new();
+        for j in first_row..n - 1 {
+            let (from, to) = sheet.cell_span(j);
+            let cells = (from.max(first)..to).filter(|&i| wanted(i, j));
+            places.extend(cells.filter_map(|i| place(i, j)));
+        }
+        places
     }
 
     /// Displacements of the corners of a face \[spacings\].
@@ -140,32 +169,79 @@ impl Exact<'_> {
         let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
         assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
         self.each(&self.places(), x, |element| {
-            let Element { cell, layer, law, modes, slope, .. } = &element;
-            let mut force = match element.parity {
-                Some(parity) => cell::four_points(law, modes, *slope, parity, 0.0),
-                None => cell::center(law, modes, *slope, &Variation::new(*slope), 0.0),
-            };
-            force.linear = turned_back(force.linear, cell.sides());
-            let weight = cell.area * self.sheet.spacing_mm() * element.height;
-            for (face, l) in on_faces(&force.weighted(weight)).iter().zip([*layer, layer + 1]) {
-                cell.spread(face, |k, pull| forces[l][k] -= pull);
+            let layer = element.layer;
+            for (face, l) in self.faces_forces(&element).iter().zip([layer, layer + 1]) {
+                element.cell.spread(face, |k, pull| forces[l][k] -= pull);
             }
         });
         self.attached(|corners, integrals| {
-            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
-                let moved = |k: usize| x[0][corners[k]] - self.sheet.rest_position(corners[k]);
-                forces[0][corners[a]] -= moved(b) * *value;
-                if a != b {
-                    forces[0][corners[b]] -= moved(a) * *value;
-                }
-            }
+            self.pull_back(&x[0], corners, integrals, &mut forces[0]);
         });
         forces
     }
 
-    /// Calls `visit` with the state in the middle of every cell.
-    pub(crate) fn visit(&self, x: &[Vec<DVec3>], mut visit: impl FnMut(&CellState)) {
-        self.each(&self.places(), x, |element| {
+    /// Forces −∂E/∂x \[kPa·mm²\] on the inner face at the nodes of a part where `wanted`; on other nodes they may be
+    /// incomplete. `wanted` and the forces are arrays over the part.
+    pub(crate) fn forces_on_inner(
+        &self,
+        x: &[&[DVec3]],
+        part: Part,
+        wanted: &[bool],
+    ) -> Vec<DVec3> {
+        let mut forces = vec![DVec3::ZERO; self.sheet.len()];
+        let is_wanted = |i: usize, j: usize| {
+            let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            corners.iter().any(|&(i, j)| wanted[part.index_at(i, j)])
+        };
+        let places = self.places_from(part.first_cell(), is_wanted);
+        self.each_of(&places, 0..self.law.cells.len().min(1), x, |element| {
+            let [face, _] = self.faces_forces(&element);
+            element.cell.spread(&face, |k, pull| forces[k] -= pull);
+        });
+        self.attached_from(part.first_cell(), is_wanted, |corners, integrals| {
+            self.pull_back(x[0], corners, integrals, &mut forces);
+        });
+        let mut forces: Vec<DVec3> = part.nodes().map(|k| forces[k]).collect();
+        if self.law.cells.is_empty() {
+            // The skin is the inner face.
+            let of_skin = assembly::forces_at(self.sheet, &self.law.skin, x[0], part, wanted);
+            forces.iter_mut().zip(of_skin).for_each(|(force, skin)| *force += skin);
+        }
+        forces
+    }
+
+    /// Derivatives of a cell's energy by its corners on the inner and the outer face \[kPa·mm²\].
+    fn faces_forces(&self, element: &Element) -> [Corners<f64>; 2] {
+        let Element { cell, law, modes, slope, .. } = element;
+        let mut force = match element.parity {
+            Some(parity) => cell::four_points(law, modes, *slope, parity, 0.0),
+            None => cell::center(law, modes, *slope, &Variation::new(*slope), 0.0),
+        };
+        force.linear = turned_back(force.linear, cell.sides());
+        let weight = cell.area * self.sheet.spacing_mm() * element.height;
+        on_faces(&force.weighted(weight))
+    }
+
+    /// Adds the attachment's forces on the corners of a cell.
+    fn pull_back(
+        &self,
+        x: &[DVec3],
+        corners: [usize; 4],
+        integrals: [f64; 10],
+        forces: &mut [DVec3],
+    ) {
+        for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+            let moved = |k: usize| x[corners[k]] - self.sheet.rest_position(corners[k]);
+            forces[corners[a]] -= moved(b) * *value;
+            if a != b {
+                forces[corners[b]] -= moved(a) * *value;
+            }
+        }
+    }
+
+    /// Calls `visit` with the state in the middle of every cell between nodes of a part.
+    pub(crate) fn visit(&self, x: &[&[DVec3]], part: Part, mut visit: impl FnMut(&CellState)) {
+        self.each(&self.places_from(part.first(), |_, _| true), x, |element| {
             let columns = cell::gradient(element.modes.linear, element.slope);
             let (stress, equivalent) = element.law.response(columns);
             visit(&CellState {
@@ -179,12 +255,29 @@ impl Exact<'_> {
     }
 
     /// Calls `visit` with every cell of every layer at these places.
-    pub(super) fn each(&self, places: &[Place], x: &[Vec<DVec3>], mut visit: impl FnMut(Element)) {
+    pub(super) fn each<X: AsRef<[DVec3]>>(
+        &self,
+        places: &[Place],
+        x: &[X],
+        visit: impl FnMut(Element),
+    ) {
+        self.each_of(places, 0..self.law.cells.len(), x, visit);
+    }
+
+    /// [`Self::each`] of some layers of cells.
+    fn each_of<X: AsRef<[DVec3]>>(
+        &self,
+        places: &[Place],
+        layers: Range<usize>,
+        x: &[X],
+        mut visit: impl FnMut(Element),
+    ) {
         let heights = self.law.heights();
         let spacing = self.sheet.spacing_mm();
         for &Place { cell, parity } in places {
-            for (layer, cells) in self.law.cells.iter().enumerate() {
-                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], &x[l]));
+            for layer in layers.clone() {
+                let cells = &self.law.cells[layer];
+                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], x[l].as_ref()));
                 let mut modes = modes(&faces[0], &faces[1]);
                 modes.linear = turned(modes.linear, cell.sides());
                 let sign = if layer % 2 == 0 { 1.0 } else { -1.0 };
@@ -223,19 +316,30 @@ impl Exact<'_> {
     }
 
     /// Calls `visit` with the corners and the integrals \[kPa·mm\] of every attached cell.
-    pub(super) fn attached(&self, mut visit: impl FnMut([usize; 4], [f64; 10])) {
+    pub(super) fn attached(&self, visit: impl FnMut([usize; 4], [f64; 10])) {
+        self.attached_from([0; 2], |_, _| true, visit);
+    }
+
+    /// [`Self::attached`] of the cells from a column and row on that are `wanted`.
+    fn attached_from(
+        &self,
+        [first, first_row]: [usize; 2],
+        wanted: impl Fn(usize, usize) -> bool,
+        mut visit: impl FnMut([usize; 4], [f64; 10]),
+    ) {
         let Some(attachment) = self.attachment else { return };
         let (n, spacing) = (self.sheet.nodes_per_side(), self.sheet.spacing_mm());
         let half = (n / 2) as f64;
-        for c in 0..(n - 1) * (n - 1) {
-            let (i, j) = (c % (n - 1), c / (n - 1));
-            let corners = self.sheet.corners(i, j);
-            if !corners.iter().any(|&k| self.sheet.kinds()[k] == NodeKind::Free) {
-                continue;
-            }
-            let at = [i, j].map(|k| (k as f64 - half) * spacing);
-            if let Some(integrals) = attachment.integrals(self.pocket_radius, at, spacing) {
-                visit(corners, integrals.map(|value| value * spacing * spacing));
+        for j in first_row..n - 1 {
+            for i in (first..n - 1).filter(|&i| wanted(i, j)) {
+                let corners = self.sheet.corners(i, j);
+                if !corners.iter().any(|&k| self.sheet.kinds()[k] == NodeKind::Free) {
+                    continue;
+                }
+                let at = [i, j].map(|k| (k as f64 - half) * spacing);
+                if let Some(integrals) = attachment.integrals(self.pocket_radius, at, spacing) {
+                    visit(corners, integrals.map(|value| value * spacing * spacing));
+                }
             }
         }
     }

@@ -9,6 +9,7 @@
 use super::deformation::{is_square, square_edges};
 use super::law::{PaperLaw, SheetLaw};
 use super::triangle::{Principal, Rest};
+use crate::mesh::part::Part;
 use crate::mesh::stencil::{BlockStencil9, outer};
 use crate::mesh::{CellKind, Sheet};
 use crate::model::COMPRESSIVE;
@@ -131,35 +132,55 @@ pub(crate) fn linearize_rows(
     accumulate(sheet, law, x, rows, forces, Some((stiffness, hessian)), totals);
 }
 
-/// Spring forces \[kPa·mm²\] on the nodes where `wanted`, shape (nodes_per_side², ); on other nodes they may be
-/// incomplete. Coupled springs in closed form, from the metric of each triangle.
-pub(crate) fn forces_at(sheet: &Sheet, law: &SheetLaw, x: &[DVec3], wanted: &[bool]) -> Vec<DVec3> {
+/// Spring forces \[kPa·mm²\] on the nodes of a part where `wanted`; on other nodes they may be incomplete. `wanted` and
+/// the forces are arrays over the part. Coupled springs in closed form, from the metric of each triangle.
+pub(crate) fn forces_at(
+    sheet: &Sheet,
+    law: &SheetLaw,
+    x: &[DVec3],
+    part: Part,
+    wanted: &[bool],
+) -> Vec<DVec3> {
     match law {
-        SheetLaw::Coupled(law) => coupled_forces(sheet, law, x, wanted),
+        SheetLaw::Coupled(law) => coupled_forces(sheet, law, x, part, wanted),
         SheetLaw::Paper(_) => {
             let mut all = vec![DVec3::ZERO; sheet.len()];
             forces(sheet, law, x, &mut all);
-            all
+            part.nodes().map(|k| all[k]).collect()
         }
     }
 }
 
-fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool]) -> Vec<DVec3> {
-    let mut forces = vec![DVec3::ZERO; sheet.len()];
-    let cells = sheet.nodes_per_side() - 1;
+fn coupled_forces(
+    sheet: &Sheet,
+    law: &CoupledLaw,
+    x: &[DVec3],
+    part: Part,
+    wanted: &[bool],
+) -> Vec<DVec3> {
+    let n = sheet.nodes_per_side();
+    // With a margin for the nodes across an axis of symmetry, whose forces are not used.
+    let [first, first_row] = part.first_cell();
+    let (columns, rows) = (n - first, n - first_row);
+    let mut forces = vec![DVec3::ZERO; columns * rows];
     let spacing = sheet.spacing_mm();
-    for j in 0..cells {
-        for i in 0..cells {
+    for j in first_row..n - 1 {
+        let (from, to) = sheet.cell_span(j);
+        for i in from.max(first)..to {
             let corners = sheet.corners(i, j);
-            if sheet.cell(i, j) == CellKind::Outside || !corners.iter().any(|&k| wanted[k]) {
+            let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            let is_wanted = |&(i, j): &(usize, usize)| wanted[part.index_at(i, j)];
+            if sheet.cell(i, j) == CellKind::Outside || !around.iter().any(is_wanted) {
                 continue;
             }
+            let at = |k: usize| (k / n - first_row) * columns + k % n - first;
+            let low = (j - first_row) * columns + i - first;
             if !is_square(sheet, corners) {
                 for (triangle, weight) in sheet.cell_triangles(i, j) {
                     let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
                     let pulls = triangle_forces(law, &rest, triangle.map(|k| x[k]));
                     for (k, pull) in triangle.into_iter().zip(pulls) {
-                        forces[k] += pull;
+                        forces[at(k)] += pull;
                     }
                 }
                 continue;
@@ -175,13 +196,15 @@ fn coupled_forces(sheet: &Sheet, law: &CoupledLaw, x: &[DVec3], wanted: &[bool])
             let quarter = 0.25 * spacing;
             let (bottom, top) = ((along2 + along3) * quarter, (along0 + along1) * quarter);
             let (left, right) = ((across1 + across2) * quarter, (across0 + across3) * quarter);
-            forces[corners[0]] += bottom + left;
-            forces[corners[1]] += right - bottom;
-            forces[corners[2]] -= top + right;
-            forces[corners[3]] += top - left;
+            forces[low] += bottom + left;
+            forces[low + 1] += right - bottom;
+            forces[low + columns + 1] -= top + right;
+            forces[low + columns] += top - left;
         }
     }
-    forces
+    let [margin, margin_row] = [0, 1].map(|k| part.first()[k] - part.first_cell()[k]);
+    let own = forces.chunks_exact(columns).skip(margin_row);
+    own.flat_map(|row| &row[margin..]).copied().collect()
 }
 
 /// Forces of a triangle on its nodes, −∂W/∂x = −A·P ∇φ.
@@ -210,7 +233,7 @@ fn accumulate(
 ) {
     let rest = sheet.rest();
     for j in rows {
-        let (first, last) = cell_span(sheet, j);
+        let (first, last) = sheet.cell_span(j);
         for i in first..last {
             let (triangles, weight) = sheet.local_triangles(i, j);
             if triangles.is_empty() {
@@ -254,12 +277,6 @@ fn accumulate(
             }
         }
     }
-}
-
-/// The cells of row j that can belong to the sheet.
-fn cell_span(sheet: &Sheet, j: usize) -> (usize, usize) {
-    let (below, above) = (sheet.row_spans()[j], sheet.row_spans()[j + 1]);
-    (below.0.min(above.0), below.1.max(above.1).saturating_sub(1))
 }
 
 /// A triangle being added up.

@@ -5,6 +5,7 @@
 
 use super::triangle::{Principal, Rest};
 use crate::contact::Dome;
+use crate::mesh::part::Part;
 use crate::mesh::{CellKind, NodeKind, Sheet};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, AddAssign};
@@ -36,6 +37,11 @@ impl Stretch {
 
     fn scaled(self, factor: f64) -> Self {
         Self { xx: self.xx * factor, yy: self.yy * factor, xy: self.xy * factor }
+    }
+
+    /// The tensor mirrored along x, along y.
+    fn mirrored(self, [along_x, along_y]: [bool; 2]) -> Self {
+        Self { xy: if along_x == along_y { self.xy } else { -self.xy }, ..self }
     }
 
     /// Principal engineering strains, the greater first \[-\].
@@ -127,12 +133,14 @@ pub(crate) fn square_edges(corners: [DVec3; 4], per_spacing: f64) -> [DVec3; 4] 
 }
 
 /// Stretch, normal and area at every node, from the triangles around it, weighted by area at rest:
-/// second-order accurate inside the sheet, first-order on its border.
+/// second-order accurate inside the sheet, first-order on its border. Of a symmetric shape the solved part alone is
+/// computed; other nodes are its mirror images.
 #[derive(Clone, Debug, Default)]
 pub struct Deformation {
-    /// Shape (nodes_per_side², ); zero outside the sheet.
+    part: Part,
+    /// On the part; zero outside the sheet.
     nodes: Vec<Node>,
-    /// Principal engineering strains, the greater first \[-\], shape (nodes_per_side², ).
+    /// Principal engineering strains, the greater first \[-\], on the part.
     principal: Vec<[f64; 2]>,
 }
 
@@ -140,22 +148,34 @@ impl Deformation {
     /// The deformation of the sheet with its nodes at `x` \[mm\], shape (nodes_per_side², ).
     #[must_use]
     pub fn new(sheet: &Sheet, x: &[DVec3]) -> Self {
-        let mut nodes = vec![Node::default(); sheet.len()];
-        let cells = sheet.nodes_per_side() - 1;
+        Self::of_part(sheet, x, Part::whole(sheet.nodes_per_side()))
+    }
+
+    /// The deformation of a shape that the nodes of a part determine.
+    pub(crate) fn of_part(sheet: &Sheet, x: &[DVec3], part: Part) -> Self {
         let spacing = sheet.spacing_mm();
         let (per_spacing, quarter) = (1.0 / spacing, 0.25 * spacing * spacing);
-        for j in 0..cells {
-            for i in 0..cells {
+        // The cells across an axis of symmetry add to their own nodes' mirror images as well: with a margin of nodes
+        // on the far side, no cell is a special case.
+        let [first, first_row] = part.first_cell();
+        let n = sheet.nodes_per_side();
+        let (columns, rows) = (n - first, n - first_row);
+        let mut nodes = vec![Node::default(); columns * rows];
+        for j in first_row..n - 1 {
+            let (from, to) = sheet.cell_span(j);
+            for i in from.max(first)..to {
                 if sheet.cell(i, j) == CellKind::Outside {
                     continue;
                 }
+                let at = |k: usize| (k / n - first_row) * columns + k % n - first;
+                let low = (j - first_row) * columns + i - first;
                 let corners = sheet.corners(i, j);
                 if !is_square(sheet, corners) {
                     for (triangle, weight) in sheet.cell_triangles(i, j) {
                         let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
                         let columns = Principal::columns(&rest, triangle.map(|k| x[k]));
                         let added = contribution(columns, rest.area);
-                        triangle.into_iter().for_each(|k| nodes[k] += added);
+                        triangle.into_iter().for_each(|k| nodes[at(k)] += added);
                     }
                     continue;
                 }
@@ -165,11 +185,16 @@ impl Deformation {
                 let lower = [of([bottom, left]), of([bottom, right])];
                 // The k-th triangle has no corner k.
                 let (above, below) = (upper[0] + upper[1], lower[0] + lower[1]);
-                nodes[corners[0]] += upper[1] + below;
-                nodes[corners[1]] += upper[0] + below;
-                nodes[corners[2]] += above + lower[1];
-                nodes[corners[3]] += above + lower[0];
+                nodes[low] += upper[1] + below;
+                nodes[low + 1] += upper[0] + below;
+                nodes[low + columns + 1] += above + lower[1];
+                nodes[low + columns] += above + lower[0];
             }
+        }
+        let [margin, margin_row] = [0, 1].map(|k| part.first()[k] - part.first_cell()[k]);
+        if margin + margin_row > 0 {
+            let own = nodes.chunks_exact(columns).skip(margin_row);
+            nodes = own.flat_map(|row| &row[margin..]).copied().collect();
         }
         let principal = nodes
             .iter_mut()
@@ -182,40 +207,48 @@ impl Deformation {
                 }
             })
             .collect();
-        Self { nodes, principal }
+        Self { part, nodes, principal }
     }
 
-    /// Number of grid nodes, those outside included.
-    pub(crate) fn len(&self) -> usize {
-        self.nodes.len()
+    /// The part that was computed.
+    pub(crate) fn part(&self) -> Part {
+        self.part
     }
 
-    /// The nodes of the sheet's triangles.
+    /// The part's nodes that belong to the sheet's triangles.
     pub(crate) fn inside(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.nodes.len()).filter(|&k| self.nodes[k].rest_area > 0.0)
+        let nodes = self.part.nodes().zip(&self.nodes);
+        nodes.filter(|(_, node)| node.rest_area > 0.0).map(|(k, _)| k)
     }
 
     /// Principal engineering strains at a node, the greater first \[-\].
     #[must_use]
     pub fn principal(&self, node: usize) -> [f64; 2] {
-        self.principal[node]
+        self.principal[self.part.index(node)]
     }
 
     /// Area stretch λ₁λ₂ at a node \[-\].
     #[must_use]
     pub fn area_stretch(&self, node: usize) -> f64 {
-        self.nodes[node].stretch.area_stretch()
+        self.nodes[self.part.index(node)].stretch.area_stretch()
     }
 
     /// Unit normal at a node, pointing to the skin; straight up outside the sheet.
     #[must_use]
     pub fn normal(&self, node: usize) -> DVec3 {
-        self.nodes[node].normal.normalize_or(DVec3::Z)
+        let normal = self.nodes[self.part.index(node)].normal.normalize_or(DVec3::Z);
+        let [x, y] = self.part.is_image(node).map(|is_image| if is_image { -1.0 } else { 1.0 });
+        DVec3::new(x * normal.x, y * normal.y, normal.z)
     }
 
     /// Deformed area around a node \[mm²\].
     pub(crate) fn deformed_area(&self, node: usize) -> f64 {
-        self.nodes[node].deformed_area
+        self.nodes[self.part.index(node)].deformed_area
+    }
+
+    fn stretch(&self, node: usize) -> Stretch {
+        let stretch = self.nodes[self.part.index(node)].stretch;
+        stretch.mirrored(self.part.is_image(node))
     }
 
     /// Strains of the sheet, with the fraction of its rest area above each limit. Areas have a weight at every node; the greatest
@@ -227,9 +260,11 @@ impl Deformation {
     ) -> Summary<N> {
         let (mut rest, mut deformed, mut above) = (0.0, 0.0, [0.0; N]);
         let mut greatest = f64::MIN;
-        for k in self.inside() {
-            let (node, [first, _]) = (&self.nodes[k], self.principal[k]);
-            let weight = weight(k);
+        for ((k, node), [first, _]) in self.part.nodes().zip(&self.nodes).zip(&self.principal) {
+            if node.rest_area <= 0.0 {
+                continue;
+            }
+            let (weight, first) = (weight(k) * self.part.multiplicity(k), *first);
             rest += weight * node.rest_area;
             deformed += weight * node.deformed_area;
             greatest = greatest.max(first);
@@ -249,7 +284,7 @@ impl Deformation {
         let n = sheet.nodes_per_side();
         let target = dome.center;
         let mut nearest = (f64::INFINITY, n * n / 2);
-        for k in (0..sheet.len()).filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
+        for k in self.part.nodes().filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
             let distance = x[k].truncate().distance_squared(target);
             if distance < nearest.0 {
                 nearest = (distance, k);
@@ -277,7 +312,7 @@ impl Deformation {
             (step(beside), u * v),
         ] {
             let k = if sheet.kinds()[k] == NodeKind::Outside { nearest } else { k };
-            sum = sum + self.nodes[k].stretch.scaled(weight);
+            sum = sum + self.stretch(k).scaled(weight);
         }
         sum
     }

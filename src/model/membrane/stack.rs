@@ -26,7 +26,7 @@ impl Stack {
     pub(crate) fn new(materials: &[Material], deformation: &Deformation) -> Self {
         let normal = |k| deformation.normal(k).as_vec3();
         Self {
-            normal: (0..deformation.len()).map(normal).collect(),
+            normal: (0..deformation.part().nodes_of_grid()).map(normal).collect(),
             thickness_mm: thickness_mm(materials, deformation),
             between: Vec::new(),
         }
@@ -41,9 +41,8 @@ impl Stack {
     ) -> Self {
         let mut stack = Self::new(&materials[..1], deformation);
         for pair in faces.windows(2) {
-            // Along the skin's normal: columns of sheared tissue are longer.
-            let apart = |k: usize| (pair[1][k] - pair[0][k]).dot(deformation.normal(k)).max(0.0);
-            stack.thickness_mm.insert(1, (0..deformation.len()).map(|k| apart(k) as f32).collect());
+            let thickness = |k| solid_thickness_mm(deformation, pair[0][k], pair[1][k], k);
+            stack.thickness_mm.insert(1, (0..pair[0].len()).map(thickness).collect());
         }
         let face = |face: &&[DVec3]| face.iter().map(|p| p.as_vec3()).collect();
         stack.between = faces[1..].iter().map(face).collect();
@@ -66,6 +65,17 @@ impl Stack {
     }
 }
 
+/// Deformed thickness of a solid layer at a node \[mm\], between its faces' positions \[mm\]: along the skin's normal,
+/// because columns of sheared tissue are longer.
+pub(crate) fn solid_thickness_mm(
+    deformation: &Deformation,
+    inner: DVec3,
+    outer: DVec3,
+    node: usize,
+) -> f32 {
+    (outer - inner).dot(deformation.normal(node)).max(0.0) as f32
+}
+
 /// Points moved along directions by thicknesses.
 pub(crate) fn offset(
     points: &[Vec3],
@@ -81,13 +91,23 @@ pub(crate) fn first_alike(materials: &[Material]) -> impl Iterator<Item = usize>
     (0..materials.len()).map(move |k| (0..k).find(|&j| nu(j) == nu(k)).unwrap_or(k))
 }
 
-/// [`Stack::thickness_mm`]: thickness at rest times (λ₁λ₂)^(−ν/(1−ν)), in `f32` by one logarithm for all layers:
-/// sufficient for drawing, and faster than powers.
+/// [`Stack::thickness_mm`] of a layer at a node of the sheet: thickness at rest times (λ₁λ₂)^(−ν/(1−ν)), in `f32` by one
+/// logarithm for all layers: sufficient for drawing, and faster than powers.
+pub(crate) fn thickness_at_mm(material: &Material, logarithm: f32) -> f32 {
+    let exponent = thickness_exponent(material.poisson_ratio) as f32;
+    material.thickness_mm as f32 * (exponent * logarithm).exp()
+}
+
+/// ln λ₁λ₂ at a node.
+pub(crate) fn log_area_stretch(deformation: &Deformation, node: usize) -> f32 {
+    (deformation.area_stretch(node).max(LEAST_AREA_STRETCH) as f32).ln()
+}
+
+/// [`Stack::thickness_mm`].
 fn thickness_mm(materials: &[Material], deformation: &Deformation) -> Vec<Vec<f32>> {
-    let mut logarithm = vec![0.0_f32; deformation.len()];
-    for k in deformation.inside() {
-        logarithm[k] = (deformation.area_stretch(k).max(LEAST_AREA_STRETCH) as f32).ln();
-    }
+    let part = deformation.part();
+    let logarithms: Vec<(usize, f32)> =
+        deformation.inside().map(|k| (part.index(k), log_area_stretch(deformation, k))).collect();
     let mut thickness_mm: Vec<Vec<f32>> = Vec::with_capacity(materials.len());
     for (k, first) in first_alike(materials).enumerate() {
         let rest = materials[k].thickness_mm;
@@ -95,12 +115,11 @@ fn thickness_mm(materials: &[Material], deformation: &Deformation) -> Vec<Vec<f3
             let ratio = (rest / materials[first].thickness_mm) as f32;
             thickness_mm[first].iter().map(|t| t * ratio).collect()
         } else {
-            let exponent = thickness_exponent(materials[k].poisson_ratio) as f32;
-            let mut values = vec![0.0; logarithm.len()];
-            for node in deformation.inside() {
-                values[node] = rest as f32 * (exponent * logarithm[node]).exp();
+            let mut values = vec![0.0; part.len()];
+            for &(index, logarithm) in &logarithms {
+                values[index] = thickness_at_mm(&materials[k], logarithm);
             }
-            values
+            part.on_grid(values)
         });
     }
     thickness_mm

@@ -1,4 +1,5 @@
-//! The command line: `simulate`, `tension`, `charts`, `stability`, `bench` and `stress`. Native only.
+//! The command line: `simulate`, `map`, `bands`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
+//! Native only.
 //!
 //! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
 //! values; no file is written); 3 no converged solution (the result is written with its status).
@@ -14,7 +15,9 @@ mod output;
 mod simulate;
 mod stability;
 mod stress;
+mod studies;
 mod tension;
+mod validate;
 
 use clap::{Parser, Subcommand};
 use std::fmt::Display;
@@ -42,6 +45,10 @@ struct Arguments {
 enum Command {
     /// Solve scenes and write their results.
     Simulate(simulate::Arguments),
+    /// Solve a scene over a grid of one or two of its numbers and write table, JSON and chart.
+    Map(studies::MapArguments),
+    /// Solve a scene over what is not known about a person and write percentiles and importance.
+    Bands(studies::BandsArguments),
     /// Simulate the paper's tension test on a square sample and write a table.
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
@@ -50,6 +57,8 @@ enum Command {
     Stability(output::OutputFolder),
     /// Measure run time against error for the solvers and the reference methods.
     Bench(bench::Arguments),
+    /// Measure the errors of all nodes against references.
+    Validate(validate::Arguments),
     /// Solve random scenes and check every result against invariants.
     Stress(stress::Arguments),
 }
@@ -95,10 +104,13 @@ pub fn run() -> Next {
     };
     Next::Exit(exit_code(catch_panic(|| match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Map(arguments) => studies::map(&arguments),
+        Command::Bands(arguments) => studies::bands(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(folder) => charts::run(&folder),
         Command::Stability(folder) => stability::run(&folder),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Validate(arguments) => validate::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
     })))
 }

@@ -4,11 +4,13 @@ use super::mesh::Surface;
 use super::mesh_formats::Format;
 use super::output::{self, File, number};
 use super::{ExitStatus, InputError, input};
-use crate::measure::{Outcome, Status, surfaces};
-use crate::platform::runner::{Runner, Threads};
+use crate::measure::{Outcome, Selection, Status, surfaces};
+use crate::platform::runner::Threads;
 use crate::scene::{CheckedScene, read};
-use crate::simulate::{self, Simulation};
+use crate::simulate::{Simulation, Simulator};
 use crate::solve::Options;
+use crate::study::Runner;
+use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,6 +29,18 @@ pub(super) struct Arguments {
     /// Output file for the profile as a table (one scene only); `-` is standard output.
     #[arg(long, value_name = "P.csv")]
     profile: Option<PathBuf>,
+    /// Fields of the result by their paths, with commas between, as `contact_force_n,strain.max_principal`; `schema` and
+    /// `status` are always written. Other fields are not computed. Default: all fields.
+    #[arg(long, value_name = "FIELDS", value_delimiter = ',')]
+    fields: Option<Vec<String>>,
+    /// Leaves the profiles out of the result.
+    #[arg(long)]
+    no_profile: bool,
+}
+
+thread_local! {
+    /// Keeps the grids and tables that the scenes of a thread share.
+    static SIMULATOR: RefCell<Simulator> = RefCell::default();
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
@@ -42,8 +56,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
             "--mesh and --profile: {count} scenes; allowed: one scene"
         )));
     }
-    let (needs_surface, is_single) = (format.is_some(), scenes.len() == 1);
-    let runner = Threads::new(move |scene| solve(&scene, needs_surface, is_single));
+    let wanted = Wanted {
+        surface: format.is_some(),
+        is_single: scenes.len() == 1,
+        written: selection(arguments)?,
+        // A table of the profile is written from the result.
+        measured: match &arguments.profile {
+            Some(_) => Selection::all(),
+            None => selection(arguments)?,
+        },
+    };
+    let runner = Threads::new(move |scene| solve(&scene, &wanted));
     // The hook has reported the panic.
     let solved = runner.run_all(scenes).unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
     let solved = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -101,17 +124,42 @@ struct Solved {
     surface: Option<Surface>,
 }
 
-fn solve(scene: &CheckedScene, needs_surface: bool, is_single: bool) -> Result<Solved, InputError> {
+/// What a solve returns.
+struct Wanted {
+    surface: bool,
+    /// Is the scene the only one?
+    is_single: bool,
+    /// Fields of the JSON text.
+    written: Selection,
+    /// Fields that are computed.
+    measured: Selection,
+}
+
+/// The fields that the result contains.
+fn selection(arguments: &Arguments) -> Result<Selection, InputError> {
+    let selection = match &arguments.fields {
+        None => Selection::all(),
+        Some(paths) => {
+            Selection::of(paths).map_err(|error| InputError(format!("--fields: {error}")))?
+        }
+    };
+    Ok(if arguments.no_profile { selection.without_profile() } else { selection })
+}
+
+fn solve(scene: &CheckedScene, wanted: &Wanted) -> Result<Solved, InputError> {
+    let &Wanted { surface, is_single, ref written, ref measured } = wanted;
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64() * 1000.0;
-    let Simulation { outcome, solution } = simulate::run(scene, Options::default(), Some(&clock));
+    let Simulation { outcome, solution } = SIMULATOR.with_borrow_mut(|simulator| {
+        simulator.run(scene, Options::default(), measured, Some(&clock))
+    });
     let status = outcome.status;
     let has_shape = status != Status::Unstable;
-    let surface = (needs_surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
+    let surface = (surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
     let json = if is_single {
-        serde_json::to_string_pretty(&outcome)
+        serde_json::to_string_pretty(&written.of_outcome(&outcome))
     } else {
-        serde_json::to_string(&outcome)
+        serde_json::to_string(&written.of_outcome(&outcome))
     };
     let json = json.map_err(|error| InputError(format!("result: {error}")))? + "\n";
     Ok(Solved { json, status, outcome: is_single.then_some(outcome), surface })

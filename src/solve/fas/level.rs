@@ -88,7 +88,12 @@ impl<M: ElasticModel> Level<M> {
         layout.free_rows(|j, from, to| {
             for i in from..to {
                 let at = j * layout.pitch + i;
-                if active[at] <= 0.0 {
+                // A node amid active nodes, away from ghosts, has no gap around it.
+                let is_amid = || {
+                    let rows = [at - layout.pitch, at, at + layout.pitch];
+                    rows.iter().all(|k| active[k - 1..=k + 1].iter().all(|mark| *mark > 0.0))
+                };
+                if active[at] <= 0.0 || i > 1 && j > 1 && is_amid() {
                     continue;
                 }
                 let gap = |di: isize, dj: isize| {

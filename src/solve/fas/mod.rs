@@ -158,6 +158,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.finest().layout.free_nodes()
     }
 
+    /// Is the shape mirrored along x, along y?
+    pub(super) fn mirrored(&self) -> Mirrored {
+        self.finest().layout.mirrored
+    }
+
     /// Lanes that a pass over the finest grid computes: whole groups of four, row by row.
     pub(super) fn lanes(&self) -> usize {
         self.finest().layout.lanes()

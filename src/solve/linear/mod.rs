@@ -1,4 +1,5 @@
 //! Linear systems on nested grids.
 
 pub(crate) mod columns;
+pub(crate) mod factorization;
 pub(crate) mod galerkin;

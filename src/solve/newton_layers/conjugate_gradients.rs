@@ -13,14 +13,18 @@ const MAX_MOVE: f64 = 0.5;
 const NEAR: f64 = 1e-3;
 
 impl Newton {
-    /// Moves constrained nodes of the step onto the constraints and starts a round.
+    /// Moves constrained nodes of the step onto the constraints and starts a round of linear solution.
     pub(super) fn begin_gradients(&mut self) {
         for &k in &self.free {
             let k = k as usize;
             let active = self.active[k];
             self.d[0][k] = self.constraint[k].onto(active, self.d[0][k]);
         }
-        self.phase = Phase::Gradients { step: 0, start: 0.0, rho: 0.0 };
+        self.phase = if self.direct.is_some() {
+            Phase::Direct
+        } else {
+            Phase::Gradients { step: 0, start: 0.0, rho: 0.0 }
+        };
     }
 
     /// Sets `r` to the residual of the model at the step, unprojected.
@@ -106,12 +110,12 @@ impl Newton {
     }
 
     /// Length of a step \[mm\] beyond which the quadratic model is not trusted.
-    fn far(&self) -> f64 {
+    pub(super) fn far(&self) -> f64 {
         MAX_MOVE * self.sheet.spacing_mm()
     }
 
     /// The longest move of a node by the step \[mm\].
-    fn longest_move(&self) -> f64 {
+    pub(super) fn longest_move(&self) -> f64 {
         let longest = |d: &Vec<DVec3>| {
             let squares = self.free.iter().map(|&k| d[k as usize].length_squared());
             squares.fold(0.0, f64::max)
@@ -120,7 +124,7 @@ impl Newton {
     }
 
     /// Ends conjugate gradients with the step so far, shortened to [`Self::far`].
-    fn end_far_step(&mut self) {
+    pub(super) fn end_far_step(&mut self) {
         let factor = (self.far() / self.longest_move()).min(1.0);
         for d in &mut self.d {
             for &k in &self.free {
@@ -131,7 +135,7 @@ impl Newton {
         self.phase = Phase::LineSearch { length: 1.0, halvings: u32::from(factor < 1.0) };
     }
 
-    fn project_inner_residual(&mut self) {
+    pub(super) fn project_inner_residual(&mut self) {
         for &k in &self.free {
             let k = k as usize;
             self.r[0][k] = self.projector[k] * self.r[0][k];

@@ -1,23 +1,23 @@
 //! Level lines and level regions of values on a rectangular grid, by marching squares.
 //!
-//! Values are interpolated linearly along the grid's edges. Uses no other module of this crate. Used by
-//! `stability_map`.
+//! Values are interpolated linearly along the grid's edges. Lines end at cells with a missing value (not a number).
+//! Uses no other module of this crate. Used by `map` and by the charts of `experiment`.
 
 use std::collections::BTreeMap;
 
 /// Values on a grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Field<'a> {
+pub(crate) struct Field<'a> {
     /// Grid positions along x, rising.
-    pub(super) x: &'a [f64],
+    pub(crate) x: &'a [f64],
     /// Grid positions along y, rising.
-    pub(super) y: &'a [f64],
+    pub(crate) y: &'a [f64],
     /// Values, row by row: shape (y, x).
-    pub(super) values: &'a [f64],
+    pub(crate) values: &'a [f64],
 }
 
 /// A polyline in the plane.
-pub(super) type Path = Vec<(f64, f64)>;
+pub(crate) type Path = Vec<(f64, f64)>;
 
 /// An edge of a grid cell from a grid point to its right or upper neighbour.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,14 +27,15 @@ struct Edge {
 }
 
 impl Field<'_> {
-    /// Level lines of the value `level`; values at or above `level` lie to the left of a line.
-    pub(super) fn lines(&self, level: f64) -> Vec<Path> {
+    /// Level lines of the value `level`, none through cells with a missing value; values at or above `level` lie to the left of a line.
+    pub(crate) fn lines(&self, level: f64) -> Vec<Path> {
         self.trace(level, 0)
     }
 
     /// Borders of the region at or above `level`: closed, counter-clockwise around the region, clockwise
     /// around holes, including the border of the grid.
-    pub(super) fn region(&self, level: f64) -> Vec<Path> {
+    #[cfg(any(test, feature = "drawing"))]
+    pub(crate) fn region(&self, level: f64) -> Vec<Path> {
         self.trace(level, 1)
     }
 
@@ -45,6 +46,9 @@ impl Field<'_> {
         for j in -margin..self.y.len() as isize - 1 + margin {
             for i in -margin..self.x.len() as isize - 1 + margin {
                 let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+                if corners.iter().any(|at| self.value(*at).is_some_and(f64::is_nan)) {
+                    continue;
+                }
                 // Counter-clockwise around the cell: a line starts at an edge that leaves the region
                 // and ends at the next edge that enters the region.
                 let crossing = |k: usize| {
@@ -163,6 +167,17 @@ mod tests {
             assert!((areas[0] + 0.04 * pi).abs() < 1e-3, "the hole, clockwise: {areas:?}");
             assert!((areas[1] - 0.16 * pi).abs() < 1e-3, "the outer border: {areas:?}");
         }
+    }
+
+    #[test]
+    fn a_line_ends_at_a_cell_with_a_missing_value() {
+        let (x, mut values) = (grid(), sampled(|x, _| x - 0.503));
+        values[40 * N + 40] = f64::NAN;
+        let lines = Field { x: &x, y: &x, values: &values }.lines(0.0);
+        let mut ends: Vec<f64> = lines.iter().flatten().map(|point| point.1).collect();
+        ends.sort_by(f64::total_cmp);
+        assert_eq!(ends, [0.0, x[39], x[41], 1.0]);
+        assert!(lines.iter().flatten().all(|point| (point.0 - 0.503).abs() < 1e-12));
     }
 
     #[test]

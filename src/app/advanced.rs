@@ -1,70 +1,55 @@
-//! The left panel: the inputs. Each function edits a copy of the scene; the app turns the difference
-//! into a command.
+//! The folded part of the plan: layers and curves, tissue model, patch and attachment, springs, accuracy.
 
 use super::curve_editor;
-use super::messages::{Notice, Offer};
+use super::plan::{Hand, chip, chips};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
-use crate::scene::{Body, Implant, Layer, Scene, Springs, TissueModel, limits};
+use crate::scene::{Body, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
-/// Range of the position sliders, to both sides \[mm\].
-const SHIFT_MM: f64 = 60.0;
+/// Names of the accuracies, with their nodes per side and tolerance \[fraction of the base radius\].
+const ACCURACIES: [(&str, usize, f64); 3] =
+    [("Fast", 65, 1e-3), ("Normal", 129, 1e-4), ("Fine", 257, 1e-4)];
 
-/// Shows implant and pocket. Returns a notice about a position that does not fit the pocket.
-pub(super) fn implant(ui: &mut Ui, scene: &mut Scene, is_hemisphere: &mut bool) -> Option<Notice> {
-    let mut notice = None;
-    group(ui, "Implant", |ui| {
-        dome(ui, &mut scene.implant, is_hemisphere);
-        for (label, axis, side) in [
-            ("Position across", 0, "patient's left or right"),
-            ("Position along", 1, "head or feet"),
-        ] {
-            notice = position(ui, scene, axis, label, side).or(notice.take());
-        }
-    });
-    group(ui, "Pocket", |ui| pocket(ui, scene));
-    notice
-}
-
-/// Base radius and projection of the implant.
-fn dome(ui: &mut Ui, implant: &mut Implant, is_hemisphere: &mut bool) {
-    let usual = Scene::default().implant.base_radius_mm;
-    Control {
-        tooltip: "Half the width of the implant. Round implants are 78–180 mm wide.",
-        ..length(limits::BASE_RADIUS_MM, "Base radius", usual)
-    }
-    .show(ui, &mut implant.base_radius_mm);
-    ui.checkbox(is_hemisphere, "Hemisphere (projection = base radius)")
-        .on_hover_text("The shape of the paper: the implant doubles the area that it covers.");
-    ui.add_enabled_ui(!*is_hemisphere, |ui| {
-        Control {
-            tooltip: "Height of the implant above its base. Round implants: 20–75 mm, or 0.39–1.07 of \
-                      the base radius.",
-            ..length(limits::PROJECTION_MM, "Projection", implant.base_radius_mm)
-        }
-        .show(ui, &mut implant.projection_mm);
+/// Shows the fold, closed at first.
+pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) {
+    egui::CollapsingHeader::new("Advanced").id_salt("advanced").show_unindented(ui, |ui| {
+        accuracy(ui, scene, hand);
+        layers(ui, scene);
+        ui.add_space(SPACE);
+        method(ui, scene, session);
     });
 }
 
-fn pocket(ui: &mut Ui, scene: &mut Scene) {
-    let [x, y] = scene.implant.center_mm;
-    let most = limits::POCKET_RADIUS_MAX_MM;
-    let least = (scene.implant.base_radius_mm + x.hypot(y)).min(most);
-    let mut radius_mm = scene.pocket_radius_mm;
-    Control {
-        allowed: Some(least..=most),
-        limit_reason: &format!(
-            "at least {least:.1} mm for this implant at this position; at most {most:.0} mm"
-        ),
-        tooltip: "Radius of the dissected pocket under the tissue. Outside the pocket the tissue stays \
-                  attached to the chest wall. The pocket must contain the implant.",
-        ..length((limits::BASE_RADIUS_MM.0, most), "Pocket radius", (least + 15.0).min(most))
-    }
-    .show(ui, &mut radius_mm);
-    scene.set_pocket_radius(radius_mm);
+/// The name of a scene's accuracy; `None` for other numbers.
+pub(super) fn accuracy_name(scene: &Scene) -> Option<&'static str> {
+    let is_present = |nodes: usize, tolerance: f64| {
+        let solver = &scene.solver;
+        solver.nodes_per_side == nodes && (solver.tolerance / tolerance - 1.0).abs() < 1e-9
+    };
+    let name = |&(name, nodes, tolerance)| is_present(nodes, tolerance).then_some(name);
+    ACCURACIES.iter().find_map(name)
+}
+
+/// Grid and tolerance, by name and by number.
+fn accuracy(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    group(ui, "Accuracy", |ui| {
+        let present = accuracy_name(scene);
+        chips(ui, |ui| {
+            for (name, nodes, tolerance) in ACCURACIES {
+                let tooltip =
+                    format!("{nodes} nodes per side, {} % of the base radius", 100.0 * tolerance);
+                if chip(ui, hand, present == Some(name), name, &tooltip) {
+                    scene.solver.nodes_per_side = nodes;
+                    scene.solver.tolerance = tolerance;
+                }
+            }
+        });
+        resolution(ui, &mut scene.solver.nodes_per_side);
+        tolerance(ui, &mut scene.solver.tolerance);
+    });
 }
 
 /// A control of a length \[mm\].
@@ -79,52 +64,8 @@ fn length((least, most): (f64, f64), label: &str, reset: f64) -> Control<'_> {
     }
 }
 
-/// Position of the implant along one axis. The pocket keeps its radius, because a larger pocket would
-/// reduce the strain. A notice about a position outside the pocket offers a larger pocket.
-fn position(
-    ui: &mut Ui,
-    scene: &mut Scene,
-    axis: usize,
-    label: &str,
-    side: &str,
-) -> Option<Notice> {
-    let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
-    let most = (room * room - other * other).max(0.0).sqrt();
-    let reason = format!("at most {} mm in this pocket", floor_to_tenth(most));
-    // The position of a scene file may exceed the rail, or the pocket's rim by rounding.
-    let reach = most.max(scene.implant.center_mm[axis].abs());
-    let change = Control {
-        allowed: Some(-reach..=reach),
-        limit_reason: &reason,
-        tooltip: &format!("Offset of the implant from the pocket's centre towards the {side}."),
-        ..length((-SHIFT_MM, SHIFT_MM), label, 0.0)
-    }
-    .show(ui, &mut scene.implant.center_mm[axis]);
-    let requested = change.out_of_range?;
-    let offer = larger_pocket(scene, axis, requested);
-    Some(Notice { offer, ..Notice::caution(format!("{label}: {reason}.")) })
-}
-
-/// The offer of a pocket, in steps of 0.5 mm, that contains the implant at the requested position \[mm\].
-fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
-    let offset = requested.hypot(scene.implant.center_mm[1 - axis]);
-    let pocket_radius_mm = (2.0 * (scene.implant.base_radius_mm + offset)).ceil() / 2.0;
-    (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
-        let mut scene = scene.clone();
-        scene.set_pocket_radius(pocket_radius_mm);
-        scene.implant.center_mm[axis] = requested;
-        let label = format!("Enlarge the pocket to a radius of {pocket_radius_mm} mm");
-        Offer { label, scene: Box::new(scene) }
-    })
-}
-
-/// A length rounded down to 0.1 mm, so that the displayed limit is itself allowed.
-fn floor_to_tenth(mm: f64) -> f64 {
-    (10.0 * mm + 1e-6).floor() / 10.0
-}
-
 /// Shows the layers, from the skin inwards.
-pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
+fn layers(ui: &mut Ui, scene: &mut Scene) {
     let mut action = None;
     let count = scene.layers.len();
     for (k, layer) in scene.layers.iter_mut().enumerate() {
@@ -134,20 +75,20 @@ pub(super) fn layers(ui: &mut Ui, scene: &mut Scene) {
             .default_open(k < 2);
         header.show_unindented(ui, |ui| {
             ui.push_id(k, |ui| one_layer(ui, layer));
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let named = |text: &str| format!("{text} layer {}", k + 1);
                 for (text, name, tooltip, is_able, what) in [
                     (
-                        "Up",
-                        "Move up",
-                        "Move this layer outwards, towards the skin",
+                        "Move outward",
+                        "Move outward",
+                        "Move this layer outward, towards the skin",
                         k > 0,
                         Action::Up(k),
                     ),
                     (
-                        "Down",
-                        "Move down",
-                        "Move this layer inwards, towards the implant",
+                        "Move inward",
+                        "Move inward",
+                        "Move this layer inward, towards the implant",
                         k + 1 < count,
                         Action::Up(k + 1),
                     ),
@@ -216,17 +157,18 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
         reset: usual.poisson_ratio,
         decimals: 2,
         step: 0.01,
-        tooltip: "Transverse contraction relative to the stretch. Soft tissue: 0.35–0.50; at 0.50 the volume \
-                  is constant.",
+        tooltip: "How little the volume changes when pulled: transverse contraction relative to the stretch. Soft \
+                  tissue: 0.35–0.50.",
         ..Control::default()
     }
     .show(ui, &mut layer.poisson_ratio);
+    ui.small("How little the volume changes when pulled (0.5 = not at all)");
     curve_editor::show(ui, &mut layer.curve.spec);
 }
 
-/// Springs, resolution and tolerance.
-pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
-    group(ui, "Method", |ui| {
+/// Tissue model and springs.
+fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
+    group(ui, "Model", |ui| {
         tissue_model(ui, scene);
         if scene.is_layered() {
             attachment(ui, scene);
@@ -236,8 +178,6 @@ pub(super) fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
             stability::show(ui, scene, limits, session.greatest_strain());
         }
         ui.add_space(SPACE_SMALL);
-        resolution(ui, &mut scene.solver.nodes_per_side);
-        tolerance(ui, &mut scene.solver.tolerance);
     });
 }
 
@@ -299,12 +239,12 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
 fn springs(ui: &mut Ui, scene: &mut Scene) {
     let is_layered = scene.is_layered();
     let name = |springs: Springs| match springs {
-        Springs::Coupled => "Coupled (exact, isotropic)",
+        Springs::Coupled => "Standard",
         Springs::Nikolaev if is_layered => "Nikolaev 2013, in one sheet",
-        Springs::Nikolaev => "Nikolaev 2013, as published",
+        Springs::Nikolaev => "Nikolaev 2013 (to compare with the paper)",
     };
     let present = scene.springs;
-    let response = labelled_box(ui, "Springs", name(present), |ui| {
+    let response = labelled_box(ui, "Law of the tissue", name(present), |ui| {
         for law in [Springs::Coupled, Springs::Nikolaev] {
             if choice(ui, present == law, name(law)).clicked() {
                 scene.set_springs(law);
@@ -312,8 +252,8 @@ fn springs(ui: &mut Ui, scene: &mut Scene) {
         }
     });
     response.on_hover_text(
-        "Coupled springs reproduce the measured curve and Poisson ratio exactly, in every direction. The \
-         springs of Nikolaev 2013 are for comparison: their tissue is one sheet, and at large strains and \
+        "The standard law, coupled springs, reproduces the measured curve and Poisson ratio exactly, in every direction. \
+         The springs of Nikolaev 2013 are for comparison: their tissue is one sheet, and at large strains and \
          Poisson ratios they are unstable.",
     );
 }

@@ -1,0 +1,202 @@
+//! Compare: pins, the table of their results, silhouettes over each other, pictures side by side.
+//!
+//! [`section`] shows pins and table in a panel and returns a command; [`silhouettes`] draws in the plot of the
+//! cross-section; `viewport::panes` draws the pictures. `keep` passes the pins to the platform, which stores the pins.
+//!
+//! Uses `details`, `theme`, `widgets`. Used by `ui`, `plots`.
+
+mod keep;
+mod table;
+
+pub(super) use keep::Keep;
+
+use super::App;
+use super::theme::{self, Palette};
+use super::widgets::{button_if, group, set_accessible_name};
+use crate::measure::Status;
+use crate::scene::Letter;
+use crate::session::{Command, Pin, Session};
+use eframe::egui::{self, Color32, RichText, Ui};
+use egui_plot::{Line, LineStyle, PlotPoint, PlotUi, Text};
+
+/// Greatest length of a name \[characters\]; at most 4 bytes each.
+const NAME_LENGTH: usize = 25;
+
+/// Distance of a letter from its silhouette \[mm\].
+const LETTER_LIFT_MM: f64 = 5.0;
+
+/// The choices of the comparison.
+#[derive(Debug)]
+pub(super) struct Compare {
+    /// Are the silhouettes of the pins drawn in the cross-section?
+    has_silhouettes: bool,
+    /// Are the pictures of the pins beside the picture?
+    is_side_by_side: bool,
+    /// Does the table contain differences in place of the pins' values?
+    has_differences: bool,
+    /// The name being typed, with its pin.
+    name: Option<(Letter, String)>,
+}
+
+impl Default for Compare {
+    fn default() -> Self {
+        Self { has_silhouettes: true, is_side_by_side: false, has_differences: false, name: None }
+    }
+}
+
+impl Compare {
+    /// Are pictures of pins to be shown beside the picture?
+    pub(super) fn is_side_by_side(&self, session: &Session) -> bool {
+        self.is_side_by_side && session.pins().iter().any(Pin::has_shape)
+    }
+}
+
+impl App {
+    /// Shows the comparison and executes its command.
+    pub(super) fn compare(&mut self, ui: &mut Ui) {
+        if let Some(command) = section(ui, &self.session, &mut self.compare) {
+            self.execute(command);
+        }
+    }
+}
+
+/// Shows pins, choices and the table of results; returns a command of the user.
+pub(super) fn section(ui: &mut Ui, session: &Session, compare: &mut Compare) -> Option<Command> {
+    let mut command = None;
+    group(ui, "Compare", |ui| {
+        command = pin_button(ui, session);
+        if session.pins().is_empty() {
+            let hint = "A pin keeps this scene with its result, to compare other scenes with it.";
+            ui.add(egui::Label::new(RichText::new(hint).small().weak()).wrap());
+            return;
+        }
+        for pin in session.pins() {
+            command = pin_row(ui, pin, session, compare).or(command.take());
+        }
+        ui.horizontal_wrapped(|ui| {
+            ui.toggle_value(&mut compare.has_silhouettes, "Overlay")
+                .on_hover_text("Draw the skin of the pins into the cross-section, at one scale");
+            ui.toggle_value(&mut compare.is_side_by_side, "Side by side").on_hover_text(
+                "Show the pins beside the picture, with one camera and one colour scale",
+            );
+            ui.toggle_value(&mut compare.has_differences, "Differences")
+                .on_hover_text("Show now minus pin in place of the pin's values");
+        });
+        table::show(ui, session, compare.has_differences);
+    });
+    command
+}
+
+fn pin_button(ui: &mut Ui, session: &Session) -> Option<Command> {
+    let Some(letter) = session.free_letter() else {
+        ui.weak("All four pins are in use. Remove a pin to pin this scene.");
+        return None;
+    };
+    let tip = "Keep this scene and its result for comparison";
+    let button = ui.button(format!("Pin as {letter}")).on_hover_text(tip);
+    button.clicked().then_some(Command::Pin)
+}
+
+/// Shows the letter, name and buttons of a pin.
+fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> Option<Command> {
+    let letter = pin.letter();
+    let mut command = None;
+    ui.horizontal(|ui| {
+        let style = Style::of(letter, theme::palette(ui.visuals()));
+        ui.label(RichText::new(letter.to_string()).strong().color(style.color));
+        command = name_field(ui, pin, compare);
+        let is_present = session.scene() == pin.scene();
+        let tip = "Open this scene in place of the present one; Undo restores the present one";
+        if button_if(ui, !is_present, "Open", &format!("Open {letter}"), tip) {
+            command = Some(Command::OpenPin(letter));
+        }
+        let remove = ui.button("×");
+        set_accessible_name(&remove, egui::Role::Button, &format!("Remove {letter}"));
+        if remove.on_hover_text("Remove this pin").clicked() {
+            command = Some(Command::Unpin(letter));
+        }
+    });
+    let note = match pin.outcome().map(|outcome| outcome.status) {
+        None => "is being computed",
+        Some(Status::Converged) => return command,
+        Some(Status::NotConverged) => "is not finished: no numbers",
+        Some(Status::Unstable) => "has no stable shape",
+    };
+    ui.label(RichText::new(format!("{letter} {note}")).small().weak());
+    command
+}
+
+/// Field for the name of a pin; the name is accepted when the field loses the focus, Esc restores the name.
+fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> {
+    let letter = pin.letter();
+    let typed = compare.name.take_if(|(of, _)| *of == letter);
+    let mut text = typed.map_or_else(|| pin.name().to_owned(), |(_, text)| text);
+    let field = egui::TextEdit::singleline(&mut text)
+        .id_salt(("name of a pin", letter))
+        .char_limit(NAME_LENGTH)
+        .hint_text("name")
+        .desired_width((ui.available_width() - 110.0).clamp(60.0, 180.0));
+    let response = ui.add(field);
+    response.widget_info(|| egui::WidgetInfo {
+        label: Some(format!("Name of {letter}")),
+        ..egui::WidgetInfo::text_edit(true, "", &text, "name")
+    });
+    if response.lost_focus() {
+        let is_accepted = !ui.input(|input| input.key_pressed(egui::Key::Escape));
+        return (is_accepted && text != pin.name()).then_some(Command::Rename(letter, text));
+    }
+    if response.has_focus() {
+        compare.name = Some((letter, text));
+    }
+    None
+}
+
+/// Line style and colour of a pin: the lines differ without colours too.
+struct Style {
+    line: LineStyle,
+    color: Color32,
+    /// Position of the letter along the silhouette \[-\].
+    at: f64,
+}
+
+impl Style {
+    fn of(letter: Letter, palette: &Palette) -> Self {
+        let (line, color, at) = match letter {
+            Letter::A => (LineStyle::dashed_loose(), palette.curves[2], 0.5),
+            Letter::B => (LineStyle::dotted_dense(), palette.curves[3], 0.42),
+            Letter::C => (LineStyle::dashed_dense(), palette.text, 0.58),
+            Letter::D => (LineStyle::dotted_loose(), palette.text, 0.35),
+        };
+        Self { line, color, at }
+    }
+}
+
+/// Draws the outer skin of the pins into the plot of the cross-section, each with its letter.
+pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette: &Palette) {
+    for Silhouette { letter, points } in lines {
+        let Style { line, color, at } = Style::of(letter, palette);
+        let place = points.get((at * points.len() as f64) as usize).copied().unwrap_or_default();
+        let name = letter.to_string();
+        plot.line(Line::new(name.clone(), points).color(color).width(1.5).style(line));
+        let text = RichText::new(name.clone()).strong().color(color);
+        plot.text(Text::new(name, PlotPoint::new(place[0], place[1] + LETTER_LIFT_MM), text));
+    }
+}
+
+/// The outer skin of a pin in the cross-section.
+pub(super) struct Silhouette {
+    pub(super) letter: Letter,
+    /// Points (x, z) \[mm\].
+    pub(super) points: Vec<[f64; 2]>,
+}
+
+/// The pins whose silhouettes are drawn, with their colours.
+pub(super) fn drawn_pins<'a>(
+    session: &'a Session,
+    compare: &Compare,
+    palette: &'a Palette,
+) -> impl Iterator<Item = (&'a Pin, Color32)> {
+    let is_drawn = compare.has_silhouettes;
+    let pins = session.pins().iter().filter(move |pin| is_drawn && pin.has_shape());
+    pins.map(|pin| (pin, Style::of(pin.letter(), palette).color))
+}

@@ -1,0 +1,252 @@
+//! Details of the answer: all numbers with units.
+
+use super::answer::band_color;
+use super::uncertainty::Findings;
+use super::widgets::group;
+use super::widgets::quantity::without_negative_zero;
+use crate::measure::{Outcome, Pressure, STRAIN_BANDS};
+use crate::study::Quantity;
+use eframe::egui::{self, RichText, Ui};
+
+/// Bands of the results, if there are any.
+type Bands<'a> = Option<&'a Findings>;
+
+/// Shows the numbers of a result, each with its band.
+pub(super) fn show(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+    cover(ui, outcome, bands);
+    shape(ui, outcome, bands);
+    contact(ui, outcome, bands);
+    tissue(ui, outcome, bands);
+}
+
+/// The error estimate of positions, relative to the base radius.
+pub(super) fn position_error(outcome: &Outcome) -> f64 {
+    outcome.solver.estimated_position_error.unwrap_or(f64::INFINITY)
+}
+
+fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+    let error = position_error(outcome);
+    group(ui, "Shape", |ui| {
+        rows(ui, |ui| {
+            row(ui, error, "Projection of the implant", outcome.projection_mm, 1, "mm");
+            row(ui, error, "Height of the breast mound", outcome.skin_projection_mm, 1, "mm");
+            band(ui, bands, Quantity::SkinProjectionMm);
+            row(ui, error, "Implant volume", Some(outcome.implant_volume_ml), 0, "ml");
+            band(ui, bands, Quantity::ImplantVolumeMl);
+            row(ui, error, "Skin area before", Some(outcome.area_before_cm2), 1, "cm²");
+            row(ui, error, "Skin area after", outcome.area_after_cm2, 1, "cm²");
+            row(ui, error, "Skin area gained", outcome.area_gain_cm2, 1, "cm²");
+            band(ui, bands, Quantity::SkinAreaGainCm2);
+            let gain = outcome.area_ratio.map(|ratio| 100.0 * (ratio - 1.0));
+            row(ui, error, "Skin area gained", gain, 1, "%");
+            band(ui, bands, Quantity::SkinAreaGain);
+        });
+        hint(
+            ui,
+            "Right after surgery. With tissue expanders about a third (35 %) of such a gain remained.",
+        );
+    });
+}
+
+/// What only layered tissue has: cover over the implant, thickness of the layers, pull at the pocket's edge.
+fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+    let Some(skin) = outcome.skin_area else { return };
+    let error = position_error(outcome);
+    group(ui, "Cover", |ui| {
+        rows(ui, |ui| {
+            row(ui, error, "Cover over the apex", outcome.cover_mm.map(|c| c.apex), 1, "mm");
+            band(ui, bands, Quantity::ApexCoverMm);
+            row(ui, error, "Least cover", outcome.cover_mm.map(|c| c.least), 1, "mm");
+            band(ui, bands, Quantity::LeastCoverMm);
+            for layer in &outcome.layers {
+                let name = format!("Thinnest {}", layer.tissue);
+                row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
+            }
+            let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
+                - (skin.pocket_after_cm2 - skin.pocket_before_cm2);
+            row(ui, error, "Skin gained beyond the pocket", Some(drawn), 1, "cm²");
+            let pull = outcome.attachment_traction_kpa.map(|t| t.max);
+            row(ui, error, "Pull at the pocket's edge", pull, 2, "kPa");
+            band(ui, bands, Quantity::AttachmentTractionKpa);
+        });
+        hint(
+            ui,
+            "Skin and the tissue under it deform separately; the skin over the pocket draws on the skin \
+             beyond the pocket.",
+        );
+    });
+}
+
+fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+    let error = position_error(outcome);
+    group(ui, "Contact", |ui| {
+        rows(ui, |ui| {
+            let part = |p: Option<Pressure>, f: fn(Pressure) -> f64| p.map(f);
+            let (kpa, mmhg) = (outcome.contact_pressure_kpa, outcome.contact_pressure_mmhg);
+            row(ui, error, "Force, vertical", outcome.contact_force_n, 2, "N");
+            band(ui, bands, Quantity::ForceN);
+            row(ui, error, "Pressure, mean", part(kpa, |p| p.mean), 2, "kPa");
+            band(ui, bands, Quantity::MeanPressureKpa);
+            row(ui, error, "Pressure, mean", part(mmhg, |p| p.mean), 1, "mmHg");
+            band(ui, bands, Quantity::MeanPressureMmhg);
+            row(ui, error, "Pressure, greatest", part(kpa, |p| p.max), 2, "kPa");
+            band(ui, bands, Quantity::GreatestPressureKpa);
+            row(ui, error, "Pressure, greatest", part(mmhg, |p| p.max), 1, "mmHg");
+            band(ui, bands, Quantity::GreatestPressureMmhg);
+            row(ui, error, "Contact angle", outcome.contact_angle_deg, 1, "°");
+            row(ui, error, "Contact radius, at rest", outcome.contact_material_radius_mm, 1, "mm");
+        });
+        if let Some(radius) = outcome.contact_material_radius_mm {
+            hint(
+                ui,
+                &format!(
+                    "The tissue rests on the implant out to {:.1} cm from its centre, measured at rest.",
+                    0.1 * radius
+                ),
+            );
+        }
+    });
+}
+
+fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+    let error = position_error(outcome);
+    group(ui, "Tissue", |ui| {
+        rows(ui, |ui| {
+            row(ui, error, "Stretch at the apex", outcome.apex_stretch, 3, "×");
+            if let Some(strain) = &outcome.strain {
+                let greatest = strain.max_principal;
+                row(ui, error, "Greatest strain", Some(100.0 * greatest), 1, "%");
+                band(ui, bands, Quantity::GreatestStrain);
+                for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
+                    let key = format!("{limit:.2}");
+                    let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
+                    let name = RichText::new(format!("Area strained above {:.0} %", 100.0 * limit));
+                    let color = band_color(ui, if fraction > 0.0 { k + 1 } else { 0 });
+                    row(ui, error, name.color(color), Some(100.0 * fraction), 1, "%");
+                    if let Some(quantity) = AREAS.get(k) {
+                        band(ui, bands, *quantity);
+                    }
+                }
+            }
+            for (k, layer) in outcome.layers.iter().enumerate() {
+                let name = format!("Greatest stress, {}", layer.tissue);
+                row(ui, error, name, layer.max_stress_kpa, 1, "kPa");
+                if k == 0 {
+                    band(ui, bands, Quantity::SkinStressKpa);
+                }
+            }
+        });
+        hint(
+            ui,
+            "These stresses are for biaxial stretch, as over an implant. They are higher than the \
+             curve's at the same strain, because the curve is measured under uniaxial stretch.",
+        );
+    });
+}
+
+/// Areas above the limits of [`STRAIN_BANDS`], as far as they have a band.
+const AREAS: [Quantity; 2] = [Quantity::AreaOver25, Quantity::AreaOver50];
+
+/// Shows the band of the row above.
+fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {
+    let Some(band) = bands.and_then(|bands| bands.band(quantity)) else { return };
+    let quiet = |text: &str| RichText::new(text).small().weak();
+    ui.horizontal(|ui| {
+        ui.label(quiet(BAND_ROW)).on_hover_text("10th to 90th percentile");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.allocate_ui_with_layout(
+                egui::vec2(UNIT_WIDTH, 0.0),
+                egui::Layout::left_to_right(egui::Align::Center),
+                |ui| {
+                    ui.set_min_width(UNIT_WIDTH);
+                    ui.label(quiet(quantity.display().1));
+                },
+            );
+            ui.label(quiet(band.range()).monospace());
+        });
+    });
+}
+
+/// Name of a row with a band.
+const BAND_ROW: &str = "    8 in 10 patients";
+
+fn rows(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        add(ui);
+    });
+}
+
+/// Widths of values and units \[points\]; the name has the rest.
+const VALUE_WIDTH: f32 = 52.0;
+const UNIT_WIDTH: f32 = 46.0;
+
+/// Shows one row: name, right-aligned value in digits of equal width, unit. A missing value is a dash. All rows have
+/// the same columns.
+fn row(
+    ui: &mut Ui,
+    error: f64,
+    name: impl Into<RichText>,
+    value: Option<f64>,
+    decimals: usize,
+    unit: &str,
+) {
+    let name: RichText = name.into();
+    let text = value.map_or_else(|| "–".to_owned(), |v| figures(v, decimals, error));
+    ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y - 6.0;
+        let space = 2.0 * ui.spacing().item_spacing.x;
+        let name_width = ui.available_width() - VALUE_WIDTH - UNIT_WIDTH - space;
+        let left = egui::Layout::left_to_right(egui::Align::Center);
+        let right = egui::Layout::right_to_left(egui::Align::Center);
+        let mut cell = |width: f32, layout, add: &mut dyn FnMut(&mut Ui)| {
+            ui.allocate_ui_with_layout(egui::vec2(width, height), layout, |ui| {
+                ui.set_min_width(width);
+                add(ui);
+            });
+        };
+        cell(name_width, left, &mut |ui| {
+            ui.add(egui::Label::new(name.clone()).truncate());
+        });
+        cell(VALUE_WIDTH, right, &mut |ui| {
+            ui.monospace(&text);
+        });
+        cell(UNIT_WIDTH, left, &mut |ui| {
+            ui.label(RichText::new(if value.is_some() { unit } else { "" }).weak());
+        });
+    });
+}
+
+/// Formats a value with at most the given decimals, and no more digits than its error allows. Strains and
+/// forces are derivatives of the shape: their relative error is assumed to be ten times that of
+/// positions.
+pub(super) fn figures(value: f64, decimals: usize, position_error: f64) -> String {
+    let decimals = known_decimals(value, decimals, position_error);
+    without_negative_zero(format!("{value:.decimals$}"))
+}
+
+/// Number of decimals of [`figures`].
+pub(super) fn known_decimals(value: f64, decimals: usize, position_error: f64) -> usize {
+    let open = (10.0 * position_error * value.abs()).max(1e-12);
+    let known = (-open.log10()).floor().max(0.0) as usize;
+    decimals.min(known)
+}
+
+fn hint(ui: &mut Ui, text: &str) {
+    ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_digits_than_the_error_allows() {
+        assert_eq!(figures(62.57, 1, 1e-6), "62.6");
+        assert_eq!(figures(62.57, 1, 1e-3), "63");
+        assert_eq!(figures(2.9712, 2, 1e-3), "3.0");
+        assert_eq!(figures(2.9712, 2, f64::INFINITY), "3");
+        assert_eq!(figures(-1e-17, 1, 1e-6), "0.0");
+        assert_eq!(figures(-0.4, 1, 1e-6), "-0.4");
+    }
+}

@@ -1,0 +1,348 @@
+//! Implant or expander: width, volume, projection, of which one follows the other two; profile.
+
+use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, remark, row, title};
+use crate::app::theme;
+use crate::app::widgets::{Control, Kind, quantity::significant, set_accessible_name};
+use crate::clinical::{Dimension, Expander, ProfileClass, Size, limits};
+use crate::scene::{self, Scene};
+use eframe::egui::{self, Rect, Sense, Stroke, Ui, vec2};
+use std::ops::RangeInclusive;
+
+/// Width of the mark of the dimension that follows \[points\].
+const MARK: f32 = 24.0;
+
+/// Shows the implant.
+pub(in crate::app) fn implant(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
+    let dome = scene.implant;
+    let (width, projection) = (2.0 * dome.base_radius_mm, dome.projection_mm);
+    // The limits of a scene are those of a size.
+    let Ok(size) = Size::of_width_and_projection(width, projection) else { return };
+    title(ui, "Implant", |ui| device(ui, choices, hand));
+    let changed = match choices.device {
+        Device::Implant => implant_rows(ui, size, choices, hand),
+        Device::Expander => expander_rows(ui, size, hand),
+    };
+    if let Some(size) = changed {
+        set_size(scene, size);
+    }
+}
+
+/// The switch between implant and expander.
+fn device(ui: &mut Ui, choices: &mut Choices, hand: Hand) {
+    // From right to left.
+    for (device, name, tooltip) in [
+        (Device::Expander, "expander", "A tissue expander: the fill raises a base of fixed width"),
+        (Device::Implant, "implant", "A round implant of fixed size"),
+    ] {
+        if chip(ui, hand, choices.device == device, name, tooltip) {
+            choices.device = device;
+            choices.follows = Dimension::Projection;
+        }
+    }
+}
+
+/// Shows width, volume, projection and profile; returns a changed size.
+fn implant_rows(ui: &mut Ui, size: Size, choices: &mut Choices, hand: Hand) -> Option<Size> {
+    let mut changed = None;
+    for dimension in [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection] {
+        let is_following = choices.follows == dimension;
+        let before = value(size, dimension);
+        let mut now = before;
+        let mut mark = false;
+        let control = control_of(size, dimension, choices.follows);
+        let response = row(
+            ui,
+            hand,
+            control,
+            &mut now,
+            (MARK, |ui: &mut Ui| {
+                mark = follow_mark(ui, dimension, is_following, hand);
+            }),
+        );
+        if mark {
+            choices.follows = dimension;
+        }
+        if response.is_changed {
+            let held = held(dimension, choices.follows);
+            let given = if dimension == Dimension::Volume { now } else { mm(now) };
+            if let Ok(size) = size.changed(dimension, given, held) {
+                changed = Some(size);
+                choices.follows = third(dimension, held);
+            }
+        }
+    }
+    chips(ui, |ui| {
+        for class in ProfileClass::ALL {
+            let tooltip = "Projection for this width, in the middle of the class";
+            let is_chosen = size.profile() == class;
+            if chip(ui, hand, is_chosen, name_of(class), tooltip) {
+                let radius = 0.5 * size.base_width_mm();
+                // A half sphere is exact; other profiles are whole millimetres.
+                let projection = match class {
+                    ProfileClass::HalfSphere => radius,
+                    _ => (class.ratio() * radius).round(),
+                };
+                let dimension = Dimension::Projection;
+                changed =
+                    size.changed(dimension, projection, Dimension::BaseWidth).ok().or(changed);
+                choices.follows = Dimension::Volume;
+            }
+        }
+    });
+    let [a, b, c] = match choices.follows {
+        Dimension::BaseWidth => ["Width", "volume", "projection"],
+        Dimension::Volume => ["Volume", "width", "projection"],
+        Dimension::Projection => ["Projection", "width", "volume"],
+    };
+    let unusual = if size.is_typical() { "" } else { " Outside the typical sizes." };
+    remark(ui, format!("{a} follows {b} and {c}.{unusual}")).on_hover_text(typical());
+    changed
+}
+
+/// Shows base width and fill; returns a changed size.
+fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
+    let mut changed = None;
+    let none = |_: &mut Ui| {};
+    let mut width = cm(size.base_width_mm());
+    let control = Control {
+        tooltip: "Width of the expander's base, which the pocket holds.",
+        ..control_of(size, Dimension::BaseWidth, Dimension::Projection)
+    };
+    if row(ui, hand, control, &mut width, (MARK, none)).is_changed {
+        let volume = size.volume_ml();
+        changed = Expander::new(mm(width)).and_then(|expander| expander.dome(volume)).ok();
+    }
+    let mut fill = significant(size.volume_ml());
+    let control = Control {
+        label: "Fill",
+        tooltip: "Volume in the expander. The fill raises the dome over the base.",
+        ..control_of(size, Dimension::Volume, Dimension::Projection)
+    };
+    if row(ui, hand, control, &mut fill, (MARK, none)).is_changed {
+        let expander = Expander::new(size.base_width_mm());
+        changed = expander.and_then(|expander| expander.dome(fill)).ok().or(changed);
+    }
+    remark(ui, format!("The fill raises the dome to {:.1} cm.", size.projection_cm())).on_hover_text(
+        "The shell is a half-ellipsoid at every fill; an expander with a built-in shape differs.",
+    );
+    changed
+}
+
+/// The mark of the dimension that follows (=), and padlocks, which are buttons, for the held ones; returns whether it
+/// was pressed.
+fn follow_mark(ui: &mut Ui, dimension: Dimension, is_following: bool, hand: Hand) -> bool {
+    let name = label(dimension).to_lowercase();
+    let height = if hand == Hand::Finger { theme::TOUCH - 4.0 } else { 24.0 };
+    let (rect, response) = ui.allocate_exact_size(vec2(MARK, height), Sense::click());
+    set_accessible_name(&response, egui::Role::Button, &format!("Let the {name} follow"));
+    let visuals = ui.visuals();
+    let color =
+        if response.hovered() { visuals.text_color() } else { theme::palette(visuals).edge };
+    let (painter, line) = (ui.painter(), Stroke::new(1.5, color));
+    let centre = rect.center();
+    if is_following {
+        for y in [-2.5, 2.5] {
+            let ends = [centre + vec2(-5.0, y), centre + vec2(5.0, y)];
+            painter.line_segment(ends, Stroke::new(1.5, theme::palette(visuals).accent));
+        }
+    } else {
+        painter.circle_stroke(centre - vec2(0.0, 2.0), 3.5, line);
+        let body = Rect::from_center_size(centre + vec2(0.0, 3.0), vec2(11.0, 8.0));
+        painter.rect_filled(body, 1.5, color);
+    }
+    let is_pressed = response.clicked() && !is_following;
+    response.on_hover_text(if is_following {
+        format!("The {name} follows the other two")
+    } else {
+        format!("The {name} is held. Press to let the {name} follow the other two")
+    });
+    is_pressed
+}
+
+fn label(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::BaseWidth => "Width",
+        Dimension::Volume => "Volume",
+        Dimension::Projection => "Projection",
+    }
+}
+
+fn name_of(class: ProfileClass) -> &'static str {
+    match class {
+        ProfileClass::Low => "Low",
+        ProfileClass::Moderate => "Moderate",
+        ProfileClass::High => "High",
+        ProfileClass::HalfSphere => "Half sphere",
+    }
+}
+
+/// A dimension in the units of the plan: cm and ml.
+fn value(size: Size, dimension: Dimension) -> f64 {
+    match dimension {
+        Dimension::BaseWidth => cm(size.base_width_mm()),
+        Dimension::Volume => significant(size.volume_ml()),
+        Dimension::Projection => cm(size.projection_mm()),
+    }
+}
+
+/// The control of a dimension.
+fn control_of(size: Size, dimension: Dimension, follows: Dimension) -> Control<'static> {
+    let allowed = allowed(size, dimension, held(dimension, follows));
+    let is_following = dimension == follows;
+    let (most_decimals, label) = (if is_following { 1 } else { 6 }, label(dimension));
+    match dimension {
+        Dimension::BaseWidth => Control {
+            range: 6.0..=20.0,
+            allowed: Some(allowed),
+            reset: 12.0,
+            most_decimals,
+            tooltip: "Width of the implant's base. Round implants are 7.8–18 cm wide.",
+            ..centimetres(label)
+        },
+        Dimension::Projection => Control {
+            range: 1.0..=9.0,
+            allowed: Some(allowed),
+            reset: 4.0,
+            most_decimals,
+            tooltip: "Height of the implant above the chest. Round implants: 2–7.5 cm.",
+            ..centimetres(label)
+        },
+        Dimension::Volume => Control {
+            label,
+            unit: "ml",
+            kind: Kind::Volume,
+            range: 50.0..=1000.0,
+            allowed: Some(allowed),
+            reset: 300.0,
+            decimals: 0,
+            most_decimals: if is_following { 0 } else { 6 },
+            step: 5.0,
+            tooltip: "Volume of the implant, of a half-ellipsoid dome. Round \
+                      implants: 95–965 ml. 1 ml = 1 cc.",
+            ..Control::default()
+        },
+    }
+}
+
+/// The dimension that keeps its value while another one is changed. The one that follows may be changed too: then
+/// the width is held.
+fn held(changed: Dimension, follows: Dimension) -> Dimension {
+    use Dimension::{BaseWidth, Projection, Volume};
+    match (changed, follows) {
+        (BaseWidth, Volume) | (Volume, BaseWidth) => Projection,
+        (Projection, BaseWidth) | (BaseWidth, _) => Volume,
+        (Volume | Projection, _) => BaseWidth,
+    }
+}
+
+/// The third dimension.
+fn third(a: Dimension, b: Dimension) -> Dimension {
+    let all = [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection];
+    all.into_iter().find(|d| *d != a && *d != b).unwrap_or(Dimension::Projection)
+}
+
+/// Allowed values of a dimension \[cm, ml\] with another one held, so that the third is in its limits too.
+fn allowed(size: Size, dimension: Dimension, held: Dimension) -> RangeInclusive<f64> {
+    use Dimension::{BaseWidth, Projection, Volume};
+    // Volume [ml] = factor · width² [mm²] · projection [mm].
+    let factor = std::f64::consts::PI / 6000.0;
+    let (width, projection, volume) =
+        (size.base_width_mm(), size.projection_mm(), size.volume_ml());
+    let (widths, projections) = (limits::BASE_WIDTH_MM, limits::PROJECTION_MM);
+    let ends = |f: &dyn Fn(f64) -> f64, (a, b): (f64, f64)| {
+        let (a, b) = (f(a), f(b));
+        (a.min(b), a.max(b))
+    };
+    let both = |(a, b): (f64, f64), (c, d): (f64, f64)| (a.max(c), b.min(d));
+    let (least, most) = match (dimension, held) {
+        (BaseWidth, Volume) => {
+            both(widths, ends(&|p: f64| (volume / (factor * p)).sqrt(), projections))
+        }
+        (BaseWidth, _) => widths,
+        (Projection, Volume) => {
+            both(projections, ends(&|w: f64| volume / (factor * w * w), widths))
+        }
+        (Projection, _) => projections,
+        (Volume, Projection) => ends(&|w: f64| factor * w * w * projection, widths),
+        (Volume, _) => ends(&|p: f64| factor * width * width * p, projections),
+    };
+    // Rounded inwards, so that a displayed limit is itself allowed: 0.1 cm, 1 ml.
+    let (least, most) = ((least - 1e-6).ceil(), (most + 1e-6).floor());
+    if dimension == Volume { least..=most } else { cm(least)..=cm(most) }
+}
+
+/// Sets the size of the implant. The pocket keeps its margin around the implant.
+fn set_size(scene: &mut Scene, size: Size) {
+    let radius = 0.5 * size.base_width_mm();
+    let before = scene.implant.base_radius_mm;
+    scene.implant.projection_mm = size.projection_mm();
+    if radius.to_bits() != before.to_bits() {
+        let pocket = significant(scene.pocket_radius_mm - before + radius);
+        scene.implant.base_radius_mm = radius;
+        scene.set_pocket_radius(pocket.min(scene::limits::POCKET_RADIUS_MAX_MM));
+    }
+}
+
+fn typical() -> String {
+    let cm = |(least, most): (f64, f64)| format!("{}–{} cm", cm(least), cm(most));
+    let (least, most) = limits::TYPICAL_VOLUME_ML;
+    format!(
+        "Typical round implants: width {}, projection {}, {least}–{most} ml.",
+        cm(limits::TYPICAL_WIDTH_MM),
+        cm(limits::TYPICAL_PROJECTION_MM),
+    )
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
+mod tests {
+    use super::*;
+
+    fn size() -> Size {
+        Size::of_width_and_volume(120.0, 300.0).unwrap()
+    }
+
+    #[test]
+    fn the_held_dimension_is_neither_the_changed_nor_the_following_one() {
+        let all = [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection];
+        for changed in all {
+            for follows in all {
+                let held = held(changed, follows);
+                assert_ne!(held, changed);
+                assert!(held != follows || changed == follows, "{changed:?} {follows:?}");
+                if changed != follows {
+                    assert_eq!(third(changed, held), follows);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_allowed_end_is_a_valid_size() {
+        let all = [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection];
+        for dimension in all {
+            for held in all.into_iter().filter(|held| *held != dimension) {
+                let allowed = allowed(size(), dimension, held);
+                for end in [*allowed.start(), *allowed.end()] {
+                    let given = if dimension == Dimension::Volume { end } else { mm(end) };
+                    let changed = size().changed(dimension, given, held);
+                    assert!(changed.is_ok(), "{dimension:?} {end}, {held:?} held: {changed:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_wider_implant_keeps_the_margin_of_its_pocket_and_an_equal_size_every_bit() {
+        let mut scene = Scene::opening();
+        let before = scene.clone();
+        set_size(&mut scene, size());
+        assert_eq!(scene, before);
+        set_size(
+            &mut scene,
+            size().changed(Dimension::BaseWidth, 130.0, Dimension::Volume).unwrap(),
+        );
+        assert_eq!((scene.implant.base_radius_mm, scene.pocket_radius_mm), (65.0, 75.0));
+        assert_eq!(scene.body.unwrap().patch_radius_mm, 135.0);
+    }
+}

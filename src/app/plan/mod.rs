@@ -1,0 +1,126 @@
+//! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
+//! turns the difference into a command.
+//!
+//! `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
+//! (the implant in its pocket).
+
+mod implant;
+mod patient;
+mod pocket;
+mod position;
+
+pub(super) use implant::implant;
+pub(super) use patient::patient;
+pub(super) use pocket::pocket;
+pub(super) use position::position;
+
+use super::theme;
+use super::widgets::{Control, ControlResponse, Kind, quantity::significant};
+use crate::clinical::Dimension;
+use eframe::egui::{self, RichText, Ui};
+
+/// What moves the controls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Hand {
+    /// A mouse: sliders.
+    Mouse,
+    /// A finger: steppers, because a swipe over a slider should scroll.
+    Finger,
+}
+
+/// What is implanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Device {
+    Implant,
+    Expander,
+}
+
+/// Choices of the plan that are not part of the scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Choices {
+    pub(super) device: Device,
+    /// The dimension that follows the other two.
+    pub(super) follows: Dimension,
+}
+
+impl Default for Choices {
+    fn default() -> Self {
+        Self { device: Device::Implant, follows: Dimension::Projection }
+    }
+}
+
+/// Millimetres as centimetres, without the digits of rounding.
+fn cm(mm: f64) -> f64 {
+    significant(0.1 * mm)
+}
+
+/// Centimetres as millimetres, without the digits of rounding.
+fn mm(cm: f64) -> f64 {
+    significant(10.0 * cm)
+}
+
+/// Shows a control in a row with a slider or a stepper. `trailing`: a width \[points\] and what is added in it.
+fn row(
+    ui: &mut Ui,
+    hand: Hand,
+    control: Control<'_>,
+    value: &mut f64,
+    trailing: (f32, impl FnOnce(&mut Ui)),
+) -> ControlResponse {
+    match hand {
+        Hand::Mouse => control.row(ui, value, trailing),
+        Hand::Finger => control.stepper(ui, value, trailing.1),
+    }
+}
+
+/// A control of a length \[cm\].
+fn centimetres(label: &str) -> Control<'_> {
+    Control { label, unit: "cm", kind: Kind::Centimetres, step: 0.1, ..Control::default() }
+}
+
+/// The title of a part of the plan, with what `add` puts at the end of its line.
+fn title(ui: &mut Ui, text: &str, add: impl FnOnce(&mut Ui)) {
+    ui.add_space(theme::SPACE_SMALL);
+    ui.horizontal(|ui| {
+        ui.add(egui::Label::new(RichText::new(text).heading()));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            // Room for the scroll bar that appears with unfolded parts.
+            ui.add_space(theme::SPACE_SMALL);
+            add(ui);
+        });
+    });
+}
+
+/// A quiet line of text.
+fn remark(ui: &mut Ui, text: impl Into<String>) -> egui::Response {
+    let text = RichText::new(text).small().color(ui.visuals().weak_text_color());
+    ui.add(egui::Label::new(text).wrap())
+}
+
+/// A choice out of a few that are all visible; returns whether this one was chosen.
+pub(super) fn chip(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip: &str) -> bool {
+    let height = match hand {
+        Hand::Mouse => 24.0,
+        Hand::Finger => theme::TOUCH - 8.0,
+    };
+    let chip = egui::Button::selectable(is_chosen, text)
+        .frame(true)
+        .frame_when_inactive(true)
+        .min_size(egui::vec2(0.0, height));
+    let chip = ui.add(chip);
+    let is_clicked = chip.clicked() && !is_chosen;
+    if !tooltip.is_empty() {
+        chip.on_hover_text(tooltip);
+    }
+    is_clicked
+}
+
+/// A row of chips close to each other.
+pub(super) fn chips(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ui.horizontal_wrapped(|ui| {
+        let spacing = ui.spacing_mut();
+        spacing.item_spacing.x = theme::SPACE_SMALL;
+        spacing.button_padding.x = 6.0;
+        add(ui);
+    });
+}

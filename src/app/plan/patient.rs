@@ -1,0 +1,150 @@
+//! What was measured on the patient, pinch and skin, and what the measurements become.
+
+use super::{Hand, centimetres, chip, chips, cm, mm, remark, row, title};
+use crate::app::widgets::Control;
+use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
+use crate::scene::{Scene, TissueModel};
+use eframe::egui::Ui;
+
+/// Pull of a new measurement \[mm\], in the middle of the class "normal".
+const USUAL_PULL_MM: f64 = 25.0;
+
+/// Shows pinch and skin.
+pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    title(ui, "Patient", |_| {});
+    let before = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+    let mut measured = before;
+    pinch(ui, scene, &mut measured, hand);
+    thickness(ui, scene);
+    skin(ui, scene, &mut measured, hand);
+    if measured != before {
+        measure(scene, measured);
+    }
+}
+
+/// Derives the values of the scene from the measurements.
+fn measure(scene: &mut Scene, measured: Measurements) {
+    if scene.body.is_none() {
+        // A sheet of `scene/1` becomes the equal sheet of `scene/2`, which may have a patient.
+        scene.set_tissue_model(TissueModel::Sheet);
+    }
+    // The controls allow the ranges of the measurements only; otherwise the scene is unchanged.
+    let _ = scene.apply_patient(measured);
+}
+
+fn pinch(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
+    // Without a measurement: the pinch of the layers.
+    let layers: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+    let (least, most) = limits::PINCH_MM;
+    let mut pinch = cm(measured.pinch_mm.unwrap_or((2.0 * layers).clamp(least, most)));
+    let control = Control {
+        range: 0.5..=6.0,
+        allowed: Some(cm(least)..=cm(most)),
+        reset: 2.0,
+        tooltip: "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.",
+        ..centimetres("Pinch")
+    };
+    if row(ui, hand, control, &mut pinch, (0.0, |_: &mut Ui| {})).is_changed {
+        measured.pinch_mm = Some(mm(pinch));
+    }
+}
+
+/// The thickness over the implant that follows from the pinch, or the values set by hand.
+fn thickness(ui: &mut Ui, scene: &mut Scene) {
+    let thickness = |mm: f64| format!("{mm:.1}").trim_end_matches(".0").to_owned();
+    let layers: Vec<String> = scene
+        .layers
+        .iter()
+        .map(|layer| {
+            let name = if layer.tissue == "adipose" { "fat" } else { layer.tissue.as_str() };
+            let name: String = name.chars().take(12).collect();
+            format!("{name} {}", thickness(layer.thickness_mm))
+        })
+        .collect();
+    let whole = scene.layers.iter().map(|layer| layer.thickness_mm).sum::<f64>();
+    let pinch = scene.patient.as_ref().and_then(|patient| patient.measured.pinch_mm);
+    let derived = pinch.and_then(|pinch| cover(pinch).ok());
+    let (range, source) = derived.map_or_else(Default::default, |derived| {
+        // 95 % of the people of this pinch.
+        let (least, most) = derived.whole.range(2.0);
+        let range = format!(" ({least:.0}–{most:.0})");
+        (range, format!("Range of 95 %. {}", derived.whole.source))
+    });
+    let text = format!("Cover {} mm{range}: {}", thickness(whole), layers.join(" + "));
+    let line = remark(ui, text);
+    if !source.is_empty() {
+        line.on_hover_text(source);
+    }
+    let by_hand: Vec<PatientValue> =
+        scene.patient_values().into_iter().filter(|value| value.set_by_hand).collect();
+    if !by_hand.is_empty() {
+        ui.horizontal_wrapped(|ui| {
+            let count = if by_hand.len() == 1 { "1 value is" } else { "Values are" };
+            remark(ui, format!("{count} set by hand."));
+            let values: Vec<String> = by_hand
+                .iter()
+                .map(|v| format!("{}: {}; {} gives {}", v.field, v.value, v.measured, v.derived))
+                .collect();
+            if ui.small_button("Use the measurements").on_hover_text(values.join("\n")).clicked()
+                && let Some(patient) = scene.patient.take()
+            {
+                measure(scene, patient.measured);
+            }
+        });
+    }
+}
+
+/// Class of the skin, or a measured pull.
+fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
+    let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
+    let is_pulled = measured.skin_pull_mm.is_some();
+    let word = if measured.skin_class.is_none() && !is_pulled { " (set in Advanced)" } else { "" };
+    remark(ui, format!("Skin feels{word}")).on_hover_text(format!(
+        "How far the skin stretches under a pull, as a factor of the preset's strains: {scale:.2}. Tight: \
+         pulled less than 2 cm; normal: 2–3 cm; lax: 3–4 cm; very lax: more than 4 cm. Within a factor 2 \
+         (1 standard deviation).",
+    ));
+    chips(ui, |ui| {
+        for class in SkinClass::ALL {
+            let tooltip = "Class of the skin by its anterior pull";
+            if chip(ui, hand, measured.skin_class == Some(class), class.word(), tooltip) {
+                (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
+            }
+        }
+        let tooltip = "How far a grip of the fingertips lifts the skin, measured";
+        if chip(ui, hand, is_pulled, "pull…", tooltip) {
+            measured.skin_class = None;
+            measured.skin_pull_mm = Some(USUAL_PULL_MM);
+            let (least, most) = limits::MEASURED_WIDTH_MM;
+            let width = (2.0 * scene.implant.base_radius_mm).clamp(least, most);
+            measured.base_width_mm = measured.base_width_mm.or(Some(width));
+        }
+    });
+    let none = |_: &mut Ui| {};
+    if let Some(pull) = measured.skin_pull_mm {
+        let mut pull = cm(pull);
+        let (least, most) = limits::PULL_MM;
+        let control = Control {
+            range: 1.0..=5.0,
+            allowed: Some(cm(least)..=cm(most)),
+            reset: cm(USUAL_PULL_MM),
+            tooltip: "How far a grip of the fingertips lifts the skin in front of the areola.",
+            ..centimetres("Pull")
+        };
+        if row(ui, hand, control, &mut pull, (0.0, none)).is_changed {
+            measured.skin_pull_mm = Some(mm(pull));
+        }
+        let mut width = cm(measured.base_width_mm.unwrap_or(120.0));
+        let (least, most) = limits::MEASURED_WIDTH_MM;
+        let control = Control {
+            range: 8.0..=18.0,
+            allowed: Some(cm(least)..=cm(most)),
+            reset: 12.0,
+            tooltip: "Measured base width of the breast; the pull depends on it.",
+            ..centimetres("Breast")
+        };
+        if row(ui, hand, control, &mut width, (0.0, none)).is_changed {
+            measured.base_width_mm = Some(mm(width));
+        }
+    }
+}

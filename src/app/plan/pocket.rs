@@ -1,0 +1,37 @@
+//! The pocket as a margin around the implant.
+
+use super::{Hand, centimetres, cm, mm, row, title};
+use crate::app::widgets::{Control, quantity};
+use crate::scene::{Scene, limits};
+use eframe::egui::{RichText, Ui};
+
+/// Shows the margin of the pocket.
+pub(in crate::app) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    let radius = scene.implant.base_radius_mm;
+    let [x, y] = scene.implant.center_mm;
+    // A displayed limit is itself allowed.
+    let least = cm((10.0 * x.hypot(y) - 1e-6).ceil() / 10.0);
+    let most = cm(limits::POCKET_RADIUS_MAX_MM - radius);
+    let mut margin = cm(scene.pocket_radius_mm - radius);
+    let width = quantity::format_at_most(cm(2.0 * scene.pocket_radius_mm), 1, 1);
+    title(ui, "Pocket", |ui| {
+        let words = format!("{width} cm wide");
+        ui.label(RichText::new(words).small().color(ui.visuals().weak_text_color()));
+    });
+    let control = Control {
+        range: 0.0..=4.0_f64.max(least),
+        allowed: Some(least.min(margin)..=most),
+        limit_reason: &format!(
+            "{} to {} cm around this implant at this position",
+            quantity::format(least, 1),
+            quantity::format(most, 1)
+        ),
+        reset: 1.0_f64.max(least),
+        tooltip: "How much wider than the implant the pocket is, all round. Outside of the pocket the tissue \
+                  stays attached to the chest wall.",
+        ..centimetres("Margin")
+    };
+    if row(ui, hand, control, &mut margin, (0.0, |_: &mut Ui| {})).is_changed {
+        scene.set_pocket_radius(quantity::significant(radius + mm(margin)));
+    }
+}

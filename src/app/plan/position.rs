@@ -1,0 +1,195 @@
+//! Position of the implant in its pocket: a pad and two numbers. The implant stays in its pocket, because a larger
+//! pocket would reduce the strain.
+
+use super::{Hand, centimetres, cm, mm, title};
+use crate::app::messages::{Notice, Offer};
+use crate::app::theme;
+use crate::app::widgets::{Control, arrow_keys, quantity, set_accessible_name};
+use crate::scene::{Scene, limits};
+use eframe::egui::{
+    self, Align2, Key, Modifiers, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2,
+};
+
+/// Size of the pad \[points\].
+const PAD: egui::Vec2 = vec2(120.0, 104.0);
+/// Radius of the pocket in the pad \[points\].
+const POCKET: f32 = 36.0;
+/// Step of an arrow key \[mm\].
+const STEP_MM: f64 = 1.0;
+
+/// Shows the position. Returns a notice about a number that does not fit the pocket.
+pub(in crate::app) fn position(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Notice> {
+    title(ui, "Position", |_| {});
+    let mut notice = None;
+    ui.horizontal(|ui| {
+        pad(ui, scene);
+        ui.vertical(|ui| {
+            for (label, axis, side) in [
+                ("To the side", 0, "patient's side (−: the midline)"),
+                ("Up", 1, "head (−: the feet)"),
+            ] {
+                notice = number(ui, scene, axis, (label, side), hand).or(notice.take());
+            }
+        });
+    });
+    notice
+}
+
+/// The centre inside of its pocket that is nearest to the requested one \[mm\].
+fn inside(scene: &Scene, [x, y]: [f64; 2]) -> [f64; 2] {
+    // A centre on the rim is allowed; rounding must not put it beyond.
+    let (room, distance) = (scene.room_mm() * (1.0 - 1e-12), x.hypot(y));
+    let factor = if distance > room { room / distance } else { 1.0 };
+    let tidy = |v: f64| if factor < 1.0 { v * factor } else { v };
+    [tidy(x), tidy(y)]
+}
+
+/// The pad: pocket and implant from the front; the implant follows pointer and arrow keys.
+fn pad(ui: &mut Ui, scene: &mut Scene) {
+    let (rect, response) = ui.allocate_exact_size(PAD, Sense::click_and_drag());
+    let centre = rect.center() - vec2(0.0, 2.0);
+    let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
+    let before = scene.implant.center_mm;
+    if response.dragged() {
+        // Tenths of a millimetre follow the hand closely enough.
+        let tenth = |v: f64| (10.0 * v).round() / 10.0;
+        // The implant moves with the pointer from where the pointer took it.
+        let grab = response.id.with("grab");
+        let at = |point: Pos2| {
+            let offset = (point - centre) / points_per_mm;
+            [f64::from(offset.x), -f64::from(offset.y)]
+        };
+        if let Some(pointer) = response.interact_pointer_pos() {
+            let [x, y] = at(pointer);
+            let kept = ui.data(|data| data.get_temp::<[f64; 2]>(grab));
+            let offset = kept.filter(|_| !response.drag_started());
+            let [dx, dy] = offset.unwrap_or([before[0] - x, before[1] - y]);
+            ui.data_mut(|data| data.insert_temp(grab, [dx, dy]));
+            if response.drag_delta() != egui::Vec2::ZERO {
+                let now = inside(scene, [tenth(x + dx), tenth(y + dy)]);
+                scene.implant.center_mm = now;
+            }
+        }
+    }
+    if response.clicked() || response.drag_started() {
+        response.request_focus();
+    }
+    if response.has_focus() {
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
+        for (key, x, y) in [
+            (Key::ArrowLeft, -STEP_MM, 0.0),
+            (Key::ArrowRight, STEP_MM, 0.0),
+            (Key::ArrowUp, 0.0, STEP_MM),
+            (Key::ArrowDown, 0.0, -STEP_MM),
+        ] {
+            let count = ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, key)) as f64;
+            if count > 0.0 {
+                let [a, b] = scene.implant.center_mm;
+                scene.implant.center_mm = inside(scene, [a + count * x, b + count * y]);
+            }
+        }
+    }
+    if response.double_clicked() {
+        scene.implant.center_mm = [0.0, 0.0];
+    }
+    set_accessible_name(&response, egui::Role::Canvas, "Position of the implant");
+    if ui.is_rect_visible(rect) {
+        paint(ui, rect, centre, scene);
+    }
+    response.on_hover_text(
+        "Drag the implant in its pocket, or use the arrow keys (1 mm). A double-click centres the implant.",
+    );
+}
+
+fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
+    let (palette, visuals, painter) = (theme::palette(ui.visuals()), ui.visuals(), ui.painter());
+    let border = Stroke::new(1.0, palette.edge);
+    painter.rect(rect, 6.0, visuals.extreme_bg_color, border, StrokeKind::Inside);
+    let line = Stroke::new(1.0, palette.edge);
+    for cross in [vec2(POCKET + 4.0, 0.0), vec2(0.0, POCKET + 4.0)] {
+        painter.line_segment([centre - cross, centre + cross], Stroke::new(0.5, palette.edge));
+    }
+    painter.circle_stroke(centre, POCKET, line);
+    let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
+    let [x, y] = scene.implant.center_mm.map(|v| v as f32 * points_per_mm);
+    let at = centre + vec2(x, -y);
+    let radius = scene.implant.base_radius_mm as f32 * points_per_mm;
+    painter.circle(
+        at,
+        radius,
+        palette.accent.gamma_multiply(0.25),
+        Stroke::new(1.5, palette.accent),
+    );
+    painter.circle_filled(at, 2.5, palette.accent);
+    let (font, color) = (TextStyle::Small.resolve(ui.style()), visuals.weak_text_color());
+    let text = |at: Pos2, align, words: &str| {
+        painter.text(at, align, words, font.clone(), color);
+    };
+    let inner = rect.shrink(4.0);
+    text(pos2(centre.x, inner.top() - 3.0), Align2::CENTER_TOP, "head");
+    text(pos2(centre.x, inner.bottom() + 3.0), Align2::CENTER_BOTTOM, "feet");
+    text(inner.left_bottom() + vec2(0.0, 3.0), Align2::LEFT_BOTTOM, "midline");
+    text(inner.right_bottom() + vec2(0.0, 3.0), Align2::RIGHT_BOTTOM, "side");
+}
+
+/// Position along one axis. A number outside of the pocket is rejected, with the offer of a larger pocket.
+fn number(
+    ui: &mut Ui,
+    scene: &mut Scene,
+    axis: usize,
+    (label, side): (&str, &str),
+    hand: Hand,
+) -> Option<Notice> {
+    let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
+    let most = (room * room - other * other).max(0.0).sqrt();
+    // A displayed limit is itself allowed.
+    let shown = cm((10.0 * most + 1e-6).floor() / 10.0);
+    let reason = format!("at most {} cm in this pocket", quantity::format(shown, 1));
+    let mut value = cm(scene.implant.center_mm[axis]);
+    // The position of a file may lie on the pocket's rim by rounding.
+    let reach = cm(most).max(value.abs());
+    let control = Control {
+        range: -reach..=reach,
+        allowed: Some(-reach..=reach),
+        limit_reason: &reason,
+        tooltip: &format!("Offset of the implant from the pocket's centre towards the {side}."),
+        most_decimals: 2,
+        ..centimetres(label)
+    };
+    let change = control.number(ui, &mut value, hand == Hand::Finger);
+    if change.is_changed {
+        scene.implant.center_mm[axis] = mm(value);
+    }
+    let requested = mm(change.out_of_range?);
+    let offer = larger_pocket(scene, axis, requested);
+    Some(Notice { offer, ..Notice::caution(format!("{label}: {reason}.")) })
+}
+
+/// The offer of a pocket, in steps of 1 mm of its width, that contains the implant at the requested position \[mm\].
+fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
+    let offset = requested.hypot(scene.implant.center_mm[1 - axis]);
+    let pocket_radius_mm = (2.0 * (scene.implant.base_radius_mm + offset)).ceil() / 2.0;
+    (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
+        let mut scene = scene.clone();
+        scene.set_pocket_radius(pocket_radius_mm);
+        scene.implant.center_mm[axis] = requested;
+        let width = quantity::format(cm(2.0 * pocket_radius_mm), 1);
+        Offer { label: format!("Make the pocket {width} cm wide"), scene: Box::new(scene) }
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_centre_beyond_the_pocket_is_moved_to_its_rim() {
+        let mut scene = Scene::opening();
+        assert_eq!(inside(&scene, [3.0, -4.0]), [3.0, -4.0]);
+        scene.implant.center_mm = inside(&scene, [60.0, 80.0]);
+        let [x, y] = scene.implant.center_mm;
+        assert!((x - 6.0).abs() < 1e-9 && (y - 8.0).abs() < 1e-9);
+        assert_eq!((scene.repair(), scene.validate()), (None, Ok(())));
+    }
+}

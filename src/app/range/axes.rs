@@ -1,0 +1,229 @@
+//! The numbers that the range of implants varies: a surgeon's words and units, usual ranges, numbers of values.
+
+use crate::app::widgets::Kind;
+use crate::app::widgets::quantity::{format_at_most, significant};
+use crate::clinical;
+use crate::scene::{Scene, limits};
+use crate::study::{Axis, Parameter, with_values};
+
+/// The numbers on offer, the usual ones first.
+pub(super) const FIELDS: [Parameter; 13] = [
+    Parameter::BaseWidth,
+    Parameter::Projection,
+    Parameter::Volume,
+    Parameter::PocketMargin,
+    Parameter::Pinch,
+    Parameter::Thickness,
+    Parameter::StrainScale(0),
+    Parameter::StressScale(0),
+    Parameter::PoissonRatio,
+    Parameter::CenterX,
+    Parameter::CenterY,
+    Parameter::Insertion,
+    Parameter::AttachmentStiffness,
+];
+
+/// How an axis is displayed.
+#[derive(Clone, Copy)]
+pub(super) struct Words {
+    pub(super) name: &'static str,
+    pub(super) kind: Kind,
+    pub(super) unit: &'static str,
+    /// Displayed number per value.
+    pub(super) factor: f64,
+    /// Values of an axis are multiples of this step where the range allows \[displayed unit\].
+    step: f64,
+    /// Most decimals of a displayed value.
+    decimals: usize,
+}
+
+impl Words {
+    pub(super) fn of(field: Parameter) -> Self {
+        let new = |name, kind, unit, factor, step, decimals| Self {
+            name,
+            kind,
+            unit,
+            factor,
+            step,
+            decimals,
+        };
+        let cm = |name| new(name, Kind::Centimetres, "cm", 0.1, 0.05, 2);
+        let plain = |name| new(name, Kind::Plain, "", 1.0, 0.005, 3);
+        match field {
+            Parameter::BaseWidth => cm("Width"),
+            Parameter::Projection => cm("Projection"),
+            Parameter::Volume => new("Volume", Kind::Volume, "ml", 1.0, 5.0, 0),
+            Parameter::PocketMargin => cm("Margin of the pocket"),
+            Parameter::Pinch => cm("Pinch"),
+            Parameter::Thickness => cm("Thickness of the cover"),
+            Parameter::StrainScale(_) => plain("Slack of the skin (strain scale)"),
+            Parameter::StressScale(_) => plain("Stiffness of the skin (stress scale)"),
+            Parameter::PoissonRatio => plain("Poisson ratio"),
+            Parameter::CenterX => cm("Position, to the side"),
+            Parameter::CenterY => cm("Position, up"),
+            Parameter::Insertion => new("In place", Kind::Percent, "%", 100.0, 1.0, 0),
+            Parameter::AttachmentStiffness => {
+                new("Attachment of the tissue", Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
+            }
+            // Not on offer.
+            _ => plain("Number"),
+        }
+    }
+
+    /// A value as displayed, without unit.
+    pub(super) fn number(&self, value: f64) -> String {
+        format_at_most(self.display(value), 0, self.decimals)
+    }
+
+    /// A value with its unit.
+    pub(super) fn text(&self, value: f64) -> String {
+        format!("{} {}", self.number(value), self.unit).trim_end().to_owned()
+    }
+
+    /// Name and unit.
+    pub(super) fn title(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.to_owned()
+        } else {
+            format!("{} ({})", self.name, self.unit)
+        }
+    }
+
+    pub(super) fn display(&self, value: f64) -> f64 {
+        significant(value * self.factor)
+    }
+
+    pub(super) fn value(&self, displayed: f64) -> f64 {
+        significant(displayed / self.factor)
+    }
+}
+
+/// The range of an axis until another one is typed: the usual values and the present one.
+pub(super) fn usual(field: Parameter, scene: &Scene) -> (f64, f64) {
+    use clinical::limits as of_size;
+    let thickness: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+    let skin = scene.layers.first().map_or(0.0, |skin| skin.thickness_mm);
+    let (least, most) = match field {
+        Parameter::BaseWidth => of_size::TYPICAL_WIDTH_MM,
+        Parameter::Projection => of_size::TYPICAL_PROJECTION_MM,
+        // The typical projections on the present base.
+        Parameter::Volume => {
+            let ml_per_mm =
+                2e-3 / 3.0 * std::f64::consts::PI * scene.implant.base_radius_mm.powi(2);
+            let (least, most) = of_size::TYPICAL_PROJECTION_MM;
+            let round = |projection: f64| (ml_per_mm * projection / 50.0).round().max(1.0) * 50.0;
+            (round(least), round(most).max(round(least) + 100.0))
+        }
+        Parameter::PocketMargin => (0.0, 30.0),
+        Parameter::Pinch => (10.0, 50.0),
+        Parameter::Thickness => ((skin + 2.0).max(4.0), thickness.max(30.0)),
+        Parameter::StrainScale(_) => (0.5, 2.0),
+        Parameter::StressScale(_) => (0.4, 2.5),
+        Parameter::PoissonRatio => (0.3, 0.49),
+        Parameter::CenterX | Parameter::CenterY => {
+            let room = scene.room_mm().max(5.0);
+            (-room, room)
+        }
+        Parameter::Insertion => (0.2, 1.0),
+        Parameter::AttachmentStiffness => (0.5, 10.0),
+        _ => (0.0, 1.0),
+    };
+    match field.value(scene) {
+        // A number that the range determines itself.
+        Some(_) if matches!(field, Parameter::CenterX | Parameter::CenterY) => (least, most),
+        Some(value) => (least.min(value), most.max(value)),
+        None => (least, most),
+    }
+}
+
+/// The values that may be typed.
+pub(super) fn allowed(field: Parameter) -> (f64, f64) {
+    use clinical::limits as of_size;
+    match field {
+        Parameter::BaseWidth => of_size::BASE_WIDTH_MM,
+        Parameter::Projection => limits::PROJECTION_MM,
+        Parameter::Volume => (10.0, 5000.0),
+        Parameter::PocketMargin => (0.0, limits::POCKET_RADIUS_MAX_MM),
+        Parameter::Pinch => of_size::PINCH_MM,
+        Parameter::Thickness => (0.5, 8.0 * limits::THICKNESS_MM.1),
+        Parameter::StrainScale(_) | Parameter::StressScale(_) => crate::curve::SCALES,
+        Parameter::PoissonRatio => limits::POISSON_RATIO,
+        Parameter::CenterX | Parameter::CenterY => {
+            (-limits::POCKET_RADIUS_MAX_MM, limits::POCKET_RADIUS_MAX_MM)
+        }
+        Parameter::AttachmentStiffness => limits::ATTACHMENT_STIFFNESS,
+        _ => (0.0, 1.0),
+    }
+}
+
+/// Does the number vary in this scene? A sheet has no attachment, and a pinch may have no effect.
+pub(super) fn applies(field: Parameter, scene: &Scene) -> bool {
+    let (least, most) = usual(field, scene);
+    with_values(scene, &[(field, 0.5 * (least + most))]).is_ok()
+}
+
+/// An axis of about `target` values, whose step is round where the range allows.
+pub(super) fn axis(field: Parameter, (from, to): (f64, f64), target: usize) -> Axis {
+    let words = Words::of(field);
+    let range = words.factor * (to - from).abs();
+    let is_round = |step: f64, unit: f64| {
+        let steps = step / unit;
+        steps >= 0.5 && (steps - steps.round()).abs() < 1e-6
+    };
+    let most = if target > 40 { target } else { target + target / 2 };
+    let mut counts: Vec<usize> = (target * 3 / 4..=most).collect();
+    counts.sort_by_key(|count| count.abs_diff(target));
+    let units = [20.0, 10.0, 5.0, 2.0, 1.0].map(|multiple| multiple * words.step);
+    let round = units.into_iter().find_map(|unit| {
+        counts.iter().copied().find(|count| is_round(range / (count - 1) as f64, unit))
+    });
+    Axis { field, from, to, count: round.unwrap_or(target) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::{Map, MapSettings};
+
+    #[test]
+    fn usual_axes_have_round_steps_and_maps() {
+        let scene = Scene::opening();
+        for target in [20, 40, 60] {
+            for field in FIELDS {
+                assert!(applies(field, &scene), "{}", field.name());
+                let (from, to) = usual(field, &scene);
+                let (least, most) = allowed(field);
+                assert!(least <= from && to <= most, "{}", field.name());
+                let axis = axis(field, (from, to), target);
+                assert!((target * 3 / 4..=60).contains(&axis.count), "{axis:?}");
+                Map::new(&scene, &[axis], MapSettings::default()).unwrap();
+            }
+        }
+        let step = |field| {
+            let axis = axis(field, usual(field, &scene), 20);
+            significant((axis.to - axis.from) / (axis.count - 1) as f64)
+        };
+        let fields = [Parameter::BaseWidth, Parameter::Projection, Parameter::Volume];
+        for (step, expected) in fields.map(step).into_iter().zip([6.0, 2.5, 25.0]) {
+            assert!((step - expected).abs() < 1e-9, "{step}");
+        }
+    }
+
+    #[test]
+    fn values_are_displayed_in_centimetres_and_back() {
+        let words = Words::of(Parameter::BaseWidth);
+        assert_eq!(
+            (words.text(120.0), words.number(83.5)),
+            ("12 cm".to_owned(), "8.35".to_owned())
+        );
+        assert!((words.value(words.display(83.7)) - 83.7).abs() < 1e-9);
+        assert_eq!(Words::of(Parameter::PoissonRatio).text(0.45), "0.45");
+        assert_eq!(Words::of(Parameter::Insertion).text(0.35), "35 %");
+    }
+
+    #[test]
+    fn a_sheet_has_no_attachment() {
+        assert!(!applies(Parameter::AttachmentStiffness, &Scene::sheet()));
+        assert!(applies(Parameter::BaseWidth, &Scene::sheet()));
+    }
+}

@@ -1,0 +1,204 @@
+//! The colours of the range of implants: bands with words where a quantity has limits, else an even scale; the picture of
+//! all points as one texture.
+
+use super::plane::marks;
+use crate::measure::bands::Limits;
+use crate::study::{Map, PointStatus, Quantity};
+use crate::view::color::{Rgb, in_band, sequential};
+use eframe::egui::{Color32, ColorImage};
+
+/// Pixels of the picture along each axis: fine enough for sharp borders of bands.
+const PIXELS: usize = 192;
+/// Opacity of values between solved points that are still being computed.
+const UNSOLVED: f32 = 0.55;
+
+/// The colours of a quantity over its values, in its displayed unit.
+pub(super) struct Scale {
+    /// Least and greatest displayed value.
+    pub(super) ends: (f64, f64),
+    /// Limits with words, and the factor from a displayed value to their unit.
+    pub(super) limits: Option<(&'static Limits, f64)>,
+    pub(super) unit: &'static str,
+    factor: f64,
+}
+
+impl Scale {
+    /// The scale of a quantity; `range`: its least and greatest value on the map.
+    pub(super) fn new(quantity: Quantity, range: Option<(f64, f64)>) -> Self {
+        let (factor, unit) = quantity.display();
+        let limits = quantity.limits().map(|(limits, to_limits)| (limits, to_limits / factor));
+        let ends = match (limits, range) {
+            // As wide as the bars of the answer.
+            (Some((limits, to_limits)), _) => {
+                let last = limits.bands.iter().filter_map(|band| band.limit).next_back();
+                (0.0, 1.25 * last.unwrap_or(1.0) / to_limits)
+            }
+            (None, Some((least, most))) => {
+                let (least, most) = (factor * least, factor * most);
+                if most > least { (least, most) } else { (least - 0.5, least + 0.5) }
+            }
+            (None, None) => (0.0, 1.0),
+        };
+        Self { ends, limits, unit, factor }
+    }
+
+    /// Colour of a value \[unit of the quantity\].
+    pub(super) fn color(&self, value: f64) -> Color32 {
+        self.displayed(self.factor * value)
+    }
+
+    /// Colour of a displayed value.
+    pub(super) fn displayed(&self, value: f64) -> Color32 {
+        let (least, most) = self.ends;
+        rgb(match self.limits {
+            Some((limits, to_limits)) => {
+                in_band(limits, to_limits * most, (to_limits * value) as f32)
+            }
+            None => sequential(((value - least) / (most - least)) as f32),
+        })
+    }
+
+    /// Marked values, and the word of the band above each where there are limits.
+    pub(super) fn marks(&self) -> Vec<(f64, String)> {
+        match self.limits {
+            Some((limits, to_limits)) => {
+                let limits = limits.bands.iter().filter_map(|band| band.limit);
+                limits.map(|limit| limit / to_limits).map(|v| (v, format!("{v:.0}"))).collect()
+            }
+            None => {
+                let values = marks(self.ends, 5);
+                let step = values.windows(2).next().map_or(1.0, |pair| pair[1] - pair[0]);
+                let decimals = (-(step.log10() + 1e-9).floor()).clamp(0.0, 4.0) as usize;
+                values.into_iter().map(|value| (value, format!("{value:.decimals$}"))).collect()
+            }
+        }
+    }
+
+    /// Words at the middle of their bands.
+    pub(super) fn words(&self) -> Vec<(f64, &'static str)> {
+        let Some((limits, to_limits)) = self.limits else { return Vec::new() };
+        let mut from = 0.0;
+        let word = |band: &crate::measure::bands::Band| {
+            let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits);
+            let middle = 0.5 * (from + to);
+            from = to;
+            (middle, band.word)
+        };
+        limits.bands.iter().map(word).collect()
+    }
+}
+
+fn rgb(color: Rgb) -> Color32 {
+    let [r, g, b] = color.map(|v| (255.0 * v.clamp(0.0, 1.0)).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// The picture of a map of two axes, the first row at the top of the chart. Values between points are interpolated; cells
+/// with a point without an answer are striped, cells without any value are transparent.
+pub(super) fn picture(
+    map: &Map,
+    quantity: Quantity,
+    scale: &Scale,
+    stripes: Color32,
+) -> ColorImage {
+    let (columns, rows) = map.shape();
+    let points: Vec<Point> = (0..rows)
+        .flat_map(|j| (0..columns).map(move |i| (i, j)))
+        .map(|(i, j)| Point::new(map, quantity, i, j))
+        .collect();
+    let place = |pixel: usize, count: usize| {
+        let position = (pixel as f64 + 0.5) / PIXELS as f64 * (count - 1) as f64;
+        let low = (position as usize).min(count - 2);
+        (low, position - low as f64)
+    };
+    let mut pixels = Vec::with_capacity(PIXELS * PIXELS);
+    for row in (0..PIXELS).rev() {
+        let (j, v) = place(row, rows);
+        for column in 0..PIXELS {
+            let (i, u) = place(column, columns);
+            let corner = |a: usize, b: usize| points[(j + b) * columns + i + a];
+            let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+            let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+            pixels.push(if corners.iter().any(|point| point.is_missing) {
+                if (row + column) % 8 < 3 { stripes } else { Color32::TRANSPARENT }
+            } else {
+                let value: f64 = corners.iter().zip(weights).map(|(p, w)| p.value * w).sum();
+                let opacity =
+                    if corners.iter().all(|point| point.is_solved) { 1.0 } else { UNSOLVED };
+                if value.is_finite() {
+                    scale.color(value).gamma_multiply(opacity)
+                } else {
+                    Color32::TRANSPARENT
+                }
+            });
+        }
+    }
+    ColorImage::new([PIXELS, PIXELS], pixels)
+}
+
+/// A point of the map for the picture.
+#[derive(Clone, Copy)]
+struct Point {
+    /// Not a number where no value is known.
+    value: f64,
+    is_solved: bool,
+    /// Did the point end without an answer?
+    is_missing: bool,
+}
+
+impl Point {
+    fn new(map: &Map, quantity: Quantity, i: usize, j: usize) -> Self {
+        let displayed = map.displayed(quantity, i, j);
+        Self {
+            value: displayed.map_or(f64::NAN, |(value, _)| value),
+            is_solved: displayed.is_some_and(|(_, is_solved)| is_solved),
+            is_missing: displayed.is_none() && map.status(i, j) != PointStatus::Waiting,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::study::{Axis, Cases, MapSettings, Study, evaluate};
+
+    #[test]
+    fn colours_change_at_the_limits_and_the_words_stand_in_their_bands() {
+        let scale = Scale::new(Quantity::GreatestStrain, None);
+        assert!((scale.ends.1 - 67.5).abs() < 1e-9);
+        let labels: Vec<String> = scale.marks().into_iter().map(|(_, label)| label).collect();
+        assert_eq!(labels, ["25", "50", "54"]);
+        assert_ne!(scale.color(0.2499), scale.color(0.2501));
+        let words = scale.words();
+        assert_eq!(words.iter().map(|(_, word)| *word).collect::<Vec<_>>()[0], "usual");
+        assert!(words.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        let pressure = Scale::new(Quantity::GreatestPressureMmhg, Some((1.0, 2.0)));
+        assert_eq!((pressure.ends, pressure.words().len()), ((0.0, 100.0), 3));
+        let cover = Scale::new(Quantity::LeastCoverMm, Some((3.0, 9.0)));
+        assert_eq!((cover.ends, cover.words().len()), ((3.0, 9.0), 0));
+        assert_ne!(cover.color(3.0), cover.color(9.0));
+    }
+
+    #[test]
+    fn pixels_are_clear_before_faint_while_and_opaque_after_the_solve() {
+        let axes = ["base_width_mm=100:120:3", "projection_mm=30:40:3"];
+        let axes = axes.map(|axis| Axis::parse(axis).unwrap());
+        let settings = MapSettings { nodes_per_side: 17, ..MapSettings::default() };
+        let mut map = Map::new(&Scene::sheet(), &axes, settings).unwrap();
+        let quantity = Quantity::SkinProjectionMm;
+        let scale = Scale::new(quantity, Some((30.0, 60.0)));
+        let image = |map: &Map| picture(map, quantity, &scale, Color32::RED).pixels;
+        assert!(image(&map).iter().all(|pixel| *pixel == Color32::TRANSPARENT));
+        let mut store = Cases::default();
+        while let Some((index, job)) = map.next_job(&mut store) {
+            map.receive(index, evaluate(&job), &mut store);
+        }
+        let pixels = image(&map);
+        assert!(pixels.iter().all(Color32::is_opaque));
+        // The last pixels of the picture are those of the first row of points.
+        let value = map.value(quantity, 0, 0).unwrap();
+        let near = |a: Color32, b: Color32| a.r().abs_diff(b.r()) + a.g().abs_diff(b.g()) < 4;
+        assert!(near(pixels[(PIXELS - 1) * PIXELS], scale.color(value)));
+    }
+}

@@ -1,0 +1,179 @@
+//! The values of a point of the range in words: for the box at the pointer and for screen readers.
+
+use super::axes::Words;
+use crate::study::{Map, PointStatus, Quantity};
+
+/// The quantities on offer with a surgeon's words, the usual ones first.
+pub(super) const QUANTITIES: [(Quantity, &str); 14] = [
+    (Quantity::GreatestStrain, "Skin stretch"),
+    (Quantity::GreatestPressureMmhg, "Pressure, greatest"),
+    (Quantity::LeastCoverMm, "Least cover"),
+    (Quantity::SkinAreaGainCm2, "Skin area gained"),
+    (Quantity::SkinProjectionMm, "Height of the breast mound"),
+    (Quantity::ImplantVolumeMl, "Implant volume"),
+    (Quantity::MeanPressureMmhg, "Pressure, mean"),
+    (Quantity::ApexCoverMm, "Cover over the apex"),
+    (Quantity::SkinAreaGain, "Skin area gained, of the pocket"),
+    (Quantity::AreaOver25, "Skin stretched above 25 %"),
+    (Quantity::AreaOver50, "Skin stretched above 50 %"),
+    (Quantity::SkinStressKpa, "Greatest stress, skin"),
+    (Quantity::ForceN, "Force, vertical"),
+    (Quantity::AttachmentTractionKpa, "Pull at the pocket's edge"),
+];
+
+/// A surgeon's word for a quantity.
+pub(super) fn name(quantity: Quantity) -> &'static str {
+    let named = QUANTITIES.iter().find(|(known, _)| *known == quantity);
+    named.map_or(quantity.label(), |(_, name)| name)
+}
+
+/// Does a quantity exist in this tissue model?
+pub(super) fn applies(quantity: Quantity, is_layered: bool) -> bool {
+    let of_layers =
+        [Quantity::LeastCoverMm, Quantity::ApexCoverMm, Quantity::AttachmentTractionKpa];
+    is_layered || !of_layers.contains(&quantity)
+}
+
+/// A value of a quantity with its unit, as "21 %".
+pub(super) fn text(quantity: Quantity, value: f64) -> String {
+    let (factor, unit) = quantity.display();
+    let decimals = match unit {
+        "mm" | "N" | "kPa" => 1,
+        _ => 0,
+    };
+    // No minus sign before a zero.
+    let shown = (value * factor * 10f64.powi(decimals)).round() / 10f64.powi(decimals) + 0.0;
+    format!("{shown:.0$} {unit}", decimals as usize)
+}
+
+/// The place of a point, as "Width 12 cm, projection 4 cm".
+pub(super) fn place(map: &Map, i: usize, j: usize) -> String {
+    let axes = map.axes().iter().zip([i, j]);
+    let parts: Vec<String> = axes
+        .enumerate()
+        .map(|(k, (axis, index))| {
+            let words = Words::of(axis.field);
+            let name = if k == 0 { words.name.to_owned() } else { lower(words.name) };
+            format!("{name} {}", words.text(axis.value(index)))
+        })
+        .collect();
+    parts.join(", ")
+}
+
+fn lower(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// The values of a point, one per line: `first`, then the others in their order. A value between computed points is
+/// marked; a point without an answer has the reason.
+pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<String> {
+    let others = QUANTITIES.iter().map(|(quantity, _)| *quantity).filter(|q| *q != first);
+    let values = std::iter::once(first).chain(others).filter_map(|quantity| {
+        let (value, is_solved) = map.displayed(quantity, i, j)?;
+        let about = if is_solved { "" } else { "about " };
+        let limits = quantity.limits();
+        let word = limits.map_or_else(String::new, |(limits, factor)| {
+            format!(", {}", limits.word(factor * value))
+        });
+        Some(format!("{}: {about}{}{word}", name(quantity), text(quantity, value)))
+    });
+    let mut lines: Vec<String> = values.collect();
+    let reason = match map.status(i, j) {
+        PointStatus::Converged => None,
+        PointStatus::Waiting if lines.is_empty() => Some("Being computed.".to_owned()),
+        PointStatus::Waiting => Some("Values between computed points; being computed.".to_owned()),
+        PointStatus::NotConverged => {
+            Some("No numbers: the solve stopped above its tolerance.".to_owned())
+        }
+        PointStatus::NoShape => Some("No stable shape.".to_owned()),
+        PointStatus::Invalid => {
+            let error = map.case(i, j).and_then(|case| case.error.clone());
+            Some(format!("No answer: {}.", error.unwrap_or_else(|| "out of range".to_owned())))
+        }
+    };
+    lines.splice(0..0, reason);
+    lines
+}
+
+/// A point in one sentence, for screen readers: its place and the first values.
+pub(super) fn sentence(map: &Map, i: usize, j: usize, first: Quantity) -> String {
+    const VALUES: usize = 4;
+    let mut lines = lines(map, i, j, first);
+    lines.truncate(VALUES);
+    let values = lines.join("; ").replace('%', "percent");
+    format!("{}: {}.", place(map, i, j), values.trim_end_matches('.'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::study::{Axis, Case, Cases, MapSettings, Study, evaluate};
+
+    fn map() -> Map {
+        let axes = ["base_width_mm=100:140:3", "projection_mm=30:50:3"];
+        let axes = axes.map(|axis| Axis::parse(axis).unwrap());
+        let settings = MapSettings { nodes_per_side: 17, ..MapSettings::default() };
+        Map::new(&Scene::opening(), &axes, settings).unwrap()
+    }
+
+    #[test]
+    fn the_values_of_a_point_are_those_of_its_case() {
+        let (mut map, mut store) = (map(), Cases::default());
+        let first = Quantity::GreatestStrain;
+        assert_eq!(lines(&map, 1, 1, first), ["Being computed."]);
+        // The corners are solved before the middle.
+        let (index, mut job) = map.next_job(&mut store).unwrap();
+        job.scenes.truncate(4);
+        let mut cases = evaluate(&job);
+        cases.resize(
+            9,
+            Case { status: None, error: Some("a defect".to_owned()), ..Case::default() },
+        );
+        map.receive(index, cases, &mut store);
+        let shown = lines(&map, 0, 0, first);
+        let strain = map.value(first, 0, 0).unwrap();
+        assert_eq!(shown[0], format!("Skin stretch: {:.0} %, usual", 100.0 * strain));
+        let cover = map.value(Quantity::LeastCoverMm, 0, 0).unwrap();
+        assert!(shown.contains(&format!("Least cover: {cover:.1} mm")), "{shown:?}");
+        assert_eq!(shown.len(), QUANTITIES.len());
+        // Another quantity comes first on request.
+        let force = map.value(Quantity::ForceN, 0, 0).unwrap();
+        assert_eq!(
+            lines(&map, 0, 0, Quantity::ForceN)[0],
+            format!("Force, vertical: {force:.1} N")
+        );
+        let words = sentence(&map, 0, 0, first);
+        assert!(words.starts_with("Width 10 cm, projection 3 cm: Skin stretch: "), "{words}");
+        assert!(words.contains(" percent, usual; ") && words.ends_with('.'), "{words}");
+        assert_eq!(lines(&map, 1, 1, first)[0], "No answer: a defect.");
+    }
+
+    #[test]
+    fn a_value_between_computed_points_is_marked() {
+        let axis = Axis::parse("projection_mm=30:50:41").unwrap();
+        let mut map = Map::new(&Scene::opening(), &[axis], MapSettings::default()).unwrap();
+        let mut store = Cases::default();
+        let (index, job) = map.next_job(&mut store).unwrap();
+        map.receive(index, evaluate(&job), &mut store);
+        let is_between = |i: &usize| {
+            map.status(*i, 0) == PointStatus::Waiting
+                && map.displayed(Quantity::GreatestStrain, *i, 0).is_some()
+        };
+        let waiting = (0..41).find(is_between).unwrap();
+        let shown = lines(&map, waiting, 0, Quantity::GreatestStrain);
+        assert!(shown[0].starts_with("Values between computed points"), "{shown:?}");
+        assert!(shown[1].starts_with("Skin stretch: about "), "{shown:?}");
+    }
+
+    #[test]
+    fn numbers_have_few_digits_and_zero_no_sign() {
+        assert_eq!(text(Quantity::GreatestStrain, 0.2149), "21 %");
+        assert_eq!(text(Quantity::SkinAreaGainCm2, -0.2), "0 cm²");
+        assert_eq!(text(Quantity::LeastCoverMm, 7.25), "7.3 mm");
+        let is_offered = |quantity| QUANTITIES.iter().any(|(q, _)| *q == quantity);
+        let kpa = [Quantity::MeanPressureKpa, Quantity::GreatestPressureKpa];
+        assert!(Quantity::ALL.into_iter().all(|q| is_offered(q) != kpa.contains(&q)));
+    }
+}

@@ -1,0 +1,110 @@
+//! The chart: how much of the spread of a result each unknown explains.
+
+use super::remark;
+use super::unknowns::words;
+use crate::app::theme::{self, SPACE, SPACE_SMALL};
+use crate::app::widgets::{choice, labelled_box, set_accessible_name};
+use crate::study::{Band, Index, Quantity, Unknown};
+use eframe::egui::{self, Align2, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
+
+/// Height of a bar's row, width of its name and of its number \[points\].
+const HEIGHT: f32 = 17.0;
+const NAME_WIDTH: f32 = 124.0;
+const NUMBER_WIDTH: f32 = 34.0;
+
+/// Shows the choice of the explained quantity; returns whether the choice has changed.
+pub(super) fn quantity(ui: &mut Ui, explained: &mut Quantity, bands: &[Band]) -> bool {
+    let before = *explained;
+    ui.add_space(SPACE_SMALL);
+    labelled_box(ui, "What matters most for", &name(before), |ui| {
+        for band in bands {
+            if choice(ui, band.quantity == before, name(band.quantity)).clicked() {
+                *explained = band.quantity;
+            }
+        }
+    });
+    *explained != before
+}
+
+/// The quantity with its unit.
+fn name(quantity: Quantity) -> String {
+    format!("{} ({})", quantity.label(), quantity.display().1)
+}
+
+/// Shows one bar for each unknown, greatest first.
+pub(super) fn bars(ui: &mut Ui, importance: &[(Unknown, Index)], is_running: bool) {
+    if importance.is_empty() {
+        let words = if is_running {
+            "Computed after the sampled patients."
+        } else {
+            "Too few sampled patients have an answer, or no unknown changes this number."
+        };
+        remark(ui, words);
+        return;
+    }
+    for (unknown, index) in importance {
+        bar(ui, *unknown, index);
+    }
+    let alone: f64 = importance.iter().map(|(_, index)| index.first_order.max(0.0)).sum();
+    let rest = (1.0 - alone).max(0.0);
+    remark(
+        ui,
+        format!(
+            "Share of the spread (variance) that each unknown explains alone; {:.0} % is the effect of several \
+             together.",
+            100.0 * rest
+        ),
+    );
+}
+
+/// Shows the bar of an unknown: name, bar with the standard error, number.
+fn bar(ui: &mut Ui, unknown: Unknown, index: &Index) {
+    let size = vec2(ui.available_width() - SPACE, HEIGHT);
+    let (row, response) = ui.allocate_exact_size(size, Sense::hover());
+    let palette = theme::palette(ui.visuals());
+    let (font, text) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
+    let painter = ui.painter();
+    let share = index.first_order.clamp(0.0, 1.0);
+    painter.text(row.left_center(), Align2::LEFT_CENTER, words(unknown).name, font.clone(), text);
+    let number = format!("{:.0} %", 100.0 * share);
+    painter.text(row.right_center(), Align2::RIGHT_CENTER, number, font, text);
+    let rail = Rect::from_min_max(
+        pos2(row.left() + NAME_WIDTH, row.top() + 4.0),
+        pos2(row.right() - NUMBER_WIDTH, row.bottom() - 4.0),
+    );
+    let at = |share: f64| rail.left() + rail.width() * share.clamp(0.0, 1.0) as f32;
+    painter.rect_filled(rail, 1.0, ui.visuals().extreme_bg_color);
+    painter.rect_filled(rail.with_max_x(at(share)), 1.0, palette.accent);
+    let [error, _] = index.standard_error;
+    let line = Stroke::new(1.0, palette.text);
+    painter.hline(at(share - error)..=at(share + error), rail.center().y, line);
+    let words = description(unknown, index);
+    set_accessible_name(&response, egui::Role::Label, &words);
+    response.on_hover_text(words);
+}
+
+/// A bar in words.
+fn description(unknown: Unknown, index: &Index) -> String {
+    let percent = |share: f64| 100.0 * share.clamp(0.0, 1.0);
+    let [alone, total] = index.standard_error.map(|error| 100.0 * error);
+    format!(
+        "{}: {:.0} ± {alone:.0} % of the spread alone, {:.0} ± {total:.0} % together with others",
+        words(unknown).name,
+        percent(index.first_order),
+        percent(index.total)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_is_described_in_words() {
+        let index = Index { first_order: -0.02, total: 0.314, standard_error: [0.04, 0.051] };
+        assert_eq!(
+            description(Unknown::PocketRadius, &index),
+            "Width of the pocket: 0 ± 4 % of the spread alone, 31 ± 5 % together with others"
+        );
+    }
+}

@@ -1,0 +1,226 @@
+//! Uncertainty: bands of the plan's results over what is not known about a person.
+//!
+//! This file runs the study: after the plan is solved, again after each edit. `panel` (the section of the answer) |
+//! `unknowns` (what varies, and how much) | `chart` (which unknown matters most).
+
+mod chart;
+mod panel;
+mod unknowns;
+
+use super::studies::{Driver, Studies};
+use crate::measure::Status;
+use crate::scene::Scene;
+use crate::session::Session;
+use crate::study::{
+    Band, Bands, BandsSettings, Index, PointStatus, Quantity, SectionBand, Unknown,
+};
+use eframe::egui;
+use std::collections::BTreeMap;
+use std::time::Duration;
+use unknowns::Choices;
+
+/// Time after an edit before the study starts \[s\].
+const QUIET: f64 = 0.3;
+/// Fewest samples with an answer of a band: among fewer the 10th percentile is next to the lowest.
+const LEAST_ANSWERS: usize = 10;
+
+/// The study of what is not known, and its choices.
+pub(super) struct Uncertainty {
+    is_on: bool,
+    /// Does the picture contain the envelopes of the skin?
+    is_in_picture: bool,
+    choices: Choices,
+    /// The quantity of the chart.
+    explained: Quantity,
+    driver: Driver<Bands>,
+    /// Scene and settings of the study, or of the study that waits for its start.
+    subject: Option<(Scene, BandsSettings)>,
+    /// Time of the edit after which the study waits for its start \[s\].
+    waits_since: Option<f64>,
+    /// Why the study has not started.
+    error: Option<String>,
+    findings: Findings,
+}
+
+/// The bands so far.
+#[derive(Default)]
+pub(super) struct Findings {
+    /// Number of samples.
+    samples: usize,
+    /// Solved samples by state.
+    counts: BTreeMap<&'static str, usize>,
+    bands: Vec<Band>,
+    section: Vec<SectionBand>,
+    /// Importance for the chart's quantity.
+    importance: Vec<(Unknown, Index)>,
+}
+
+impl Findings {
+    /// The band of a quantity; `None` if the quantity does not apply.
+    pub(super) fn band(&self, quantity: Quantity) -> Option<&Band> {
+        self.bands.iter().find(|band| band.quantity == quantity)
+    }
+
+    /// The band of the skin's section.
+    pub(super) fn section(&self) -> &[SectionBand] {
+        &self.section
+    }
+
+    /// Number of samples with an answer.
+    pub(super) fn answers(&self) -> usize {
+        self.count(PointStatus::Converged)
+    }
+
+    fn solved(&self) -> usize {
+        self.counts.values().sum()
+    }
+
+    fn count(&self, status: PointStatus) -> usize {
+        self.counts.get(status.word()).copied().unwrap_or(0)
+    }
+}
+
+impl Default for Uncertainty {
+    fn default() -> Self {
+        Self {
+            is_on: false,
+            is_in_picture: false,
+            choices: Choices::default(),
+            explained: Quantity::GreatestStrain,
+            driver: Driver::default(),
+            subject: None,
+            waits_since: None,
+            error: None,
+            findings: Findings::default(),
+        }
+    }
+}
+
+impl Uncertainty {
+    /// Starts, continues or cancels the study, once a frame. `is_busy`: the plan is being solved or edited.
+    pub(super) fn advance(
+        &mut self,
+        session: &Session,
+        studies: &mut Studies,
+        ctx: &egui::Context,
+        is_busy: bool,
+    ) {
+        if !self.is_on {
+            if self.subject.take().is_some() {
+                self.stop(studies);
+            }
+            return;
+        }
+        let (scene, settings) = (session.scene(), self.choices.settings(session.scene()));
+        let now = ctx.input(|input| input.time);
+        if self.subject.as_ref().is_none_or(|(of, by)| of != scene || *by != settings) {
+            self.stop(studies);
+            self.subject = Some((scene.clone(), settings));
+            self.waits_since = Some(now);
+        }
+        if let Some(since) = self.waits_since
+            && !is_busy
+            && has_answer(session)
+        {
+            let left = since + QUIET - now;
+            if left > 0.0 {
+                ctx.request_repaint_after(Duration::from_secs_f64(left));
+            } else {
+                self.waits_since = None;
+                self.start(studies);
+            }
+        }
+        if self.driver.advance(studies) {
+            self.read();
+        }
+    }
+
+    fn start(&mut self, studies: &mut Studies) {
+        let Some((scene, settings)) = &self.subject else { return };
+        match Bands::new(scene, settings.clone()) {
+            Ok(bands) => {
+                self.findings.samples = settings.samples;
+                self.driver.start(bands, studies);
+            }
+            Err(error) => self.error = Some(error.to_string()),
+        }
+    }
+
+    /// Cancels the study; its bands are those of another plan.
+    fn stop(&mut self, studies: &mut Studies) {
+        self.driver.cancel(studies);
+        self.findings = Findings::default();
+        self.waits_since = None;
+        self.error = None;
+    }
+
+    /// Reads what the study has found. Bands change with the samples, the importance after the samples.
+    fn read(&mut self) {
+        let Some(study) = self.driver.study() else { return };
+        let before = self.findings.solved();
+        self.findings.counts = study.counts();
+        self.findings.counts.remove(PointStatus::Waiting.word());
+        if self.findings.solved() != before && self.findings.answers() >= LEAST_ANSWERS {
+            self.findings.bands = study.bands();
+            self.findings.section = study.section();
+        }
+        if self.findings.solved() == self.findings.samples {
+            self.explain();
+        }
+    }
+
+    /// Reads the importance for the chart's quantity, greatest first.
+    fn explain(&mut self) {
+        let Some(study) = self.driver.study() else { return };
+        let unknowns = study.unknowns().iter().map(|(unknown, _)| *unknown);
+        let found = unknowns.zip(study.importance(self.explained));
+        let mut found: Vec<_> =
+            found.filter_map(|(unknown, index)| Some((unknown, index?))).collect();
+        found.sort_by(|(_, a), (_, b)| b.first_order.total_cmp(&a.first_order));
+        self.findings.importance = found;
+    }
+
+    /// Numbers of computed plans and of all plans of the study; both 0 without one.
+    pub(super) fn progress(&self) -> (usize, usize) {
+        self.driver.progress()
+    }
+
+    /// The bands of the present plan; `None` without enough samples.
+    pub(super) fn findings(&self) -> Option<&Findings> {
+        Some(&self.findings).filter(|findings| !findings.bands.is_empty())
+    }
+
+    /// The band of the skin's section, if the picture should contain its envelopes.
+    pub(super) fn envelope(&self) -> Option<&[SectionBand]> {
+        self.findings().filter(|_| self.is_in_picture).map(Findings::section)
+    }
+
+    /// The bands of the answer in one sentence, for screen readers; empty before the last sample.
+    pub(super) fn summary(&self) -> String {
+        let Some(findings) = self.findings() else { return String::new() };
+        if findings.solved() < findings.samples {
+            return String::new();
+        }
+        let list: Vec<String> = panel::ANSWER
+            .iter()
+            .filter_map(|(quantity, name)| Some((findings.band(*quantity)?, name)))
+            .map(|(band, name)| format!("{} {}", name.to_lowercase(), band.text))
+            .collect();
+        format!(
+            " Of {} sampled patients 8 in 10 lie between: {}. {}",
+            findings.samples,
+            list.join("; "),
+            panel::ILLUSTRATION
+        )
+    }
+}
+
+/// Has the present plan an answer within its tolerance?
+fn has_answer(session: &Session) -> bool {
+    session.result().is_some_and(|outcome| outcome.status == Status::Converged)
+}
+
+/// Shows a quiet line.
+fn remark(ui: &mut egui::Ui, text: impl Into<String>) {
+    ui.add(egui::Label::new(egui::RichText::new(text).small().weak()).wrap());
+}

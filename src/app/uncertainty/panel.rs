@@ -1,0 +1,196 @@
+//! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
+
+use super::{Findings, Uncertainty, chart, has_answer, remark};
+use crate::app::theme::{self, SPACE, SPACE_SMALL};
+use crate::app::widgets::{group, rejection_label, set_accessible_name};
+use crate::session::Session;
+use crate::study::{NOTES, PointStatus, Quantity, Scenario};
+use eframe::egui::{self, RichText, Ui};
+
+/// The sentence beside every band.
+pub(super) const ILLUSTRATION: &str = NOTES[0];
+const INDEPENDENT: &str = NOTES[1];
+const METHODS: &str = NOTES[2];
+
+/// The three figures of the answer.
+pub(super) const ANSWER: [(Quantity, &str); 3] = [
+    (Quantity::GreatestStrain, "Skin stretch"),
+    (Quantity::LeastCoverMm, "Cover"),
+    (Quantity::GreatestPressureMmhg, "Pressure"),
+];
+
+impl Uncertainty {
+    /// Shows the section.
+    pub(in crate::app) fn show(&mut self, ui: &mut Ui, session: &Session) {
+        group(ui, "Uncertainty", |ui| {
+            ui.checkbox(&mut self.is_on, "Show what is not known").on_hover_text(
+                "The tissue of a person is never known exactly. The program repeats the computation for many \
+                 patients who could have these measurements, and shows how far their answers lie apart.",
+            );
+            if self.is_on {
+                remark(ui, ILLUSTRATION);
+                self.state(ui, session);
+                if !self.findings.bands.is_empty() {
+                    self.bands(ui, session);
+                }
+            }
+            egui::CollapsingHeader::new("What is not known").id_salt("unknowns").show_unindented(
+                ui,
+                |ui| {
+                    self.choices.show(ui, session.scene());
+                    remark(ui, INDEPENDENT);
+                },
+            );
+        });
+    }
+
+    /// Progress, and why there are no bands.
+    fn state(&self, ui: &mut Ui, session: &Session) {
+        let findings = &self.findings;
+        if let Some(error) = &self.error {
+            rejection_label(ui, error);
+        } else if self.waits_since.is_some() {
+            let is_coming = session.is_working() || has_answer(session);
+            remark(
+                ui,
+                if is_coming { "Begins after the plan." } else { "This plan has no answer." },
+            );
+        } else if self.driver.is_running() {
+            let (done, all) = self.driver.progress();
+            let words = if findings.solved() < findings.samples {
+                format!("{} of {} sampled patients", findings.solved(), findings.samples)
+            } else {
+                let part = 100.0 * done as f64 / all.max(1) as f64;
+                format!("What matters most: {part:.0} % computed")
+            };
+            let bar = egui::ProgressBar::new(done as f32 / all.max(1) as f32)
+                .desired_height(6.0)
+                .fill(theme::palette(ui.visuals()).accent);
+            let role = egui::Role::ProgressIndicator;
+            set_accessible_name(&ui.add(bar), role, "Progress of the sampled patients");
+            remark(ui, words);
+        } else if findings.bands.is_empty() {
+            remark(ui, format!("Too few of {} sampled patients have an answer.", findings.samples));
+        } else {
+            remark(ui, format!("{} sampled patients.", findings.samples));
+        }
+        if let Some(words) = without_answer(findings) {
+            caution(ui, words);
+        }
+        if let Some(failure) = self.driver.failure() {
+            caution(ui, failure);
+        }
+    }
+
+    fn bands(&mut self, ui: &mut Ui, session: &Session) {
+        remark(
+            ui,
+            "In the cards: the median, then the range of 8 in 10 sampled patients (10th to 90th percentile).",
+        );
+        let [x, y] = session.scene().implant.center_mm;
+        let off_centre = if x.hypot(y) > 0.0 {
+            " The implant is off centre: the lines run from the centre of the pocket to the side only."
+        } else {
+            ""
+        };
+        ui.checkbox(&mut self.is_in_picture, "Envelopes in the picture").on_hover_text(format!(
+            "Lines of the skin on the cut, or on the outline without a cut. Solid: 9 in 10 sampled patients are \
+             below this line. Dashed: 1 in 10.{off_centre}"
+        ));
+        if chart::quantity(ui, &mut self.explained, &self.findings.bands) {
+            self.explain();
+        }
+        chart::bars(ui, &self.findings.importance, self.driver.is_running());
+        scenarios(ui, &self.findings);
+    }
+}
+
+/// The samples without an answer, in words; `None` if all have one.
+fn without_answer(findings: &Findings) -> Option<String> {
+    let causes = [
+        (PointStatus::NotConverged, "not finished"),
+        (PointStatus::NoShape, "without a stable shape"),
+        (PointStatus::Invalid, "beyond the limits of a plan"),
+    ];
+    let counts = causes.map(|(status, words)| (findings.count(status), words));
+    let sum: usize = counts.iter().map(|(count, _)| count).sum();
+    let list: Vec<String> = counts
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, words)| format!("{count} {words}"))
+        .collect();
+    (sum > 0).then(|| {
+        let of = findings.samples;
+        format!(
+            "{sum} of {of} sampled patients have no answer and are left out: {}.",
+            list.join(", ")
+        )
+    })
+}
+
+/// The scenarios of the method of measurement, beside the bands.
+fn scenarios(ui: &mut Ui, findings: &Findings) {
+    let factors = findings.bands.first().map_or(&[][..], |band| &band.scenarios[..]);
+    if factors.is_empty() {
+        return;
+    }
+    ui.add_space(SPACE_SMALL);
+    ui.label(RichText::new("If the measured stresses of the tissues are off").strong())
+        .on_hover_text(METHODS);
+    egui::Grid::new("scenarios").num_columns(4).spacing([SPACE, 2.0]).show(ui, |ui| {
+        ui.label(RichText::new("all stresses").small().weak());
+        for Scenario { stress_factor, .. } in factors {
+            ui.label(RichText::new(format!("× {stress_factor}")).small().weak());
+        }
+        ui.end_row();
+        for (quantity, name) in ANSWER {
+            let Some(band) = findings.band(quantity) else { continue };
+            ui.label(name);
+            for scenario in &band.scenarios {
+                ui.label(scenario.value.map_or_else(|| "–".to_owned(), |v| figure(quantity, v)));
+            }
+            ui.end_row();
+        }
+    });
+    remark(ui, "Beside the band, not in it: methods of measurement differ more than people.");
+}
+
+/// A value as in the cards.
+pub(super) fn figure(quantity: Quantity, value: f64) -> String {
+    let (factor, unit) = quantity.display();
+    let decimals = usize::from(unit == "mm");
+    format!("{:.decimals$} {unit}", factor * value)
+}
+
+fn caution(ui: &mut Ui, text: String) {
+    let color = theme::palette(ui.visuals()).caution;
+    ui.add(egui::Label::new(RichText::new(text).small().color(color)).wrap());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_without_an_answer_are_counted_and_named() {
+        let mut findings = Findings { samples: 256, ..Findings::default() };
+        findings.counts.insert(PointStatus::Converged.word(), 256);
+        assert_eq!(without_answer(&findings), None);
+        findings.counts.insert(PointStatus::NoShape.word(), 2);
+        findings.counts.insert(PointStatus::Invalid.word(), 1);
+        assert_eq!(
+            without_answer(&findings).as_deref(),
+            Some(
+                "3 of 256 sampled patients have no answer and are left out: 2 without a stable shape, 1 \
+                 beyond the limits of a plan."
+            )
+        );
+    }
+
+    #[test]
+    fn a_figure_has_the_digits_of_its_card() {
+        assert_eq!(figure(Quantity::GreatestStrain, 0.274), "27 %");
+        assert_eq!(figure(Quantity::LeastCoverMm, 7.04), "7.0 mm");
+        assert_eq!(figure(Quantity::GreatestPressureMmhg, 21.6), "22 mmHg");
+    }
+}

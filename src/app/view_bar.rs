@@ -1,0 +1,145 @@
+//! The controls of the picture, on the picture: standard views, cut, grid, colours.
+
+use super::toolbar::Layout;
+use super::widgets::{Kind, NumberField, choice, set_accessible_name};
+use super::{App, range, theme};
+use crate::view::camera::View;
+use crate::view::color::Quantity;
+use eframe::egui::{self, Rect, Ui, UiBuilder};
+
+/// Quantities of the keys 1 to 5.
+pub(super) const QUANTITIES: [Quantity; 5] = [
+    Quantity::Tissue,
+    Quantity::Strain,
+    Quantity::AreaStretch,
+    Quantity::Stress(0),
+    Quantity::Pressure,
+];
+
+/// How the tissue is cut open.
+const CUTS: [(&str, bool, bool); 3] =
+    [("No cut", false, false), ("Cut a quarter", true, false), ("Cut in half", true, true)];
+
+impl App {
+    /// Shows the controls over the top of the picture's area. Returns their height \[points\].
+    pub(super) fn view_bar(&mut self, ui: &mut Ui, area: Rect, layout: Layout) -> f32 {
+        let inner = area.shrink(theme::SPACE);
+        let mut bar = ui.new_child(UiBuilder::new().id_salt("view bar").max_rect(inner));
+        let ui = &mut bar;
+        let row = ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
+            ui.spacing_mut().button_padding.x = 6.0;
+            for (name, view, tooltip) in [
+                ("Front", View::Front, "From the front, the head up"),
+                ("Side", View::Side, "From the patient's side"),
+                ("Top", View::Top, "From the head"),
+                ("All", View::All, "Three-quarter view of everything (F)"),
+            ] {
+                if ui.button(name).on_hover_text(tooltip).clicked() {
+                    self.viewport.fit(&self.session, view);
+                }
+            }
+            self.cut_box(ui, layout);
+            let grid = egui::Button::selectable(self.options.net, "Grid").frame_when_inactive(true);
+            let grid = ui.add(grid);
+            if grid.clicked() {
+                self.options.net = !self.options.net;
+            }
+            grid.on_hover_text("Lines show how the skin is pulled");
+            self.quantity_box(ui);
+            if layout == Layout::Narrow {
+                let tooltip = "A chart of many plans: width by projection, or any two numbers";
+                if ui.button(range::RANGE).on_hover_text(tooltip).clicked() {
+                    self.range.is_open = true;
+                }
+            }
+        });
+        row.response.rect.bottom() - area.top()
+    }
+
+    fn cut_box(&mut self, ui: &mut Ui, layout: Layout) {
+        let options = &mut self.options;
+        let present = (options.section, options.section && options.half);
+        let is_present = |(_, section, half): &(&str, bool, bool)| (*section, *half) == present;
+        let selected = CUTS.iter().find(|cut| is_present(cut)).map_or("Cut", |cut| cut.0);
+        let response = egui::ComboBox::from_id_salt("cut")
+            .width(if layout == Layout::Wide { 104.0 } else { 96.0 })
+            .selected_text(selected)
+            .show_ui(ui, |ui| {
+                for cut in CUTS {
+                    if choice(ui, is_present(&cut), cut.0).clicked() {
+                        (options.section, options.half) = (cut.1, cut.2);
+                    }
+                }
+            })
+            .response;
+        set_accessible_name(&response, egui::Role::ComboBox, "Cut");
+        response.on_hover_text("Cut the tissue open to show its layers");
+        if layout == Layout::Narrow {
+            return;
+        }
+        // Always present, so that nothing moves; without a cut the direction waits for one.
+        let mut angle = f64::from(options.section_azimuth_deg);
+        let field = NumberField {
+            name: "Direction of the cut",
+            kind: Kind::Angle,
+            allowed: -180.0..=180.0,
+            decimals: 0,
+            step: 5.0,
+            width: 34.0,
+            ..NumberField::default()
+        };
+        let typed = field.show(ui, &mut angle);
+        if typed.is_changed {
+            options.section_azimuth_deg = angle as f32;
+        }
+        typed
+            .response
+            .on_hover_text("Direction of the cut in degrees; the arrow keys turn the cut");
+    }
+
+    fn quantity_box(&mut self, ui: &mut Ui) {
+        let layers = &self.session.scene().layers;
+        let is_layered = self.session.scene().is_layered();
+        let tissue = |k: usize| layers.get(k).map_or("layer", |layer| &layer.tissue);
+        let name = |quantity: Quantity| match quantity {
+            Quantity::Tissue => "Natural colours".to_owned(),
+            Quantity::Strain => "Skin stretch".to_owned(),
+            Quantity::AreaStretch => "Skin area".to_owned(),
+            Quantity::Stress(k) => format!("Stress, {}", tissue(k)),
+            Quantity::Pressure => "Pressure".to_owned(),
+            Quantity::LayerStrain(k) => format!("Stretch, {}", tissue(k)),
+            Quantity::Thickness(k) => format!("Thickness, {}", tissue(k)),
+            Quantity::Cover => "Cover over the implant".to_owned(),
+            Quantity::Traction => "Pull at the pocket's edge".to_owned(),
+        };
+        let mut choices = vec![Quantity::Tissue, Quantity::Strain];
+        if is_layered {
+            choices.extend((1..layers.len()).map(Quantity::LayerStrain));
+            choices.push(Quantity::Cover);
+            choices.extend((0..layers.len()).map(Quantity::Thickness));
+            choices.push(Quantity::Traction);
+        }
+        choices.extend([Quantity::AreaStretch, Quantity::Pressure]);
+        choices.extend((0..layers.len()).map(Quantity::Stress));
+        // A layer or the tissue model may be gone.
+        if !choices.contains(&self.options.quantity) {
+            self.options.quantity = Quantity::Strain;
+        }
+        let response = egui::ComboBox::from_id_salt("quantity")
+            .width(124.0)
+            .truncate()
+            .selected_text(name(self.options.quantity))
+            .show_ui(ui, |ui| {
+                for quantity in choices {
+                    let present = &mut self.options.quantity;
+                    if choice(ui, *present == quantity, name(quantity)).clicked() {
+                        *present = quantity;
+                    }
+                }
+            })
+            .response;
+        set_accessible_name(&response, egui::Role::ComboBox, "Colour by");
+        response.on_hover_text("Quantity shown by the colours (keys 1–5)");
+    }
+}

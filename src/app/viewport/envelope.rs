@@ -1,0 +1,74 @@
+//! Envelopes of the skin of sampled patients as lines in the picture.
+//!
+//! Around a centred implant the band is one of revolution: its lines lie on the faces of the cut, without a cut on the
+//! outline as the camera sees it. Off centre the band holds along the profile only, from the pocket's centre to +x.
+
+use crate::study::SectionBand;
+use crate::view::section::{Opening, Section};
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// A line of an envelope.
+pub(super) struct EnvelopeLine {
+    /// Points \[mm\], from the axis outwards.
+    pub(super) points: Vec<Vec3>,
+    /// 90th percentile of the heights (outer), or 10th (inner).
+    pub(super) is_outer: bool,
+}
+
+/// The lines of a band: an inner and an outer one in each direction. `azimuth`: of the camera \[radians\].
+pub(super) fn lines(
+    band: &[SectionBand],
+    center_mm: [f64; 2],
+    section: Section,
+    azimuth: f32,
+) -> Vec<EnvelopeLine> {
+    if band.is_empty() {
+        return Vec::new();
+    }
+    let both = |middle: f32, apart: f32| vec![middle - apart, middle + apart];
+    let directions = match section.opening {
+        _ if center_mm.iter().any(|at| at.abs() > 0.0) => vec![0.0],
+        Opening::Closed => both(azimuth, FRAC_PI_2),
+        Opening::Wedge => both(section.angle, FRAC_PI_4),
+        Opening::Half => both(section.angle, FRAC_PI_2),
+    };
+    let line = |direction: f32, is_outer: bool| {
+        let point = |point: &SectionBand| {
+            let (r, z) = (point.r_mm as f32, point.z_mm[if is_outer { 2 } else { 0 }] as f32);
+            Vec3::new(r * direction.cos(), r * direction.sin(), z)
+        };
+        EnvelopeLine { points: band.iter().map(point).collect(), is_outer }
+    };
+    directions.into_iter().flat_map(|at| [false, true].map(|is_outer| line(at, is_outer))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    #[test]
+    fn lines_lie_on_the_faces_of_the_cut_and_off_centre_along_the_profile() {
+        let band = [SectionBand { r_mm: 20.0, z_mm: [10.0, 12.0, 15.0] }];
+        let of = |opening, center_mm| {
+            let section = Section { opening, angle: 0.3, axis: Vec2::ZERO };
+            let lines = lines(&band, center_mm, section, 1.0);
+            lines.into_iter().map(|line| (line.points[0], line.is_outer)).collect::<Vec<_>>()
+        };
+        let at = |angle: f32, z| Vec3::new(20.0 * angle.cos(), 20.0 * angle.sin(), z);
+        for (opening, middle, apart) in [
+            (Opening::Closed, 1.0, FRAC_PI_2),
+            (Opening::Wedge, 0.3, FRAC_PI_4),
+            (Opening::Half, 0.3, FRAC_PI_2),
+        ] {
+            let expected = [middle - apart, middle + apart]
+                .map(|angle| [(at(angle, 10.0), false), (at(angle, 15.0), true)])
+                .concat();
+            assert_eq!(of(opening, [0.0; 2]), expected);
+            assert_eq!(of(opening, [3.0, 0.0]), [(at(0.0, 10.0), false), (at(0.0, 15.0), true)]);
+        }
+        let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
+        assert!(lines(&[], [0.0; 2], section, 0.0).is_empty());
+    }
+}

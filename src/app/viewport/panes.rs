@@ -1,0 +1,223 @@
+//! Pictures of the current scene and of the pins side by side, with one camera and one colour scale.
+
+use super::{CURRENT, Drawn, Options, Viewport, overlay, radius_of, section_of};
+use crate::session::{Pin, Session};
+use crate::study::SectionBand;
+use crate::view::color::Quantity;
+use crate::view::picture::Picture;
+use crate::view::subject::{PinnedShape, Subject};
+use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
+use std::sync::Arc;
+
+/// Space between two pictures \[points\].
+const GAP: f32 = 2.0;
+/// Width over height of an area that suits a picture best.
+const BEST_ASPECT: f32 = 1.2;
+
+/// The picture of a pin.
+pub(super) struct Pane {
+    /// The pin's number.
+    number: u64,
+    picture: Picture,
+}
+
+impl Viewport {
+    /// Shows the pins with a shape and the session side by side in the remaining space. `envelope`, `bar`: as in
+    /// [`Self::show`].
+    pub(crate) fn show_side_by_side(
+        &mut self,
+        ui: &mut Ui,
+        session: &Session,
+        options: &Options,
+        envelope: &[SectionBand],
+        bar: f32,
+    ) {
+        let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
+        let pins: Vec<PinnedShape<'_>> =
+            session.pins().iter().filter_map(PinnedShape::of).collect();
+        // The cells without a picture.
+        overlay::background(ui, &ui.painter_at(area), area);
+        self.keep_panes(&pins);
+        // Below the controls of the picture.
+        let areas = divided(area.with_min_y(area.top() + bar), pins.len() + 1);
+        let Some((&own_area, pin_areas)) = areas.split_last() else { return };
+        let radius = self.radius_to_fit(session);
+        if self.fitted.is_some_and(|fitted| fitted < radius) {
+            self.is_placed = false;
+        }
+        self.place_camera(radius, own_area.width() / own_area.height());
+
+        let own = self.interact(ui, own_area);
+        let responses: Vec<Response> =
+            pins.iter().zip(pin_areas).map(|(shape, area)| pane(ui, shape.pin, *area)).collect();
+        // One camera: a drag in any picture moves all of them.
+        let mut moved = false;
+        for response in responses.iter().chain([&own]) {
+            moved |= self.move_camera(ui, response, response.rect);
+        }
+        let up_to_date = self.update_pictures(session, &pins, options);
+        if moved || self.camera.is_easing() || !up_to_date {
+            ui.ctx().request_repaint();
+        }
+        let pointers: Vec<_> =
+            responses.iter().chain([&own]).map(|response| self.pointer(ui, response)).collect();
+
+        let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
+        let greatest = pictures.map(|picture| picture.greatest).fold(0.0, f32::max);
+        let scale = options.quantity.scale(greatest, &session.scene().layers);
+        let table = scale.as_ref().map_or(&[[1.0; 3]][..], |scale| &scale.table);
+        if self.common_table.as_slice() != table {
+            self.common_table = Arc::new(table.to_vec());
+        }
+        let range = scale.as_ref().map_or([0.0, 1.0], |s| [s.low, s.high]);
+        let numbers: Arc<[u64]> =
+            self.panes.iter().map(|pane| pane.number).chain([CURRENT]).collect();
+        let drawn = |number, picture, problem| Drawn {
+            number,
+            numbers: Arc::clone(&numbers),
+            picture,
+            table: &self.common_table,
+            range,
+            problem,
+            section: section_of(options, problem),
+            net: options.net,
+        };
+        for (((pane, shape), response), pointer) in
+            self.panes.iter().zip(&pins).zip(&responses).zip(&pointers)
+        {
+            let area = response.rect;
+            let painter = ui.painter_at(area);
+            overlay::background(ui, &painter, area);
+            let drawn = drawn(pane.number, &pane.picture, shape.problem());
+            let section = drawn.section;
+            self.draw(ui, &painter, area, drawn);
+            overlay::caption(ui, &painter, area, &title(shape.pin));
+            self.show_values(ui, response, &pane.picture, shape, section, *pointer);
+        }
+        let line = ui.visuals().widgets.noninteractive.bg_stroke;
+        for area in &areas {
+            ui.painter().rect_stroke(*area, 0.0, line, StrokeKind::Outside);
+        }
+        let painter = ui.painter_at(own_area);
+        overlay::background(ui, &painter, own_area);
+        let drawn = drawn(CURRENT, &self.picture, session.problem());
+        let section = drawn.section;
+        self.draw(ui, &painter, own_area, drawn);
+        self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
+        overlay::caption(ui, &painter, own_area, "now");
+        if let Some(scale) = &scale {
+            overlay::legend(
+                ui,
+                &painter,
+                own_area.with_min_y(own_area.top().max(area.top() + bar)),
+                scale,
+            );
+        }
+        overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
+        let pointer = pointers.last().copied().flatten();
+        self.show_values(ui, &own, &self.picture, session, section, pointer);
+    }
+
+    /// Radius of the sphere around the bodies of the session and of the pins beside it \[mm\].
+    pub(super) fn radius_to_fit(&self, session: &Session) -> f32 {
+        let is_beside = |pin: &&Pin| self.panes.iter().any(|pane| pane.number == pin.number());
+        let pins = session.pins().iter().filter(is_beside).filter_map(Pin::solution);
+        let problems = pins.map(|solution| solution.problem()).chain([session.problem()]);
+        problems.map(radius_of).fold(0.0, f32::max)
+    }
+
+    /// Drops the pictures of other pins and adds the missing ones, in the order of the pins.
+    fn keep_panes(&mut self, pins: &[PinnedShape<'_>]) {
+        let mut before = std::mem::take(&mut self.panes);
+        self.panes = pins
+            .iter()
+            .map(|shape| {
+                let number = shape.pin.number();
+                let known = before.iter().position(|pane| pane.number == number);
+                known.map_or_else(
+                    || Pane { number, picture: Picture::default() },
+                    |k| before.swap_remove(k),
+                )
+            })
+            .collect();
+    }
+
+    /// Updates all pictures; returns whether they are current.
+    fn update_pictures(
+        &mut self,
+        session: &Session,
+        pins: &[PinnedShape<'_>],
+        options: &Options,
+    ) -> bool {
+        let start = self.start;
+        let clock = || start.elapsed().as_secs_f64();
+        for (pane, shape) in self.panes.iter_mut().zip(pins) {
+            // A quantity of layered tissue has no values in a sheet.
+            let is_known = options.quantity.is_of(shape.scene());
+            let quantity = if is_known { options.quantity } else { Quantity::Tissue };
+            let section = section_of(options, shape.problem());
+            pane.picture.update(shape, quantity, section, &clock);
+        }
+        let section = section_of(options, session.problem());
+        self.picture.update(session, options.quantity, section, &clock)
+    }
+}
+
+/// The widget of a pin's picture.
+fn pane(ui: &Ui, pin: &Pin, area: Rect) -> Response {
+    let id: Id = ui.scope_id().with(("3-D view", pin.number()));
+    // Without focus: the keys act on the picture of the current scene.
+    let response = ui.interact(area, id, Sense::CLICK | Sense::DRAG);
+    let name = format!("3-D view of {}", pin.letter());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, &name));
+    response
+}
+
+/// Letter and name of a pin.
+fn title(pin: &Pin) -> String {
+    format!("{}  {}", pin.letter(), pin.name()).trim_end().to_owned()
+}
+
+/// Divides an area into rows and columns of equal areas, which suit pictures best.
+fn divided(area: Rect, count: usize) -> Vec<Rect> {
+    let fit = |columns: &usize| {
+        let (columns, rows) = (*columns as f32, count.div_ceil(*columns) as f32);
+        (area.width() / columns / BEST_ASPECT).min(area.height() / rows)
+    };
+    let columns = (1..=count).max_by(|a, b| fit(a).total_cmp(&fit(b))).unwrap_or(1);
+    let rows = count.div_ceil(columns);
+    let size = vec2(
+        (area.width() - GAP * (columns - 1) as f32) / columns as f32,
+        (area.height() - GAP * (rows - 1) as f32) / rows as f32,
+    );
+    let at = |k: usize| {
+        let (column, row) = ((k % columns) as f32, (k / columns) as f32);
+        pos2(area.left() + column * (size.x + GAP), area.top() + row * (size.y + GAP))
+    };
+    (0..count).map(|k| Rect::from_min_size(at(k), size.max(vec2(1.0, 1.0)))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_share_the_area_without_overlap_in_equal_sizes() {
+        for (width, height) in [(700.0, 600.0), (390.0, 400.0), (1400.0, 500.0)] {
+            let area = Rect::from_min_size(pos2(10.0, 20.0), vec2(width, height));
+            for count in 1..=5 {
+                let areas = divided(area, count);
+                assert_eq!(areas.len(), count);
+                for (k, one) in areas.iter().enumerate() {
+                    assert!(area.expand(0.01).contains_rect(*one));
+                    assert!((one.size() - areas[0].size()).length() < 1e-3);
+                    assert!(areas[..k].iter().all(|other| !other.shrink(0.01).intersects(*one)));
+                }
+            }
+        }
+        let side_by_side = divided(Rect::from_min_size(pos2(0.0, 0.0), vec2(700.0, 400.0)), 2);
+        assert!((side_by_side[0].top() - side_by_side[1].top()).abs() < 1e-3);
+        let stacked = divided(Rect::from_min_size(pos2(0.0, 0.0), vec2(390.0, 420.0)), 2);
+        assert!((stacked[0].left() - stacked[1].left()).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,209 @@
+//! `map` and `bands`: studies of one scene on all threads.
+
+use super::output::{self, File, OutputFolder};
+use super::{ExitStatus, InputError, in_range, input};
+use crate::experiment::charts::scene_map;
+use crate::platform::runner::{Threads, evaluate};
+use crate::scene::read::{self, Format};
+use crate::scene::{MAX_SCENE_BYTES, Scene};
+use crate::study::{
+    Axis, Bands, BandsSettings, Cases, Job, Map, MapSettings, NOTES, PointStatus, Quantity, Study,
+    Unknown, run as run_study,
+};
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `map`.
+#[derive(clap::Args)]
+pub(super) struct MapArguments {
+    /// The scene; `-` is standard input.
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    /// Number along x: FIELD=FROM:TO:COUNT, as base_width_mm=90:140:20.
+    #[arg(long, value_name = "FIELD=FROM:TO:COUNT", value_parser = axis)]
+    x: Option<Axis>,
+    /// Number along y; without --y a curve. Without --x and --y: base width and projection, 20 by 20.
+    #[arg(long, value_name = "FIELD=FROM:TO:COUNT", value_parser = axis, requires = "x")]
+    y: Option<Axis>,
+    /// Quantity of the contour lines and of the chart.
+    #[arg(long, value_name = "QUANTITY", default_value = "greatest_strain", value_parser = quantity)]
+    show: Quantity,
+    /// Nodes per side of the points.
+    #[arg(long, value_name = "N", default_value_t = MapSettings::default().nodes_per_side)]
+    nodes: usize,
+    /// Leave out the comparison of 9 points with 129 nodes per side.
+    #[arg(long)]
+    no_check: bool,
+    #[command(flatten)]
+    folder: OutputFolder,
+}
+
+/// Arguments of `bands`.
+#[derive(clap::Args)]
+pub(super) struct BandsArguments {
+    /// The scene; `-` is standard input.
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    /// Number of samples, 16 to 16384.
+    #[arg(long, value_name = "N")]
+    samples: Option<usize>,
+    /// Seed; equal seeds give equal samples on every machine.
+    #[arg(long, value_name = "S", value_parser = seed, allow_negative_numbers = true)]
+    seed: Option<u32>,
+    /// Rows of the importance, 0 (no importance) or 16 to the number of samples.
+    #[arg(long, value_name = "N")]
+    importance: Option<usize>,
+    /// Nodes per side of the samples; default: 65 of a sheet, 33 of layered tissue.
+    #[arg(long, value_name = "N")]
+    nodes: Option<usize>,
+    /// An unknown that does not vary; may be given several times.
+    #[arg(long, value_name = "NAME", value_parser = unknown)]
+    without: Vec<Unknown>,
+    /// File with choices: samples, seed, importance_rows, grid, unknowns. Options of the command line replace its fields.
+    #[arg(long, value_name = "CHOICES.json")]
+    settings: Option<PathBuf>,
+    /// Output file; `-` is standard output.
+    #[arg(long, value_name = "B.json", default_value = output::STANDARD)]
+    out: PathBuf,
+}
+
+fn axis(text: &str) -> Result<Axis, String> {
+    Axis::parse(text).map_err(|error| error.to_string())
+}
+
+fn quantity(text: &str) -> Result<Quantity, String> {
+    Quantity::of_name(text)
+}
+
+fn unknown(text: &str) -> Result<Unknown, String> {
+    Unknown::of_name(text)
+}
+
+fn seed(text: &str) -> Result<u32, String> {
+    in_range(text, 0, u32::MAX)
+}
+
+/// The default map: base width and projection, 20 by 20, over the typical round implants.
+fn default_axes() -> Vec<Axis> {
+    use crate::clinical::limits::{TYPICAL_PROJECTION_MM, TYPICAL_WIDTH_MM};
+    use crate::study::Parameter;
+    let axis = |field, (from, to)| Axis { field, from, to, count: 20 };
+    vec![
+        axis(Parameter::BaseWidth, TYPICAL_WIDTH_MM),
+        axis(Parameter::Projection, TYPICAL_PROJECTION_MM),
+    ]
+}
+
+fn scene(path: &Path) -> Result<Scene, InputError> {
+    let bytes = input::read(path, MAX_SCENE_BYTES)?;
+    let scenes =
+        read::scenes(&bytes, Format::Json).map_err(|error| output::input_error(path, error))?;
+    let count = scenes.len();
+    let mut scenes = scenes.into_iter();
+    match (scenes.next(), scenes.next()) {
+        (Some(scene), None) => Ok(scene.into_scene()),
+        _ => Err(output::input_error(path, format!("{count} scenes; allowed: one scene"))),
+    }
+}
+
+/// Solves a study on all threads; a solver for each thread goes from job to job.
+fn solve(study: &mut dyn Study, store: &mut Cases) {
+    let mut runner = Threads::new(|job: Job| evaluate(&job));
+    // The hook has reported the panic.
+    run_study(study, store, &mut runner).unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
+}
+
+/// `map`: writes `map.csv`, `map.json` and `map.svg`.
+pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
+    let scene = scene(&arguments.scene)?;
+    let mut axes: Vec<Axis> = arguments.x.into_iter().chain(arguments.y).collect();
+    if axes.is_empty() {
+        axes = default_axes();
+    }
+    let settings = MapSettings { nodes_per_side: arguments.nodes, ..MapSettings::default() };
+    let mut map =
+        Map::new(&scene, &axes, settings).map_err(|error| InputError(format!("map: {error}")))?;
+    let folder = arguments.folder.create()?;
+    let mut store = Cases::default();
+    solve(&mut map, &mut store);
+    let mut check = if arguments.no_check { None } else { map.check() };
+    if let Some(check) = &mut check {
+        solve(check, &mut store);
+    }
+    let show = arguments.show;
+    let file = map.file(show, check.as_ref());
+    let mut lines = file.notes.clone();
+    if let Some(check) = &file.check {
+        let (factor, unit) = show.display();
+        let shown = check.differences.iter().find(|difference| difference.quantity == show);
+        lines.push(match shown {
+            Some(found) => format!(
+                "{} of {} checked points converged at {} nodes per side; greatest difference of the {}: {} {unit}.",
+                check.converged,
+                check.points,
+                check.grid.nodes_per_side,
+                show.label(),
+                output::number((found.difference * factor * 1e3).round() / 1e3)
+            ),
+            None => "No checked point converged on both grids.".to_owned(),
+        });
+    }
+    let json =
+        serde_json::to_string_pretty(&file).map_err(|error| InputError(format!("map: {error}")))?;
+    let picture =
+        scene_map::draw(&map, show).map_err(|error| InputError(format!("map: {error}")))?;
+    output::write_all(&[
+        File::new(&folder.join("map.csv"), map.csv()),
+        File::new(&folder.join("map.json"), json + "\n"),
+        File::new(&folder.join("map.svg"), picture),
+    ])?;
+    lines.iter().for_each(|line| output::warn(line));
+    let is_converged = |(status, _): &(PointStatus, usize)| *status == PointStatus::Converged;
+    let has_values = map.counts().iter().any(is_converged);
+    Ok(if has_values { ExitStatus::Converged } else { ExitStatus::NotConverged })
+}
+
+/// `bands`: writes the bands as JSON.
+pub(super) fn bands(arguments: &BandsArguments) -> Result<ExitStatus, InputError> {
+    output::check_path(&arguments.out)?;
+    let scene = scene(&arguments.scene)?;
+    let mut settings = match &arguments.settings {
+        None => BandsSettings::default(),
+        Some(path) => {
+            let bytes = input::read(path, MAX_SCENE_BYTES)?;
+            let text = std::str::from_utf8(&bytes).map_err(|error| {
+                output::input_error(path, format!("{error}; allowed: JSON in UTF-8"))
+            })?;
+            BandsSettings::from_json(text).map_err(|error| output::input_error(path, error))?
+        }
+    };
+    settings.samples = arguments.samples.unwrap_or(settings.samples);
+    settings.seed = arguments.seed.unwrap_or(settings.seed);
+    settings.importance_rows = match arguments.importance {
+        Some(rows) => rows,
+        // Few samples have few rows.
+        None => settings.importance_rows.min(settings.samples),
+    };
+    if let Some(nodes_per_side) = arguments.nodes {
+        let grid = settings.grid.unwrap_or_default();
+        settings.grid = Some(MapSettings { nodes_per_side, ..grid });
+    }
+    for unknown in &arguments.without {
+        settings.unknowns.insert(*unknown, None);
+    }
+    let mut bands =
+        Bands::new(&scene, settings).map_err(|error| InputError(format!("bands: {error}")))?;
+    solve(&mut bands, &mut Cases::default());
+    let report = bands.report();
+    let json = serde_json::to_string_pretty(&report)
+        .map_err(|error| InputError(format!("bands: {error}")))?;
+    output::write_all(&[File::new(&arguments.out, json + "\n")])?;
+    for note in NOTES {
+        output::warn(note);
+    }
+    let converged = report.counts.get(PointStatus::Converged.word()).copied().unwrap_or(0);
+    if converged < report.samples {
+        output::warn(&format!("{converged} of {} samples converged.", report.samples));
+    }
+    Ok(if converged > 0 { ExitStatus::Converged } else { ExitStatus::NotConverged })
+}

@@ -1,0 +1,325 @@
+//! Pins: up to four solved scenes beside the current scene, for comparison.
+//!
+//! A pin shares solution and result with every scene of the same physics: the pin of a solved scene copies nothing, the
+//! current scene shows the solution of a pin without a solve, and pins of a file are solved once each, after the current
+//! scene, by [`Session::advance_pins`].
+
+use super::{CommandError, Session, work_of};
+use crate::measure::{Fields, Outcome, Status};
+use crate::scene::pins::{MAX_PINS, check_name};
+use crate::scene::{CheckedScene, Letter, PinnedScene, Scene, SceneError};
+use crate::simulate;
+use crate::solve::{Options, Progress, Solution, Solver};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A pinned scene, with its result once it is solved.
+#[derive(Debug)]
+pub struct Pin {
+    pinned: PinnedScene,
+    solved: Option<Solved>,
+    /// Number of the pin, different for every pin of a session.
+    number: u64,
+}
+
+/// Result and solution of a scene.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub(super) outcome: Outcome,
+    pub(super) fields: Rc<Fields>,
+}
+
+/// The solve of a pin.
+pub(super) struct PinSolve {
+    number: u64,
+    solver: Solver,
+}
+
+impl Pin {
+    /// The letter.
+    #[must_use]
+    pub fn letter(&self) -> Letter {
+        self.pinned.letter
+    }
+
+    /// The user's name; may be empty.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.pinned.name
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.pinned.scene
+    }
+
+    /// The result; `None` until the scene is solved.
+    #[must_use]
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.solved.as_ref().map(|solved| &solved.outcome)
+    }
+
+    /// The solution with its fields; `None` until the scene is solved.
+    #[must_use]
+    pub fn fields(&self) -> Option<&Rc<Fields>> {
+        self.solved.as_ref().map(|solved| &solved.fields)
+    }
+
+    /// The solution; `None` until the scene is solved.
+    #[must_use]
+    pub fn solution(&self) -> Option<&Arc<Solution>> {
+        self.fields().map(|fields| fields.solution())
+    }
+
+    /// Number of the pin, different for every pin of a session.
+    #[must_use]
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Does the pin have a converged shape?
+    #[must_use]
+    pub fn has_shape(&self) -> bool {
+        self.outcome().is_some_and(|outcome| outcome.status == Status::Converged)
+    }
+}
+
+impl Session {
+    /// The pins in the order of their letters.
+    #[must_use]
+    pub fn pins(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    /// Number of changes of the pins' scenes, letters and names.
+    #[must_use]
+    pub fn pins_revision(&self) -> u64 {
+        self.pins_revision
+    }
+
+    /// The letter of the next pin; `None` if all letters are taken.
+    #[must_use]
+    pub fn free_letter(&self) -> Option<Letter> {
+        Letter::ALL.into_iter().find(|&letter| self.pin(letter).is_none())
+    }
+
+    /// Scenes, letters and names of the pins, for a file.
+    #[must_use]
+    pub fn pinned_scenes(&self) -> Vec<PinnedScene> {
+        self.pins.iter().map(|pin| pin.pinned.clone()).collect()
+    }
+
+    /// The pin of a letter.
+    #[must_use]
+    pub fn pin(&self, letter: Letter) -> Option<&Pin> {
+        self.pins.iter().find(|pin| pin.letter() == letter)
+    }
+
+    /// Pins the current scene. During its solve the pin has no result yet.
+    pub(super) fn pin_scene(&mut self) -> Result<(), CommandError> {
+        if let Some(pin) = self.pins.iter().find(|pin| *pin.scene() == self.scene) {
+            return Err(CommandError::Pinned(pin.letter()));
+        }
+        let is_converged = || self.result().is_some_and(|o| o.status == Status::Converged);
+        if !self.working && (self.is_stopped || !is_converged()) {
+            return Err(CommandError::NoResult);
+        }
+        let letter = self.free_letter().ok_or(CommandError::Full)?;
+        let (name, scene) = (String::new(), self.scene.clone());
+        self.add_pin(PinnedScene { letter, name, scene });
+        self.pins_revision += 1;
+        self.share_solutions();
+        Ok(())
+    }
+
+    /// Removes a pin with its solution.
+    pub(super) fn unpin(&mut self, letter: Letter) -> Result<(), CommandError> {
+        let k = self.place(letter)?;
+        let pin = self.pins.remove(k);
+        self.pins_revision += 1;
+        if let Some(Solved { fields, .. }) = pin.solved {
+            self.drop_fields(&fields);
+        }
+        self.pin_solve.take_if(|solve| solve.number == pin.number);
+        Ok(())
+    }
+
+    /// Changes the name of a pin.
+    pub(super) fn rename_pin(&mut self, letter: Letter, name: String) -> Result<(), CommandError> {
+        let k = self.place(letter)?;
+        check_name("name", &name)?;
+        if self.pins[k].pinned.name != name {
+            self.pins[k].pinned.name = name;
+            self.pins_revision += 1;
+        }
+        Ok(())
+    }
+
+    /// Replaces all pins, those of a file for example. Solutions at hand are shared; [`Self::advance_pins`] computes
+    /// the others.
+    ///
+    /// # Errors
+    /// The first invalid scene or name, or more pins than letters; the pins are then unchanged.
+    pub fn set_pins(&mut self, pinned: Vec<PinnedScene>) -> Result<(), CommandError> {
+        if pinned.len() > MAX_PINS {
+            return Err(CommandError::Full);
+        }
+        for (k, pin) in pinned.iter().enumerate() {
+            check_name(&format!("pins[{k}].name"), &pin.name)?;
+            let at_pin = |source| SceneError::Pin { pin: k, source: Box::new(source) };
+            pin.scene.validate().map_err(at_pin)?;
+            if pinned[..k].iter().any(|other| other.letter == pin.letter) {
+                return Err(CommandError::Pinned(pin.letter));
+            }
+        }
+        if self.pins.iter().map(|pin| &pin.pinned).eq(&pinned) {
+            return Ok(());
+        }
+        let before = std::mem::take(&mut self.pins);
+        self.pin_solve = None;
+        pinned.into_iter().for_each(|pin| self.add_pin(pin));
+        // Scenes of the previous pins may be among the new ones.
+        let solved: Vec<(Scene, Solved)> =
+            before.into_iter().filter_map(|pin| Some((pin.pinned.scene, pin.solved?))).collect();
+        for pin in &mut self.pins {
+            let same = solved.iter().find(|(scene, _)| scene.same_physics(pin.scene()));
+            pin.solved = same.map(|(scene, solved)| solved.relabelled(scene, pin.scene()));
+        }
+        let mut fields: Vec<Rc<Fields>> = Vec::new();
+        for (_, solved) in solved {
+            if !fields.iter().any(|own| Rc::ptr_eq(own, &solved.fields)) {
+                fields.push(solved.fields);
+            }
+        }
+        fields.iter().for_each(|fields| self.drop_fields(fields));
+        self.pins_revision += 1;
+        self.share_solutions();
+        Ok(())
+    }
+
+    fn place(&self, letter: Letter) -> Result<usize, CommandError> {
+        let place = self.pins.iter().position(|pin| pin.letter() == letter);
+        place.ok_or(CommandError::NoPin(letter))
+    }
+
+    fn add_pin(&mut self, pinned: PinnedScene) {
+        self.pins_added += 1;
+        let at = self.pins.partition_point(|pin| pin.letter() < pinned.letter);
+        self.pins.insert(at, Pin { pinned, solved: None, number: self.pins_added });
+    }
+
+    /// The solution of a pin with the physics of a scene.
+    pub(super) fn held(&self, scene: &Scene) -> Option<Solved> {
+        let same = |pin: &&Pin| pin.has_shape() && pin.scene().same_physics(scene);
+        let pin = self.pins.iter().find(same)?;
+        pin.solved.as_ref().map(|solved| solved.relabelled(pin.scene(), scene))
+    }
+
+    /// Gives the pins without a solution the solutions of scenes with the same physics.
+    pub(super) fn share_solutions(&mut self) {
+        for k in 0..self.pins.len() {
+            if self.pins[k].solved.is_some() {
+                continue;
+            }
+            let scene = self.pins[k].scene();
+            let is_current = self.scene.same_physics(scene) && !self.is_stopped;
+            let solved = match self.result().filter(|_| is_current) {
+                Some(outcome) => {
+                    let (outcome, fields) = (outcome.clone(), Rc::clone(self.fields()));
+                    Some(Solved { outcome, fields }.relabelled(&self.scene, scene))
+                }
+                None => self.held(scene),
+            };
+            if solved.is_some() {
+                self.count(|c| c.shared += 1);
+                self.pins[k].solved = solved;
+                let number = self.pins[k].number;
+                self.pin_solve.take_if(|solve| solve.number == number);
+            }
+        }
+    }
+
+    /// Runs a slice of the solve of the next pin without a solution, after the solve of the current scene; calls
+    /// `pause` every few milliseconds. Returns `Working` as long as a pin has no solution.
+    pub fn advance_pins(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
+        let next = self.pins.iter().position(|pin| pin.solved.is_none());
+        let Some(k) = next.filter(|_| !self.working) else { return Progress::Done };
+        let number = self.pins[k].number;
+        let mut solve = match self.pin_solve.take().filter(|solve| solve.number == number) {
+            Some(solve) => solve,
+            // The scene of a pin was checked before.
+            None => match CheckedScene::new(self.pins[k].scene().clone()) {
+                Ok(scene) => {
+                    self.count(|c| c.solves += 1);
+                    let solver = Solver::with_options(scene.problem(), Options::default());
+                    PinSolve { number, solver }
+                }
+                Err(_) => return Progress::Done,
+            },
+        };
+        let work = solve.solver.work_units();
+        let progress = solve.solver.advance(pause);
+        let work = solve.solver.work_units() - work;
+        self.count(|c| {
+            c.slices += 1;
+            c.work_units += work;
+        });
+        if progress == Progress::Working {
+            self.pin_solve = Some(solve);
+            return progress;
+        }
+        let fields = Rc::new(Fields::new(Arc::new(solve.solver.into_solution())));
+        let outcome = simulate::measure(self.pins[k].scene(), &fields);
+        self.count(|c| {
+            c.solutions += 1;
+            c.measurements += 1;
+        });
+        self.pins[k].solved = Some(Solved { outcome, fields });
+        self.share_solutions();
+        if self.is_solving_pins() { Progress::Working } else { Progress::Done }
+    }
+
+    /// Is a pin without a solution?
+    #[must_use]
+    pub fn is_solving_pins(&self) -> bool {
+        self.pins.iter().any(|pin| pin.solved.is_none())
+    }
+
+    /// Counts the work of fields that neither a pin nor the current scene uses any more.
+    fn drop_fields(&self, fields: &Rc<Fields>) {
+        let is_current = self.fields.get().is_some_and(|own| Rc::ptr_eq(own, fields));
+        if !is_current && !self.is_pinned(fields) {
+            self.count_fields(fields);
+        }
+    }
+
+    /// Does a pin share these fields?
+    pub(super) fn is_pinned(&self, fields: &Rc<Fields>) -> bool {
+        self.pinned_fields().any(|own| Rc::ptr_eq(own, fields))
+    }
+
+    fn pinned_fields(&self) -> impl Iterator<Item = &Rc<Fields>> {
+        self.pins.iter().filter_map(Pin::fields)
+    }
+
+    /// Work of the fields in use: numbers of recovered deformations and computed fields.
+    pub(super) fn work_of_fields(&self) -> (u64, u64) {
+        let mut all: Vec<&Rc<Fields>> = Vec::new();
+        for fields in self.fields.get().into_iter().chain(self.pinned_fields()) {
+            if !all.iter().any(|own| Rc::ptr_eq(own, fields)) {
+                all.push(fields);
+            }
+        }
+        all.into_iter().map(|fields| work_of(fields)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+    }
+}
+
+impl Solved {
+    /// The same solution for a scene of the same physics.
+    fn relabelled(&self, of: &Scene, scene: &Scene) -> Self {
+        let mut solved = self.clone();
+        simulate::relabel(&mut solved.outcome, of, scene);
+        solved
+    }
+}

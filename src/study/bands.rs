@@ -1,0 +1,498 @@
+//! Bands: the results of one scene over what is not known about a person.
+//!
+//! The unknowns vary as between people ([`crate::clinical::spread`]), independently: no correlations are known. The
+//! samples are those of a seeded low-discrepancy sequence; equal seeds give equal samples on every platform.
+
+use super::importance::{Index, Row, index};
+use super::map::{MapSettings, base_scene};
+use super::percentile::{PERCENTILES, percentile};
+use super::queue::{Queue, Queued};
+use super::section_band::{SectionBand, section_band};
+use super::sequence::{MAX_SAMPLES, quantile, unit_sample};
+use super::{Case, PointStatus, Profile, Quantity, Unknown};
+use crate::clinical::spread::{Distribution, METHOD_SCALES, Spread};
+use crate::curve::SCALES;
+use crate::measure::PROFILE_POINTS;
+use crate::scene::{Scene, SceneError, read};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What every output of bands contains.
+pub const NOTES: [&str; 3] = [
+    "An illustration from a simplified model, not a prediction for a person.",
+    "Correlations between the unknowns are not known; the unknowns vary independently.",
+    "Methods of measurement differ more than people: the scenarios with all stresses × 0.4, × 1 and × 2.5, all unknowns at \
+     their medians, stand beside the band, not in it.",
+];
+
+/// Choices of bands; absent fields have their defaults.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct BandsSettings {
+    /// Number of samples, 16 to 16384.
+    pub samples: usize,
+    /// Seed of the samples.
+    pub seed: u32,
+    /// Rows of the importance, 0 (no importance) to `samples`, 16 at least; a row costs one scene more than there are
+    /// unknowns.
+    pub importance_rows: usize,
+    /// Grid and tolerance; default: 65 nodes of a sheet, 33 of layered tissue, 0.1 %.
+    pub grid: Option<MapSettings>,
+    /// Other distributions of unknowns; `null` switches an unknown off.
+    pub unknowns: BTreeMap<Unknown, Option<Distribution>>,
+}
+
+impl Default for BandsSettings {
+    fn default() -> Self {
+        Self { samples: 256, seed: 1, importance_rows: 64, grid: None, unknowns: BTreeMap::new() }
+    }
+}
+
+impl BandsSettings {
+    /// Reads choices from JSON; [`Bands::new`] checks their numbers.
+    ///
+    /// # Errors
+    /// One line with the field and the error.
+    pub fn from_json(json: &str) -> Result<Self, SceneError> {
+        read::json(json, "choices")
+    }
+}
+
+/// Allowed numbers of samples.
+pub const SAMPLES: (usize, usize) = (16, MAX_SAMPLES / 4);
+
+/// Error of the choices of bands, in one line.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BandsError {
+    /// A number is out of its range.
+    #[error("{field} is {value}; allowed: {allowed}")]
+    OutOfRange {
+        /// The field.
+        field: String,
+        /// The given value.
+        value: String,
+        /// The allowed values.
+        allowed: String,
+    },
+    /// The grid is out of its range.
+    #[error("{0}")]
+    Grid(String),
+    /// The scene is out of its limits.
+    #[error("{0}")]
+    Scene(String),
+    /// All unknowns are switched off.
+    #[error("no unknown is left; allowed: one unknown or more")]
+    NoUnknown,
+}
+
+/// Bands as a state machine.
+#[derive(Debug)]
+pub struct Bands {
+    base: Scene,
+    settings: BandsSettings,
+    grid: MapSettings,
+    unknowns: Vec<(Unknown, Spread)>,
+    /// Items: the scene, the scenarios of the method, the samples (rows of A), rows of B, then for each unknown rows of A with
+    /// the unknown of B.
+    queue: Queue,
+}
+
+/// Items before the samples: the scene and the scenarios.
+const FIRST_SAMPLE: usize = 1 + METHOD_SCALES.len();
+
+impl Bands {
+    /// Bands of a scene.
+    ///
+    /// # Errors
+    /// One line with the number that is out of its range.
+    pub fn new(scene: &Scene, settings: BandsSettings) -> Result<Self, BandsError> {
+        let (least, most) = SAMPLES;
+        let range = |field: &str, value: usize, allowed: String| BandsError::OutOfRange {
+            field: field.to_owned(),
+            value: value.to_string(),
+            allowed,
+        };
+        if !(least..=most).contains(&settings.samples) {
+            let allowed = format!("{least} to {most}");
+            return Err(range("samples", settings.samples, allowed));
+        }
+        let rows = settings.importance_rows;
+        if rows != 0 && !(super::importance::MIN_ROWS..=settings.samples).contains(&rows) {
+            let allowed =
+                format!("0, {} to {} (samples)", super::importance::MIN_ROWS, settings.samples);
+            return Err(range("importance_rows", rows, allowed));
+        }
+        let nodes = if scene.is_layered() { 33 } else { 65 };
+        let default = MapSettings { nodes_per_side: nodes, ..MapSettings::default() };
+        let grid = settings.grid.unwrap_or(default);
+        grid.check().map_err(BandsError::Grid)?;
+        scene.validate().map_err(|error| BandsError::Scene(error.to_string()))?;
+        let base = base_scene(scene);
+        let mut unknowns = Vec::new();
+        for unknown in Unknown::ALL {
+            let Some(mut spread) = unknown.spread(&base) else { continue };
+            match settings.unknowns.get(&unknown) {
+                Some(None) => continue,
+                Some(Some(distribution)) => spread.distribution = *distribution,
+                None => {}
+            }
+            check_distribution(unknown, spread.distribution)?;
+            unknowns.push((unknown, spread));
+        }
+        if unknowns.is_empty() {
+            return Err(BandsError::NoUnknown);
+        }
+        let mixed = if rows == 0 { 0 } else { rows * (unknowns.len() + 1) };
+        let queue = Queue::new((0..FIRST_SAMPLE + settings.samples + mixed).collect());
+        Ok(Self { base, settings, grid, unknowns, queue })
+    }
+
+    /// The unknowns with their distributions.
+    #[must_use]
+    pub fn unknowns(&self) -> &[(Unknown, Spread)] {
+        &self.unknowns
+    }
+
+    /// Grid and tolerance of the samples.
+    #[must_use]
+    pub fn grid(&self) -> MapSettings {
+        self.grid
+    }
+
+    /// The scene of an item.
+    fn scene(&self, item: usize) -> Result<Scene, String> {
+        let mut scene = self.base.clone();
+        let count = self.unknowns.len();
+        let mut set = |probability: &dyn Fn(usize) -> f64| {
+            for (k, (unknown, spread)) in self.unknowns.iter().enumerate() {
+                let value = quantile(spread.distribution, probability(k));
+                unknown.apply(&mut scene, &self.base, value);
+            }
+        };
+        let point = |row: usize, dimension: usize| unit_sample(row, dimension, self.settings.seed);
+        let (samples, rows) = (self.settings.samples, self.settings.importance_rows);
+        match item {
+            0 => {}
+            item if item < FIRST_SAMPLE => {
+                set(&|_| 0.5);
+                let factor = METHOD_SCALES[item - 1];
+                for layer in &mut scene.layers {
+                    let scale = layer.curve.stress_scale * factor;
+                    layer.curve.stress_scale = scale.clamp(SCALES.0, SCALES.1);
+                }
+            }
+            item if item < FIRST_SAMPLE + samples => set(&|k| point(item - FIRST_SAMPLE, k)),
+            item => {
+                let item = item - FIRST_SAMPLE - samples;
+                let (block, row) = (item / rows, item % rows);
+                // Block 0 is B, block k + 1 is A with the unknown k of B.
+                let of_b = |k: usize| block == 0 || block == k + 1;
+                set(&|k| point(row, if of_b(k) { count + k } else { k }));
+            }
+        }
+        scene.patient = None;
+        self.grid.apply(&mut scene);
+        scene.validate().map_err(|error| error.to_string())?;
+        Ok(scene)
+    }
+
+    fn samples(&self) -> impl Iterator<Item = &Case> {
+        let cases = &self.queue.cases()[FIRST_SAMPLE..FIRST_SAMPLE + self.settings.samples];
+        cases.iter().flatten()
+    }
+
+    /// Value of a quantity in a converged item.
+    fn value(&self, quantity: Quantity, item: usize) -> Option<f64> {
+        self.queue.case(item).filter(|case| case.is_converged())?.values.get(quantity)
+    }
+
+    /// Sobol indices of a quantity by unknown, from the rows that have converged; `None` without enough rows or without
+    /// variance.
+    #[must_use]
+    pub fn importance(&self, quantity: Quantity) -> Vec<Option<Index>> {
+        let (samples, rows) = (self.settings.samples, self.settings.importance_rows);
+        let of_block = |block: usize, row: usize| {
+            self.value(quantity, FIRST_SAMPLE + samples + block * rows + row)
+        };
+        let row = |k: usize, row: usize| -> Option<Row> {
+            let a = self.value(quantity, FIRST_SAMPLE + row)?;
+            Some([a, of_block(0, row)?, of_block(k + 1, row)?])
+        };
+        let indices = |k: usize| {
+            let found: Vec<Row> = (0..rows).filter_map(|r| row(k, r)).collect();
+            index(&found)
+        };
+        (0..self.unknowns.len()).map(indices).collect()
+    }
+
+    /// Percentiles, scenarios and importance of every quantity that applies, from the samples solved so far.
+    #[must_use]
+    pub fn bands(&self) -> Vec<Band> {
+        let band = |quantity: Quantity| {
+            let cases = self.samples().filter(|case| case.is_converged());
+            let mut values: Vec<f64> = cases.filter_map(|case| case.values.get(quantity)).collect();
+            values.sort_by(f64::total_cmp);
+            let [p10, p50, p90] = PERCENTILES.map(|p| percentile(&values, p));
+            let scenario = |k: usize| Scenario {
+                stress_factor: METHOD_SCALES[k],
+                value: self.value(quantity, k + 1),
+            };
+            let importance = self.importance(quantity).into_iter().zip(&self.unknowns);
+            Some(Band {
+                quantity,
+                label: quantity.label(),
+                unit: quantity.unit(),
+                scene: self.value(quantity, 0),
+                p10: p10?,
+                p50: p50?,
+                p90: p90?,
+                text: text(quantity, p10?, p50?, p90?),
+                scenarios: (0..METHOD_SCALES.len()).map(scenario).collect(),
+                importance: importance
+                    .filter_map(|(index, (unknown, _))| Some((*unknown, index?)))
+                    .collect(),
+            })
+        };
+        Quantity::ALL.into_iter().filter_map(band).collect()
+    }
+
+    fn profiles(&self) -> Vec<&Profile> {
+        let converged = self.samples().filter(|case| case.is_converged());
+        converged.filter_map(|case| case.profile.as_ref()).collect()
+    }
+
+    /// The band of the skin's section at equal distances from the pocket's axis, as drawn. Empty before a sample is solved.
+    #[must_use]
+    pub fn section(&self) -> Vec<SectionBand> {
+        section_band(&self.profiles())
+    }
+
+    /// The band of the skin's section: percentiles of distance and height at equal material radii, over the samples that
+    /// have converged. Empty before a sample is solved.
+    #[must_use]
+    pub fn profile(&self) -> Vec<ProfileBand> {
+        let converged = self.profiles();
+        let radius = converged.iter().map(|profile| profile.radius_mm).fold(0.0, f64::max);
+        let at = |point: usize| {
+            let s_mm = radius * point as f64 / (PROFILE_POINTS - 1) as f64;
+            let points: Vec<[f64; 2]> = converged
+                .iter()
+                .filter_map(|profile| {
+                    // Beyond the edge of a sheet the tissue is at rest.
+                    let rest = || Some([s_mm, *profile.z_mm.last()?]);
+                    profile.at(s_mm).or_else(rest)
+                })
+                .collect();
+            let of = |k: usize| {
+                let mut values: Vec<f64> = points.iter().map(|point| point[k]).collect();
+                values.sort_by(f64::total_cmp);
+                let [a, b, c] = PERCENTILES.map(|p| percentile(&values, p));
+                Some([a?, b?, c?])
+            };
+            Some(ProfileBand { s_mm, r_mm: of(0)?, z_mm: of(1)? })
+        };
+        (0..PROFILE_POINTS).filter_map(at).collect()
+    }
+
+    /// Number of samples of each state, without those of no sample.
+    #[must_use]
+    pub fn counts(&self) -> BTreeMap<&'static str, usize> {
+        let all = &self.queue.cases()[FIRST_SAMPLE..FIRST_SAMPLE + self.settings.samples];
+        let mut counts = BTreeMap::new();
+        for case in all {
+            *counts.entry(PointStatus::of(case.as_ref()).word()).or_insert(0) += 1;
+        }
+        counts
+    }
+
+    /// The whole report, for a file.
+    #[must_use]
+    pub fn report(&self) -> BandsReport {
+        let mut warnings = BTreeMap::new();
+        for warning in self.samples().flat_map(|case| &case.warnings) {
+            *warnings.entry(warning.clone()).or_insert(0) += 1;
+        }
+        let (done, all) = self.queue.progress();
+        let unknown = |(unknown, spread): &(Unknown, Spread)| UnknownReport {
+            name: *unknown,
+            quantity: spread.quantity,
+            acts_as: spread.unit,
+            distribution: spread.distribution,
+        };
+        BandsReport {
+            schema: BANDS_SCHEMA,
+            notes: NOTES,
+            samples: self.settings.samples,
+            seed: self.settings.seed,
+            importance_rows: self.settings.importance_rows,
+            grid: self.grid,
+            scene: self.base.clone(),
+            unknowns: self.unknowns.iter().map(unknown).collect(),
+            counts: self.counts(),
+            scenes_solved: done,
+            scenes_planned: all,
+            bands: self.bands(),
+            profile: self.profile(),
+            warnings,
+        }
+    }
+}
+
+impl Queued for Bands {
+    const SCENES_PER_JOB: usize = 8;
+    const HAS_PROFILE: bool = true;
+
+    fn queue(&self) -> &Queue {
+        &self.queue
+    }
+
+    fn queue_mut(&mut self) -> &mut Queue {
+        &mut self.queue
+    }
+
+    fn scene_of(&self, item: usize) -> Result<Scene, String> {
+        self.scene(item)
+    }
+}
+
+/// Checks the numbers of a distribution.
+fn check_distribution(unknown: Unknown, distribution: Distribution) -> Result<(), BandsError> {
+    const MOST: f64 = 1e6;
+    let is_plain = |value: f64| value.is_finite() && value.abs() <= MOST;
+    let (is_valid, allowed) = match distribution {
+        Distribution::LogNormal { median, gsd } => (
+            is_plain(median) && median > 0.0 && (1.0..=100.0).contains(&gsd),
+            "log_normal with a median above 0 and a gsd of 1 to 100",
+        ),
+        Distribution::Normal { mean, sd } => {
+            (is_plain(mean) && is_plain(sd) && sd >= 0.0, "normal with an sd of 0 or more")
+        }
+        Distribution::Uniform { least, most } => {
+            (is_plain(least) && is_plain(most) && least <= most, "uniform with least ≤ most")
+        }
+    };
+    if is_valid {
+        return Ok(());
+    }
+    Err(BandsError::OutOfRange {
+        field: format!("unknowns.{}", unknown.name()),
+        value: serde_json::to_string(&distribution).unwrap_or_default(),
+        allowed: allowed.to_owned(),
+    })
+}
+
+/// "22 mmHg, 14–33": median and 10th to 90th percentile, with two digits of the width of the band.
+fn text(quantity: Quantity, p10: f64, p50: f64, p90: f64) -> String {
+    let (factor, unit) = quantity.display();
+    let values = [p50, p10, p90].map(|value| value * factor);
+    let width = (values[2] - values[1]).abs();
+    let digits =
+        if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 4.0) as usize } else { 0 };
+    let [median, low, high] = values.map(|value| format!("{value:.digits$}"));
+    // A minus after the dash of a range would not be read.
+    let dash = if high.starts_with('-') { " to " } else { "–" };
+    format!("{median} {unit}, {low}{dash}{high}")
+}
+
+/// The schema of [`BandsReport`].
+pub const BANDS_SCHEMA: &str = "implant-preview/bands/1";
+
+/// A quantity over the samples \[unit of the quantity\].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Band {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The quantity in words.
+    pub label: &'static str,
+    /// Unit of the values.
+    pub unit: &'static str,
+    /// Value of the scene itself, on the grid of the samples.
+    pub scene: Option<f64>,
+    /// 10th percentile.
+    pub p10: f64,
+    /// Median.
+    pub p50: f64,
+    /// 90th percentile.
+    pub p90: f64,
+    /// Median and percentiles in words, as "22 mmHg, 14–33".
+    pub text: String,
+    /// Scenarios of the method of measurement.
+    pub scenarios: Vec<Scenario>,
+    /// Sobol indices by unknown.
+    pub importance: BTreeMap<Unknown, Index>,
+}
+
+impl Band {
+    /// The 10th and 90th percentile in words, without the unit, as "14–33".
+    #[must_use]
+    pub fn range(&self) -> &str {
+        self.text.rsplit_once(", ").map_or("", |(_, range)| range)
+    }
+}
+
+/// All stresses times a factor, all unknowns at their medians.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scenario {
+    /// Factor on all stresses \[-\].
+    pub stress_factor: f64,
+    /// The value; `None` if the solve has not converged.
+    pub value: Option<f64>,
+}
+
+/// Percentiles (10, 50, 90) of the skin's outer surface at one material radius.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ProfileBand {
+    /// Material radius \[mm\].
+    pub s_mm: f64,
+    /// Distance from the pocket's axis \[mm\].
+    pub r_mm: [f64; 3],
+    /// Height above the wall \[mm\].
+    pub z_mm: [f64; 3],
+}
+
+/// An unknown in a report.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct UnknownReport {
+    /// The name.
+    pub name: Unknown,
+    /// The unknown in words.
+    pub quantity: &'static str,
+    /// Unit of the distribution, or how the distribution acts on the value of the scene.
+    pub acts_as: &'static str,
+    /// The distribution.
+    pub distribution: Distribution,
+}
+
+/// Bands in a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BandsReport {
+    /// [`BANDS_SCHEMA`].
+    pub schema: &'static str,
+    /// Sentences that belong to every band.
+    pub notes: [&'static str; 3],
+    /// Number of samples.
+    pub samples: usize,
+    /// Seed.
+    pub seed: u32,
+    /// Rows of the importance.
+    pub importance_rows: usize,
+    /// Grid and tolerance of the samples.
+    pub grid: MapSettings,
+    /// The scene.
+    pub scene: Scene,
+    /// The unknowns that vary.
+    pub unknowns: Vec<UnknownReport>,
+    /// Samples by state.
+    pub counts: BTreeMap<&'static str, usize>,
+    /// Scenes solved or reused, with those of scenarios and importance.
+    pub scenes_solved: usize,
+    /// All scenes of the study.
+    pub scenes_planned: usize,
+    /// One entry for each quantity that applies.
+    pub bands: Vec<Band>,
+    /// Section of the skin, 41 points.
+    pub profile: Vec<ProfileBand>,
+    /// Warnings of the samples, with the number of samples.
+    pub warnings: BTreeMap<String, usize>,
+}

@@ -1,0 +1,226 @@
+//! Cases by the content of their scenes: equal scenes are solved once.
+
+use super::Case;
+use crate::curve::{CurveSpec, ScaledCurve};
+use crate::scene::{Layer, Scene};
+use std::collections::{HashMap, VecDeque};
+
+/// Everything of a scene that changes its case; the names of the tissues and the patient do not.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Key(Box<[u64]>);
+
+/// Cases by the content of their scenes, and the numbers of solved and reused cases.
+#[derive(Debug, Default)]
+pub struct Cases {
+    /// Each curve of the keys once: a curve may have 100 000 points.
+    curves: Vec<CurveSpec>,
+    cases: HashMap<Key, Case>,
+    /// The keys in the order of insertion.
+    order: VecDeque<Key>,
+    solved: usize,
+    reused: usize,
+}
+
+/// Greatest number of stored cases; the oldest are removed first. A case with a profile has about 1.5 kB.
+pub const MAX_CASES: usize = 20_000;
+
+impl Cases {
+    /// The key of a scene.
+    pub fn key(&mut self, scene: &Scene) -> Key {
+        let is_layered = scene.is_layered();
+        let Scene {
+            schema: _,
+            implant,
+            pocket_radius_mm,
+            body,
+            insertion,
+            layers,
+            patient: _,
+            springs,
+            solver,
+        } = scene;
+        let [x, y] = implant.center_mm;
+        let mut words = vec![
+            *springs as u64,
+            solver.nodes_per_side as u64,
+            bits(solver.tolerance),
+            bits(implant.base_radius_mm),
+            bits(implant.projection_mm),
+            bits(x),
+            bits(y),
+            bits(*pocket_radius_mm),
+            bits(*insertion),
+        ];
+        // Patch, attachment and cells belong to layered tissue.
+        if let Some(body) = body.filter(|_| is_layered) {
+            use crate::scene::CellsThrough;
+            let cells = match solver.cells_through.unwrap_or_default() {
+                CellsThrough::Auto => 0,
+                CellsThrough::Count(count) => count as u64,
+            };
+            words.extend([
+                cells,
+                bits(body.patch_radius_mm),
+                bits(body.attachment.stiffness_kpa_per_mm),
+                bits(body.attachment.ramp_mm),
+            ]);
+        }
+        words.push(u64::from(is_layered));
+        for layer in layers {
+            let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;
+            let ScaledCurve { spec, strain_scale, stress_scale } = curve;
+            let numbers = [*thickness_mm, *poisson_ratio, *strain_scale, *stress_scale];
+            words.push(self.curve(spec));
+            words.extend(numbers.map(bits));
+        }
+        Key(words.into())
+    }
+
+    /// The index of a curve.
+    fn curve(&mut self, spec: &CurveSpec) -> u64 {
+        let found = self.curves.iter().position(|known| known == spec);
+        found.unwrap_or_else(|| {
+            self.curves.push(spec.clone());
+            self.curves.len() - 1
+        }) as u64
+    }
+
+    /// The stored case of a scene; counts the reuse. Without a profile a case is no answer to a request for one.
+    pub fn reuse(&mut self, key: &Key, with_profile: bool) -> Option<&Case> {
+        let has_wanted = |case: &&Case| {
+            let has_shape = case.values != super::Values::default();
+            !with_profile || case.profile.is_some() || !has_shape
+        };
+        let case = self.cases.get(key).filter(has_wanted)?;
+        self.reused += 1;
+        Some(case)
+    }
+
+    /// Stores the case of a solved scene.
+    pub fn insert(&mut self, key: Key, case: Case) {
+        self.solved += 1;
+        if self.cases.insert(key.clone(), case).is_none() {
+            self.order.push_back(key);
+        }
+        while self.order.len() > MAX_CASES {
+            if let Some(oldest) = self.order.pop_front() {
+                self.cases.remove(&oldest);
+            }
+        }
+    }
+
+    /// Number of cases that were solved and stored.
+    #[must_use]
+    pub fn solved(&self) -> usize {
+        self.solved
+    }
+
+    /// Number of cases that were taken from the store.
+    #[must_use]
+    pub fn reused(&self) -> usize {
+        self.reused
+    }
+
+    /// Number of stored cases.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.cases.len()
+    }
+
+    /// Is no case stored?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.cases.is_empty()
+    }
+}
+
+/// The bits of a number; both zeros are equal.
+fn bits(value: f64) -> u64 {
+    (value + 0.0).to_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::Measurements;
+    use crate::scene::{CellsThrough, TissueModel};
+    use crate::study::{Job, evaluate};
+
+    #[test]
+    fn scenes_of_equal_content_have_equal_keys_and_others_do_not() {
+        let base = Scene::default();
+        let edits: [fn(&mut Scene); 20] = [
+            |_| {},
+            |scene| scene.implant.base_radius_mm = 54.0,
+            |scene| scene.implant.projection_mm = 54.0,
+            |scene| scene.implant.center_mm = [1.0, 0.0],
+            |scene| scene.implant.center_mm = [0.0, 1.0],
+            |scene| scene.implant.center_mm = [-0.0, 0.0],
+            |scene| scene.pocket_radius_mm = 71.0,
+            |scene| scene.insertion = 0.5,
+            |scene| scene.layers[0].tissue = "cutis".to_owned(),
+            |scene| scene.layers[0].poisson_ratio = 0.4,
+            |scene| scene.layers[1].thickness_mm = 11.0,
+            |scene| scene.layers[1].curve.strain_scale = 2.0,
+            |scene| scene.layers[1].curve.stress_scale = 2.0,
+            |scene| scene.layers[1].curve.spec = CurveSpec::Skin {},
+            |scene| scene.layers.truncate(1),
+            |scene| scene.solver.nodes_per_side = 65,
+            |scene| scene.solver.tolerance = 1e-3,
+            |scene| scene.solver.cells_through = Some(CellsThrough::Auto),
+            |scene| scene.solver.cells_through = Some(CellsThrough::Count(3)),
+            |scene| scene.set_tissue_model(TissueModel::Sheet),
+        ];
+        let mut cases = Cases::default();
+        let scenes: Vec<Scene> = edits
+            .iter()
+            .map(|edit| {
+                let mut scene = base.clone();
+                edit(&mut scene);
+                scene
+            })
+            .chain([Scene::sheet(), {
+                let mut scene = base.clone();
+                scene.body.as_mut().unwrap().attachment.ramp_mm = 11.0;
+                scene
+            }])
+            .collect();
+        for a in &scenes {
+            for b in &scenes {
+                assert_eq!(cases.key(a) == cases.key(b), a.same_physics(b), "{a:?} {b:?}");
+            }
+        }
+        let mut patient = base.clone();
+        let measured = Measurements { base_width_mm: Some(120.0), ..Measurements::default() };
+        patient.apply_patient(measured).unwrap();
+        assert_eq!(cases.key(&patient), cases.key(&base));
+    }
+
+    #[test]
+    fn reuse_is_counted_and_needs_the_wanted_profile() {
+        let mut cases = Cases::default();
+        let mut scene = Scene::sheet();
+        scene.solver.nodes_per_side = 17;
+        let key = cases.key(&scene);
+        assert!(cases.reuse(&key, false).is_none());
+        let solve =
+            |profile| evaluate(&Job { scenes: vec![scene.clone()], profile }).pop().unwrap();
+        cases.insert(key.clone(), solve(false));
+        assert!(cases.reuse(&key, true).is_none());
+        assert!(cases.reuse(&key, false).is_some());
+        cases.insert(key.clone(), solve(true));
+        assert!(cases.reuse(&key, true).is_some() && cases.reuse(&key, false).is_some());
+        assert_eq!((cases.solved(), cases.reused(), cases.len()), (2, 3, 1));
+    }
+
+    #[test]
+    fn the_oldest_cases_are_removed() {
+        let mut cases = Cases::default();
+        let key = |k: usize| Key(vec![k as u64].into());
+        for k in 0..MAX_CASES + 5 {
+            cases.insert(key(k), Case::default());
+        }
+        assert_eq!(cases.len(), MAX_CASES);
+        assert!(cases.reuse(&key(4), false).is_none() && cases.reuse(&key(5), false).is_some());
+    }
+}

@@ -1,0 +1,520 @@
+//! A map: one or two numbers of a scene varied over a grid, each point one solved scene.
+//!
+//! The points are solved from coarse to fine, so that an unfinished map covers the whole range. A point without a shape or
+//! without convergence keeps this status; no value is interpolated over such a point.
+
+use super::contour::{Field, Path};
+use super::parameter::{Parameter, with_values};
+use super::queue::{Queue, Queued};
+use super::{Axis, Case, MAX_POINTS, MapError, Quantity};
+use crate::clinical::{Size, typical_sizes};
+use crate::curve::number;
+use crate::measure::Status;
+use crate::scene::{Scene, TissueModel, limits};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Grid and tolerance of the points of a map; those of the scene do not apply.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MapSettings {
+    /// Nodes per side, 17 to 1025.
+    pub nodes_per_side: usize,
+    /// Greatest node position error allowed \[base radius\], 1e-7 to 1e-2.
+    pub tolerance: f64,
+}
+
+impl Default for MapSettings {
+    fn default() -> Self {
+        Self { nodes_per_side: 33, tolerance: 1e-3 }
+    }
+}
+
+/// Grid and tolerance of the points that check a map.
+pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-4 };
+
+/// The scene of a study: a sheet of `scene/1` becomes the same sheet of `scene/2`, which has all fields; no patient.
+pub(super) fn base_scene(scene: &Scene) -> Scene {
+    let mut base = scene.clone();
+    if base.body.is_none() {
+        base.set_tissue_model(TissueModel::Sheet);
+    }
+    base
+}
+
+impl MapSettings {
+    /// Sets grid and tolerance of a scene.
+    pub(super) fn apply(self, scene: &mut Scene) {
+        scene.solver.nodes_per_side = self.nodes_per_side;
+        scene.solver.tolerance = self.tolerance;
+    }
+
+    pub(super) fn check(self) -> Result<(), String> {
+        let (least, most) = limits::NODES_PER_SIDE;
+        if !(least..=most).contains(&self.nodes_per_side) {
+            return Err(format!(
+                "nodes_per_side is {}; allowed: {least} to {most}",
+                self.nodes_per_side
+            ));
+        }
+        let (least, most) = limits::TOLERANCE;
+        if !(least..=most).contains(&self.tolerance) {
+            let tolerance = number(self.tolerance);
+            return Err(format!("tolerance is {tolerance}; allowed: {least} to {most}"));
+        }
+        Ok(())
+    }
+}
+
+/// The state of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PointStatus {
+    /// Not solved yet.
+    Waiting,
+    /// Solved within the tolerance.
+    Converged,
+    /// Solved, with an error above the tolerance.
+    NotConverged,
+    /// The tissue has no valid shape.
+    NoShape,
+    /// The scene of this point is out of its limits, or its job has failed.
+    Invalid,
+}
+
+impl PointStatus {
+    /// The state in words.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Waiting => "waiting",
+            Self::Converged => "converged",
+            Self::NotConverged => "not_converged",
+            Self::NoShape => "no_shape",
+            Self::Invalid => "invalid",
+        }
+    }
+
+    /// The state of a case.
+    #[must_use]
+    pub fn of(case: Option<&Case>) -> Self {
+        match case.map(|case| case.status) {
+            None => Self::Waiting,
+            Some(None) => Self::Invalid,
+            Some(Some(Status::Converged)) => Self::Converged,
+            Some(Some(Status::NotConverged)) => Self::NotConverged,
+            Some(Some(Status::Unstable)) => Self::NoShape,
+        }
+    }
+}
+
+/// A map as a state machine, a [`Study`](super::Study). Points are indexed by (i, j) along x and y; j is 0 on a map of
+/// one axis.
+#[derive(Debug)]
+pub struct Map {
+    base: Scene,
+    pub(super) axes: Vec<Axis>,
+    pub(super) settings: MapSettings,
+    /// Points by `j · columns + i`.
+    queue: Queue,
+}
+
+impl Map {
+    /// A map of one axis or two around a scene.
+    ///
+    /// # Errors
+    /// One line with the axis, its value and the allowed range. Single points out of the limits are no error.
+    pub fn new(scene: &Scene, axes: &[Axis], settings: MapSettings) -> Result<Self, MapError> {
+        if !(1..=2).contains(&axes.len()) {
+            return Err(MapError::Axes(axes.len()));
+        }
+        settings.check().map_err(MapError::Settings)?;
+        let points = axes.iter().map(|axis| axis.count as u128).product();
+        if points > MAX_POINTS as u128 {
+            return Err(MapError::TooMany(points));
+        }
+        axes.iter().try_for_each(Axis::check)?;
+        let base = base_scene(scene);
+        if let [x, y] = axes
+            && x.field.excludes(y.field, &base)
+        {
+            return Err(MapError::Same(x.field.name(), y.field.name()));
+        }
+        let mut map = Self { base, axes: axes.to_vec(), settings, queue: Queue::default() };
+        map.check_ends()?;
+        map.queue = Queue::new(map.order());
+        Ok(map)
+    }
+
+    /// Rejects an end of an axis whose corners are all invalid.
+    fn check_ends(&self) -> Result<(), MapError> {
+        let (columns, rows) = self.shape();
+        let error = |(i, j): (usize, usize)| self.scene(i, j).err();
+        for (k, axis) in self.axes.iter().enumerate() {
+            for end in [0, axis.count - 1] {
+                let corners = match k {
+                    0 => [(end, 0), (end, rows - 1)],
+                    _ => [(0, end), (columns - 1, end)],
+                };
+                if let [Some(error), Some(_)] = corners.map(error) {
+                    let (field, value) = (axis.field.name(), axis.value(end));
+                    return Err(MapError::End { field, value, error });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the map to a scene with equal points, as with another implant on a map over its size; solved points stay.
+    /// Returns false, and changes nothing, if a corner of the map would be another scene.
+    pub fn move_to(&mut self, scene: &Scene) -> bool {
+        let (axes, settings) = (self.axes.clone(), self.settings);
+        let moved = Self { base: base_scene(scene), axes, settings, queue: Queue::default() };
+        let (columns, rows) = self.shape();
+        // The axes set the same fields at all points.
+        let corners = [(0, 0), (columns - 1, 0), (0, rows - 1), (columns - 1, rows - 1)];
+        let is_equal = corners.into_iter().all(|(i, j)| self.scene(i, j) == moved.scene(i, j));
+        if is_equal {
+            self.base = moved.base;
+        }
+        is_equal
+    }
+
+    /// The points from coarse to fine: lattices of half the step of the lattice before. Within a lattice the axis whose
+    /// change costs the solver more varies slowly.
+    fn order(&self) -> Vec<usize> {
+        let (columns, rows) = self.shape();
+        let lattice = |count: usize, step: usize| -> Vec<usize> {
+            let inner = (0..count.saturating_sub(1)).step_by(step);
+            inner.chain([count - 1]).collect()
+        };
+        let is_x_slow = match &self.axes[..] {
+            [x, y] => x.field.change() >= y.field.change(),
+            _ => false,
+        };
+        let mut is_listed = vec![false; columns * rows];
+        let mut order = Vec::with_capacity(columns * rows);
+        let mut step = columns.max(rows).next_power_of_two();
+        while step > 0 {
+            let (is, js) = (lattice(columns, step), lattice(rows, step));
+            let mut list = |i: usize, j: usize| {
+                if !std::mem::replace(&mut is_listed[j * columns + i], true) {
+                    order.push(j * columns + i);
+                }
+            };
+            if is_x_slow {
+                is.iter().for_each(|&i| js.iter().for_each(|&j| list(i, j)));
+            } else {
+                js.iter().for_each(|&j| is.iter().for_each(|&i| list(i, j)));
+            }
+            step /= 2;
+        }
+        order
+    }
+
+    /// Numbers of columns and rows; one row on a map of one axis.
+    #[must_use]
+    pub fn shape(&self) -> (usize, usize) {
+        let count = |k: usize| self.axes.get(k).map_or(1, |axis| axis.count);
+        (count(0), count(1))
+    }
+
+    /// The axes, x first.
+    #[must_use]
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// Grid and tolerance of the points.
+    #[must_use]
+    pub fn settings(&self) -> MapSettings {
+        self.settings
+    }
+
+    /// The scene around which the map varies its axes, without the map's grid.
+    #[must_use]
+    pub fn base(&self) -> &Scene {
+        &self.base
+    }
+
+    /// The scene of a point.
+    ///
+    /// # Errors
+    /// One line if the scene is out of its limits.
+    pub fn scene(&self, i: usize, j: usize) -> Result<Scene, String> {
+        self.scene_with(i, j, self.settings)
+    }
+
+    pub(super) fn scene_with(
+        &self,
+        i: usize,
+        j: usize,
+        settings: MapSettings,
+    ) -> Result<Scene, String> {
+        let values: Vec<(Parameter, f64)> =
+            self.axes.iter().zip([i, j]).map(|(axis, k)| (axis.field, axis.value(k))).collect();
+        let mut scene = with_values(&self.base, &values).map_err(|error| error.to_string())?;
+        scene.patient = None;
+        settings.apply(&mut scene);
+        scene.validate().map_err(|error| error.to_string())?;
+        Ok(scene)
+    }
+
+    /// The case of a point; `None` while the point is not solved.
+    #[must_use]
+    pub fn case(&self, i: usize, j: usize) -> Option<&Case> {
+        let (columns, rows) = self.shape();
+        if i >= columns || j >= rows {
+            return None;
+        }
+        self.queue.case(j * columns + i)
+    }
+
+    /// The state of a point.
+    #[must_use]
+    pub fn status(&self, i: usize, j: usize) -> PointStatus {
+        PointStatus::of(self.case(i, j))
+    }
+
+    /// The value of a converged point.
+    #[must_use]
+    pub fn value(&self, quantity: Quantity, i: usize, j: usize) -> Option<f64> {
+        self.case(i, j).filter(|case| case.is_converged())?.values.get(quantity)
+    }
+
+    /// The value to display at a point, and whether the value is solved. The value of a waiting point is interpolated
+    /// between the corners of the finest lattice around the point that is solved; a point that ended without convergence
+    /// has no value, and no value is interpolated from such a point.
+    #[must_use]
+    pub fn displayed(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, bool)> {
+        if self.status(i, j) != PointStatus::Waiting {
+            return self.value(quantity, i, j).map(|value| (value, true));
+        }
+        let (columns, rows) = self.shape();
+        if i >= columns || j >= rows {
+            return None;
+        }
+        let mut step = 2;
+        while step < 2 * columns.max(rows) {
+            // Neighbours on the lattice and the part of the way between the two.
+            let around = |k: usize, count: usize| {
+                let low = if k == count - 1 { k } else { k / step * step };
+                let high = if k.is_multiple_of(step) { low } else { (low + step).min(count - 1) };
+                let part = if high > low { (k - low) as f64 / (high - low) as f64 } else { 0.0 };
+                (low, high, part)
+            };
+            let ((left, right, u), (bottom, top, v)) = (around(i, columns), around(j, rows));
+            let row = |j: usize| {
+                let [a, b] = [left, right].map(|i| self.value(quantity, i, j));
+                Some(a? * (1.0 - u) + b? * u)
+            };
+            if let (Some(low), Some(high)) = (row(bottom), row(top)) {
+                return Some((low * (1.0 - v) + high * v, false));
+            }
+            step *= 2;
+        }
+        None
+    }
+
+    /// All values row by row, shape (rows, columns); not a number where a point has not converged.
+    fn field(&self, quantity: Quantity) -> Vec<f64> {
+        let (columns, rows) = self.shape();
+        let points = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+        points.map(|(i, j)| self.value(quantity, i, j).unwrap_or(f64::NAN)).collect()
+    }
+
+    /// The contour lines of a value on a map of two axes, as polylines of (x, y) in the units of the axes. Lines end at
+    /// points that have not converged.
+    #[must_use]
+    pub fn contours(&self, quantity: Quantity, level: f64) -> Vec<Path> {
+        let [x, y] = &self.axes[..] else { return Vec::new() };
+        let (mut xs, mut ys, mut values) = (x.values(), y.values(), self.field(quantity));
+        // The grid of the contours has rising axes.
+        if x.to < x.from {
+            xs.reverse();
+            values.chunks_mut(x.count).for_each(<[f64]>::reverse);
+        }
+        if y.to < y.from {
+            ys.reverse();
+            values = values.chunks(x.count).rev().flatten().copied().collect();
+        }
+        Field { x: &xs, y: &ys, values: &values }.lines(level)
+    }
+
+    /// The levels of the contour lines \[unit of the quantity\]: its limits, or round numbers within its range on this map.
+    #[must_use]
+    pub fn levels(&self, quantity: Quantity) -> Vec<f64> {
+        let limits = quantity.limit_values();
+        if !limits.is_empty() {
+            return limits;
+        }
+        let (factor, _) = quantity.display();
+        match self.range(quantity) {
+            Some((least, most)) => {
+                let levels = round_levels(least * factor, most * factor, 6.0);
+                levels.into_iter().map(|level| level / factor).collect()
+            }
+            None => Vec::new(),
+        }
+    }
+
+    /// Least and greatest value of the converged points.
+    #[must_use]
+    pub fn range(&self, quantity: Quantity) -> Option<(f64, f64)> {
+        let values = self.field(quantity);
+        let finite = values.iter().copied().filter(|value| value.is_finite());
+        let range = finite
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)));
+        (range.0 <= range.1).then_some(range)
+    }
+
+    /// The values of the scene on the axes; `None` if the scene lies outside of the map or has no such value.
+    #[must_use]
+    pub fn present(&self) -> Option<[f64; 2]> {
+        let within = |axis: &Axis| {
+            let value = axis.field.value(&self.base)?;
+            (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value).then_some(value)
+        };
+        match &self.axes[..] {
+            [x, y] => Some([within(x)?, within(y)?]),
+            [x] => Some([within(x)?, 0.0]),
+            _ => None,
+        }
+    }
+
+    /// On a map over width and projection: the factor from x to the base width, else `None`.
+    fn widths(&self) -> Option<f64> {
+        match &self.axes[..] {
+            [x, y] if y.field == Parameter::Projection => match x.field {
+                Parameter::BaseWidth => Some(1.0),
+                Parameter::BaseRadius => Some(2.0),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Lines of equal volume of the implant on a map over width (x) and projection (y): volume \[ml\] and points.
+    #[must_use]
+    pub fn equal_volumes(&self) -> Vec<(f64, Path)> {
+        const POINTS: usize = 101;
+        let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
+        let (low, high) = (y.from.min(y.to), y.from.max(y.to));
+        let size = |x: f64, y: f64| Size::of_width_and_projection(factor * x, y).ok();
+        let volume = |x: f64, y: f64| size(x, y).map_or(f64::NAN, Size::volume_ml);
+        let least = volume(x.from.min(x.to), low);
+        let most = volume(x.from.max(x.to), high);
+        let line = |volume: f64| -> Path {
+            let xs = (0..POINTS).map(|k| x.from + (x.to - x.from) * k as f64 / (POINTS - 1) as f64);
+            let of = |x: f64| {
+                Some((x, Size::of_width_and_volume(factor * x, volume).ok()?.projection_mm()))
+            };
+            xs.filter_map(of).filter(|(_, y)| (low..=high).contains(y)).collect()
+        };
+        let lines =
+            round_levels(least, most, 12.0).into_iter().map(|volume| (volume, line(volume)));
+        lines.filter(|(_, path)| path.len() > 1).collect()
+    }
+
+    /// Typical round sizes on a map over width and projection, as (x, y).
+    #[must_use]
+    pub fn typical_sizes(&self) -> Vec<(f64, f64)> {
+        let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
+        let is_in = |axis: &Axis, value: f64| {
+            (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value)
+        };
+        let at = |size: Size| (size.base_width_mm() / factor, size.projection_mm());
+        let sizes = typical_sizes().into_iter().map(at);
+        sizes.filter(|(a, b)| is_in(x, *a) && is_in(y, *b)).collect()
+    }
+
+    /// Does the pocket follow the implant on this map?
+    #[must_use]
+    pub fn pocket_follows(&self) -> bool {
+        let sets =
+            |axis: &Axis| matches!(axis.field, Parameter::PocketRadius | Parameter::PocketMargin);
+        self.axes.iter().any(|axis| axis.field.moves_implant()) && !self.axes.iter().any(sets)
+    }
+
+    /// Number of points of each state, without those of no point.
+    #[must_use]
+    pub fn counts(&self) -> Vec<(PointStatus, usize)> {
+        use PointStatus::{Converged, Invalid, NoShape, NotConverged, Waiting};
+        let count = |status| {
+            let cases = self.queue.cases().iter();
+            cases.filter(|case| PointStatus::of(case.as_ref()) == status).count()
+        };
+        let all = [Converged, NotConverged, NoShape, Invalid, Waiting];
+        all.into_iter().map(|status| (status, count(status))).filter(|(_, n)| *n > 0).collect()
+    }
+
+    /// The cases of all points, by `j · columns + i`.
+    #[must_use]
+    pub fn cases(&self) -> &[Option<Case>] {
+        self.queue.cases()
+    }
+}
+
+impl Queued for Map {
+    // Few enough for a steady progress, enough to share grids and tables.
+    const SCENES_PER_JOB: usize = 10;
+    const HAS_PROFILE: bool = false;
+
+    fn queue(&self) -> &Queue {
+        &self.queue
+    }
+
+    fn queue_mut(&mut self) -> &mut Queue {
+        &mut self.queue
+    }
+
+    fn scene_of(&self, item: usize) -> Result<Scene, String> {
+        let columns = self.shape().0;
+        self.scene(item % columns, item / columns)
+    }
+}
+
+/// Up to so many round numbers within a range: 1, 2 or 5 times a power of ten apart.
+fn round_levels(least: f64, most: f64, count: f64) -> Vec<f64> {
+    if !(least.is_finite() && most > least) {
+        return Vec::new();
+    }
+    let coarse = (most - least) / count;
+    let power = 10f64.powi(coarse.log10().floor() as i32);
+    let step =
+        power * [1.0, 2.0, 5.0, 10.0].into_iter().find(|f| f * power >= coarse).unwrap_or(10.0);
+    let (first, last) = ((least / step).ceil() as i64, (most / step).floor() as i64);
+    (first..=last).map(|k| k as f64 * step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_moves_to_a_scene_with_equal_points_and_to_no_other() {
+        let axes = ["base_width_mm=100:140:3", "projection_mm=30:50:3"];
+        let axes = axes.map(|axis| Axis::parse(axis).unwrap());
+        let scene = Scene::opening();
+        let mut map = Map::new(&scene, &axes, MapSettings::default()).unwrap();
+        // Another implant of the map, on its grid or not, with the same margin of the pocket.
+        for (width, projection) in [(120.0, 40.0), (111.1, 33.3)] {
+            let values = [(Parameter::BaseWidth, width), (Parameter::Projection, projection)];
+            let other = with_values(&scene, &values).unwrap();
+            assert!(map.move_to(&other));
+            assert_eq!(map.present(), Some([width, projection]));
+        }
+        let present = map.present();
+        let edits: [fn(&mut Scene); 3] = [
+            |scene| scene.pocket_radius_mm += 1.0,
+            |scene| scene.layers[1].thickness_mm += 1.0,
+            |scene| scene.insertion = 0.9,
+        ];
+        for edit in edits {
+            let mut other = scene.clone();
+            edit(&mut other);
+            assert!(!map.move_to(&other));
+            assert_eq!(map.present(), present);
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Percentiles of the samples.
+
+/// The percentiles of a band.
+pub(super) const PERCENTILES: [f64; 3] = [0.1, 0.5, 0.9];
+
+/// The percentile of sorted values, on a line between two values; `None` without values.
+pub(super) fn percentile(sorted: &[f64], p: f64) -> Option<f64> {
+    let position = p * sorted.len().checked_sub(1)? as f64;
+    let low = position as usize;
+    let high = (low + 1).min(sorted.len() - 1);
+    let part = position - low as f64;
+    Some(sorted[low] * (1.0 - part) + sorted[high] * part)
+}

@@ -1,0 +1,133 @@
+//! Runners compute independent jobs: threads natively, workers on the page.
+
+/// Runs independent jobs and returns the results in the order of completion.
+///
+/// A drop cancels all jobs that have not begun; the result of a running job is discarded.
+pub trait Runner {
+    /// Input of a job.
+    type Job;
+    /// Result of a job.
+    type Done;
+
+    /// Queues a job; returns the index of the job, counted from 0.
+    fn submit(&mut self, job: Self::Job) -> usize;
+
+    /// Cancels a job: a job that has not begun never runs, the result of a running job is discarded. A job whose result
+    /// was read stays as it is.
+    fn cancel(&mut self, index: usize);
+
+    /// Returns a finished job, or `None` if no further job has finished.
+    fn poll(&mut self) -> Option<Finished<Self::Done>>;
+
+    /// Waits for a finished job; returns `None` if no job is left. A runner that cannot wait returns `None` while jobs
+    /// run, as [`Self::poll`].
+    fn next(&mut self) -> Option<Finished<Self::Done>>;
+
+    /// Number of jobs that run at the same time: a study keeps about twice as many submitted.
+    fn workers(&self) -> usize {
+        1
+    }
+
+    /// Runs jobs; returns the results in the order of the jobs.
+    ///
+    /// # Errors
+    /// If a job panics. The other jobs are cancelled by the drop of the runner.
+    fn run_all(
+        mut self,
+        jobs: impl IntoIterator<Item = Self::Job>,
+    ) -> Result<Vec<Self::Done>, JobPanic>
+    where
+        Self: Sized,
+    {
+        let mut results = Vec::new();
+        for job in jobs {
+            let index = self.submit(job);
+            results.resize_with(index + 1, || None);
+        }
+        while let Some(Finished { index, result }) = self.next() {
+            results[index] = Some(result?);
+        }
+        Ok(results.into_iter().flatten().collect())
+    }
+}
+
+/// A finished job.
+#[derive(Debug)]
+pub struct Finished<T> {
+    /// Index of the job in the order of submission, from 0.
+    pub index: usize,
+    /// Result of the job, or the panic that ended the job.
+    pub result: Result<T, JobPanic>,
+}
+
+/// The panic of a job, in one line.
+#[derive(Debug, thiserror::Error)]
+#[error("job {index}: internal error: {message}")]
+pub struct JobPanic {
+    index: usize,
+    message: String,
+}
+
+impl JobPanic {
+    /// The panic of the job of an index; the message becomes one line.
+    #[must_use]
+    pub fn new(index: usize, message: &str) -> Self {
+        let words: Vec<&str> = message.split_whitespace().collect();
+        Self { index, message: words.join(" ") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::{Case, Job, evaluate};
+    use std::collections::VecDeque;
+
+    /// A runner that computes each job when its result is read.
+    #[derive(Default)]
+    struct Inline {
+        waiting: VecDeque<(usize, Job)>,
+        submitted: usize,
+    }
+
+    impl Runner for Inline {
+        type Job = Job;
+        type Done = Vec<Case>;
+
+        fn submit(&mut self, job: Job) -> usize {
+            self.waiting.push_back((self.submitted, job));
+            self.submitted += 1;
+            self.submitted - 1
+        }
+
+        fn cancel(&mut self, index: usize) {
+            self.waiting.retain(|(waiting, _)| *waiting != index);
+        }
+
+        fn poll(&mut self) -> Option<Finished<Vec<Case>>> {
+            let (index, job) = self.waiting.pop_front()?;
+            Some(Finished { index, result: Ok(evaluate(&job)) })
+        }
+
+        fn next(&mut self) -> Option<Finished<Vec<Case>>> {
+            self.poll()
+        }
+    }
+
+    #[test]
+    fn a_runner_is_used_as_an_object() {
+        let mut runner: Box<dyn Runner<Job = Job, Done = Vec<Case>>> = Box::new(Inline::default());
+        assert_eq!([(); 3].map(|()| runner.submit(Job::default())), [0, 1, 2]);
+        runner.cancel(1);
+        assert_eq!(runner.workers(), 1);
+        let indices: Vec<usize> =
+            std::iter::from_fn(|| runner.next()).map(|finished| finished.index).collect();
+        assert_eq!(indices, [0, 2]);
+    }
+
+    #[test]
+    fn a_panic_is_one_line() {
+        let line = JobPanic::new(3, "a defect\n in two lines").to_string();
+        assert_eq!(line, "job 3: internal error: a defect in two lines");
+    }
+}

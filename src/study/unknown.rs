@@ -1,0 +1,156 @@
+//! What is not known about a person: the spread of each unknown and its effect on a scene.
+
+use super::quantity::short;
+use crate::clinical::spread::{self, Spread};
+use crate::curve::{Curve, CurveSpec, SCALES};
+use crate::scene::{Body, Layer, Scene, limits};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What is not known about a person.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Unknown {
+    /// Thickness of the first layer \[mm\].
+    SkinThickness,
+    /// Factor on the stress scale of the first layer \[-\].
+    SkinStressScale,
+    /// Strain scale of the skin preset; with a measured or set scale a factor on it \[-\].
+    SkinStrainScale,
+    /// Initial modulus of the layers named adipose \[kPa\], by their stress scale.
+    FatModulus,
+    /// Factor on the thickness of the layers below the first \[-\].
+    CoverThickness,
+    /// Added to the radius of the pocket \[mm\].
+    PocketRadius,
+    /// Relative change of the projection \[-\].
+    Projection,
+    /// Poisson ratio of all layers \[-\].
+    PoissonRatio,
+}
+
+impl Unknown {
+    /// All unknowns.
+    pub const ALL: [Self; 8] = [
+        Self::SkinThickness,
+        Self::SkinStressScale,
+        Self::SkinStrainScale,
+        Self::FatModulus,
+        Self::CoverThickness,
+        Self::PocketRadius,
+        Self::Projection,
+        Self::PoissonRatio,
+    ];
+
+    /// The name in files and arguments.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SkinThickness => "skin_thickness",
+            Self::SkinStressScale => "skin_stress_scale",
+            Self::SkinStrainScale => "skin_strain_scale",
+            Self::FatModulus => "fat_modulus",
+            Self::CoverThickness => "cover_thickness",
+            Self::PocketRadius => "pocket_radius",
+            Self::Projection => "projection",
+            Self::PoissonRatio => "poisson_ratio",
+        }
+    }
+
+    /// The unknown of a name.
+    ///
+    /// # Errors
+    /// One line with the allowed names.
+    pub fn of_name(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|unknown| unknown.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("{:?} is not an unknown; allowed: {names}", short(name))
+        })
+    }
+
+    /// The spread between people in a scene; `None` if the unknown does not apply to the scene.
+    #[must_use]
+    pub fn spread(self, scene: &Scene) -> Option<Spread> {
+        let skin = &scene.layers.first()?.curve;
+        match self {
+            Self::SkinThickness => Some(spread::SKIN_THICKNESS),
+            Self::SkinStressScale => Some(spread::SKIN_STRESS_SCALE),
+            Self::SkinStrainScale if has_own_scale(scene) => {
+                Some(spread::SKIN_STRAIN_SCALE_MEASURED)
+            }
+            Self::SkinStrainScale => {
+                (skin.spec == CurveSpec::Skin {}).then_some(spread::SKIN_STRAIN_SCALE)
+            }
+            Self::FatModulus => scene.layers.iter().any(is_fat).then_some(spread::FAT_MODULUS),
+            Self::CoverThickness => (scene.layers.len() > 1).then_some(spread::COVER_THICKNESS),
+            Self::PocketRadius => Some(spread::POCKET_RADIUS),
+            Self::Projection => Some(spread::PROJECTION),
+            Self::PoissonRatio => Some(spread::POISSON_RATIO),
+        }
+    }
+
+    /// Sets the sampled value in a scene; values beyond the limits of a scene become the limit.
+    pub(super) fn apply(self, scene: &mut Scene, base: &Scene, value: f64) {
+        let into = |value: f64, (least, most): (f64, f64)| value.clamp(least, most);
+        match self {
+            Self::SkinThickness => {
+                scene.layers[0].thickness_mm = into(value, limits::THICKNESS_MM);
+            }
+            Self::SkinStressScale => {
+                let scale = base.layers[0].curve.stress_scale * value;
+                scene.layers[0].curve.stress_scale = into(scale, SCALES);
+            }
+            Self::SkinStrainScale => {
+                let own = if has_own_scale(base) { base.layers[0].curve.strain_scale } else { 1.0 };
+                scene.layers[0].curve.strain_scale = into(own * value, SCALES);
+            }
+            Self::FatModulus => {
+                for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
+                    let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
+                    if is_fat(base) && modulus > 0.0 {
+                        let scale = base.curve.stress_scale * value / modulus;
+                        layer.curve.stress_scale = into(scale, SCALES);
+                    }
+                }
+            }
+            Self::CoverThickness => {
+                for (layer, base) in scene.layers.iter_mut().zip(&base.layers).skip(1) {
+                    layer.thickness_mm = into(base.thickness_mm * value, limits::THICKNESS_MM);
+                }
+            }
+            Self::PocketRadius => {
+                // The patch stays, so that all samples of layered tissue have one grid.
+                let [x, y] = base.implant.center_mm;
+                let least = base.implant.base_radius_mm + x.hypot(y);
+                let most = limits::POCKET_RADIUS_MAX_MM;
+                scene.pocket_radius_mm = (base.pocket_radius_mm + value).max(least).min(most);
+                if let Some(body) = &mut scene.body {
+                    let (least, _) = Body::patch_range(scene.pocket_radius_mm);
+                    body.patch_radius_mm = body.patch_radius_mm.max(least);
+                }
+            }
+            Self::Projection => {
+                let projection = base.implant.projection_mm * (1.0 + value);
+                scene.implant.projection_mm = into(projection, limits::PROJECTION_MM);
+            }
+            Self::PoissonRatio => {
+                let ratio = into(value, limits::POISSON_RATIO);
+                scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = ratio);
+            }
+        }
+    }
+}
+
+fn is_fat(layer: &Layer) -> bool {
+    layer.tissue == "adipose"
+}
+
+/// Is the strain scale of the skin measured, or set by hand?
+#[allow(clippy::float_cmp, reason = "the default exactly")]
+fn has_own_scale(scene: &Scene) -> bool {
+    let measured = scene.patient.as_ref().map(|patient| patient.measured);
+    measured.is_some_and(|m| m.skin_pull_mm.is_some() || m.skin_class.is_some())
+        || scene.layers.first().is_some_and(|skin| skin.curve.strain_scale != 1.0)
+}

@@ -1,0 +1,101 @@
+//! What a picture shows: the current shape of a session, or the shape of a pin.
+
+use crate::measure::Fields;
+use crate::scene::Scene;
+use crate::session::{Pin, Session};
+use crate::solve::{Displayed, Problem};
+use std::rc::Rc;
+
+/// A scene with its shape.
+pub trait Subject {
+    /// The scene.
+    fn scene(&self) -> &Scene;
+    /// The problem of the shape.
+    fn problem(&self) -> &Problem;
+    /// The fields of the shape; the session copies a new shape at the first use.
+    fn fields(&self) -> &Rc<Fields>;
+    /// Number that changes with the shape.
+    fn revision(&self) -> u64;
+    /// Is a solve running whose shape is neither a draft nor final?
+    fn is_unsettled(&self) -> bool;
+    /// Is a solve running?
+    fn is_working(&self) -> bool;
+    /// Has the solve ended without a stable shape?
+    fn has_no_shape(&self) -> bool;
+}
+
+impl Subject for Session {
+    fn scene(&self) -> &Scene {
+        self.scene()
+    }
+
+    fn problem(&self) -> &Problem {
+        self.problem()
+    }
+
+    fn fields(&self) -> &Rc<Fields> {
+        self.fields()
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision()
+    }
+
+    fn is_unsettled(&self) -> bool {
+        self.is_working() && self.displayed() != Displayed::Draft
+    }
+
+    fn is_working(&self) -> bool {
+        self.is_working()
+    }
+
+    fn has_no_shape(&self) -> bool {
+        self.has_no_shape()
+    }
+}
+
+/// The shape of a pin.
+#[derive(Clone, Copy, Debug)]
+pub struct PinnedShape<'a> {
+    /// The pin.
+    pub pin: &'a Pin,
+    fields: &'a Rc<Fields>,
+}
+
+impl<'a> PinnedShape<'a> {
+    /// The shape of a pin; `None` without a converged result.
+    #[must_use]
+    pub fn of(pin: &'a Pin) -> Option<Self> {
+        pin.fields().filter(|_| pin.has_shape()).map(|fields| Self { pin, fields })
+    }
+}
+
+impl Subject for PinnedShape<'_> {
+    fn scene(&self) -> &Scene {
+        self.pin.scene()
+    }
+
+    fn problem(&self) -> &Problem {
+        self.fields.solution().problem()
+    }
+
+    fn fields(&self) -> &Rc<Fields> {
+        self.fields
+    }
+
+    fn revision(&self) -> u64 {
+        self.pin.number()
+    }
+
+    fn is_unsettled(&self) -> bool {
+        false
+    }
+
+    fn is_working(&self) -> bool {
+        false
+    }
+
+    fn has_no_shape(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,97 @@
+// The range of implants in the built page: workers fill the chart, a click takes an implant, an edit restarts the chart.
+
+import assert from "node:assert/strict";
+import { describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+const fixture = harness.setUp();
+const { openApp } = fixture;
+const { pause, scene, stats } = harness;
+
+const CHART = "Range of implants, chart";
+
+/** Opens the range by its button, and gives the place of the chart. */
+async function openRange(page) {
+  const button = await harness.control(page, "Range of implants");
+  await page.mouse.click(button.x + button.width / 2, button.y + button.height / 2);
+  await page.waitForFunction(() => implantPreview.stats().range_all > 0);
+  return harness.control(page, CHART);
+}
+
+const filled = (page) =>
+  page.waitForFunction(() => {
+    const { range_done, range_all } = implantPreview.stats();
+    return range_all > 0 && range_done === range_all;
+  }, null, { timeout: 4 * harness.PATIENCE });
+
+const summary = (page) => page.locator("#implant-preview-summary").textContent();
+
+/** The place of a column and row of the first chart on the page: 18 widths, 23 projections. */
+const at = ({ x, y, width, height }, i, j) => [x + (width * i) / 17, y + height * (1 - j / 22)];
+
+describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
+  test("fills in workers, and a click takes an implant in one step", async () => {
+    const { page, finish } = await openApp();
+    const before = await scene(page);
+    const chart = await openRange(page);
+    await filled(page);
+    assert.equal((await stats(page)).range_all, 18 * 23);
+    assert.ok((await harness.colours(page)) > 60, "the chart is blank");
+    await harness.screenshot(page, "range");
+    await page.mouse.click(...at(chart, 8, 10));
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 63);
+    const taken = await scene(page);
+    assert.equal(taken.implant.projection_mm, 45);
+    const margin = ({ pocket_radius_mm, implant }) => pocket_radius_mm - implant.base_radius_mm;
+    assert.ok(Math.abs(margin(taken) - margin(before)) < 1e-9);
+    // The chart stays: its points are the same.
+    const { range_done, range_all } = await stats(page);
+    assert.equal(range_done, range_all);
+    await page.keyboard.press("Control+z");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 60);
+    assert.deepEqual(await scene(page), before);
+    await finish();
+  });
+
+  test("an edit cancels the chart and starts it again", async () => {
+    const { page, finish } = await openApp();
+    await openRange(page);
+    await page.waitForFunction(() => implantPreview.stats().range_done > 8);
+    const before = await stats(page);
+    await harness.type(page, "Margin (cm)", "2.5");
+    await page.waitForFunction((solves) => implantPreview.stats().solves > solves, before.solves);
+    assert.equal((await scene(page)).pocket_radius_mm, 85);
+    await filled(page);
+    await finish();
+  });
+
+  test("keys choose a point, the words follow, the Enter key takes", async () => {
+    const { page, finish } = await openApp();
+    await openRange(page);
+    await filled(page);
+    await harness.control(page, CHART);
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowUp"]) {
+      await page.keyboard.press(key);
+      await pause(100);
+    }
+    await page.waitForFunction(() =>
+      /^Width 12\.6 cm, projection 4\.25 cm: Skin stretch: \d+ percent/.test(
+        document.getElementById("implant-preview-summary").textContent,
+      ),
+    );
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 63);
+    assert.match(await summary(page), /^Width 12\.6 cm/);
+    await finish();
+  });
+
+  test("has room on a phone", async () => {
+    const viewport = { width: 390, height: 844 };
+    const { page, finish } = await openApp({ viewport });
+    const chart = await openRange(page);
+    assert.ok(chart.width > 240 && chart.height > 170, JSON.stringify(chart));
+    await filled(page);
+    await harness.screenshot(page, "range-phone");
+    await finish();
+  });
+});

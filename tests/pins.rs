@@ -1,0 +1,482 @@
+//! Pins: nothing is solved twice, undo leaves pins alone, files with pins, invalid pins.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::measure::{Outcome, Status};
+use implant_preview::scene::pins::{MAX_PINS, pins_from_json, pins_json};
+use implant_preview::scene::{Document, Layer, Letter, PinnedScene, Scene, Springs};
+use implant_preview::session::{Command, CommandError, Session};
+use implant_preview::solve::Progress;
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+fn small() -> Scene {
+    let mut scene = Scene::default();
+    scene.solver.nodes_per_side = 33;
+    scene
+}
+
+fn settled(scene: Scene) -> Session {
+    let mut session = Session::new(scene).unwrap();
+    settle(&mut session);
+    session
+}
+
+fn settle(session: &mut Session) {
+    while session.advance(&mut || true) == Progress::Working {}
+}
+
+fn settle_pins(session: &mut Session) {
+    while session.advance_pins(&mut || true) == Progress::Working {}
+}
+
+fn edit(session: &mut Session, change: impl FnOnce(&mut Scene)) {
+    let mut scene = session.scene().clone();
+    change(&mut scene);
+    session.apply(Command::Edit { scene: Box::new(scene), gesture: 1 }).unwrap();
+}
+
+fn insertion(insertion: f64) -> impl Fn(&mut Scene) {
+    move |scene| scene.insertion = insertion
+}
+
+fn pin(session: &mut Session) {
+    session.apply(Command::Pin).unwrap();
+}
+
+fn open(session: &mut Session, letter: Letter) {
+    session.apply(Command::OpenPin(letter)).unwrap();
+}
+
+fn letters(session: &Session) -> Vec<Letter> {
+    session.pins().iter().map(implant_preview::session::Pin::letter).collect()
+}
+
+/// Solves started, and work done.
+fn solved(session: &Session) -> (u64, f64) {
+    (session.counters().solves, session.counters().work_units)
+}
+
+#[test]
+fn a_pin_of_a_solved_scene_is_the_same_solution_without_any_work() {
+    let mut session = settled(small());
+    let (solution, before) = (Arc::clone(session.solution()), session.counters());
+    pin(&mut session);
+    settle_pins(&mut session);
+    let [only] = session.pins() else { panic!("one pin") };
+    assert!(Arc::ptr_eq(only.solution().unwrap(), &solution));
+    assert_eq!((only.letter(), only.outcome()), (Letter::A, session.outcome()));
+    let mut after = session.counters();
+    assert_eq!(after.shared, before.shared + 1);
+    after.shared = before.shared;
+    assert_eq!(after, before);
+    assert!(!session.can_undo());
+}
+
+#[test]
+fn opening_a_pin_solves_nothing_and_is_one_step_of_the_history() {
+    let mut session = settled(small());
+    pin(&mut session);
+    let pinned = Arc::clone(session.solution());
+    edit(&mut session, insertion(0.6));
+    settle(&mut session);
+    assert!(!Arc::ptr_eq(session.solution(), &pinned));
+    let before = solved(&session);
+    open(&mut session, Letter::A);
+    assert!(!session.is_working());
+    assert_eq!(session.advance(&mut || false), Progress::Done);
+    assert!(Arc::ptr_eq(session.solution(), &pinned));
+    assert_eq!((session.scene(), solved(&session)), (&small(), before));
+    assert!(std::ptr::eq(session.problem(), pinned.problem()));
+    assert_eq!(session.result(), session.pins()[0].outcome());
+    // Back to the scene without a pin: solved again; then to the pin: not solved.
+    session.apply(Command::Undo).unwrap();
+    settle(&mut session);
+    assert_eq!((session.scene().insertion, session.counters().solves), (0.6, before.0 + 1));
+    session.apply(Command::Redo).unwrap();
+    assert!(!session.is_working());
+    // An edit back to the pinned scene reads the pin too.
+    edit(&mut session, insertion(0.7));
+    edit(&mut session, insertion(1.0));
+    assert!(!session.is_working() && Arc::ptr_eq(session.solution(), &pinned));
+}
+
+#[test]
+fn an_edit_after_an_opened_pin_has_the_shape_of_a_new_session() {
+    let mut session = settled(small());
+    pin(&mut session);
+    edit(&mut session, |scene| scene.implant.base_radius_mm = 50.0);
+    settle(&mut session);
+    open(&mut session, Letter::A);
+    edit(&mut session, insertion(0.8));
+    settle(&mut session);
+    let fresh = settled(Scene { insertion: 0.8, ..small() });
+    let allowed = 2.0 * fresh.scene().solver.tolerance * fresh.scene().implant.base_radius_mm;
+    for (a, b) in session.shape().iter().zip(fresh.shape()) {
+        assert!((*a - *b).length() < allowed, "{a} {b}");
+    }
+    assert_eq!(session.result().unwrap().status, Status::Converged);
+}
+
+#[test]
+fn an_opened_pin_of_other_names_has_its_own_names_and_patient() {
+    let mut session = settled(small());
+    pin(&mut session);
+    edit(&mut session, |scene| "capsule".clone_into(&mut scene.layers[1].tissue));
+    pin(&mut session);
+    let solution = |k: usize| session.pins()[k].solution().unwrap();
+    assert!(Arc::ptr_eq(solution(0), solution(1)));
+    let tissue = |outcome: &Outcome| outcome.layers[1].tissue.clone();
+    let of = |k: usize| tissue(session.pins()[k].outcome().unwrap());
+    assert_eq!([of(0), of(1)], ["adipose", "capsule"]);
+    edit(&mut session, insertion(0.5));
+    settle(&mut session);
+    let before = solved(&session);
+    open(&mut session, Letter::A);
+    assert_eq!(tissue(session.result().unwrap()), "adipose");
+    open(&mut session, Letter::B);
+    assert_eq!((tissue(session.result().unwrap()), solved(&session)), ("capsule".into(), before));
+}
+
+#[test]
+fn a_pin_during_a_solve_takes_its_result() {
+    let mut session = Session::new(small()).unwrap();
+    session.advance(&mut || true);
+    assert!(session.is_working());
+    pin(&mut session);
+    assert!(session.pins()[0].outcome().is_none());
+    // The scene comes first.
+    assert_eq!(session.advance_pins(&mut || false), Progress::Done);
+    settle(&mut session);
+    assert!(session.pins()[0].has_shape());
+    settle_pins(&mut session);
+    assert_eq!(session.counters().solves, 1);
+    assert!(Arc::ptr_eq(session.pins()[0].solution().unwrap(), session.solution()));
+}
+
+#[test]
+fn a_pin_of_an_abandoned_solve_is_solved_once_after_the_scene() {
+    let mut session = Session::new(small()).unwrap();
+    session.advance(&mut || true);
+    pin(&mut session);
+    edit(&mut session, insertion(0.5));
+    settle(&mut session);
+    assert!(session.pins()[0].outcome().is_none());
+    assert_eq!(session.advance_pins(&mut || true), Progress::Working);
+    settle_pins(&mut session);
+    assert_eq!(session.counters().solves, 3);
+    let expected = settled(small());
+    let heights = [&session.pins()[0].outcome(), &expected.outcome()]
+        .map(|outcome| outcome.unwrap().skin_projection_mm.unwrap());
+    assert!((heights[0] - heights[1]).abs() < 0.02, "{heights:?}");
+    let before = solved(&session);
+    open(&mut session, Letter::A);
+    settle(&mut session);
+    settle_pins(&mut session);
+    assert_eq!(solved(&session), before);
+}
+
+#[test]
+fn a_pin_opened_during_its_own_solve_is_solved_to_the_end_once() {
+    let mut session = settled(small());
+    let other = PinnedScene {
+        letter: Letter::C,
+        name: String::new(),
+        scene: Scene { insertion: 0.5, ..small() },
+    };
+    session.set_pins(vec![other.clone()]).unwrap();
+    assert_eq!(session.advance_pins(&mut || true), Progress::Working);
+    open(&mut session, Letter::C);
+    assert!(session.is_working());
+    settle(&mut session);
+    assert!(Arc::ptr_eq(session.pins()[0].solution().unwrap(), session.solution()));
+    let before = solved(&session);
+    settle_pins(&mut session);
+    assert_eq!(solved(&session), before);
+    // Removed during its solve: no more work.
+    session
+        .set_pins(vec![PinnedScene { scene: Scene { insertion: 0.4, ..small() }, ..other }])
+        .unwrap();
+    assert_eq!(session.advance_pins(&mut || true), Progress::Working);
+    session.apply(Command::Unpin(Letter::C)).unwrap();
+    assert_eq!(session.advance_pins(&mut || true), Progress::Done);
+}
+
+#[test]
+fn undo_leaves_pins_alone() {
+    let mut session = settled(small());
+    edit(&mut session, insertion(0.5));
+    settle(&mut session);
+    pin(&mut session);
+    session.apply(Command::Rename(Letter::A, "half".to_owned())).unwrap();
+    session.apply(Command::Undo).unwrap();
+    assert_eq!((session.scene(), session.pins()[0].name()), (&small(), "half"));
+    session.apply(Command::Redo).unwrap();
+    session.apply(Command::Unpin(Letter::A)).unwrap();
+    session.apply(Command::Undo).unwrap();
+    assert!(session.pins().is_empty());
+}
+
+#[test]
+fn a_removed_pin_frees_its_solution_and_its_letter() {
+    let mut session = settled(small());
+    pin(&mut session);
+    edit(&mut session, insertion(0.5));
+    settle(&mut session);
+    pin(&mut session);
+    assert_eq!(letters(&session), [Letter::A, Letter::B]);
+    let solution = Arc::downgrade(session.pins()[0].solution().unwrap());
+    let revision = session.pins_revision();
+    session.apply(Command::Unpin(Letter::A)).unwrap();
+    assert!(solution.upgrade().is_none());
+    assert_ne!(session.pins_revision(), revision);
+    assert_eq!((letters(&session), session.free_letter()), (vec![Letter::B], Some(Letter::A)));
+    edit(&mut session, insertion(0.6));
+    settle(&mut session);
+    pin(&mut session);
+    assert_eq!(letters(&session), [Letter::A, Letter::B]);
+}
+
+#[test]
+fn counters_of_fields_count_every_solution_once() {
+    let mut session = settled(small());
+    let recoveries = session.counters().recoveries;
+    pin(&mut session);
+    edit(&mut session, insertion(0.5));
+    settle(&mut session);
+    // A draft and the end of the second solve.
+    let both = session.counters().recoveries;
+    assert!(both > recoveries);
+    open(&mut session, Letter::A);
+    assert_eq!(session.counters().recoveries, both);
+    session.apply(Command::Unpin(Letter::A)).unwrap();
+    assert_eq!(session.counters().recoveries, both);
+    edit(&mut session, insertion(0.4));
+    assert_eq!(session.counters().recoveries, both);
+}
+
+#[test]
+fn a_rejected_command_names_its_reason_and_changes_nothing() {
+    let mut session = settled(small());
+    for k in 0..MAX_PINS {
+        edit(&mut session, insertion(1.0 - 0.1 * k as f64));
+        settle(&mut session);
+        pin(&mut session);
+    }
+    let before = session.pinned_scenes();
+    let again = session.apply(Command::Pin).unwrap_err();
+    assert_eq!(again, CommandError::Pinned(Letter::D));
+    edit(&mut session, insertion(0.2));
+    settle(&mut session);
+    assert_eq!(session.apply(Command::Pin), Err(CommandError::Full));
+    let long = "x".repeat(101);
+    for (name, wanted) in [(long.as_str(), "101 bytes"), ("two\nlines", "line breaks")] {
+        let error = session.apply(Command::Rename(Letter::B, name.to_owned())).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains(wanted) && error.lines().count() == 1, "{error}");
+    }
+    assert_eq!(session.pinned_scenes(), before);
+    session.apply(Command::Unpin(Letter::B)).unwrap();
+    for command in [
+        Command::Unpin(Letter::B),
+        Command::OpenPin(Letter::B),
+        Command::Rename(Letter::B, String::new()),
+    ] {
+        assert_eq!(session.apply(command), Err(CommandError::NoPin(Letter::B)));
+    }
+}
+
+#[test]
+fn a_scene_without_a_converged_result_is_not_pinned() {
+    let mut session = settled(unstable());
+    assert_eq!(session.result().unwrap().status, Status::Unstable);
+    assert_eq!(session.apply(Command::Pin), Err(CommandError::NoResult));
+    let mut session = Session::new(small()).unwrap();
+    session.cancel();
+    assert_eq!(session.apply(Command::Pin), Err(CommandError::NoResult));
+}
+
+fn small_sheet() -> Scene {
+    Scene { solver: small().solver, ..Scene::sheet() }
+}
+
+/// Adipose alone, too much stretched for the paper's springs.
+fn unstable() -> Scene {
+    Scene { springs: Springs::Nikolaev, layers: vec![Layer::adipose()], ..small_sheet() }
+}
+
+#[test]
+fn an_unstable_pin_of_a_file_ends_without_a_shape() {
+    let mut session = settled(small());
+    let scene = unstable();
+    session.set_pins(vec![PinnedScene { letter: Letter::A, name: String::new(), scene }]).unwrap();
+    settle_pins(&mut session);
+    let only = &session.pins()[0];
+    assert_eq!((only.has_shape(), only.outcome().unwrap().status), (false, Status::Unstable));
+    let before = session.counters().solves;
+    settle_pins(&mut session);
+    assert_eq!(session.counters().solves, before);
+}
+
+#[test]
+fn a_saved_file_contains_the_pins_and_solves_each_physics_once() {
+    let mut first = settled(small());
+    pin(&mut first);
+    edit(&mut first, insertion(0.5));
+    settle(&mut first);
+    pin(&mut first);
+    edit(&mut first, |scene| "capsule".clone_into(&mut scene.layers[1].tissue));
+    pin(&mut first);
+    first.apply(Command::Rename(Letter::B, "half".to_owned())).unwrap();
+    first.apply(Command::Unpin(Letter::A)).unwrap();
+    edit(&mut first, insertion(1.0));
+    settle(&mut first);
+    let file = first.document_json();
+
+    let mut second = settled(Scene { insertion: 0.3, ..small() });
+    second.apply(Command::Open(file.clone())).unwrap();
+    assert_eq!(second.scene(), first.scene());
+    assert_eq!(second.pinned_scenes(), first.pinned_scenes());
+    assert_eq!(letters(&second), [Letter::B, Letter::C]);
+    settle(&mut second);
+    settle_pins(&mut second);
+    // The first scene, the file's scene, and one for both pins.
+    assert_eq!(second.counters().solves, 3);
+    assert!(second.pins().iter().all(implant_preview::session::Pin::has_shape));
+    // The same file again: nothing is solved.
+    second.apply(Command::Open(file.clone())).unwrap();
+    settle_pins(&mut second);
+    assert_eq!(second.counters().solves, 3);
+    // A file without pins leaves the pins alone.
+    second.apply(Command::Open(small().to_json())).unwrap();
+    assert_eq!(letters(&second), [Letter::B, Letter::C]);
+    // A computation ignores the pins.
+    assert_eq!(&Scene::from_json(&file).unwrap(), first.scene());
+}
+
+#[test]
+fn without_pins_a_saved_file_is_the_scene() {
+    let session = Session::new(small()).unwrap();
+    assert_eq!(session.document_json(), small().to_json());
+    assert!(Document::from_json(&small().to_json()).unwrap().pins.is_none());
+}
+
+#[test]
+fn a_sheet_of_the_first_schema_is_saved_with_pins_as_the_same_sheet() {
+    let mut session = settled(small_sheet());
+    pin(&mut session);
+    let Document { scene, pins } = Document::from_json(&session.document_json()).unwrap();
+    assert!(scene.scene().same_physics(session.scene()));
+    assert_eq!(pins.unwrap()[0].scene, small_sheet());
+}
+
+#[test]
+fn kept_pins_are_restored_without_a_second_solve_of_the_present_scene() {
+    let mut first = settled(small());
+    pin(&mut first);
+    let text = pins_json(&first.pinned_scenes());
+    let mut second = Session::new(small()).unwrap();
+    second.set_pins(pins_from_json(&text).unwrap()).unwrap();
+    settle(&mut second);
+    settle_pins(&mut second);
+    assert_eq!(second.counters().solves, 1);
+    assert!(second.pins()[0].has_shape());
+}
+
+/// The default scene with these pins, as JSON text.
+fn with_pins(pins: &Value) -> String {
+    let mut scene: Value = serde_json::to_value(small()).unwrap();
+    scene["pins"] = pins.clone();
+    scene.to_string()
+}
+
+#[test]
+fn invalid_pins_are_rejected_in_one_line_and_change_nothing() {
+    let scene = json!({ "implant": { "base_radius_mm": 50 } });
+    let pin = json!({ "scene": scene });
+    let mut nested = scene.clone();
+    nested["pins"] = json!([]);
+    let mut deep = scene.clone();
+    for _ in 0..30 {
+        deep = json!({ "implant": { "base_radius_mm": 50 }, "pins": [{ "scene": deep }] });
+    }
+    let cases = [
+        (json!({}), "pins: invalid type: map"),
+        (json!(null), "pins: invalid type: null"),
+        (json!([pin, pin, pin, pin, pin]), "a list of at most 4 entries"),
+        (json!([{}]), "pins[0]: missing field `scene`"),
+        (json!([[scene]]), "pins[0]"),
+        (json!([{ "scene": [] }]), "pins[0].scene"),
+        (json!([{ "scene": {} }]), "missing field `implant`"),
+        (json!([pin, { "scene": scene, "colour": 1 }]), "pins[1].colour: unknown field"),
+        (json!([{ "scene": scene, "name": 7 }]), "pins[0].name: invalid type"),
+        (json!([{ "scene": scene, "name": "x".repeat(101) }]), "pins[0].name is 101 bytes long"),
+        (json!([{ "scene": scene, "name": "a\nb" }]), "pins[0].name is a b; allowed: text without"),
+        (json!([{ "scene": scene, "letter": "E" }]), "pins[0].letter: unknown variant `E`"),
+        (
+            json!([{ "scene": scene, "letter": "B" }, { "scene": scene, "letter": "B" }]),
+            "pins[1].letter is B; allowed: a letter of one pin only",
+        ),
+        (
+            json!([{ "scene": nested }]),
+            "pins[0].scene: pins is a list; allowed: a scene without pins",
+        ),
+        (json!([{ "scene": deep }]), "pins"),
+        (
+            json!([pin, { "scene": { "implant": { "base_radius_mm": 500 } } }]),
+            "pins[1].scene: implant.base_radius_mm is 500; allowed: 10 to 120 mm",
+        ),
+        (
+            json!([{ "scene": { "implant": { "base_radius_mm": 50 }, "schema": "other" } }]),
+            "pins[0].scene: schema is \"other\"",
+        ),
+    ];
+    let mut session = settled(small());
+    for (pins, wanted) in &cases {
+        let text = with_pins(pins);
+        let errors = [
+            Scene::from_json(&text).unwrap_err().to_string(),
+            session.apply(Command::Open(text)).unwrap_err().to_string(),
+        ];
+        for error in errors {
+            assert!(error.contains(wanted), "{error}; wanted: {wanted}");
+            assert!(error.lines().count() == 1 && error.len() < 300, "{error}");
+        }
+    }
+    let first = json!({ "schema": "implant-preview/scene/1",
+        "implant": { "base_radius_mm": 50 }, "pins": [pin] });
+    let error = Scene::from_json(&first.to_string()).unwrap_err().to_string();
+    assert!(error.starts_with("pins: the field belongs to implant-preview/scene/2"), "{error}");
+    assert!(session.pins().is_empty() && !session.can_undo());
+}
+
+#[test]
+fn letters_of_a_file_are_kept_and_missing_letters_filled() {
+    let scene = json!({ "implant": { "base_radius_mm": 50 } });
+    let pins = json!([{ "scene": scene }, { "scene": scene, "letter": "A" }, { "scene": scene }]);
+    let read = Document::from_json(&with_pins(&pins)).unwrap().pins.unwrap();
+    let letters: Vec<Letter> = read.iter().map(|pin| pin.letter).collect();
+    assert_eq!(letters, [Letter::A, Letter::B, Letter::C]);
+}
+
+#[test]
+fn a_foreign_text_is_no_list_of_pins() {
+    let good = json!({ "schema": "implant-preview/pins/1", "pins": [] });
+    assert_eq!(pins_from_json(&good.to_string()), Ok(Vec::new()));
+    for (text, wanted) in [
+        (String::new(), "EOF"),
+        ("hello".to_owned(), "expected value"),
+        ("\u{0}\u{feff}{".to_owned(), "expected value"),
+        ("[]".to_owned(), "is a list"),
+        (r#"{"schema":"implant-preview/pins/2","pins":[]}"#.to_owned(), "schema is"),
+        (r#"{"pins":[]}"#.to_owned(), "missing field `schema`"),
+        (r#"{"schema":"implant-preview/pins/1"}"#.to_owned(), "missing field `pins`"),
+        (small().to_json(), "unknown field"),
+        (format!("{good}x"), "trailing characters"),
+        ("[".repeat(100_000), "is a list"),
+    ] {
+        let error = pins_from_json(&text).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{error}; wanted: {wanted}");
+        assert!(error.lines().count() == 1 && error.len() < 300, "{error}");
+    }
+}

@@ -1,0 +1,276 @@
+//! The section "Uncertainty": bands of the study in the answer, restarted by edits.
+
+use super::*;
+use implant_preview::clinical::spread::Distribution;
+use implant_preview::study::{
+    Band, Bands, BandsSettings, Cases, Quantity, Study, Unknown, evaluate,
+};
+
+const SWITCH: &str = "Show what is not known";
+const DONE: &str = "16 sampled patients.";
+const FIGURES: [Quantity; 2] = [Quantity::GreatestStrain, Quantity::GreatestPressureMmhg];
+
+/// A sheet with few samples, all of them solved.
+fn sampled(size: egui::Vec2) -> Harness<'static, App> {
+    let mut harness = app(size, |scene| {
+        *scene = opening();
+        scene.set_tissue_model(TissueModel::Sheet);
+    });
+    if size == PHONE {
+        super::press(&mut harness, "More");
+    }
+    press(&mut harness, "What is not known");
+    type_into(&mut harness, "Sampled patients", "16");
+    press(&mut harness, SWITCH);
+    wait(&mut harness);
+    harness
+}
+
+/// Scrolls to a control and clicks it.
+fn press(harness: &mut Harness<'static, App>, label: &str) {
+    harness.get_by_label(label).scroll_to_me();
+    harness.run();
+    harness.get_by_label(label).click();
+    harness.run();
+}
+
+/// Runs frames until the study is done.
+fn wait(harness: &mut Harness<'static, App>) {
+    let start = std::time::Instant::now();
+    let is_done = |harness: &Harness<'static, App>| harness.query_by_label(DONE).is_some();
+    while !is_done(harness) {
+        assert!(start.elapsed().as_secs() < 300, "the study does not end");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+fn settings() -> BandsSettings {
+    BandsSettings { samples: 16, importance_rows: 16, ..BandsSettings::default() }
+}
+
+/// The study of a scene, solved without the app.
+fn study_of(scene: &Scene, settings: BandsSettings) -> Bands {
+    let (mut bands, mut store) = (Bands::new(scene, settings).unwrap(), Cases::default());
+    while let Some((index, job)) = bands.next_job(&mut store) {
+        bands.receive(index, evaluate(&job), &mut store);
+    }
+    assert!(bands.is_done());
+    bands
+}
+
+fn band(bands: &[Band], quantity: Quantity) -> &Band {
+    bands.iter().find(|band| band.quantity == quantity).unwrap()
+}
+
+/// Are the cards those of the study?
+fn assert_cards(harness: &Harness<'static, App>, bands: &[Band]) {
+    for quantity in FIGURES {
+        let text = &band(bands, quantity).text;
+        assert!(text.contains('–') && harness.query_by_label(text).is_some(), "{text}");
+    }
+}
+
+#[test]
+fn bands_are_those_of_the_study_and_stand_beside_every_number() {
+    let mut harness = sampled(WIDE);
+    let solves = harness.state().session().counters().solves;
+    let scene = harness.state().session().scene().clone();
+    let study = study_of(&scene, settings());
+    let bands = study.bands();
+    assert_cards(&harness, &bands);
+    harness.get_by_label("An illustration from a simplified model, not a prediction for a person.");
+    harness
+        .get_by_label_contains("the range of 8 in 10 sampled patients (10th to 90th percentile)");
+    assert_eq!(harness.query_all_by_label_contains("this plan itself: ").count(), FIGURES.len());
+
+    // The chart has a bar for each unknown, the greatest first.
+    let explained = study.importance(Quantity::GreatestStrain);
+    let mut shares: Vec<f64> = explained.iter().map(|index| index.unwrap().first_order).collect();
+    shares.sort_by(|a, b| b.total_cmp(a));
+    let bars = |harness: &Harness<'static, App>| {
+        let bars = harness.query_all_by_label_contains("% of the spread alone");
+        let mut bars: Vec<_> = bars.map(|bar| (bar.rect().top(), bar.value().unwrap())).collect();
+        bars.sort_by(|a, b| a.0.total_cmp(&b.0));
+        bars.into_iter().map(|(_, label)| label).collect::<Vec<_>>()
+    };
+    let percent = |share: &f64| format!(": {:.0} ± ", 100.0 * share.clamp(0.0, 1.0));
+    let by_strain = bars(&harness);
+    assert_eq!(by_strain.len(), study.unknowns().len());
+    for (bar, share) in by_strain.iter().zip(&shares) {
+        assert!(bar.contains(&percent(share)), "{bar} {share}");
+    }
+    harness.get_by_role_and_label(Role::ComboBox, "What matters most for").click();
+    harness.run();
+    // The list scrolls.
+    press(&mut harness, "volume of the implant (ml)");
+    let by_volume = bars(&harness);
+    assert_ne!(by_volume, by_strain);
+    // The volume depends on the projection alone.
+    assert!(by_volume[0].starts_with("Projection in the body: "), "{by_volume:?}");
+    let is_zero = |bar: &String| bar.contains(": 0 ± 0 % of the spread alone");
+    assert!(!is_zero(&by_volume[0]) && by_volume[1..].iter().all(is_zero), "{by_volume:?}");
+
+    // Scenarios of the method of measurement stand in a table of their own.
+    for factor in ["× 0.4", "× 1", "× 2.5"] {
+        harness.get_by_label(factor);
+    }
+    for scenario in &band(&bands, Quantity::GreatestPressureMmhg).scenarios {
+        let text = format!("{:.0} mmHg", scenario.value.unwrap());
+        assert!(harness.query_all_by_label(&text).count() > 0, "{text}");
+    }
+
+    press(&mut harness, "Details");
+    assert_eq!(harness.query_all_by_label("    8 in 10 patients").count(), bands.len());
+    for band in &bands {
+        assert!(harness.query_all_by_label(band.range()).count() > 0, "{}", band.text);
+    }
+    harness.get_by_label("shaded: skin of 8 in 10 sampled patients, dotted: median");
+    let summary = harness.state().summary();
+    for quantity in FIGURES {
+        assert!(summary.contains(&band(&bands, quantity).text), "{summary}");
+    }
+    assert!(summary.contains("not a prediction for a person"), "{summary}");
+    // The session solves nothing for the study; at the end the app is at rest.
+    assert_eq!(harness.state().session().counters().solves, solves);
+    settle(&mut harness);
+
+    press(&mut harness, SWITCH);
+    for quantity in FIGURES {
+        assert!(harness.query_by_label(&band(&bands, quantity).text).is_none());
+    }
+    assert_eq!(harness.query_all_by_label("    8 in 10 patients").count(), 0);
+    assert!(!harness.state().summary().contains("sampled"));
+}
+
+#[test]
+fn an_edit_of_the_plan_restarts_the_study() {
+    let mut harness = sampled(WIDE);
+    let before = study_of(harness.state().session().scene(), settings()).bands();
+    assert_cards(&harness, &before);
+    type_into(&mut harness, "Width (cm)", "12,5");
+    // The bands of the previous plan are gone at once.
+    assert!(harness.query_by_label(DONE).is_none());
+    assert!(harness.query_by_label(&band(&before, Quantity::GreatestStrain).text).is_none());
+    wait(&mut harness);
+    let scene = harness.state().session().scene().clone();
+    assert_eq!(scene.implant.base_radius_mm, 62.5);
+    let after = study_of(&scene, settings()).bands();
+    let text = |bands: &[Band]| band(bands, Quantity::GreatestPressureMmhg).text.clone();
+    assert_ne!(text(&after), text(&before));
+    assert_cards(&harness, &after);
+}
+
+#[test]
+fn unknowns_are_switched_and_their_spread_is_edited() {
+    let mut harness = sampled(WIDE);
+    let scene = harness.state().session().scene().clone();
+    let usual = study_of(&scene, settings()).bands();
+
+    let mut without = settings();
+    without.unknowns.insert(Unknown::PocketRadius, None);
+    press(&mut harness, "Width of the pocket");
+    wait(&mut harness);
+    let certain = study_of(&scene, without.clone()).bands();
+    assert_cards(&harness, &certain);
+    let width = |bands: &[Band]| {
+        let band = band(bands, Quantity::GreatestStrain);
+        band.p90 - band.p10
+    };
+    assert!(width(&certain) < 0.8 * width(&usual), "{} {}", width(&certain), width(&usual));
+    let mean = "Width of the pocket: mean";
+    assert!(harness.query_by_role_and_label(Role::SpinButton, mean).is_none());
+
+    type_into(&mut harness, "Skin thickness: standard deviation", "0,5 mm");
+    wait(&mut harness);
+    let mut edited = without;
+    let wide = Distribution::Normal { mean: 1.55, sd: 0.5 };
+    edited.unknowns.insert(Unknown::SkinThickness, Some(wide));
+    assert_cards(&harness, &study_of(&scene, edited).bands());
+
+    press(&mut harness, "Back to the usual spread");
+    type_into(&mut harness, "Sampled patients", "16");
+    wait(&mut harness);
+    assert_cards(&harness, &usual);
+}
+
+#[test]
+fn bad_numbers_of_a_spread_change_nothing_and_have_a_reason() {
+    let mut harness = sampled(WIDE);
+    let usual = study_of(harness.state().session().scene(), settings()).bands();
+    for (field, text, reason) in [
+        ("Skin thickness: mean", "thick", "Not accepted: “thick” is not a number"),
+        ("Skin thickness: standard deviation", "-1", "Not accepted: at least 0 mm"),
+        ("Stiffness of the skin: spread factor", "0.5", "Not accepted: at least 1"),
+        ("Compressibility: least", "0.495", "Not accepted: at most 0.49"),
+        ("Sampled patients", "3", "Not accepted: at least 16"),
+        ("Seed", "-1", "Not accepted: at least 0"),
+    ] {
+        type_into(&mut harness, field, text);
+        assert!(harness.query_all_by_label(reason).count() > 0, "{field}: {reason}");
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+        assert!(harness.query_by_label(reason).is_none(), "{field}");
+    }
+    wait(&mut harness);
+    assert_cards(&harness, &usual);
+    // Without any unknown there is nothing to sample.
+    for unknown in [
+        "Skin thickness",
+        "Stiffness of the skin",
+        "Laxity of the skin",
+        "Stiffness of the fat",
+        "Thickness of the fat",
+        "Width of the pocket",
+        "Projection in the body",
+        "Compressibility",
+    ] {
+        press(&mut harness, unknown);
+    }
+    (0..8).for_each(|_| harness.step());
+    harness.get_by_label("Not accepted: no unknown is left; allowed: one unknown or more");
+}
+
+#[test]
+fn envelopes_are_lines_in_the_picture_on_demand() {
+    let mut harness = sampled(DESKTOP);
+    let lines = |harness: &Harness<'static, App>| {
+        let area = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+        let shapes = harness.output().shapes.iter();
+        let lines = shapes.filter(|shape| match &shape.shape {
+            egui::Shape::Path(path) => {
+                path.points.len() > 40 && path.points.iter().any(|point| area.contains(*point))
+            }
+            _ => false,
+        });
+        lines.count()
+    };
+    let none = lines(&harness);
+    let name = "Envelopes in the picture";
+    press(&mut harness, name);
+    // Two directions: an outer line on its ground, and the ground of a dashed inner line.
+    assert_eq!(lines(&harness), none + 6);
+    press(&mut harness, SWITCH);
+    assert_eq!(lines(&harness), none);
+}
+
+#[test]
+fn on_a_phone_the_figures_of_the_bands_fit_above_the_tabs() {
+    let harness = sampled(PHONE);
+    let bands = study_of(harness.state().session().scene(), settings()).bands();
+    for (quantity, name) in FIGURES.into_iter().zip(["Stretch", "Pressure"]) {
+        let text = &band(&bands, quantity).text;
+        let rects = |label| harness.query_all_by_label(label).map(|label| label.rect());
+        let names: Vec<egui::Rect> = rects(name).collect();
+        let is_below = |figure: &egui::Rect| {
+            let is_under = |name: &egui::Rect| {
+                let gap = figure.top() - name.bottom();
+                (figure.left() - name.left()).abs() < 1.0 && (-1.0..4.0).contains(&gap)
+            };
+            names.iter().any(is_under)
+        };
+        let figure = rects(text).find(is_below).unwrap();
+        // One line in a third of the width.
+        assert!(figure.height() < 24.0 && figure.width() < PHONE.x / 3.0, "{text}: {figure:?}");
+    }
+}

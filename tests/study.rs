@@ -1,0 +1,492 @@
+//! Studies of many scenes: maps and bands.
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used)] // helpers of tests are tests
+#![allow(clippy::float_cmp, reason = "equal to the last bit")]
+
+#[path = "common/samples.rs"]
+mod samples;
+
+use implant_preview::clinical::Measurements;
+use implant_preview::clinical::spread::Distribution;
+use implant_preview::measure::Status;
+use implant_preview::scene::{Scene, TissueModel};
+use implant_preview::study::{
+    Axis, Bands, BandsError, BandsSettings, Case, Cases, Job, Map, MapError, MapSettings,
+    Parameter, PointStatus, Quantity, Study, Unknown, Values, evaluate,
+};
+use std::collections::BTreeMap;
+
+fn sheet() -> Scene {
+    Scene::sheet()
+}
+
+fn axis(text: &str) -> Axis {
+    Axis::parse(text).unwrap()
+}
+
+fn coarse() -> MapSettings {
+    MapSettings { nodes_per_side: 17, ..MapSettings::default() }
+}
+
+/// Runs a study to its end with a function of the jobs; returns the number of scenes in the jobs.
+fn run_with(
+    study: &mut dyn Study,
+    store: &mut Cases,
+    mut solve: impl FnMut(&Job) -> Vec<Case>,
+) -> usize {
+    let mut scenes = 0;
+    while let Some((index, job)) = study.next_job(store) {
+        scenes += job.scenes.len();
+        let cases = solve(&job);
+        study.receive(index, cases, store);
+    }
+    assert!(study.is_done());
+    scenes
+}
+
+fn run(study: &mut dyn Study, store: &mut Cases) -> usize {
+    run_with(study, store, evaluate)
+}
+
+#[test]
+fn a_map_along_a_line_equals_single_solves() {
+    for (scene, is_layered) in [(sheet(), false), (Scene::default(), true)] {
+        let axes = [axis("projection_mm=25:50:6")];
+        let mut map = Map::new(&scene, &axes, MapSettings::default()).unwrap();
+        run(&mut map, &mut Cases::default());
+        for i in 0..6 {
+            let mut alone = scene.clone();
+            alone.implant.projection_mm = 25.0 + 5.0 * i as f64;
+            alone.solver.nodes_per_side = 33;
+            alone.solver.tolerance = 1e-3;
+            let outcome = implant_preview::simulate::simulate(&alone).unwrap();
+            assert_eq!(map.status(i, 0), PointStatus::Converged);
+            for quantity in Quantity::ALL {
+                assert_eq!(map.value(quantity, i, 0), quantity.of(&outcome), "{quantity:?}");
+            }
+            assert_eq!(map.value(Quantity::LeastCoverMm, i, 0).is_some(), is_layered);
+        }
+    }
+}
+
+#[test]
+fn the_pocket_follows_the_implant_by_its_margin() {
+    let mut scene = Scene::default();
+    scene.implant.center_mm = [3.0, 4.0];
+    let axes = [axis("base_width_mm=90:390:11"), axis("projection_mm=30:60:3")];
+    let error = Map::new(&scene, &axes, coarse()).unwrap_err().to_string();
+    assert_eq!(error, "base_width_mm = 390: implant.base_radius_mm is 195; allowed: 10 to 120 mm");
+    let axes = [axis("base_width_mm=90:240:16"), axis("projection_mm=30:60:3")];
+    let map = Map::new(&scene, &axes, coarse()).unwrap();
+    assert!(map.pocket_follows() && map.notes().join(" ").contains("The pocket follows"));
+    for i in 0..16 {
+        let point = map.scene(i, 1).unwrap();
+        let width = 90.0 + 10.0 * i as f64;
+        assert!((2.0 * point.implant.base_radius_mm - width).abs() < 1e-9);
+        assert!((point.pocket_radius_mm - (0.5 * width + 5.0 + 10.0)).abs() < 1e-9);
+        let patch = point.body.unwrap().patch_radius_mm;
+        assert!((patch - point.pocket_radius_mm - 60.0).abs() < 1e-9);
+    }
+    // An axis of the margin sets the margin at every point.
+    let axes = [axis("base_width_mm=90:120:2"), axis("pocket_margin_mm=0:20:3")];
+    let map = Map::new(&Scene::default(), &axes, coarse()).unwrap();
+    assert!((map.scene(1, 2).unwrap().pocket_radius_mm - 80.0).abs() < 1e-9);
+    assert!(!map.pocket_follows());
+}
+
+#[test]
+fn parameters_set_what_their_names_say() {
+    let scene = Scene::default();
+    let at = |text: &str| {
+        let map = Map::new(&scene, &[axis(text)], coarse()).unwrap();
+        map.scene(map.axes()[0].count - 1, 0).unwrap()
+    };
+    assert!((at("volume_ml=200:300:2").implant.projection_mm - 47.348).abs() < 1e-2);
+    let pinched = at("pinch_mm=20:40:2");
+    assert_eq!([pinched.layers[0].thickness_mm, pinched.layers[1].thickness_mm], [1.5, 18.5]);
+    assert!(at("skin_pull_mm=20:30:2").layers[0].curve.strain_scale < 1.0);
+    assert_eq!(at("strain_scale=0.5:2:2").layers[0].curve.strain_scale, 2.0);
+    assert_eq!(at("layers[1].curve.stress_scale=0.5:2:2").layers[1].curve.stress_scale, 2.0);
+    let thick = at("thickness=10:21.5:2");
+    assert!((thick.layers[1].thickness_mm - 20.0).abs() < 1e-12);
+    assert!(at("poisson_ratio=0.3:0.4:2").layers.iter().all(|layer| layer.poisson_ratio == 0.4));
+    assert_eq!(at("attachment.ramp_mm=5:20:2").body.unwrap().attachment.ramp_mm, 20.0);
+    // Projection and volume together give the width.
+    let axes = [axis("projection_mm=30:50:2"), axis("volume_ml=200:300:2")];
+    let both = Map::new(&scene, &axes, coarse()).unwrap().scene(1, 1).unwrap();
+    let volume = Parameter::Volume.value(&both).unwrap();
+    assert!((volume - 300.0).abs() < 1e-9 && both.implant.projection_mm == 50.0);
+    // A sheet of scene/1 has all parameters of a sheet.
+    let map = Map::new(&sheet(), &[axis("strain_scale=0.5:2:2")], coarse()).unwrap();
+    assert_eq!(map.scene(0, 0).unwrap().body.unwrap().tissue_model, TissueModel::Sheet);
+    for parameter in ["base_width_mm", "layers[3].thickness_mm", "patch_radius_mm", "insertion"] {
+        assert_eq!(Parameter::of_name(parameter).unwrap().name(), parameter);
+    }
+}
+
+#[test]
+fn equal_scenes_are_solved_once() {
+    let mut store = Cases::default();
+    let mut first = Map::new(&sheet(), &[axis("projection_mm=20:40:5")], coarse()).unwrap();
+    assert_eq!(run(&mut first, &mut store), 5);
+    // Every second value of the second map lies on the first map.
+    let mut second = Map::new(&sheet(), &[axis("projection_mm=20:40:9")], coarse()).unwrap();
+    assert_eq!(run(&mut second, &mut store), 4);
+    assert_eq!((store.solved(), store.reused(), store.len()), (9, 5, 9));
+    for i in 0..5 {
+        assert_eq!(first.case(i, 0), second.case(2 * i, 0));
+    }
+    let mut again = Map::new(&sheet(), &[axis("projection_mm=40:20:9")], coarse()).unwrap();
+    assert_eq!(run(&mut again, &mut store), 0);
+    assert_eq!(again.case(8, 0), second.case(0, 0));
+}
+
+#[test]
+fn points_are_solved_from_coarse_to_fine_and_displayed_between_solved_points() {
+    let axes = [axis("base_width_mm=90:140:9"), axis("projection_mm=20:50:9")];
+    let mut map = Map::new(&sheet(), &axes, coarse()).unwrap();
+    let mut store = Cases::default();
+    // A linear function of width and projection in place of a solve.
+    let fake = |job: &Job| -> Vec<Case> {
+        let value = |s: &Scene| 2.0 * s.implant.base_radius_mm + s.implant.projection_mm;
+        let values = |s: &Scene| Values::from(BTreeMap::from([(Quantity::ForceN, value(s))]));
+        let case =
+            |s| Case { status: Some(Status::Converged), values: values(s), ..Case::default() };
+        job.scenes.iter().map(case).collect()
+    };
+    let (index, job) = map.next_job(&mut store).unwrap();
+    let corners: Vec<f64> =
+        job.scenes[..4].iter().map(|s| 2.0 * s.implant.base_radius_mm).collect();
+    assert_eq!(corners, [90.0, 90.0, 140.0, 140.0]);
+    let cases = fake(&job);
+    map.receive(index, cases, &mut store);
+    let mut interpolated = 0;
+    for j in 0..9 {
+        for i in 0..9 {
+            let (value, is_solved) = map.displayed(Quantity::ForceN, i, j).unwrap();
+            let wanted = map.axes()[0].value(i) + map.axes()[1].value(j);
+            assert!((value - wanted).abs() < 1e-9, "{i} {j}: {value} {wanted}");
+            interpolated += usize::from(!is_solved);
+        }
+    }
+    assert_eq!(interpolated, 81 - 10);
+    assert!(map.contours(Quantity::ForceN, 150.0).is_empty());
+    run_with(&mut map, &mut store, fake);
+    let lines = map.contours(Quantity::ForceN, 150.0);
+    assert!(lines.len() == 1 && lines[0].iter().all(|(x, y)| (x + y - 150.0).abs() < 1e-9));
+}
+
+#[test]
+fn points_without_a_converged_shape_have_no_value_and_no_contour() {
+    let axes = [axis("base_width_mm=90:140:3"), axis("projection_mm=20:50:3")];
+    let mut map = Map::new(&sheet(), &axes, coarse()).unwrap();
+    let endings = [Status::NotConverged, Status::Unstable, Status::Converged];
+    let mut k = 0;
+    run_with(&mut map, &mut Cases::default(), |job| {
+        let case = |s: &Scene| {
+            k += 1;
+            let values = BTreeMap::from([(Quantity::ForceN, s.implant.projection_mm)]);
+            let status =
+                if s.implant.projection_mm == 35.0 { endings[k % 3] } else { Status::Converged };
+            Case { status: Some(status), values: Values::from(values), ..Case::default() }
+        };
+        job.scenes.iter().map(case).collect()
+    });
+    let counts: BTreeMap<&str, usize> =
+        map.counts().into_iter().map(|(status, count)| (status.word(), count)).collect();
+    assert_eq!(counts.values().sum::<usize>(), 9);
+    let missing = 9 - counts["converged"];
+    assert!(missing > 0);
+    let points = (0..3).flat_map(|j| (0..3).map(move |i| (i, j)));
+    let without: Vec<_> =
+        points.filter(|&(i, j)| map.displayed(Quantity::ForceN, i, j).is_none()).collect();
+    assert_eq!(without.len(), missing);
+    assert!(without.iter().all(|&(_, j)| j == 1));
+    let csv = map.csv();
+    assert_eq!(csv.lines().count(), 10);
+    assert!(csv.contains("not_converged") || csv.contains("no_shape"));
+    assert!(map.notes().join(" ").contains("Points without a value: "));
+}
+
+#[test]
+fn points_out_of_the_limits_are_marked() {
+    // 200 ml on a base of 60 mm are higher than 100 mm; at other corners both values fit.
+    let axes = [axis("base_width_mm=60:140:3"), axis("volume_ml=200:400:3")];
+    let mut map = Map::new(&sheet(), &axes, coarse()).unwrap();
+    run(&mut map, &mut Cases::default());
+    let error = map.case(0, 2).unwrap().error.clone().unwrap();
+    assert!(error.contains("400 ml on a base of 60 mm gives a projection of"), "{error}");
+    assert_eq!(map.status(0, 2), PointStatus::Invalid);
+    assert_eq!(map.status(2, 0), PointStatus::Converged);
+    let file = serde_json::to_value(map.file(Quantity::GreatestStrain, None)).unwrap();
+    assert_eq!(file["points"][6]["status"], "invalid");
+    assert_eq!(file["contours"][0]["level"], 0.25);
+}
+
+#[test]
+fn a_bad_map_is_one_line() {
+    for (x, y, wanted) in [
+        (
+            "projection_mm=20:20:5",
+            "",
+            "projection_mm from 20 to 20; allowed: two different numbers",
+        ),
+        ("projection_mm=NaN:20:5", "", "projection_mm from NaN to 20; allowed"),
+        ("projection_mm=20:inf:5", "", "projection_mm from 20 to inf; allowed"),
+        ("projection_mm=20:1e308:5", "", "projection_mm = 1"),
+        ("projection_mm=-1e308:1e308:5", "", "projection_mm = -1"),
+        ("projection_mm=20:40:0", "", "projection_mm: 0 values; allowed: 2 to 3600"),
+        ("projection_mm=20:40:1", "", "projection_mm: 1 values; allowed"),
+        ("projection_mm=20:40:1000000000", "", "a map of 1000000000 points; allowed: up to 3600"),
+        ("projection_mm=20:40:61", "base_width_mm=90:140:60", "a map of 3660 points"),
+        ("projection_mm=20:40:5", "implant.projection_mm=20:40:5", "set the same field"),
+        ("base_width_mm=90:140:5", "implant.base_radius_mm=45:70:5", "set the same field"),
+        ("layers[5].thickness_mm=1:2:5", "", "the scene has 2 layers"),
+        ("attachment.ramp_mm=5:20:2", "", "the scene is a sheet"),
+        ("insertion=0:2:3", "", "insertion = 2: insertion is 2; allowed: 0 to 1"),
+    ] {
+        let axes: Vec<Axis> = [x, y].into_iter().filter(|t| !t.is_empty()).map(axis).collect();
+        let error = Map::new(&sheet(), &axes, coarse()).unwrap_err().to_string();
+        assert!(error.contains(wanted) && error.len() < 400, "{x} {y}: {error}");
+        assert!(!error.contains('\n'));
+    }
+    for (text, wanted) in [
+        ("", "is no axis"),
+        ("projection_mm", "is no axis"),
+        ("projection_mm=1:2", "is no axis"),
+        ("projection_mm=1:2:3:4", "is no axis"),
+        ("projection_mm=a:2:3", "is no axis"),
+        ("projection_mm=1:2:-3", "\"-3\""),
+        ("projection_mm=1:2:1e9", "1e9"),
+        ("projektion=1:2:3", "\"projektion\" is not a field; allowed: base_width_mm"),
+        ("layers[9].thickness_mm=1:2:3", "is not a field"),
+        ("layers[x].thickness_mm=1:2:3", "is not a field"),
+    ] {
+        let error = Axis::parse(text).unwrap_err().to_string();
+        assert!(error.contains(wanted.trim_matches('"')), "{text}: {error}");
+    }
+    assert_eq!(Map::new(&sheet(), &[], coarse()).unwrap_err(), MapError::Axes(0));
+    let settings = MapSettings { nodes_per_side: 5, ..coarse() };
+    assert!(Map::new(&sheet(), &[axis("insertion=0:1:3")], settings).is_err());
+    let settings = MapSettings { tolerance: f64::NAN, ..coarse() };
+    assert!(Map::new(&sheet(), &[axis("insertion=0:1:3")], settings).is_err());
+}
+
+#[test]
+fn the_check_of_a_map_reports_the_greatest_differences() {
+    let axes = [axis("base_width_mm=100:120:4"), axis("projection_mm=30:50:4")];
+    let mut map = Map::new(&sheet(), &axes, MapSettings::default()).unwrap();
+    let mut store = Cases::default();
+    run(&mut map, &mut store);
+    let mut check = map.check().unwrap();
+    run(&mut check, &mut store);
+    assert_eq!(check.counts(), (9, 9));
+    let differences = map.differences(&check);
+    let of = |wanted| differences.iter().find(|d| d.quantity == wanted).unwrap();
+    // The greatest of the checked corner and the other eight points.
+    let fine = |i: usize, j: usize| {
+        let mut scene = map.scene(i, j).unwrap();
+        scene.solver.nodes_per_side = 129;
+        scene.solver.tolerance = 1e-4;
+        let values = evaluate(&Job { scenes: vec![scene], profile: false })[0].values;
+        (values.get(Quantity::ForceN).unwrap() - map.value(Quantity::ForceN, i, j).unwrap()).abs()
+    };
+    let picked = [0, 1, 3].map(|i| [0, 1, 3].map(|j| fine(i, j)));
+    let greatest = picked.into_iter().flatten().fold(0.0, f64::max);
+    assert_eq!(of(Quantity::ForceN).difference, greatest);
+    assert!(greatest > 0.0 && of(Quantity::ImplantVolumeMl).difference < 1e-9);
+    let fine = MapSettings { nodes_per_side: 129, ..MapSettings::default() };
+    assert!(Map::new(&sheet(), &axes, fine).unwrap().check().is_none());
+}
+
+/// A linear function of projection and pocket in place of a solve.
+fn linear(job: &Job) -> Vec<Case> {
+    let case = |scene: &Scene| {
+        let value = 2.0 * scene.implant.projection_mm + 3.0 * scene.pocket_radius_mm;
+        let values = BTreeMap::from([(Quantity::ForceN, value)]);
+        Case { status: Some(Status::Converged), values: Values::from(values), ..Case::default() }
+    };
+    job.scenes.iter().map(case).collect()
+}
+
+#[test]
+fn bands_of_a_linear_function_have_the_percentiles_and_indices_of_theory() {
+    let normal = |mean, sd| Some(Distribution::Normal { mean, sd });
+    let mut unknowns: BTreeMap<Unknown, Option<Distribution>> =
+        Unknown::ALL.into_iter().map(|unknown| (unknown, None)).collect();
+    unknowns.insert(Unknown::Projection, normal(-0.035, 0.03));
+    unknowns.insert(Unknown::PocketRadius, normal(0.0, 2.5));
+    let settings =
+        BandsSettings { samples: 1024, importance_rows: 512, unknowns, ..Default::default() };
+    let mut scene = sheet();
+    scene.pocket_radius_mm = 90.0;
+    let mut bands = Bands::new(&scene, settings).unwrap();
+    run_with(&mut bands, &mut Cases::default(), linear);
+    let found = &bands.bands()[0];
+    let mean = 2.0 * 55.0 * (1.0 - 0.035) + 3.0 * 90.0;
+    let deviations: [f64; 2] = [2.0 * 55.0 * 0.03, 3.0 * 2.5];
+    let sd = deviations[0].hypot(deviations[1]);
+    for (value, quantile) in [(found.p10, -1.281_55), (found.p50, 0.0), (found.p90, 1.281_55)] {
+        assert!((value - mean - quantile * sd).abs() < 0.02 * sd, "{value} {mean} {sd}");
+    }
+    assert!((found.scene.unwrap() - (110.0 + 270.0)).abs() < 1e-9);
+    assert!((found.scenarios[1].value.unwrap() - mean).abs() < 1e-9);
+    let pairs = [(Unknown::Projection, deviations[0]), (Unknown::PocketRadius, deviations[1])];
+    for (unknown, deviation) in pairs {
+        let (index, wanted) = (found.importance[&unknown], (deviation / sd).powi(2));
+        assert!((index.first_order - wanted).abs() < 0.03, "{unknown:?} {index:?} {wanted}");
+        assert!((index.total - wanted).abs() < 0.03, "{unknown:?} {index:?} {wanted}");
+    }
+    assert_eq!(found.text, "376 N, 366–387");
+}
+
+fn small(seed: u32) -> BandsSettings {
+    let grid = Some(coarse());
+    BandsSettings { samples: 32, importance_rows: 16, seed, grid, ..BandsSettings::default() }
+}
+
+#[test]
+fn equal_seeds_give_equal_bands_and_nothing_is_solved_twice() {
+    let report = |seed: u32, store: &mut Cases| {
+        let mut bands = Bands::new(&sheet(), small(seed)).unwrap();
+        let scenes = run(&mut bands, store);
+        (scenes, bands.report())
+    };
+    let mut store = Cases::default();
+    let (scenes, first) = report(1, &mut store);
+    let all = 1 + 3 + 32 + 16 * 9;
+    assert_eq!((scenes, first.scenes_planned, first.scenes_solved), (all, all, all));
+    assert_eq!((store.solved(), store.reused()), (all, 0));
+    let (again, second) = report(1, &mut store);
+    assert_eq!((again, &second), (0, &first));
+    assert_eq!((store.solved(), store.reused()), (all, all));
+    let (_, fresh) = report(1, &mut Cases::default());
+    assert_eq!(fresh, first);
+    let (_, other) = report(2, &mut store);
+    assert_ne!(other.bands, first.bands);
+    assert_eq!(first.counts.values().sum::<usize>(), 32);
+    assert_eq!(first.profile.len(), 41);
+    let band = first.bands.iter().find(|b| b.quantity == Quantity::GreatestPressureMmhg).unwrap();
+    assert!(band.p10 < band.p50 && band.p50 < band.p90, "{band:?}");
+    let stresses: Vec<f64> = band.scenarios.iter().map(|s| s.value.unwrap()).collect();
+    assert!(stresses[0] < stresses[1] && stresses[1] < stresses[2]);
+    let json = serde_json::to_value(&first).unwrap();
+    let note = "An illustration from a simplified model, not a prediction for a person.";
+    assert_eq!(json["notes"][0], note);
+    assert!(json["notes"][1].as_str().unwrap().contains("Correlations"));
+}
+
+#[test]
+fn the_profile_of_layered_tissue_has_a_band() {
+    let settings = BandsSettings { importance_rows: 0, samples: 16, ..small(1) };
+    let mut bands = Bands::new(&Scene::default(), settings).unwrap();
+    run(&mut bands, &mut Cases::default());
+    let profile = bands.profile();
+    assert!((profile[40].s_mm - 130.0).abs() < 1e-9);
+    for point in &profile {
+        assert!(point.z_mm[0] <= point.z_mm[1] && point.z_mm[1] <= point.z_mm[2], "{point:?}");
+    }
+    assert!(profile[0].z_mm[2] - profile[0].z_mm[0] > 2.0, "{:?}", profile[0]);
+}
+
+#[test]
+fn samples_that_do_not_converge_are_counted() {
+    let mut bands = Bands::new(&sheet(), small(1)).unwrap();
+    let mut k = 0;
+    run_with(&mut bands, &mut Cases::default(), |job| {
+        let mut cases = linear(job);
+        for case in &mut cases {
+            k += 1;
+            if k % 4 == 0 {
+                case.status = Some(Status::NotConverged);
+            }
+        }
+        cases
+    });
+    let counts = bands.counts();
+    assert_eq!((counts["converged"], counts["not_converged"]), (24, 8));
+}
+
+#[test]
+fn unknowns_that_do_not_apply_are_left_out() {
+    let names = |scene: &Scene, settings: BandsSettings| -> Vec<&'static str> {
+        let bands = Bands::new(scene, settings).unwrap();
+        bands.unknowns().iter().map(|(unknown, _)| unknown.name()).collect()
+    };
+    assert_eq!(names(&sheet(), small(1)).len(), 8);
+    let mut skin_only = sheet();
+    skin_only.layers.truncate(1);
+    let found = names(&skin_only, small(1));
+    assert!(!found.contains(&"fat_modulus") && !found.contains(&"cover_thickness"));
+    let mut without = small(1);
+    without.unknowns.insert(Unknown::PoissonRatio, None);
+    assert!(!names(&sheet(), without).contains(&"poisson_ratio"));
+    // A measured pull replaces the spread of the strain scale by a factor on the measured scale.
+    let mut measured = Scene::default();
+    let pull =
+        Measurements { base_width_mm: Some(120.0), skin_pull_mm: Some(30.0), ..Default::default() };
+    measured.apply_patient(pull).unwrap();
+    for (scene, wanted) in [(Scene::default(), (0.65, 1.9)), (measured, (1.0, 2.0))] {
+        let spread = Unknown::SkinStrainScale.spread(&scene).unwrap();
+        let Distribution::LogNormal { median, gsd } = spread.distribution else { panic!() };
+        assert_eq!((median, gsd), wanted);
+    }
+}
+
+#[test]
+fn bad_choices_of_bands_are_one_line() {
+    let error = |edit: &dyn Fn(&mut BandsSettings)| {
+        let mut settings = small(1);
+        edit(&mut settings);
+        Bands::new(&sheet(), settings).unwrap_err().to_string()
+    };
+    assert_eq!(error(&|s| s.samples = 0), "samples is 0; allowed: 16 to 16384");
+    assert!(error(&|s| s.samples = usize::MAX).contains("allowed: 16 to 16384"));
+    assert!(
+        error(&|s| s.importance_rows = 33).contains("importance_rows is 33; allowed: 0, 16 to 32")
+    );
+    assert!(
+        error(&|s| s.grid = Some(MapSettings { nodes_per_side: 7, ..coarse() }))
+            .contains("17 to 1025")
+    );
+    for distribution in [
+        Distribution::Normal { mean: f64::NAN, sd: 1.0 },
+        Distribution::Normal { mean: 1.0, sd: -1.0 },
+        Distribution::Normal { mean: 1e308, sd: 1.0 },
+        Distribution::LogNormal { median: 0.0, gsd: 2.0 },
+        Distribution::LogNormal { median: 1.0, gsd: 0.5 },
+        Distribution::Uniform { least: 2.0, most: 1.0 },
+    ] {
+        let line = error(&|s| _ = s.unknowns.insert(Unknown::FatModulus, Some(distribution)));
+        assert!(line.starts_with("unknowns.fat_modulus is ") && !line.contains('\n'), "{line}");
+    }
+    let all_off = error(&|s| s.unknowns = Unknown::ALL.into_iter().map(|u| (u, None)).collect());
+    assert_eq!(all_off, BandsError::NoUnknown.to_string());
+    let mut bad = sheet();
+    bad.insertion = f64::NAN;
+    assert!(Bands::new(&bad, small(1)).unwrap_err().to_string().contains("insertion"));
+}
+
+#[test]
+fn a_scene_at_its_limits_has_a_map_and_bands() {
+    let mut scene = sheet();
+    scene.implant.base_radius_mm = 120.0;
+    scene.implant.projection_mm = 120.0;
+    scene.pocket_radius_mm = 200.0;
+    scene.layers.iter_mut().for_each(|layer| layer.thickness_mm = 0.2);
+    let axes = [axis("base_width_mm=20:240:3"), axis("projection_mm=2:120:3")];
+    let mut map = Map::new(&scene, &axes, coarse()).unwrap();
+    run(&mut map, &mut Cases::default());
+    assert_eq!(map.cases().iter().flatten().count(), 9);
+    let settings = BandsSettings { samples: 16, importance_rows: 0, ..small(1) };
+    let mut bands = Bands::new(&scene, settings).unwrap();
+    run(&mut bands, &mut Cases::default());
+    let counts = bands.counts();
+    assert_eq!(counts.get("invalid"), None, "{counts:?}");
+}
+
+#[test]
+fn samples_are_equal_on_every_platform() {
+    // The same bits in the browser: tests/wasm.rs.
+    assert_eq!(samples::samples(), samples::SAMPLES);
+}
