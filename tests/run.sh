@@ -6,7 +6,8 @@ cd "$(dirname "$0")/.."
 # shellcheck source=web/tools.sh
 source web/tools.sh
 
-export CARGO_TERM_COLOR=never NO_COLOR=1
+# One build of each program: what incremental builds keep takes gigabytes.
+export CARGO_TERM_COLOR=never NO_COLOR=1 CARGO_INCREMENTAL=0
 TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 LOGS="$TARGET_DIR/test-logs"
 WASM=(--target wasm32-unknown-unknown)

@@ -1,4 +1,4 @@
-//! The native runner: threads. On the page `web/runner.mjs` runs jobs in workers.
+//! The native runner: threads. On the page `web/runner.js` runs jobs in workers.
 
 use crate::study::{Case, Evaluator, Finished, Job, JobPanic, Runner};
 use rayon::{ThreadPool, ThreadPoolBuilder};

@@ -17,7 +17,7 @@ use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
-#[wasm_bindgen(module = "/web/studies.mjs")]
+#[wasm_bindgen(module = "/web/studies.js")]
 extern "C" {
     #[wasm_bindgen(js_name = simulateMany)]
     fn simulate_in_workers(runner: &Runner, scenes: Vec<String>, on_result: &Function) -> JsValue;

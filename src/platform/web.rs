@@ -3,7 +3,7 @@
 //!
 //! The pins are kept in the browser's storage of the page's origin.
 //!
-//! After a crash of the app only JavaScript remains: `web/crash.mjs`, which gets every new scene and
+//! After a crash of the app only JavaScript remains: `web/crash.js`, which gets every new scene and
 //! every panic message.
 
 use super::workers::{Workers, object};

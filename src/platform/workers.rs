@@ -1,4 +1,4 @@
-//! Workers of a page: the binding of `web/runner.mjs`, which starts and replaces workers, and the runner of studies.
+//! Workers of a page: the binding of `web/runner.js`, which starts and replaces workers, and the runner of studies.
 //!
 //! App and JavaScript API share the page's workers, so that a page has one worker per core less one.
 
@@ -12,7 +12,8 @@ use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
-#[wasm_bindgen(module = "/web/runner.mjs")]
+// wasm-bindgen's test runner serves a snippet as a script only under a name that ends in .js.
+#[wasm_bindgen(module = "/web/runner.js")]
 extern "C" {
     /// The runner of the page.
     #[derive(Clone)]
@@ -38,9 +39,9 @@ extern "C" {
     fn cancel(this: &Submitted);
 }
 
-#[wasm_bindgen(module = "/web/job_worker.mjs")]
+#[wasm_bindgen(module = "/web/job_worker.js")]
 extern "C" {
-    // The import also puts the script beside `runner.mjs`.
+    // The import also puts the script beside `runner.js`.
     #[wasm_bindgen(thread_local_v2, js_name = address)]
     static WORKER: JsValue;
 }

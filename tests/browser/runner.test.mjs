@@ -34,12 +34,12 @@ async function open(options) {
   const { page, ...opened } = await fixture.openPage("bench.html", options);
   let attempts = 0;
   await page.context().route("**/attempt", (route) => route.fulfill({ body: String((attempts += 1)) }));
-  await page.context().route("**/job_worker.mjs", async (route) => {
+  await page.context().route("**/job_worker.js", async (route) => {
     const response = await route.fetch();
     await route.fulfill({ response, body: `${await response.text()}\n${KINDS}` });
   });
   await page.evaluate(async () => {
-    const { Runner } = await import(new URL("runner.mjs", location.href));
+    const { Runner } = await import(new URL("runner.js", location.href));
     globalThis.jobs = {
       Runner,
       program: new URL("implant-preview.mjs", location.href),

@@ -14,7 +14,7 @@ const TRAP = [
 /** Lets the workers trap in each scene with this insertion. */
 const POISON = 0.765625;
 const trapAtPoison = (page) =>
-  page.context().route("**/job_worker.mjs", async (route) => {
+  page.context().route("**/job_worker.js", async (route) => {
     const response = await route.fetch();
     const trap = `new WebAssembly.Instance(new WebAssembly.Module(new Uint8Array([${TRAP}]))).exports.f()`;
     const wrapped = `for (const [kind, run] of Object.entries(KINDS)) {

@@ -1,11 +1,11 @@
-// Runs the jobs of runner.mjs, one at a time, so that the page stays responsive. The page posts { program, wasm },
+// Runs the jobs of runner.js, one at a time, so that the page stays responsive. The page posts { program, wasm },
 // then jobs. Messages to the page: { isReady }; for each job { piece }, any number; then { result }, or
 // { error, isBroken }. A broken worker runs no further job.
 
 /** Address of this script. */
 export const address = import.meta.url;
 
-/** Name that runner.mjs gives to its workers. In a page this module has no effect. */
+/** Name that runner.js gives to its workers. In a page this module has no effect. */
 const NAME = "implant-preview job";
 
 // Error of the mark in chart and table, relative to the dome's radius [-].

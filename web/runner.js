@@ -1,9 +1,9 @@
-// Runs independent jobs in module workers. A job is an object with its kind; job_worker.mjs has the kinds.
+// Runs independent jobs in module workers. A job is an object with its kind; job_worker.js has the kinds.
 //
 // A worker that stops (a panic, a trap, a script error, silence) is replaced, and its job runs once more,
 // in a new worker. A job that stops its second worker too is rejected with one line that names the job.
 
-/** Name of the workers: job_worker.mjs has an effect only under this name. */
+/** Name of the workers: job_worker.js has an effect only under this name. */
 const NAME = "implant-preview job";
 
 /** As many workers as the machine has cores, less one for the page. */
@@ -38,14 +38,14 @@ export class Runner {
    *
    * `program`: address of the module with the functions of the API. `wasm`, optional: the compiled
    * `WebAssembly.Module`, which all workers share, or the address of the file. `workers`: greatest number of
-   * workers. `address`: address of job_worker.mjs. `patience`: time [ms] without a message after which a worker
+   * workers. `address`: address of job_worker.js. `patience`: time [ms] without a message after which a worker
    * with a job counts as stopped.
    */
   constructor({
     program,
     wasm,
     workers = defaultWorkers(),
-    address = new URL("job_worker.mjs", import.meta.url),
+    address = new URL("job_worker.js", import.meta.url),
     patience = PATIENCE,
   }) {
     this.#load = { program: String(program), wasm };

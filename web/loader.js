@@ -1,7 +1,7 @@
 // Starts the app: checks the browser's features, downloads the program with progress, shows errors.
 // The app removes #loading after its first frame.
 
-import "./crash.mjs";
+import "./crash.js";
 
 const element = (id) => document.getElementById(id);
 

@@ -2,7 +2,7 @@
 // Query of the address, all parts optional:
 // ?nodes_per_side=17,33&cases=default&methods=newton,multigrid_1.
 
-import { Runner } from "./runner.mjs";
+import { Runner } from "./runner.js";
 
 const element = (id) => document.getElementById(id);
 

@@ -1,4 +1,4 @@
-// Studies of the JavaScript API on the workers of runner.mjs. Each function returns its handle { cancel, done }.
+// Studies of the JavaScript API on the workers of runner.js. Each function returns its handle { cancel, done }.
 
 /**
  * A handle of jobs with the functions that receive their results. `done` resolves after the last result; after
