@@ -14,6 +14,8 @@ use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
 
+#[path = "screens/filling.rs"]
+mod filling;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 

@@ -109,10 +109,12 @@ impl App {
     /// Advances the studies. New jobs wait for a solve of the app, unless that takes long.
     fn poll_studies(&mut self, ctx: &egui::Context) {
         self.studies.poll(ctx, self.session.is_working() && !self.is_long());
+        self.studies.share(&self.session);
         self.range.advance(ctx, self.session.scene(), &mut self.studies);
         // What is not known is sampled after an edit and its solve.
         let is_held = ctx.input(|input| input.pointer.any_down());
         let is_busy = self.session.is_working() || self.is_playing || is_held;
+        self.filling.advance(self.session.scene(), self.plan.device, &mut self.studies, is_busy);
         self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);
     }
 

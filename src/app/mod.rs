@@ -6,8 +6,8 @@
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `ui` arranges the screen: `plan` with `advanced` on the left, `viewport` with `view_bar` or `range` in the
-//! middle, `answer` with `uncertainty`, `details` and `plots` on the right. `messages` shows notices and the pages without a
-//! picture.
+//! middle, `answer` with `filling`, `uncertainty`, `details` and `plots` on the right. `messages` shows notices and the
+//! pages without a picture.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
@@ -17,6 +17,7 @@ mod compare;
 mod curve_editor;
 mod details;
 mod files;
+mod filling;
 mod focus;
 mod keys;
 mod logic;
@@ -46,6 +47,7 @@ use compare::{Compare, Keep};
 use eframe::{egui, glow};
 use egui::FocusDirection;
 use files::Files;
+use filling::Filling;
 use focus::Focus;
 use logic::RunningSolve;
 use messages::Notice;
@@ -69,6 +71,7 @@ pub struct App {
     timing: Timing,
     studies: Studies,
     range: Range,
+    filling: Filling,
     uncertainty: Uncertainty,
     notice: Option<Notice>,
     /// Notice about a position requested in this frame that does not fit the pocket.
@@ -117,6 +120,7 @@ impl App {
             timing: Timing::default(),
             studies: Studies::new(ctx, runner),
             range: Range::default(),
+            filling: Filling::default(),
             uncertainty: Uncertainty::default(),
             notice: None,
             position_notice: None,

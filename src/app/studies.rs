@@ -3,6 +3,8 @@
 //! Each panel with a study has a [`Driver`]. The driver submits the study's jobs, a few at a time, and passes the cases
 //! to the study. A frame spends [`SLICE`] on all drivers at most, so a study of any size delays no frame.
 
+use crate::measure::Status;
+use crate::session::Session;
 use crate::study::{Case, Cases, Finished, Job, Runner, Study};
 use eframe::egui::{self, mutex::Mutex};
 use std::collections::BTreeMap;
@@ -26,6 +28,8 @@ pub(super) struct Studies {
     /// The context of the last frame, which changes after the loss of the graphics.
     ctx: Arc<Mutex<egui::Context>>,
     store: Cases,
+    /// Number of the session's solutions whose results are stored.
+    shared: u64,
     finished: Vec<Finished<Vec<Case>>>,
     /// Do new jobs wait, so that the app's own solve has the processor?
     is_held: bool,
@@ -45,6 +49,7 @@ impl Studies {
             runner: create(wake),
             ctx,
             store: Cases::default(),
+            shared: 0,
             finished: Vec::new(),
             is_held: false,
             spent: Duration::ZERO,
@@ -57,6 +62,23 @@ impl Studies {
         self.is_held = is_held;
         self.spent = Duration::ZERO;
         self.finished.extend(std::iter::from_fn(|| self.runner.poll()));
+    }
+
+    /// Stores the results of the present scene and of the pins after each solve of the session: a study with an equal scene,
+    /// grid and tolerance included, takes them.
+    pub(super) fn share(&mut self, session: &Session) {
+        let solutions = session.counters().solutions;
+        if session.is_working() || self.shared == solutions {
+            return;
+        }
+        self.shared = solutions;
+        let present = session.result().map(|outcome| (session.scene(), outcome));
+        let pins = session.pins().iter().filter_map(|pin| Some((pin.scene(), pin.outcome()?)));
+        for (scene, outcome) in present.into_iter().chain(pins) {
+            if outcome.status == Status::Converged {
+                self.store.share(scene, Case::of(outcome, scene));
+            }
+        }
     }
 
     fn cancel(&mut self, index: usize) {
@@ -286,6 +308,26 @@ mod tests {
         drivers[0].start(map(40.0), &mut studies);
         finish(&mut drivers[0], &mut studies);
         assert_eq!((log.borrow().submitted, studies.store.reused()), (submitted, 41));
+    }
+
+    #[test]
+    fn a_study_takes_the_result_of_an_equal_scene_of_the_session() {
+        let (mut studies, log) = studies(&[]);
+        let map = map(20.0);
+        let mut session = Session::new(map.scene(7, 0).unwrap()).unwrap();
+        session.solve(&mut || false);
+        session.conclude();
+        studies.share(&session);
+        studies.share(&session);
+        assert_eq!((studies.store.len(), studies.store.solved()), (1, 0));
+        let mut driver = Driver::default();
+        driver.start(map, &mut studies);
+        finish(&mut driver, &mut studies);
+        assert_eq!((studies.store.reused(), studies.store.solved()), (1, 40));
+        let taken = driver.study().unwrap().case(7, 0).unwrap();
+        let outcome = session.result().unwrap();
+        assert_eq!(taken, &Case::of(outcome, session.scene()));
+        assert!(log.borrow().submitted > 0);
     }
 
     #[test]

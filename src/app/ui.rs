@@ -125,10 +125,11 @@ impl App {
         }
     }
 
-    /// The cards, what is not known, the comparison and the details.
+    /// The cards, the filling of an expander, what is not known, the comparison and the details.
     fn answer(&mut self, ui: &mut Ui) {
         let findings = self.uncertainty.findings();
         answer::show(ui, &self.session, self.previous_results(), findings);
+        self.filling(ui);
         self.uncertainty.show(ui, &self.session);
         self.compare(ui);
         self.details(ui);

@@ -81,6 +81,9 @@ pub const PRESSURE: Limits = Limits {
 /// All limits.
 pub const LIMITS: [&Limits; 2] = [&STRAIN, &PRESSURE];
 
+/// Contact pressures measured right after clinical filling of expanders \[mmHg\].
+pub const FILLING_PRESSURE_MMHG: (f64, f64) = (30.0, 60.0);
+
 /// Fraction of the geometric area gain of an expander that was realised in vivo \[-\].
 pub const REALISED_AREA_GAIN: f64 = 0.35;
 

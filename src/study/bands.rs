@@ -154,6 +154,12 @@ impl Bands {
         &self.unknowns
     }
 
+    /// The choices.
+    #[must_use]
+    pub fn settings(&self) -> &BandsSettings {
+        &self.settings
+    }
+
     /// Grid and tolerance of the samples.
     #[must_use]
     pub fn grid(&self) -> MapSettings {
@@ -205,6 +211,12 @@ impl Bands {
     /// Value of a quantity in a converged item.
     fn value(&self, quantity: Quantity, item: usize) -> Option<f64> {
         self.queue.case(item).filter(|case| case.is_converged())?.values.get(quantity)
+    }
+
+    /// Value of a quantity in each sample.
+    pub(super) fn sample_values(&self, quantity: Quantity) -> impl Iterator<Item = Option<f64>> {
+        let samples = FIRST_SAMPLE..FIRST_SAMPLE + self.settings.samples;
+        samples.map(move |item| self.value(quantity, item))
     }
 
     /// Sobol indices of a quantity by unknown, from the rows that have converged; `None` without enough rows or without

@@ -99,6 +99,18 @@ impl Cases {
     /// Stores the case of a solved scene.
     pub fn insert(&mut self, key: Key, case: Case) {
         self.solved += 1;
+        self.store(key, case);
+    }
+
+    /// Stores a case that was solved elsewhere, unless the scene has one.
+    pub fn share(&mut self, scene: &Scene, case: Case) {
+        let key = self.key(scene);
+        if !self.cases.contains_key(&key) {
+            self.store(key, case);
+        }
+    }
+
+    fn store(&mut self, key: Key, case: Case) {
         if self.cases.insert(key.clone(), case).is_none() {
             self.order.push_back(key);
         }
@@ -109,7 +121,7 @@ impl Cases {
         }
     }
 
-    /// Number of cases that were solved and stored.
+    /// Number of cases that the studies have solved.
     #[must_use]
     pub fn solved(&self) -> usize {
         self.solved

@@ -1,7 +1,7 @@
 //! Scenes in, cases out: the unit of work of all studies.
 
 use super::Values;
-use crate::measure::{PROFILE_POINTS, Selection, Status, skin_surface};
+use crate::measure::{Outcome, PROFILE_POINTS, Selection, Status, skin_surface};
 use crate::scene::{CheckedScene, Scene};
 use crate::simulate::{Simulation, Simulator};
 use crate::solve::{Options, Solution};
@@ -55,6 +55,22 @@ impl Case {
     #[must_use]
     pub fn invalid(error: impl ToString) -> Self {
         Self { error: Some(error.to_string()), ..Self::default() }
+    }
+
+    /// The case of a result, without a profile.
+    #[must_use]
+    pub fn of(outcome: &Outcome, scene: &Scene) -> Self {
+        let on_patient = scene.patient_warnings();
+        let warnings = outcome.warnings.iter().filter(|warning| !on_patient.contains(warning));
+        let has_shape = outcome.strain.is_some();
+        Self {
+            status: Some(outcome.status),
+            values: if has_shape { Values::new(outcome) } else { Values::default() },
+            profile: None,
+            error: None,
+            evaluations: outcome.solver.work_units,
+            warnings: warnings.cloned().collect(),
+        }
     }
 
     /// Did the solve converge?
@@ -130,15 +146,10 @@ impl Evaluator {
         let options = Options { max_newton_cells: MAX_NEWTON_CELLS, ..Options::default() };
         let selection = Selection::all().without_profile();
         let Simulation { outcome, solution } = self.simulator.run(scene, options, &selection, None);
-        let on_patient = scene.scene().patient_warnings();
-        let has_shape = outcome.strain.is_some();
+        let has_profile = with_profile && outcome.strain.is_some();
         Case {
-            status: Some(outcome.status),
-            values: if has_shape { Values::new(&outcome) } else { Values::default() },
-            profile: (with_profile && has_shape).then(|| profile(&solution)),
-            error: None,
-            evaluations: outcome.solver.work_units,
-            warnings: outcome.warnings.into_iter().filter(|w| !on_patient.contains(w)).collect(),
+            profile: has_profile.then(|| profile(&solution)),
+            ..Case::of(&outcome, scene.scene())
         }
     }
 }

@@ -5,8 +5,9 @@
 //!
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
 //! all runners) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
-//! `axis` | `map` | `map_check` (points on a finer grid) | `map_file` (its table and JSON) | `contour` (lines of equal value) | `sequence` (samples) | `importance` (Sobol
-//! indices) | `percentile` | `unknown` (about a person) | `bands` | `section_band` (of the skin's section).
+//! `axis` | `map` | `map_check` (points on a finer grid) | `map_file` (its table and JSON) | `contour` (lines of equal value) |
+//! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
+//! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section).
 //!
 //! Uses `scene`, `simulate` and all to their left; no threads, no clock. Used by `platform` and `app`.
 
@@ -24,6 +25,7 @@ mod percentile;
 mod quantity;
 mod queue;
 pub mod runner;
+mod samples;
 mod section_band;
 mod sequence;
 mod unknown;
@@ -42,6 +44,7 @@ pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointF
 pub use parameter::{Parameter, ParameterError, with_values};
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};
+pub use samples::{LEAST_ANSWERS, Samples};
 pub use section_band::SectionBand;
 pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
 pub use unknown::Unknown;

@@ -274,3 +274,41 @@ fn on_a_phone_the_figures_of_the_bands_fit_above_the_tabs() {
         assert!(figure.height() < 24.0 && figure.width() < PHONE.x / 3.0, "{text}: {figure:?}");
     }
 }
+
+#[test]
+fn the_comparison_has_the_bands_of_pins_and_of_their_differences() {
+    let mut harness = sampled(WIDE);
+    let pinned = harness.state().session().scene().clone();
+    super::press(&mut harness, "Pin as A");
+    type_into(&mut harness, "Pinch (cm)", "2.5");
+    wait(&mut harness);
+    let study_of = |scene: &Scene| study_of(scene, settings()).values();
+    let (a, now) = (study_of(&pinned), study_of(harness.state().session().scene()));
+    let shown = |[low, _, high]: [f64; 3], factor: f64, decimals: usize| {
+        let text = |value: f64| format!("{:.decimals$}", (factor * value).abs());
+        assert!(low > 0.0 || high < 0.0, "no sign to choose: {low} {high}");
+        if high < 0.0 {
+            format!("−{} to −{}", text(low), text(high))
+        } else {
+            format!("{}–{}", text(low), text(high))
+        }
+    };
+    let quantity = Quantity::SkinProjectionMm;
+    for samples in [&a, &now] {
+        let label = shown(samples.band(quantity).unwrap(), 1.0, 1);
+        wait_for_label(&mut harness, &label);
+    }
+    super::press(&mut harness, "Differences");
+    let label = shown(now.difference(&a, quantity).unwrap(), 1.0, 1);
+    wait_for_label(&mut harness, &label);
+}
+
+/// Runs frames until a label is there: the pins are sampled after the present plan.
+fn wait_for_label(harness: &mut Harness<'static, App>, label: &str) {
+    let start = std::time::Instant::now();
+    while harness.query_all_by_label(label).count() == 0 {
+        assert!(start.elapsed().as_secs() < 300, "no label {label:?}");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}

@@ -14,8 +14,9 @@ use super::App;
 use super::theme::{self, Palette};
 use super::widgets::{button_if, group, set_accessible_name};
 use crate::measure::Status;
-use crate::scene::Letter;
+use crate::scene::{Letter, Scene};
 use crate::session::{Command, Pin, Session};
+use crate::study::Samples;
 use eframe::egui::{self, Color32, RichText, Ui};
 use egui_plot::{Line, LineStyle, PlotPoint, PlotUi, Text};
 
@@ -54,14 +55,20 @@ impl Compare {
 impl App {
     /// Shows the comparison and executes its command.
     pub(super) fn compare(&mut self, ui: &mut Ui) {
-        if let Some(command) = section(ui, &self.session, &mut self.compare) {
+        let sampled = |scene: &Scene| self.uncertainty.values(scene);
+        if let Some(command) = section(ui, &self.session, &mut self.compare, &sampled) {
             self.execute(command);
         }
     }
 }
 
-/// Shows pins, choices and the table of results; returns a command of the user.
-pub(super) fn section(ui: &mut Ui, session: &Session, compare: &mut Compare) -> Option<Command> {
+/// Shows pins, choices and the table of results with the bands of the `sampled` scenes; returns a command of the user.
+pub(super) fn section<'a>(
+    ui: &mut Ui,
+    session: &Session,
+    compare: &mut Compare,
+    sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+) -> Option<Command> {
     let mut command = None;
     group(ui, "Compare", |ui| {
         command = pin_button(ui, session);
@@ -82,7 +89,7 @@ pub(super) fn section(ui: &mut Ui, session: &Session, compare: &mut Compare) -> 
             ui.toggle_value(&mut compare.has_differences, "Differences")
                 .on_hover_text("Show now minus pin in place of the pin's values");
         });
-        table::show(ui, session, compare.has_differences);
+        table::show(ui, session, compare.has_differences, sampled);
     });
     command
 }

@@ -5,6 +5,7 @@ use crate::measure::bands::{pressure_word, strain_word};
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
+use crate::study::{Quantity, Samples};
 use eframe::egui::{self, RichText, Ui};
 
 /// A row: a quantity of a scene and its result.
@@ -12,32 +13,48 @@ struct Row {
     name: &'static str,
     unit: &'static str,
     decimals: usize,
+    /// The quantity of a study with the same value; none for what is given.
+    quantity: Option<Quantity>,
     value: fn(&Scene, &Outcome) -> Option<f64>,
     /// Word for a value.
     word: Option<fn(f64) -> &'static str>,
 }
 
 const ROWS: [Row; 10] = [
-    Row::new("Width", "cm", 1, |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
-    Row::new("Volume", "ml", 0, |_, outcome| Some(outcome.implant_volume_ml)),
-    Row::new("Projection", "mm", 0, |scene, _| Some(scene.implant.projection_mm)),
+    Row::new("Width", "cm", 1, None, |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
+    Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
+    Row::new("Projection", "mm", 0, None, |scene, _| Some(scene.implant.projection_mm)),
     Row {
         word: Some(|percent| strain_word(0.01 * percent)),
-        ..Row::new("Most stretch", "%", 0, |_, outcome| {
+        ..Row::new("Most stretch", "%", 0, Some(Quantity::GreatestStrain), |_, outcome| {
             Some(100.0 * outcome.strain.as_ref()?.max_principal)
         })
     },
-    Row::new("Least cover", "mm", 1, |_, outcome| Some(outcome.cover_mm?.least)),
-    Row::new("Cover at the top", "mm", 1, |_, outcome| Some(outcome.cover_mm?.apex)),
-    Row::new("Mean pressure", "mmHg", 0, |_, outcome| Some(outcome.contact_pressure_mmhg?.mean)),
+    Row::new("Least cover", "mm", 1, Some(Quantity::LeastCoverMm), |_, outcome| {
+        Some(outcome.cover_mm?.least)
+    }),
+    Row::new("Cover at the top", "mm", 1, Some(Quantity::ApexCoverMm), |_, outcome| {
+        Some(outcome.cover_mm?.apex)
+    }),
+    Row::new("Mean pressure", "mmHg", 0, Some(Quantity::MeanPressureMmhg), |_, outcome| {
+        Some(outcome.contact_pressure_mmhg?.mean)
+    }),
     Row {
         word: Some(pressure_word),
-        ..Row::new("Most pressure", "mmHg", 0, |_, outcome| {
-            Some(outcome.contact_pressure_mmhg?.max)
-        })
+        ..Row::new(
+            "Most pressure",
+            "mmHg",
+            0,
+            Some(Quantity::GreatestPressureMmhg),
+            |_, outcome| Some(outcome.contact_pressure_mmhg?.max),
+        )
     },
-    Row::new("Skin gained", "cm²", 0, |_, outcome| outcome.area_gain_cm2),
-    Row::new("Mound height", "mm", 1, |_, outcome| outcome.skin_projection_mm),
+    Row::new("Skin gained", "cm²", 0, Some(Quantity::SkinAreaGainCm2), |_, outcome| {
+        outcome.area_gain_cm2
+    }),
+    Row::new("Mound height", "mm", 1, Some(Quantity::SkinProjectionMm), |_, outcome| {
+        outcome.skin_projection_mm
+    }),
 ];
 
 impl Row {
@@ -45,16 +62,28 @@ impl Row {
         name: &'static str,
         unit: &'static str,
         decimals: usize,
+        quantity: Option<Quantity>,
         value: fn(&Scene, &Outcome) -> Option<f64>,
     ) -> Self {
-        Self { name, unit, decimals, value, word: None }
+        Self { name, unit, decimals, quantity, value, word: None }
     }
 
     /// The value of a converged result.
     fn of(&self, scene: &Scene, outcome: Option<&Outcome>) -> Option<Entry> {
         let outcome = outcome.filter(|outcome| outcome.status == Status::Converged)?;
         let value = (self.value)(scene, outcome)?;
-        Some(Entry { value, error: position_error(outcome), band: None })
+        Some(Entry { value, error: position_error(outcome) })
+    }
+
+    /// The band of a sampled scene, or of its differences from another one, in the unit of the row.
+    fn band(&self, samples: Option<&Samples>, less: Option<&Samples>) -> Option<[f64; 2]> {
+        let (samples, quantity) = (samples?, self.quantity?);
+        let [low, _, high] = match less {
+            Some(other) => samples.difference(other, quantity)?,
+            None => samples.band(quantity)?,
+        };
+        let factor = quantity.display().0;
+        Some([factor * low, factor * high])
     }
 
     fn text(&self, entry: Option<&Entry>) -> String {
@@ -67,28 +96,25 @@ impl Row {
         let Some((now, pin)) = now.zip(pin) else { return "–".to_owned() };
         let known = |e: &Entry| known_decimals(e.value, self.decimals, e.error);
         let (decimals, difference) = (known(now).min(known(pin)), now.value - pin.value);
-        let text = format!("{:.decimals$}", difference.abs());
+        let text = signed(difference, decimals);
         let is_zero = text.chars().all(|c| c == '0' || c == '.');
-        let sign = if is_zero {
-            ""
-        } else if difference < 0.0 {
-            "−"
-        } else {
-            "+"
-        };
-        format!("{sign}{text}")
+        if is_zero || difference < 0.0 { text } else { format!("+{text}") }
     }
 }
 
-/// A value with its relative position error and, where it is known, the band between 10 % and 90 % of all cases.
+/// A value with its relative position error.
 struct Entry {
     value: f64,
     error: f64,
-    band: Option<[f64; 2]>,
 }
 
-/// Shows the table; `has_differences` replaces the pins' values by now minus pin.
-pub(super) fn show(ui: &mut Ui, session: &Session, has_differences: bool) {
+/// Shows the table, with the bands of the `sampled` scenes; `has_differences` replaces the pins' values by now minus pin.
+pub(super) fn show<'a>(
+    ui: &mut Ui,
+    session: &Session,
+    has_differences: bool,
+    sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+) {
     let pins = session.pins();
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
         egui::Grid::new("comparison").num_columns(pins.len() + 2).spacing([10.0, 3.0]).show(
@@ -107,41 +133,62 @@ pub(super) fn show(ui: &mut Ui, session: &Session, has_differences: bool) {
                 header(ui, "now");
                 ui.end_row();
                 for row in &ROWS {
-                    show_row(ui, row, session, has_differences);
+                    show_row(ui, row, session, has_differences, sampled);
                 }
             },
         );
     });
 }
 
-fn show_row(ui: &mut Ui, row: &Row, session: &Session, has_differences: bool) {
+fn show_row<'a>(
+    ui: &mut Ui,
+    row: &Row,
+    session: &Session,
+    has_differences: bool,
+    sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+) {
     let name = format!("{}, {}", row.name, row.unit);
     ui.add(egui::Label::new(name).wrap_mode(egui::TextWrapMode::Extend));
     let now = row.of(session.scene(), session.result());
+    let of_now = sampled(session.scene());
     for pin in session.pins() {
-        let entry = row.of(pin.scene(), pin.outcome());
+        let (entry, of_pin) = (row.of(pin.scene(), pin.outcome()), sampled(pin.scene()));
         if has_differences {
-            cell(ui, row.difference(now.as_ref(), entry.as_ref()), None, row);
+            let band = of_pin.and_then(|of_pin| row.band(of_now, Some(of_pin)));
+            let text = row.difference(now.as_ref(), entry.as_ref());
+            cell(ui, row, text, None, band.filter(|_| now.is_some() && entry.is_some()));
         } else {
-            cell(ui, row.text(entry.as_ref()), entry.as_ref(), row);
+            let band = row.band(of_pin, None);
+            cell(ui, row, row.text(entry.as_ref()), entry.as_ref(), band);
         }
     }
-    cell(ui, row.text(now.as_ref()), now.as_ref(), row);
+    cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
     ui.end_row();
 }
 
 /// A right-aligned value; below it its band, if the band is known.
-fn cell(ui: &mut Ui, text: String, entry: Option<&Entry>, row: &Row) {
+fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Option<[f64; 2]>) {
     ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
         let response = ui.monospace(text);
         if let Some((entry, word)) = entry.zip(row.word) {
             response.on_hover_text(word(entry.value));
         }
-        if let Some(Entry { error, band: Some([low, high]), .. }) = entry {
-            let [low, high] = [low, high].map(|value| figures(*value, row.decimals, *error));
-            ui.small(format!("{low}–{high}"));
+        if let Some(band) = band {
+            let [low, high] = band.map(|value| signed(value, row.decimals));
+            // A minus after the dash of a range would not be read.
+            let dash = if high.starts_with('−') { " to " } else { "–" };
+            ui.small(format!("{low}{dash}{high}")).on_hover_text(
+                "10th to 90th percentile of the sampled patients; of a difference, of the same patients",
+            );
         }
     });
+}
+
+/// A number with a true minus.
+fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let is_zero = text.chars().all(|c| c == '0' || c == '.');
+    if value < 0.0 && !is_zero { format!("−{text}") } else { text }
 }
 
 fn header(ui: &mut Ui, text: &str) -> egui::Response {
@@ -160,7 +207,7 @@ mod tests {
     #[test]
     fn a_difference_has_a_sign_and_no_more_digits_than_both_values() {
         let row = &ROWS[4];
-        let entry = |(value, error)| Entry { value, error, band: None };
+        let entry = |(value, error)| Entry { value, error };
         let difference = |now, pin| row.difference(Some(&entry(now)), Some(&entry(pin)));
         assert_eq!(difference((6.9, 1e-6), (7.3, 1e-6)), "−0.4");
         assert_eq!(difference((7.34, 1e-6), (7.3, 1e-6)), "0.0");

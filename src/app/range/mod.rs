@@ -421,7 +421,7 @@ fn empty_axis(axes: &[Axis]) -> Option<String> {
 }
 
 /// A difference with one significant digit, rounded up, in the displayed unit.
-fn within_text(quantity: Quantity, difference: f64) -> String {
+pub(super) fn within_text(quantity: Quantity, difference: f64) -> String {
     let (factor, unit) = quantity.display();
     let shown = (factor * difference).max(1e-3);
     let power = 10f64.powf(shown.log10().floor());

@@ -1,10 +1,12 @@
 //! Uncertainty: bands of the plan's results over what is not known about a person.
 //!
-//! This file runs the study: after the plan is solved, again after each edit. `panel` (the section of the answer) |
-//! `unknowns` (what varies, and how much) | `chart` (which unknown matters most).
+//! This file runs the study: after the plan is solved, again after each edit; then one for each pin. `panel` (the section
+//! of the answer) | `unknowns` (what varies, and how much) | `chart` (which unknown matters most) | `pins` (the samples of
+//! the pins).
 
 mod chart;
 mod panel;
+mod pins;
 mod unknowns;
 
 use super::studies::{Driver, Studies};
@@ -12,17 +14,17 @@ use crate::measure::Status;
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::study::{
-    Band, Bands, BandsSettings, Index, PointStatus, Quantity, SectionBand, Unknown,
+    Band, Bands, BandsSettings, Index, LEAST_ANSWERS, PointStatus, Quantity, Samples, SectionBand,
+    Unknown,
 };
 use eframe::egui;
+use pins::PinSamples;
 use std::collections::BTreeMap;
 use std::time::Duration;
 use unknowns::Choices;
 
 /// Time after an edit before the study starts \[s\].
 const QUIET: f64 = 0.3;
-/// Fewest samples with an answer of a band: among fewer the 10th percentile is next to the lowest.
-const LEAST_ANSWERS: usize = 10;
 
 /// The study of what is not known, and its choices.
 pub(super) struct Uncertainty {
@@ -40,6 +42,7 @@ pub(super) struct Uncertainty {
     /// Why the study has not started.
     error: Option<String>,
     findings: Findings,
+    pins: PinSamples,
 }
 
 /// The bands so far.
@@ -50,6 +53,7 @@ pub(super) struct Findings {
     /// Solved samples by state.
     counts: BTreeMap<&'static str, usize>,
     bands: Vec<Band>,
+    values: Samples,
     section: Vec<SectionBand>,
     /// Importance for the chart's quantity.
     importance: Vec<(Unknown, Index)>,
@@ -92,6 +96,7 @@ impl Default for Uncertainty {
             waits_since: None,
             error: None,
             findings: Findings::default(),
+            pins: PinSamples::default(),
         }
     }
 }
@@ -108,6 +113,7 @@ impl Uncertainty {
         if !self.is_on {
             if self.subject.take().is_some() {
                 self.stop(studies);
+                self.pins.cancel(studies);
             }
             return;
         }
@@ -133,6 +139,10 @@ impl Uncertainty {
         if self.driver.advance(studies) {
             self.read();
         }
+        // The present plan first, the pins at rest.
+        let is_sampled = self.driver.study().is_some() && !self.driver.is_running();
+        let is_free = is_sampled && !is_busy;
+        self.pins.advance(session, |scene| self.choices.settings(scene), studies, is_free);
     }
 
     fn start(&mut self, studies: &mut Studies) {
@@ -162,6 +172,7 @@ impl Uncertainty {
         self.findings.counts.remove(PointStatus::Waiting.word());
         if self.findings.solved() != before && self.findings.answers() >= LEAST_ANSWERS {
             self.findings.bands = study.bands();
+            self.findings.values = study.values();
             self.findings.section = study.section();
         }
         if self.findings.solved() == self.findings.samples {
@@ -188,6 +199,15 @@ impl Uncertainty {
     /// The bands of the present plan; `None` without enough samples.
     pub(super) fn findings(&self) -> Option<&Findings> {
         Some(&self.findings).filter(|findings| !findings.bands.is_empty())
+    }
+
+    /// The sampled values of a plan that is the present one or a pin; `None` before its samples.
+    pub(super) fn values(&self, scene: &Scene) -> Option<&Samples> {
+        let (subject, _) = self.subject.as_ref()?;
+        if subject == scene {
+            return self.findings().map(|findings| &findings.values);
+        }
+        self.pins.values(scene)
     }
 
     /// The band of the skin's section, if the picture should contain its envelopes.

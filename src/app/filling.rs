@@ -1,0 +1,278 @@
+//! The filling of an expander: pressure, force and gained skin against the fill, each point one solved scene.
+
+use super::App;
+use super::plan::Device;
+use super::range::within_text;
+use super::studies::{Driver, Studies};
+use super::theme::{self, Palette, SPACE_SMALL};
+use super::widgets::group;
+use crate::clinical::{Size, limits};
+use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
+use crate::scene::Scene;
+use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
+use eframe::egui::{self, RichText, Sense, Ui};
+use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotUi, Points, Polygon, VLine};
+
+/// Number of fills.
+const COUNT: usize = 21;
+/// Projection / half base width of the least and of the greatest fill \[-\].
+const RATIOS: (f64, f64) = (0.15, 1.0);
+/// Grid and tolerance of the fills.
+const SETTINGS: MapSettings = MapSettings { nodes_per_side: 65, tolerance: 1e-3 };
+/// Height of a chart \[points\].
+const HEIGHT: f32 = 118.0;
+
+/// A chart: its quantity with a thick line, and a second one with a thin line.
+struct Chart {
+    name: &'static str,
+    quantity: Quantity,
+    second: Option<Quantity>,
+    legend: &'static str,
+}
+
+const CHARTS: [Chart; 3] = [
+    Chart {
+        name: "Pressure (mmHg)",
+        quantity: Quantity::GreatestPressureMmhg,
+        second: Some(Quantity::MeanPressureMmhg),
+        legend: "Greatest (thick) and mean. Shaded: 30–60 mmHg, measured right after clinical filling.",
+    },
+    Chart { name: "Force (N)", quantity: Quantity::ForceN, second: None, legend: "" },
+    Chart {
+        name: "Skin gained (cm²)",
+        quantity: Quantity::SkinAreaGainCm2,
+        second: None,
+        legend: "Right after filling. Dotted: the third (35 %) of such a gain that remained with tissue expanders.",
+    },
+];
+
+/// The study behind the charts, one curve over the fill.
+#[derive(Default)]
+pub(super) struct Filling {
+    curve: Driver<Map>,
+    check: Driver<MapCheck>,
+    /// The scene of the present curve.
+    started: Option<Scene>,
+    /// Why there is no curve.
+    error: Option<String>,
+}
+
+impl Filling {
+    /// Starts, continues or cancels the study, once a frame. `device`: an implant has no curve. `is_busy`: the plan is
+    /// being solved or edited.
+    pub(super) fn advance(
+        &mut self,
+        scene: &Scene,
+        device: Device,
+        studies: &mut Studies,
+        is_busy: bool,
+    ) {
+        if device == Device::Implant {
+            if self.started.take().is_some() {
+                self.curve.cancel(studies);
+                self.check.cancel(studies);
+            }
+            return;
+        }
+        if !is_busy && self.started.as_ref() != Some(scene) {
+            self.restart(scene, studies);
+        }
+        self.curve.advance(studies);
+        if self.check.study().is_none()
+            && let Some(curve) = self.curve.study().filter(|_| !self.curve.is_running())
+            && let Some(check) = curve.check()
+        {
+            self.check.start(check, studies);
+        }
+        self.check.advance(studies);
+    }
+
+    /// Starts the curve of a scene. Another fill leaves the curve as it is.
+    fn restart(&mut self, scene: &Scene, studies: &mut Studies) {
+        self.started = Some(scene.clone());
+        let mut base = scene.clone();
+        base.insertion = 1.0;
+        let axis = fills(2.0 * scene.implant.base_radius_mm);
+        let is_equal = |curve: &mut Map| curve.axes() == [axis] && curve.move_to(&base);
+        if self.curve.study_mut().is_some_and(is_equal) {
+            return;
+        }
+        self.check.cancel(studies);
+        self.curve.cancel(studies);
+        match Map::new(&base, &[axis], SETTINGS) {
+            Ok(curve) => {
+                self.error = None;
+                self.curve.start(curve, studies);
+            }
+            Err(error) => self.error = Some(error.to_string()),
+        }
+    }
+
+    /// The fill and a value at each solved fill.
+    fn line(&self, quantity: Quantity) -> Vec<[f64; 2]> {
+        let Some(curve) = self.curve.study() else { return Vec::new() };
+        let factor = quantity.display().0;
+        let point = |i| Some([curve.axes()[0].value(i), factor * curve.value(quantity, i, 0)?]);
+        (0..COUNT).filter_map(point).collect()
+    }
+
+    /// Shows the charts with the present fill \[ml\]; returns whether the table should be saved.
+    fn show(&self, ui: &mut Ui, fill: f64) -> bool {
+        let palette = theme::palette(ui.visuals());
+        if let Some(error) = &self.error {
+            ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
+            return false;
+        }
+        for chart in &CHARTS {
+            ui.label(RichText::new(chart.name).small().strong());
+            self.chart(ui, chart, fill, palette);
+            if !chart.legend.is_empty() {
+                quiet(ui, chart.legend);
+            }
+            ui.add_space(SPACE_SMALL);
+        }
+        quiet(ui, &self.caption());
+        if let Some(failure) = self.curve.failure().or_else(|| self.check.failure()) {
+            ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
+        }
+        let is_done = self.curve.study().is_some() && !self.curve.is_running();
+        let save = ui.add_enabled(is_done, egui::Button::new("Save table (CSV)…"));
+        save.on_hover_text("All results of all fills").clicked()
+    }
+
+    fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
+        let line = self.line(chart.quantity);
+        let name = chart.name.to_owned();
+        let read = move |at: &HoverPosition<'_>| match at {
+            HoverPosition::NearDataPoint { position: at, .. } => {
+                Some(format!("{:.0} ml\n{name}: {:.1}", at.x, at.y))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        };
+        Plot::new(chart.name)
+            .height(HEIGHT)
+            .sense(Sense::hover())
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .include_y(0.0)
+            .x_axis_label("fill (ml)")
+            .label_formatter(read)
+            .show(ui, |plot| {
+                let ends = line.first().zip(line.last()).map(|(a, b)| (a[0], b[0]));
+                if chart.quantity == Quantity::GreatestPressureMmhg {
+                    let (least, most) = FILLING_PRESSURE_MMHG;
+                    let top = line.iter().fold(0.0, |top: f64, point| top.max(point[1]));
+                    // A range far above the curve would flatten the curve.
+                    if let Some((from, to)) = ends.filter(|_| top > 0.5 * least) {
+                        let corners = [[from, least], [to, least], [to, most], [from, most]];
+                        shade(plot, corners, palette);
+                    }
+                }
+                if chart.quantity == Quantity::SkinAreaGainCm2 {
+                    let part = |point: &[f64; 2]| [point[0], REALISED_AREA_GAIN * point[1]];
+                    let kept = Line::new("", line.iter().map(part).collect::<Vec<_>>());
+                    plot.line(kept.color(palette.curves[0]).style(LineStyle::dotted_dense()));
+                }
+                if let Some(second) = chart.second {
+                    plot.line(Line::new("", self.line(second)).color(palette.curves[0]).width(1.0));
+                }
+                plot.points(Points::new("", line.clone()).color(palette.curves[0]).radius(2.0));
+                plot.line(Line::new("", line).color(palette.curves[0]).width(2.0));
+                plot.vline(VLine::new("", fill).color(palette.accent).width(1.5));
+            });
+    }
+
+    /// The curves in words: progress or ends, missing fills, and the difference from a finer grid.
+    fn caption(&self) -> String {
+        let (done, all) = self.curve.progress();
+        let Some(curve) = self.curve.study().filter(|_| done == all) else {
+            return format!("{done} of {COUNT} fills computed.");
+        };
+        let line = self.line(Quantity::GreatestPressureMmhg);
+        let mut words = Vec::new();
+        if let (Some([least, low]), Some([most, high])) = (line.first(), line.last()) {
+            words.push(format!(
+                "From {least:.0} to {most:.0} ml the greatest pressure goes from {low:.0} to {high:.0} mmHg. The \
+                 upright line is this plan's fill."
+            ));
+        }
+        if line.len() < COUNT {
+            words.push(format!("{} of {COUNT} fills have no answer.", COUNT - line.len()));
+        }
+        let nodes = SETTINGS.nodes_per_side;
+        let check = self.check.study().filter(|_| !self.check.is_running());
+        let differences = check.map(|check| curve.differences(check)).unwrap_or_default();
+        let of = |quantity: Quantity| {
+            let found = differences.iter().find(|found| found.quantity == quantity)?;
+            Some(within_text(quantity, found.difference))
+        };
+        let found: Vec<String> = CHARTS.iter().filter_map(|chart| of(chart.quantity)).collect();
+        if !found.is_empty() {
+            words.push(format!(
+                "{nodes} nodes a side, within {} of the fine grid.",
+                found.join(", ")
+            ));
+        }
+        words.join(" ")
+    }
+}
+
+/// The fills of a base width \[mm\], in whole 10 ml, within the limits of a scene.
+fn fills(base_width_mm: f64) -> Axis {
+    let radius = 0.5 * base_width_mm;
+    let volume = |ratio: f64| {
+        let (least, most) = limits::PROJECTION_MM;
+        let projection = (ratio * radius).clamp(least, most);
+        Size::of_width_and_projection(base_width_mm, projection).map_or(0.0, Size::volume_ml)
+    };
+    let (least, most) = (volume(RATIOS.0), volume(RATIOS.1));
+    // A small base has a small step.
+    let step = if most - least > 100.0 { 10.0 } else { 0.1 };
+    let (from, to) = ((least / step).ceil() * step, (most / step).floor() * step);
+    Axis { field: Parameter::Volume, from, to, count: COUNT }
+}
+
+/// Shades a quadrilateral.
+fn shade(plot: &mut PlotUi<'_>, corners: [[f64; 2]; 4], palette: &Palette) {
+    let color = palette.caution.gamma_multiply(0.15);
+    let area = Polygon::new("", corners.to_vec()).fill_color(color);
+    plot.polygon(area.stroke(egui::Stroke::NONE).allow_hover(false));
+}
+
+fn quiet(ui: &mut Ui, words: &str) {
+    ui.add(egui::Label::new(RichText::new(words).small().weak()).wrap());
+}
+
+impl App {
+    /// The curves over the fill; nothing for an implant.
+    pub(super) fn filling(&mut self, ui: &mut Ui) {
+        if self.plan.device != Device::Expander {
+            return;
+        }
+        let fill = Parameter::Volume.value(self.session.scene()).unwrap_or_default();
+        let mut is_saved = false;
+        group(ui, "Filling", |ui| is_saved = self.filling.show(ui, fill));
+        if is_saved && let Some(curve) = self.filling.curve.study() {
+            self.files.save(ui.ctx(), "filling.csv", curve.csv());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fills_lie_within_the_limits_and_between_the_ratios() {
+        for width in [20.0, 60.0, 120.0, 240.0] {
+            let axis = fills(width);
+            assert!(axis.from < axis.to, "{width}: {axis:?}");
+            for volume in axis.values() {
+                let dome = Size::of_width_and_volume(width, volume).unwrap();
+                assert!((0.14..=1.001).contains(&dome.ratio()), "{width}: {volume}");
+            }
+        }
+        assert_eq!((fills(120.0).from, fills(120.0).to), (70.0, 450.0));
+    }
+}

@@ -1,0 +1,96 @@
+//! The values of the samples of bands: two scenes compared sample by sample.
+
+use super::percentile::{PERCENTILES, percentile};
+use super::{Bands, Quantity, Unknown};
+use std::collections::BTreeMap;
+
+/// Fewest samples with an answer of a band: among fewer the 10th percentile is next to the lowest.
+pub const LEAST_ANSWERS: usize = 10;
+
+/// The values of all samples of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    seed: u32,
+    unknowns: Vec<Unknown>,
+    /// A value for each sample; `None` without an answer \[unit of the quantity\].
+    values: BTreeMap<Quantity, Vec<Option<f64>>>,
+}
+
+impl Bands {
+    /// The values of the samples solved so far.
+    #[must_use]
+    pub fn values(&self) -> Samples {
+        let of = |quantity: Quantity| {
+            let values: Vec<Option<f64>> = self.sample_values(quantity).collect();
+            values.iter().any(Option::is_some).then_some((quantity, values))
+        };
+        Samples {
+            seed: self.settings().seed,
+            unknowns: self.unknowns().iter().map(|(unknown, _)| *unknown).collect(),
+            values: Quantity::ALL.into_iter().filter_map(of).collect(),
+        }
+    }
+}
+
+impl Samples {
+    /// 10th percentile, median and 90th percentile of a quantity; `None` from fewer than [`LEAST_ANSWERS`] samples.
+    #[must_use]
+    pub fn band(&self, quantity: Quantity) -> Option<[f64; 3]> {
+        band(self.values.get(&quantity)?.iter().copied().flatten().collect())
+    }
+
+    /// The same percentiles of this scene's value less the other's. Sample k of both scenes has every unknown at the same
+    /// probability: the band is that of the difference for the same sampled patients, narrower than the difference of two
+    /// bands. `None` if the samples are not those of the same unknowns and seed, or too few have both answers.
+    #[must_use]
+    pub fn difference(&self, other: &Self, quantity: Quantity) -> Option<[f64; 3]> {
+        if (self.seed, &self.unknowns) != (other.seed, &other.unknowns) {
+            return None;
+        }
+        let pairs = self.values.get(&quantity)?.iter().zip(other.values.get(&quantity)?);
+        band(pairs.filter_map(|(a, b)| Some((*a)? - (*b)?)).collect())
+    }
+}
+
+fn band(mut values: Vec<f64>) -> Option<[f64; 3]> {
+    if values.len() < LEAST_ANSWERS {
+        return None;
+    }
+    values.sort_by(f64::total_cmp);
+    let [low, median, high] = PERCENTILES.map(|p| percentile(&values, p));
+    Some([low?, median?, high?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(values: Vec<Option<f64>>) -> Samples {
+        let values = BTreeMap::from([(Quantity::ForceN, values)]);
+        Samples { seed: 1, unknowns: vec![Unknown::PocketRadius], values }
+    }
+
+    #[test]
+    fn the_band_of_a_difference_is_that_of_pairs() {
+        let of = |shift: f64| samples((0..101).map(|k| Some(f64::from(k) + shift)).collect());
+        let close = |band: Option<[f64; 3]>, known: [f64; 3]| {
+            band.unwrap().iter().zip(known).all(|(a, b)| (a - b).abs() < 1e-9)
+        };
+        assert!(close(of(0.0).band(Quantity::ForceN), [10.0, 50.0, 90.0]));
+        // A constant shift of wide bands is certain.
+        assert!(close(of(3.0).difference(&of(0.0), Quantity::ForceN), [3.0; 3]));
+        assert_eq!(of(0.0).band(Quantity::LeastCoverMm), None);
+        let other_seed = Samples { seed: 2, ..of(0.0) };
+        assert_eq!(of(0.0).difference(&other_seed, Quantity::ForceN), None);
+    }
+
+    #[test]
+    fn pairs_without_both_answers_are_left_out() {
+        let a = samples((0..12).map(|k| (k != 3).then_some(f64::from(k))).collect());
+        let b = samples((0..12).map(|k| (k != 7).then_some(0.0)).collect());
+        let [low, _, high] = a.difference(&b, Quantity::ForceN).unwrap();
+        assert!((low - 0.9).abs() < 1e-9 && (high - 10.1).abs() < 1e-9, "{low} {high}");
+        let few = samples(vec![Some(1.0); 9]);
+        assert_eq!(few.band(Quantity::ForceN), None);
+    }
+}

@@ -1,0 +1,72 @@
+//! The section "Filling" of an expander: curves over the fill, kept while the fill changes.
+
+use super::*;
+use implant_preview::scene::limits;
+use implant_preview::simulate::simulate;
+
+const WORDS: &str = "the greatest pressure goes from";
+
+/// An expander in a sheet, with its curves and their comparison with the fine grid.
+fn filled() -> Harness<'static, App> {
+    let mut harness = app(WIDE, |scene| {
+        *scene = opening();
+        scene.set_tissue_model(TissueModel::Sheet);
+        scene.solver.nodes_per_side = 33;
+    });
+    assert!(harness.query_by_label("Filling").is_none());
+    press(&mut harness, "expander");
+    wait_for(&mut harness, "of the fine grid");
+    harness
+}
+
+/// Runs frames until a label contains these words.
+fn wait_for(harness: &mut Harness<'static, App>, words: &str) {
+    let start = std::time::Instant::now();
+    while harness.query_by_label_contains(words).is_none() {
+        assert!(start.elapsed().as_secs() < 300, "no label contains {words:?}");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+fn caption(harness: &Harness<'static, App>) -> String {
+    harness.get_by_label_contains(WORDS).value().unwrap()
+}
+
+#[test]
+fn the_ends_of_the_curves_are_single_solves() {
+    let harness = filled();
+    let pressure = |ml: f64| {
+        let mut scene = harness.state().session().scene().clone();
+        let radius = scene.implant.base_radius_mm;
+        scene.implant.projection_mm = 1500.0 * ml / (std::f64::consts::PI * radius * radius);
+        (scene.solver.nodes_per_side, scene.solver.tolerance) = (129, 1e-4);
+        simulate(&scene).unwrap().contact_pressure_mmhg.unwrap().max
+    };
+    let text = caption(&harness);
+    let numbers: Vec<f64> = text.split(' ').filter_map(|word| word.parse().ok()).collect();
+    let [least, most, low, high] = numbers[..4] else { panic!("{text}") };
+    // A tenth and the whole of a half sphere of 12 cm.
+    assert_eq!((least, most), (70.0, 450.0));
+    assert!(limits::PROJECTION_MM.1 > 60.0);
+    for (fill, shown) in [(least, low), (most, high)] {
+        let computed = pressure(fill);
+        assert!((shown - computed).abs() <= 0.5 + 0.03 * computed, "{fill} ml: {shown} {computed}");
+    }
+}
+
+#[test]
+fn another_fill_keeps_the_curves_and_another_base_renews_them() {
+    let mut harness = filled();
+    let before = caption(&harness);
+    type_into(&mut harness, "Fill (ml)", "250");
+    harness.step();
+    assert_eq!(caption(&harness), before);
+    type_into(&mut harness, "Width (cm)", "11");
+    harness.step();
+    assert!(harness.query_by_label_contains(WORDS).is_none(), "the curves of another base");
+    wait_for(&mut harness, "of the fine grid");
+    assert_ne!(caption(&harness), before);
+    press(&mut harness, "implant");
+    assert!(harness.query_by_label("Filling").is_none());
+}
