@@ -397,6 +397,22 @@ pub(super) fn band_color(ui: &Ui, band: usize) -> Color32 {
     [palette.text, palette.caution, palette.bad, palette.bad][band.min(3)]
 }
 
+/// The cards in words: title, figure, word, further line.
+pub(super) fn rows(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
+    let outcome = visible(session, PreviousResults::Shown);
+    let cards = cards(&Answer::new(outcome, session.scene()), findings);
+    let row = |card: Card| {
+        let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
+        [
+            card.title.to_owned(),
+            format!("{} {}", card.figure, card.beside),
+            word.to_owned(),
+            card.line,
+        ]
+    };
+    cards.into_iter().map(row).collect()
+}
+
 /// Shows warnings, which apply to all numbers.
 fn warnings(ui: &mut Ui, outcome: Option<&Outcome>) {
     let palette = theme::palette(ui.visuals());
@@ -412,7 +428,7 @@ fn warnings(ui: &mut Ui, outcome: Option<&Outcome>) {
 }
 
 /// The limits of a quantity with their sources, one per line, and what a reader must know about them.
-fn text_of(limits: &Limits) -> String {
+pub(super) fn text_of(limits: &Limits) -> String {
     let sources = limits.bands.iter().map(|band| band.source).filter(|source| !source.is_empty());
     sources.chain([limits.note]).collect::<Vec<_>>().join("\n")
 }

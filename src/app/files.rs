@@ -42,9 +42,10 @@ impl Files {
         });
     }
 
-    /// Opens a dialog for a file name and writes the text.
+    /// Opens a dialog for a file name and writes the content.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn save(&self, ctx: &Context, suggestion: &str, text: String) {
+    pub(super) fn save(&self, ctx: &Context, suggestion: &str, content: impl Into<Vec<u8>>) {
+        let content = content.into();
         let extension = suggestion.rsplit('.').next().unwrap_or_default();
         let dialog = rfd::AsyncFileDialog::new()
             .add_filter(extension.to_uppercase(), &[extension])
@@ -53,19 +54,19 @@ impl Files {
         self.run(ctx, async move {
             let file = dialog.await?;
             let name = file.file_name();
-            Some(match file.write(text.as_bytes()).await {
+            Some(match file.write(&content).await {
                 Ok(()) => FileEvent::Saved(name),
                 Err(error) => FileEvent::Failed(format!("{name} was not saved: {error}")),
             })
         });
     }
 
-    /// Passes the text to the browser's downloads. A dialog in the page could only report that a download
+    /// Passes the content to the browser's downloads. A dialog in the page could only report that a download
     /// was offered, not that the file was saved.
     #[cfg(target_arch = "wasm32")]
-    pub(super) fn save(&self, _: &Context, name: &str, text: String) {
+    pub(super) fn save(&self, _: &Context, name: &str, content: impl Into<Vec<u8>>) {
         let name = name.to_owned();
-        let event = match download(&name, &text) {
+        let event = match download(&name, &content.into()) {
             Ok(()) => FileEvent::Saved(name),
             Err(error) => FileEvent::Failed(format!("{name} was not saved: {error:?}")),
         };
@@ -121,12 +122,13 @@ pub(super) fn date() -> String {
 }
 
 #[cfg(target_arch = "wasm32")]
-fn download(name: &str, text: &str) -> Result<(), wasm_bindgen::JsValue> {
-    use wasm_bindgen::{JsCast as _, JsValue};
+fn download(name: &str, content: &[u8]) -> Result<(), wasm_bindgen::JsValue> {
+    use wasm_bindgen::JsCast as _;
     let document = web_sys::window().and_then(|w| w.document()).ok_or("there is no document")?;
-    let parts = js_sys::Array::of1(&JsValue::from_str(text));
-    let address =
-        web_sys::Url::create_object_url_with_blob(&web_sys::Blob::new_with_str_sequence(&parts)?)?;
+    let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(content));
+    let address = web_sys::Url::create_object_url_with_blob(
+        &web_sys::Blob::new_with_u8_array_sequence(&parts)?,
+    )?;
     let link: web_sys::HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
     link.set_href(&address);
     link.set_download(name);

@@ -7,7 +7,7 @@
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `ui` arranges the screen: `plan` with `advanced` on the left, `viewport` with `view_bar` or `range` in the
 //! middle, `answer` with `filling`, `uncertainty`, `details` and `plots` on the right. `messages` shows notices and the
-//! pages without a picture.
+//! pages without a picture; `report` saves picture and report.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
@@ -25,6 +25,7 @@ mod messages;
 mod plan;
 mod plots;
 mod range;
+mod report;
 mod stability;
 mod stats;
 mod status;
@@ -52,6 +53,7 @@ use focus::Focus;
 use logic::RunningSolve;
 use messages::Notice;
 use range::Range;
+use report::Shots;
 use status::Timing;
 use std::sync::Arc;
 use studies::Studies;
@@ -68,6 +70,7 @@ pub struct App {
     compare: Compare,
     keep: Keep,
     files: Files,
+    shots: Shots,
     timing: Timing,
     studies: Studies,
     range: Range,
@@ -117,6 +120,7 @@ impl App {
             compare: Compare::default(),
             keep: Keep::default(),
             files: Files::new(),
+            shots: Shots::default(),
             timing: Timing::default(),
             studies: Studies::new(ctx, runner),
             range: Range::default(),

@@ -1,5 +1,6 @@
 //! The toolbar: files, history, examples, theme; the window "Help"; the words "Not a medical device".
 
+use super::report::Purpose;
 use super::widgets::button_if;
 use super::{App, plan, theme};
 use crate::scene::Scene;
@@ -61,9 +62,24 @@ impl App {
             // The result of another scene is never saved.
             let has_result = self.session.result().is_some();
             let save = ui.add_enabled(has_result, egui::Button::new("Save numbers (JSON)…"));
-            if save.on_disabled_hover_text("No result yet: the plan is being computed").clicked() {
+            if save.on_disabled_hover_text(NO_RESULT).clicked() {
                 self.save_result(&ctx);
                 ui.close();
+            }
+            for (name, tooltip, purpose) in [
+                ("Save picture (PNG)…", "The window as it is", Purpose::Picture),
+                (
+                    "Save report (HTML)…",
+                    "One page with picture, plan, numbers, pins and limits; prints on paper",
+                    Purpose::Report,
+                ),
+            ] {
+                let save = ui.add_enabled(has_result, egui::Button::new(name));
+                let save = save.on_disabled_hover_text(NO_RESULT).on_hover_text(tooltip);
+                if save.clicked() {
+                    self.shots.want(purpose, &ctx);
+                    ui.close();
+                }
             }
             ui.separator();
             ui.label(RichText::new("Examples").small().weak());
@@ -136,6 +152,9 @@ impl App {
             });
     }
 }
+
+/// Why a result is not saved.
+const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// Keys and their effects, for the help.
 const KEYS: [(&str, &str); 10] = [

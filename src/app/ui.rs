@@ -211,6 +211,7 @@ impl App {
         if layout == Layout::Wide {
             self.middle_switch(ui);
         }
+        self.shots.set_view(ui.available_rect_before_wrap());
         if self.range.is_open {
             self.range_page(ui, scene, layout);
         } else {

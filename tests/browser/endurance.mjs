@@ -37,8 +37,11 @@ async function findSliders(page) {
   for (const [control, field] of SLIDERS) found(field, await harness.control(page, control));
   // Back from the picture: on the way there the panel would be scrolled.
   await harness.focusPicture(page);
-  for (let k = 0; k < 2; k += 1) await harness.tab(page, { back: true });
-  const insertion = await harness.focused(page);
+  let insertion;
+  for (let k = 0; k < 8 && insertion?.name !== "In place (%)"; k += 1) {
+    await harness.tab(page, { back: true });
+    insertion = await harness.focused(page);
+  }
   assert.equal(insertion.name, "In place (%)");
   found("insertion", insertion);
   return sliders;

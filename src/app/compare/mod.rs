@@ -9,6 +9,7 @@ mod keep;
 mod table;
 
 pub(super) use keep::Keep;
+pub(super) use table::rows;
 
 use super::App;
 use super::theme::{self, Palette};

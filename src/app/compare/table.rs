@@ -140,6 +140,32 @@ pub(super) fn show<'a>(
     });
 }
 
+/// The table as texts, heads first; a band stands in brackets.
+pub(in crate::app) fn rows<'a>(
+    session: &Session,
+    sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+) -> Vec<Vec<String>> {
+    let columns: Vec<(&Scene, Option<&Outcome>)> = [(session.scene(), session.result())]
+        .into_iter()
+        .chain(session.pins().iter().map(|pin| (pin.scene(), pin.outcome())))
+        .collect();
+    let pins = session.pins().iter().map(|pin| match pin.name() {
+        "" => pin.letter().to_string(),
+        name => format!("{}: {name}", pin.letter()),
+    });
+    let head = ["".to_owned(), "this plan".to_owned()].into_iter().chain(pins).collect();
+    let cell = |row: &Row, (scene, outcome): (&Scene, Option<&Outcome>)| {
+        let text = row.text(row.of(scene, outcome).as_ref());
+        let band = row.band(sampled(scene), None);
+        band.map_or(text.clone(), |band| format!("{text} ({})", range(band, row.decimals)))
+    };
+    let row = |row: &Row| {
+        let name = format!("{}, {}", row.name, row.unit);
+        [name].into_iter().chain(columns.iter().map(|column| cell(row, *column))).collect()
+    };
+    [head].into_iter().chain(ROWS.iter().map(row)).collect()
+}
+
 fn show_row<'a>(
     ui: &mut Ui,
     row: &Row,
@@ -174,14 +200,19 @@ fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Optio
             response.on_hover_text(word(entry.value));
         }
         if let Some(band) = band {
-            let [low, high] = band.map(|value| signed(value, row.decimals));
-            // A minus after the dash of a range would not be read.
-            let dash = if high.starts_with('−') { " to " } else { "–" };
-            ui.small(format!("{low}{dash}{high}")).on_hover_text(
+            ui.small(range(band, row.decimals)).on_hover_text(
                 "10th to 90th percentile of the sampled patients; of a difference, of the same patients",
             );
         }
     });
+}
+
+/// A band, as "4.5–6.1".
+fn range(band: [f64; 2], decimals: usize) -> String {
+    let [low, high] = band.map(|value| signed(value, decimals));
+    // A minus after the dash of a range would not be read.
+    let dash = if high.starts_with('−') { " to " } else { "–" };
+    format!("{low}{dash}{high}")
 }
 
 /// A number with a true minus.

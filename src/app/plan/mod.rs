@@ -15,9 +15,48 @@ pub(super) use pocket::pocket;
 pub(super) use position::position;
 
 use super::theme;
-use super::widgets::{Control, ControlResponse, Kind, quantity::significant};
-use crate::clinical::Dimension;
+use super::widgets::quantity::{format_at_most, significant};
+use super::widgets::{Control, ControlResponse, Kind};
+use crate::clinical::{Dimension, Size};
+use crate::curve::number;
+use crate::scene::{Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
+
+/// The plan in words: names and values.
+pub(super) fn rows(scene: &Scene) -> Vec<(&'static str, String)> {
+    let implant = &scene.implant;
+    let width = 2.0 * implant.base_radius_mm;
+    let size = Size::of_width_and_projection(width, implant.projection_mm).ok();
+    let centimetres = |mm: f64| format!("{} cm", format_at_most(cm(mm), 1, 2));
+    let layer = |layer: &Layer| {
+        let [thickness, ratio] = [layer.thickness_mm, layer.poisson_ratio].map(number);
+        format!("{} {thickness} mm (Poisson ratio {ratio})", layer.tissue)
+    };
+    let measured = scene.patient.as_ref().map(|patient| patient.measured);
+    let pinch = measured.and_then(|m| m.pinch_mm).map(|pinch| ("Pinch", centimetres(pinch)));
+    let class = measured.and_then(|m| m.skin_class).map(|class| ("Skin", class.word().to_owned()));
+    let pull =
+        measured.and_then(|m| m.skin_pull_mm).map(|pull| ("Pull of the skin", centimetres(pull)));
+    let [x, y] = implant.center_mm;
+    let layers: Vec<String> = scene.layers.iter().map(layer).collect();
+    let margin = scene.pocket_radius_mm - implant.base_radius_mm;
+    [
+        Some(("Width", centimetres(width))),
+        size.map(|size| ("Volume", format!("{:.0} ml", size.volume_ml()))),
+        Some(("Projection", centimetres(implant.projection_mm))),
+        size.map(|size| ("Profile", size.profile().word().to_owned())),
+        pinch,
+        class,
+        pull,
+        Some(("Tissue", layers.join(", "))),
+        Some(("Pocket", format!("implant + {}", centimetres(margin)))),
+        Some(("Position", format!("{} to the side, {} up", centimetres(x), centimetres(y)))),
+        Some(("In place", format!("{:.0} %", 100.0 * scene.insertion))),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
 
 /// What moves the controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

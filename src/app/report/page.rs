@@ -1,0 +1,165 @@
+//! The HTML of a report.
+
+use crate::study::NOTES;
+use base64::Engine as _;
+use std::fmt::Write as _;
+
+/// The content of a report.
+pub(super) struct Page<'a> {
+    /// Address of the picture.
+    pub(super) picture: String,
+    /// Date and time (UTC, RFC 3339).
+    pub(super) date: String,
+    /// The answer in one sentence.
+    pub(super) headline: String,
+    /// The plan: names and values.
+    pub(super) plan: Vec<(&'static str, String)>,
+    /// Model and accuracy in words.
+    pub(super) model: String,
+    /// The cards: title, figure, word, further line.
+    pub(super) cards: Vec<[String; 4]>,
+    pub(super) warnings: &'a [String],
+    /// The results of the plan and of the pins; the first row contains the heads of the columns.
+    pub(super) table: Vec<Vec<String>>,
+    /// Do the results have bands?
+    pub(super) has_bands: bool,
+    /// Limits with their sources, a source in a line.
+    pub(super) limits: Vec<String>,
+    /// The plan's file.
+    pub(super) plan_json: String,
+}
+
+const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
+     alone.";
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-width:860px;margin:24px auto;padding:0 16px}\
+    h1{font-size:22px;margin:0}h2{font-size:17px;margin:22px 0 6px}img{max-width:100%;border:1px solid #ccc}\
+    table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
+    border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
+    .quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
+    .note{border-left:4px solid #b26a00;padding-left:10px}";
+
+impl Page<'_> {
+    /// The file, without scripts and outside addresses.
+    pub(super) fn html(&self) -> String {
+        let mut body = String::new();
+        let page = &mut body;
+        put(page, "h1", "Implant preview");
+        put(page, "p", &self.headline);
+        let _ = write!(page, "<p class=\"note\">{}</p>", escaped(DISCLAIMER));
+        let date = format!("{} · version {}", self.date, env!("CARGO_PKG_VERSION"));
+        let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&date));
+        let _ = write!(page, "<img alt=\"Picture of the plan\" src=\"{}\">", self.picture);
+        put(page, "h2", "Plan");
+        let rows = self.plan.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]);
+        table(page, "", None, rows);
+        let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.model));
+        put(page, "h2", "What happens");
+        table(page, "", None, self.cards.iter().map(|card| card.to_vec()));
+        for warning in self.warnings {
+            let _ = write!(page, "<p class=\"note\">{}</p>", escaped(warning));
+        }
+        put(page, "h2", "Numbers");
+        let (head, rows) = self.table.split_first().map_or((None, &[][..]), |(h, r)| (Some(h), r));
+        table(page, "numbers", head, rows.iter().cloned());
+        if self.has_bands {
+            let words = "In brackets: 10th to 90th percentile of the sampled patients.";
+            let _ = write!(page, "<p class=\"quiet\">{words} {}</p>", escaped(NOTES[0]));
+        }
+        put(page, "h2", "Where limits come from");
+        for limits in &self.limits {
+            let lines: Vec<String> = limits.lines().map(escaped).collect();
+            let _ = write!(page, "<p class=\"quiet\">{}</p>", lines.join("<br>"));
+        }
+        let _ = write!(
+            page,
+            "<details><summary>The plan's file</summary><pre>{}</pre></details>",
+            escaped(&self.plan_json)
+        );
+        format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
+             style-src 'unsafe-inline'\">\
+             <meta name=\"viewport\" content=\"width=device-width\">\
+             <title>Implant preview: report</title><style>{STYLE}</style></head><body>{body}</body></html>\n"
+        )
+    }
+}
+
+/// A picture (PNG) as an address.
+pub(super) fn data_address(png: &[u8]) -> String {
+    let text = base64::engine::general_purpose::STANDARD.encode(png);
+    format!("data:image/png;base64,{text}")
+}
+
+fn put(page: &mut String, tag: &str, text: &str) {
+    let _ = write!(page, "<{tag}>{}</{tag}>", escaped(text));
+}
+
+fn table(
+    page: &mut String,
+    class: &str,
+    head: Option<&Vec<String>>,
+    rows: impl Iterator<Item = Vec<String>>,
+) {
+    let _ = write!(page, "<table class=\"{class}\">");
+    let mut row = |tag: &str, cells: &[String]| {
+        page.push_str("<tr>");
+        for cell in cells {
+            put(page, tag, cell);
+        }
+        page.push_str("</tr>");
+    };
+    if let Some(head) = head {
+        row("th", head);
+    }
+    for cells in rows {
+        row("td", &cells);
+    }
+    page.push_str("</table>");
+}
+
+/// A text with the signs of HTML as characters.
+fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '>' => result.push_str("&gt;"),
+            '"' => result.push_str("&quot;"),
+            c => result.push(c),
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_contains_its_texts_as_text_only() {
+        let hostile = "<script>alert(1)</script>&\"".to_owned();
+        let page = Page {
+            picture: data_address(&[1, 2, 3]),
+            date: "2026-01-01T00:00:00Z".to_owned(),
+            headline: hostile.clone(),
+            plan: vec![("Width", hostile.clone())],
+            model: hostile.clone(),
+            cards: vec![[(); 4].map(|()| hostile.clone())],
+            warnings: std::slice::from_ref(&hostile),
+            table: vec![vec![hostile.clone()], vec![hostile.clone()]],
+            has_bands: true,
+            limits: vec![hostile.clone()],
+            plan_json: hostile.clone(),
+        };
+        let html = page.html();
+        assert!(!html.contains("<script"), "{html}");
+        let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
+        assert_eq!(count, 12);
+        assert!(html.contains("data:image/png;base64,AQID"));
+        assert!(html.contains("Not a medical device") && html.contains("not a prediction"));
+        assert!(!html.contains("http://") && !html.contains("https://"));
+    }
+}
