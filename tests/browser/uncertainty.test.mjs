@@ -20,13 +20,19 @@ async function typeInto(page, name, text) {
   await page.keyboard.press("Enter");
 }
 
+/** Presses a control by the Space key. */
+async function press(page, name) {
+  await harness.control(page, name);
+  await page.keyboard.press("Space");
+  // A Tab key in the same frame would move the focus first.
+  await page.waitForTimeout(300);
+}
+
 /** Opens the fold, reduces the samples and switches the section on by the keyboard. */
 async function showUnknown(page) {
-  await harness.control(page, "What is not known");
-  await page.keyboard.press("Space");
+  await press(page, "What is not known");
   await typeInto(page, "Sampled patients", String(SAMPLES));
-  await harness.control(page, SWITCH);
-  await page.keyboard.press("Space");
+  await press(page, SWITCH);
 }
 
 /** Waits until all patients are sampled; the sentence of the summary. */
