@@ -42,6 +42,9 @@ async function findSliders(page) {
     await harness.tab(page, { back: true });
     insertion = await harness.focused(page);
   }
+  // The number field after the slider has the same name.
+  await harness.tab(page, { back: true });
+  insertion = await harness.focused(page);
   assert.equal(insertion.name, "In place (%)");
   found("insertion", insertion);
   return sliders;

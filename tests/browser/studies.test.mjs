@@ -209,8 +209,8 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     const { page, finish } = await open();
     const { scene, report, progress, other } = await page.evaluate(async () => {
       const { bands } = implantPreviewApi;
-      // Every sample has an answer: which of two states a sample without one has may depend on the last bit.
-      const scene = JSON.parse(implantPreviewApi.opening_scene());
+      // A sheet: every sample has an answer. Which state a sample without one has may depend on the last bit.
+      const scene = { ...JSON.parse(implantPreviewApi.opening_scene()), tissue_model: "sheet" };
       const progress = [];
       const run = (seed) =>
         bands(
