@@ -90,7 +90,11 @@ impl App {
         } else {
             SLICE
         };
-        let progress = self.session.solve(&mut || now.elapsed() >= slice);
+        let mut progress = self.session.solve(&mut || now.elapsed() >= slice);
+        // A draft to display would cost the opening scene a frame more: the first frames are slow.
+        while is_opening && progress == Progress::Working && now.elapsed() < slice {
+            progress = self.session.solve(&mut || now.elapsed() >= slice);
+        }
         let scene = if is_opening { SliceOf::OpeningScene } else { SliceOf::EditedScene };
         self.timing.add_slice(1000.0 * now.elapsed().as_secs_f64(), scene);
         self.session.conclude();
