@@ -4,14 +4,16 @@ use super::App;
 use super::plan::Device;
 use super::range::within_text;
 use super::studies::{Driver, Studies};
-use super::theme::{self, Palette, SPACE_SMALL};
+use super::theme::{self, Palette, SPACE, SPACE_SMALL};
 use super::widgets::group;
 use crate::clinical::{Size, limits};
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::Scene;
 use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
 use eframe::egui::{self, RichText, Sense, Ui};
-use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotUi, Points, Polygon, VLine};
+use egui_plot::{
+    HoverPosition, Line, LineStyle, Plot, PlotUi, Points, Polygon, VLine, uniform_grid_spacer,
+};
 
 /// Number of fills.
 const COUNT: usize = 21;
@@ -19,8 +21,9 @@ const COUNT: usize = 21;
 const RATIOS: (f64, f64) = (0.15, 1.0);
 /// Grid and tolerance of the fills.
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 65, tolerance: 1e-3 };
-/// Height of a chart \[points\].
+/// Height of a chart, and width of the numbers beside it \[points\].
 const HEIGHT: f32 = 118.0;
+const AXIS_WIDTH: f32 = 24.0;
 
 /// A chart: its quantity with a thick line, and a second one with a thin line.
 struct Chart {
@@ -35,7 +38,8 @@ const CHARTS: [Chart; 3] = [
         name: "Pressure (mmHg)",
         quantity: Quantity::GreatestPressureMmhg,
         second: Some(Quantity::MeanPressureMmhg),
-        legend: "Greatest (thick) and mean. Shaded: 30–60 mmHg, measured right after clinical filling.",
+        legend: "Greatest (thick) and mean. 30–60 mmHg (shaded where the chart reaches so far) were measured right after \
+                 clinical filling.",
     },
     Chart { name: "Force (N)", quantity: Quantity::ForceN, second: None, legend: "" },
     Chart {
@@ -149,38 +153,44 @@ impl Filling {
             }
             HoverPosition::Elsewhere { .. } => None,
         };
-        Plot::new(chart.name)
+        let is_pressure = chart.quantity == Quantity::GreatestPressureMmhg;
+        let mut plot = Plot::new(chart.name)
             .height(HEIGHT)
+            .width(ui.available_width() - SPACE)
+            .y_axis_min_width(AXIS_WIDTH)
             .sense(Sense::hover())
             .allow_scroll(false)
             .allow_drag(false)
             .allow_zoom(false)
             .include_y(0.0)
             .x_axis_label("fill (ml)")
-            .label_formatter(read)
-            .show(ui, |plot| {
-                let ends = line.first().zip(line.last()).map(|(a, b)| (a[0], b[0]));
-                if chart.quantity == Quantity::GreatestPressureMmhg {
-                    let (least, most) = FILLING_PRESSURE_MMHG;
-                    let top = line.iter().fold(0.0, |top: f64, point| top.max(point[1]));
-                    // A range far above the curve would flatten the curve.
-                    if let Some((from, to)) = ends.filter(|_| top > 0.5 * least) {
-                        let corners = [[from, least], [to, least], [to, most], [from, most]];
-                        shade(plot, corners, palette);
-                    }
+            .label_formatter(read);
+        if is_pressure {
+            plot = plot.y_grid_spacer(uniform_grid_spacer(|_| [60.0, 30.0, 10.0]));
+        }
+        plot.show(ui, |plot| {
+            let ends = line.first().zip(line.last()).map(|(a, b)| (a[0], b[0]));
+            if is_pressure {
+                let (least, most) = FILLING_PRESSURE_MMHG;
+                let top = line.iter().fold(0.0, |top: f64, point| top.max(point[1]));
+                // A range far above the curve would flatten the curve.
+                if let Some((from, to)) = ends.filter(|_| top > 0.5 * least) {
+                    let corners = [[from, least], [to, least], [to, most], [from, most]];
+                    shade(plot, corners, palette);
                 }
-                if chart.quantity == Quantity::SkinAreaGainCm2 {
-                    let part = |point: &[f64; 2]| [point[0], REALISED_AREA_GAIN * point[1]];
-                    let kept = Line::new("", line.iter().map(part).collect::<Vec<_>>());
-                    plot.line(kept.color(palette.curves[0]).style(LineStyle::dotted_dense()));
-                }
-                if let Some(second) = chart.second {
-                    plot.line(Line::new("", self.line(second)).color(palette.curves[0]).width(1.0));
-                }
-                plot.points(Points::new("", line.clone()).color(palette.curves[0]).radius(2.0));
-                plot.line(Line::new("", line).color(palette.curves[0]).width(2.0));
-                plot.vline(VLine::new("", fill).color(palette.accent).width(1.5));
-            });
+            }
+            if chart.quantity == Quantity::SkinAreaGainCm2 {
+                let part = |point: &[f64; 2]| [point[0], REALISED_AREA_GAIN * point[1]];
+                let kept = Line::new("", line.iter().map(part).collect::<Vec<_>>());
+                plot.line(kept.color(palette.curves[0]).style(LineStyle::dotted_dense()));
+            }
+            if let Some(second) = chart.second {
+                plot.line(Line::new("", self.line(second)).color(palette.curves[0]).width(1.0));
+            }
+            plot.points(Points::new("", line.clone()).color(palette.curves[0]).radius(2.0));
+            plot.line(Line::new("", line).color(palette.curves[0]).width(2.0));
+            plot.vline(VLine::new("", fill).color(palette.accent).width(1.5));
+        });
     }
 
     /// The curves in words: progress or ends, missing fills, and the difference from a finer grid.
@@ -198,7 +208,9 @@ impl Filling {
             ));
         }
         if line.len() < COUNT {
-            words.push(format!("{} of {COUNT} fills have no answer.", COUNT - line.len()));
+            let missing = COUNT - line.len();
+            let has = if missing == 1 { "has" } else { "have" };
+            words.push(format!("{missing} of {COUNT} fills {has} no answer."));
         }
         let nodes = SETTINGS.nodes_per_side;
         let check = self.check.study().filter(|_| !self.check.is_running());
