@@ -117,7 +117,7 @@ pub(super) fn show<'a>(
 ) {
     let pins = session.pins();
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
-        egui::Grid::new("comparison").num_columns(pins.len() + 2).spacing([10.0, 3.0]).show(
+        egui::Grid::new("comparison").num_columns(pins.len() + 3).spacing([10.0, 3.0]).show(
             ui,
             |ui| {
                 ui.label("");
@@ -189,6 +189,8 @@ fn show_row<'a>(
         }
     }
     cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
+    // Room for the scroll bar.
+    ui.label("");
     ui.end_row();
 }
 
@@ -200,7 +202,8 @@ fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Optio
             response.on_hover_text(word(entry.value));
         }
         if let Some(band) = band {
-            ui.small(range(band, row.decimals)).on_hover_text(
+            let text = RichText::new(range(band, row.decimals)).small();
+            ui.add(egui::Label::new(text).extend()).on_hover_text(
                 "10th to 90th percentile of the sampled patients; of a difference, of the same patients",
             );
         }
@@ -224,7 +227,8 @@ fn signed(value: f64, decimals: usize) -> String {
 
 fn header(ui: &mut Ui, text: &str) -> egui::Response {
     let layout = egui::Layout::top_down(egui::Align::Max);
-    ui.with_layout(layout, |ui| ui.label(RichText::new(text).strong())).inner
+    let label = egui::Label::new(RichText::new(text).strong()).extend();
+    ui.with_layout(layout, |ui| ui.add(label)).inner
 }
 
 fn name_of(pin: &Pin) -> String {
