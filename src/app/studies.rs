@@ -204,6 +204,7 @@ impl<S: Study> Driver<S> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
+    use crate::solve::Progress;
     use crate::study::{Axis, JobPanic, Map, MapSettings, evaluate};
     use std::cell::RefCell;
     use std::collections::VecDeque;
@@ -315,8 +316,7 @@ mod tests {
         let (mut studies, log) = studies(&[]);
         let map = map(20.0);
         let mut session = Session::new(map.scene(7, 0).unwrap()).unwrap();
-        session.solve(&mut || false);
-        session.conclude();
+        while session.advance(&mut || false) == Progress::Working {}
         studies.share(&session);
         studies.share(&session);
         assert_eq!((studies.store.len(), studies.store.solved()), (1, 0));
