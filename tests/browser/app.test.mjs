@@ -187,7 +187,8 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.ok(down > 20, `the panel was scrolled by ${down} pixels`);
     await swipe(...beside(rail), 4, -90);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
-    // Along it, it moves.
+    // Along it, it moves, once the panel is at rest.
+    await settled(page);
     rail = await harness.focused(page);
     await swipe(...beside(rail), -40, 3);
     const { insertion } = JSON.parse(await page.evaluate(() => implantPreview.scene()));
@@ -195,6 +196,8 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     // A number field asks for the keyboard with digits, nothing else does.
     const keyboard = () => page.locator("#implant-preview-canvas + input").getAttribute("inputmode");
     assert.notEqual(await keyboard(), "decimal");
+    await settled(page);
+    rail = await harness.focused(page);
     await page.touchscreen.tap(rail.x + rail.width + 40, rail.y + rail.height / 2);
     await page.waitForTimeout(500);
     assert.equal(await keyboard(), "decimal");
