@@ -157,11 +157,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Ends a cycle of a coarser grid, whose solution is only a start.
     fn check_start(&mut self) -> State {
         let Self { convergence, grid, base_radius, parameters, .. } = self;
-        let is_enough = convergence.ending.error <= parameters.start_tolerance * *base_radius;
-        let most = match grid {
-            grid if *grid == parameters.first_grid => parameters.max_coarsest_cycles,
-            _ => parameters.max_start_cycles,
+        let (tolerance, most) = match grid {
+            grid if *grid == parameters.first_grid => {
+                (parameters.coarsest_tolerance, parameters.max_coarsest_cycles)
+            }
+            _ => (parameters.start_tolerance, parameters.max_start_cycles),
         };
+        let is_enough = convergence.ending.error <= tolerance * *base_radius;
         if is_enough || convergence.cycles >= most {
             // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well.
             if self.grid == self.parameters.first_grid && !is_enough {

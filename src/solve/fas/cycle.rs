@@ -141,16 +141,20 @@ impl<M: ElasticModel> FullMultigrid<M> {
     fn solve_coarsest(&mut self) {
         let contact = self.contact(0);
         let damping = |omega| Damping { omega, has_hardening: self.parameters.has_hardening };
+        let smoothing = match self.grid {
+            0 => self.parameters.coarsest_start,
+            _ => self.parameters.coarsest_smoothing,
+        };
         let level = &mut self.levels[0];
         if self.grid == 0 || self.mode == Mode::Robust {
             level.invert_blocks(&self.model);
         }
         for _ in 0..self.parameters.coarsest_rounds {
-            for &omega in self.parameters.coarsest_smoothing {
+            for &omega in smoothing {
                 level.smooth(&self.model, contact, damping(omega));
             }
         }
-        let steps = self.parameters.coarsest_rounds * self.parameters.coarsest_smoothing.len();
+        let steps = self.parameters.coarsest_rounds * smoothing.len();
         self.count(0, steps as f64);
     }
 
