@@ -185,7 +185,9 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
     const down = (await harness.focused(page)).y - rail.y;
     assert.ok(down > 20, `the panel was scrolled by ${down} pixels`);
-    await swipe(...beside(rail), 4, -90);
+    // From the slider's upper edge: its lower part may be behind the status line.
+    rail = await harness.focused(page);
+    await swipe(rail.x + 0.3 * rail.width, rail.y + 3, 4, -90);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
     // Along it, it moves, once the panel is at rest.
     await settled(page);

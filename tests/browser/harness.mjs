@@ -316,6 +316,13 @@ export const place = (page) =>
     return id === "implant-preview-canvas" || document.activeElement?.tagName === "INPUT" ? "app" : "page";
   });
 
+/** Waits for three frames of the page, which are slow where they are drawn in software; the app's frames so far. */
+export const drawn = (page) =>
+  page.evaluate(async () => {
+    for (let frames = 0; frames < 3; frames += 1) await new Promise(requestAnimationFrame);
+    return implantPreview.stats().frames;
+  });
+
 /** Presses the Tab key and waits until the focus is elsewhere. */
 export async function tab(page, { back = false } = {}) {
   const state = async () => JSON.stringify([await focused(page), await place(page)]);
@@ -326,21 +333,35 @@ export async function tab(page, { back = false } = {}) {
     await page.waitForTimeout(30);
   }
   // Out of the app it takes a frame more, and scrolling too: until nothing more is drawn.
-  const drawn = () =>
-    page.evaluate(async () => {
-      // Frames are slow where they are drawn in software.
-      for (let frames = 0; frames < 3; frames += 1) await new Promise(requestAnimationFrame);
-      return implantPreview.stats().frames;
-    });
-  for (let last = -1, now; (now = await drawn()) !== last; last = now);
+  for (let last = -1, now; (now = await drawn(page)) !== last; last = now);
 }
 
-/** Goes by the Tab key to the control of a name, and gives its place: the app is one canvas. */
+/** The names of a page's controls in the order of the Tab key, as far as they had the focus. */
+const orders = new WeakMap();
+
+/** Stores the name of a control behind the one that had the focus before. */
+function remember(order, before, name) {
+  if (name !== undefined && !order.includes(name)) order.splice(order.indexOf(before) + 1, 0, name);
+}
+
+/**
+ * Goes by the Tab key to the control of a name, and gives its place: the app is one canvas. Backwards where the control
+ * is known to lie before the present one; of controls of one name (a slider and its number) to the first.
+ */
 export async function control(page, name) {
-  for (let presses = 0; presses < 150; presses += 1) {
-    const now = await focused(page);
-    if (now?.name === name) return now;
-    await tab(page);
+  if (!orders.has(page)) orders.set(page, []);
+  const order = orders.get(page);
+  let now = await focused(page);
+  const [from, to] = [order.indexOf(now?.name), order.indexOf(name)];
+  let back = to >= 0 && to < from;
+  for (let presses = 0; presses < 200; presses += 1) {
+    if (now?.name === name && !back) return now;
+    const was = now?.name;
+    await tab(page, { back });
+    now = await focused(page);
+    if (!back) remember(order, was, now?.name);
+    // Before the first control of the name, or out of the app: forwards again.
+    if (back && (!now || (was === name && now.name !== name))) back = false;
   }
   throw new Error(`no control is called ${name}`);
 }

@@ -199,7 +199,7 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     assert.deepEqual(found.bad.map((line) => typeof line), Array(5).fill("string"));
     assert.equal(found.bad[0], "Error: options: scene is missing; allowed: the scene around which the study varies");
     assert.match(found.bad[1], /^Error: options: missing field `x`/);
-    assert.match(found.bad[2], /^Error: insertion: 1 values; allowed: 2 to 3600$/);
+    assert.match(found.bad[2], /^Error: insertion: count is 1; allowed: 2 to 3600$/);
     assert.match(found.bad[3], /colour/);
     assert.match(found.bad[4], /^Error: insertion is 7; allowed: /);
     await finish();

@@ -40,18 +40,17 @@ pub(super) struct RailResponse {
     pub(super) out_of_range: Option<f64>,
 }
 
-/// State of a press on the rail.
-#[derive(Clone, Copy, Default)]
+/// State of a press on the rail. No state depends on the number of frames of a gesture: frames may be slow.
+#[derive(Clone, Copy)]
 enum Press {
     /// The press is new; in a page its touch event arrives one frame later.
-    #[default]
-    New,
+    New { from: Pos2 },
     /// A finger, still undecided between dragging and scrolling.
     Undecided { from: Pos2 },
     /// The handle follows the pointer at this distance.
     Drag { offset: f32 },
-    /// The panel scrolls.
-    Scroll,
+    /// The panel scrolls; the pointer's last height.
+    Scroll { y: f32 },
 }
 
 impl Rail<'_> {
@@ -92,56 +91,69 @@ impl Rail<'_> {
     /// Position of the handle requested by the pointer.
     fn pointer(&self, ui: &Ui, response: &Response, handle: f32) -> Option<f32> {
         let id = response.id.with("press");
-        let pressed_at =
-            response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
-        let kept = ui.data_mut(|data| data.remove_temp::<Press>(id));
-        let (is_touch, has_touch, delta) = ui
-            .input(|input| (input.any_touches(), input.has_touch_screen(), input.pointer.delta()));
-        let Some(at) = pressed_at else {
-            // A mouse button pressed and released within one or two frames.
-            let is_over = response.clicked() || response.drag_stopped();
-            let is_quick = is_over && !has_touch && !matches!(kept, Some(Press::Drag { .. }));
-            return response.interact_pointer_pos().filter(|_| is_quick).map(|at| at.x);
-        };
-        let is_new = matches!(kept, Some(Press::New));
-        let is_on_handle = (at.x - handle).abs() <= if is_touch { TOUCH_REACH } else { HANDLE };
+        let kept = ui.data_mut(|data| {
+            let kept = data.get_temp::<Press>(id);
+            data.remove::<Press>(id);
+            kept
+        });
+        let is_held = response.is_pointer_button_down_on();
+        let is_released = response.clicked() || response.drag_stopped();
+        let at = response.interact_pointer_pos().filter(|_| is_held || is_released)?;
+        let (origin, delta, has_fingers, has_touch) = ui.input(|input| {
+            let pointer = &input.pointer;
+            (pointer.press_origin(), pointer.delta(), input.any_touches(), input.has_touch_screen())
+        });
+        let is_touch = has_fingers || is_released && has_touch;
         let mut press = match kept {
-            None => Press::New,
-            Some(Press::New) => match (is_touch, is_on_handle) {
-                (_, true) => Press::Drag { offset: handle - at.x },
-                (false, false) => Press::Drag { offset: 0.0 },
-                (true, false) => Press::Undecided { from: at },
-            },
+            None if is_held => Press::New { from: origin.unwrap_or(at) },
+            // A mouse button pressed and released within one frame.
+            None => return (!is_touch).then_some(at.x),
+            Some(Press::New { from }) => {
+                let reach = if is_touch { TOUCH_REACH } else { HANDLE };
+                let is_on_handle = (from.x - handle).abs() <= reach;
+                match (is_touch, is_on_handle) {
+                    (_, true) => Press::Drag { offset: handle - from.x },
+                    (false, false) => Press::Drag { offset: 0.0 },
+                    (true, false) => Press::Undecided { from },
+                }
+            }
             Some(press) => press,
         };
         if let Press::Undecided { from } = press {
-            let travel = (at - from).abs();
-            if travel.x >= DRAG_THRESHOLD && travel.x >= travel.y {
-                press = Press::Drag { offset: handle - at.x };
-            } else if travel.y >= DRAG_THRESHOLD {
-                press = Press::Scroll;
+            let travel = at - from;
+            let (x, y) = (travel.x.abs(), travel.y.abs());
+            if x >= DRAG_THRESHOLD && x >= y {
+                press = Press::Drag { offset: handle - from.x - DRAG_THRESHOLD.copysign(travel.x) };
+            } else if y >= DRAG_THRESHOLD {
+                press = Press::Scroll { y: from.y + DRAG_THRESHOLD.copysign(travel.y) };
             }
         }
-        if is_new && !is_touch {
+        let begins = !matches!(kept, Some(Press::Drag { .. }));
+        if matches!(kept, Some(Press::New { .. })) && !is_touch {
             response.request_focus();
         }
-        ui.data_mut(|data| data.insert_temp(id, press));
-        match press {
-            Press::New => {
+        let requested = match press {
+            Press::New { .. } => {
                 ui.ctx().request_repaint();
                 None
             }
             Press::Undecided { .. } => None,
-            Press::Scroll => {
+            Press::Scroll { y } => {
                 let none = egui::style::ScrollAnimation::none();
-                ui.scroll_with_delta_animation(vec2(0.0, delta.y), none);
+                ui.scroll_with_delta_animation(vec2(0.0, at.y - y), none);
+                press = Press::Scroll { y: at.y };
                 None
             }
             // A handle pressed without motion stays, so that the value keeps its last digit.
             Press::Drag { offset } => {
-                (delta.x != 0.0 || (is_new && offset == 0.0)).then_some(at.x + offset)
+                let x = at.x + offset;
+                ((begins || delta.x != 0.0) && (x - handle).abs() > 1e-3).then_some(x)
             }
+        };
+        if is_held {
+            ui.data_mut(|data| data.insert_temp(id, press));
         }
+        requested
     }
 
     fn keys(&self, ui: &Ui, value: f64) -> Option<f64> {
