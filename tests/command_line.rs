@@ -215,6 +215,8 @@ fn simulate_writes_the_fields_asked_for() {
     result(&["--fields", "status", "--no-profile", "--profile", "some.csv"]);
     let table = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
     assert_eq!(table("some.csv"), table("all.csv"));
+    let both = ["simulate", "scene.json", "--fields", "status,profile.z_mm", "--no-profile"];
+    assert_refused(&folder, &both, "", &["--no-profile", "--fields", "one of the two"]);
     let unknown = ["simulate", "scene.json", "--fields", "strain.max"];
     assert_refused(&folder, &unknown, "", &["--fields", "strain.max", "max_principal"]);
 }
@@ -712,21 +714,24 @@ fn bad_maps_and_bands_are_refused_in_one_line() {
     };
     map(&["--x", "colour=1:2:3"], &["\"colour\" is not a field", "base_width_mm"]);
     map(&["--x", "projection_mm=20:20:5"], &["two different numbers"]);
-    map(&["--x", "projection_mm=20:40:0"], &["0 values"]);
+    map(&["--x", "projection_mm=20:40:0"], &["count is 0", "2 to 3600"]);
     map(&["--x", "projection_mm=20:40:1000000000"], &["a map of 1000000000 points", "3600"]);
     map(&["--x", "projection_mm=20:1e308:5"], &["projection_mm"]);
     map(&["--x", "projection_mm=NaN:40:5"], &["NaN"]);
     map(&["--y", "projection_mm=20:40:5"], &["--x"]);
     map(&["--show", "beauty"], &["\"beauty\" is not a quantity", "greatest_strain"]);
-    map(&["--nodes", "5"], &["nodes_per_side is 5", "17 to 1025"]);
+    map(&["--nodes", "5"], &["'5' for '--nodes <N>'", "17 to 1025"]);
+    map(&["--nodes", "33.5"], &["'33.5'", "17 to 1025"]);
     let bands = |more: &[&'static str], wanted: &[&str]| {
         let arguments = [&["bands", "scene.json"], more].concat();
         assert_refused(&folder, &arguments, "", wanted);
     };
-    bands(&["--samples", "0"], &["samples is 0", "16 to 16384"]);
+    bands(&["--samples", "0"], &["'0' for '--samples <N>'", "16 to 16384"]);
+    bands(&["--samples", "1e9"], &["'1e9'", "16 to 16384"]);
+    bands(&["--nodes", "x"], &["'x'", "17 to 1025"]);
     bands(&["--seed", "-1"], &["0 to 4294967295"]);
     bands(&["--without", "hair"], &["\"hair\" is not an unknown", "skin_thickness"]);
-    bands(&["--settings", "choices.json"], &["choices.json", "hair"]);
+    bands(&["--settings", "choices.json"], &["choices.json: unknowns: ", "hair"]);
     bands(&["--importance", "1000"], &["importance_rows is 1000"]);
     bands(&["--out", "none/b.json"], &["none"]);
     assert_refused(&folder, &["bands", "missing.json"], "", &["missing.json", "cannot be read"]);

@@ -944,8 +944,18 @@ fn a_slider_responds_to_the_keys_of_its_role() {
     assert!((pocket(&harness) - 67.0).abs() < 1e-9, "{}", pocket(&harness));
 }
 
-/// A touch of one finger: start and path.
+/// A touch of one finger: start and path, in quick frames.
 fn swipe(harness: &mut Harness<'static, App>, from: egui::Pos2, travel: egui::Vec2) {
+    swipe_within(harness, from, travel, 10);
+}
+
+/// A touch of one finger whose path takes so many frames.
+fn swipe_within(
+    harness: &mut Harness<'static, App>,
+    from: egui::Pos2,
+    travel: egui::Vec2,
+    frames: usize,
+) {
     let touch = |phase, pos| egui::Event::Touch {
         device_id: egui::TouchDeviceId(0),
         id: egui::TouchId(1),
@@ -962,9 +972,9 @@ fn swipe(harness: &mut Harness<'static, App>, from: egui::Pos2, travel: egui::Ve
     // The page sends the events of a mouse with every touch.
     let events = &mut harness.input_mut().events;
     events.extend([press(from, true), touch(egui::TouchPhase::Start, from)]);
-    harness.step();
     // A tap is down and up within a frame.
     let is_tap = travel == egui::Vec2::ZERO;
+    harness.step();
     if !is_tap {
         harness.step();
     }
@@ -972,7 +982,9 @@ fn swipe(harness: &mut Harness<'static, App>, from: egui::Pos2, travel: egui::Ve
         let at = from + travel * (k as f32 / 10.0);
         let events = &mut harness.input_mut().events;
         events.extend([egui::Event::PointerMoved(at), touch(egui::TouchPhase::Move, at)]);
-        harness.step();
+        if k * frames / 10 > (k - 1) * frames / 10 {
+            harness.step();
+        }
     }
     let at = from + travel;
     let events = &mut harness.input_mut().events;
@@ -1012,6 +1024,27 @@ fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
         "a swipe along the slider left it at {}",
         insertion(&harness)
     );
+}
+
+#[test]
+fn a_swipe_along_a_slider_moves_the_handle_as_far_in_slow_frames() {
+    let travelled = |frames: usize| {
+        let mut harness = app(PHONE, |_| {});
+        harness.get_by_role_and_label(Role::Button, "Show insertion").focus();
+        harness.run();
+        harness.key_press(egui::Key::Tab);
+        (0..8).for_each(|_| harness.step());
+        let at = harness.get_by_role_and_label(Role::Slider, "In place (%)").rect();
+        let from = at.left_center() + egui::vec2(0.5 * at.width(), 0.0);
+        swipe_within(&mut harness, from, egui::vec2(-40.0, 2.0), frames);
+        1.0 - harness.state().session().scene().insertion
+    };
+    let quick = travelled(10);
+    assert!(quick > 0.1, "{quick}");
+    for frames in [1, 2, 5] {
+        let slow = travelled(frames);
+        assert!((slow - quick).abs() < 1e-9, "{frames} frames: {slow} {quick}");
+    }
 }
 
 #[test]

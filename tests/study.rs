@@ -235,8 +235,8 @@ fn a_bad_map_is_one_line() {
         ("projection_mm=20:inf:5", "", "projection_mm from 20 to inf; allowed"),
         ("projection_mm=20:1e308:5", "", "projection_mm = 1"),
         ("projection_mm=-1e308:1e308:5", "", "projection_mm = -1"),
-        ("projection_mm=20:40:0", "", "projection_mm: 0 values; allowed: 2 to 3600"),
-        ("projection_mm=20:40:1", "", "projection_mm: 1 values; allowed"),
+        ("projection_mm=20:40:0", "", "projection_mm: count is 0; allowed: 2 to 3600"),
+        ("projection_mm=20:40:1", "", "projection_mm: count is 1; allowed"),
         ("projection_mm=20:40:1000000000", "", "a map of 1000000000 points; allowed: up to 3600"),
         ("projection_mm=20:40:61", "base_width_mm=90:140:60", "a map of 3660 points"),
         ("projection_mm=20:40:5", "implant.projection_mm=20:40:5", "set the same field"),
@@ -434,6 +434,26 @@ fn unknowns_that_do_not_apply_are_left_out() {
 }
 
 #[test]
+fn an_importance_from_too_few_rows_is_named() {
+    let settings = BandsSettings { samples: 16, importance_rows: 16, ..small(1) };
+    let mut bands = Bands::new(&sheet(), settings).unwrap();
+    let (mut store, mut jobs) = (Cases::default(), 0);
+    while let Some((index, job)) = bands.next_job(&mut store) {
+        assert_eq!(bands.report().remarks, [""; 0]);
+        // The job of the first samples fails.
+        bands.receive(index, if index == 0 { Vec::new() } else { evaluate(&job) }, &mut store);
+        jobs += 1;
+    }
+    assert!(jobs > 1 && bands.is_done());
+    let report = bands.report();
+    assert!(report.bands.iter().all(|band| band.importance.is_empty()));
+    let [line] = &report.remarks[..] else { panic!("{:?}", report.remarks) };
+    let names = report.unknowns.iter().map(|unknown| unknown.name.name());
+    assert!(names.into_iter().all(|name| line.contains(name)), "{line}");
+    assert!(line.ends_with("rows with an answer, of 16; an index needs 16."), "{line}");
+}
+
+#[test]
 fn bad_choices_of_bands_are_one_line() {
     let error = |edit: &dyn Fn(&mut BandsSettings)| {
         let mut settings = small(1);
@@ -460,6 +480,9 @@ fn bad_choices_of_bands_are_one_line() {
         let line = error(&|s| _ = s.unknowns.insert(Unknown::FatModulus, Some(distribution)));
         assert!(line.starts_with("unknowns.fat_modulus is ") && !line.contains('\n'), "{line}");
     }
+    let below = Distribution::Uniform { least: -5.0, most: 9.0 };
+    let line = error(&|s| _ = s.unknowns.insert(Unknown::PoissonRatio, Some(below)));
+    assert!(line.ends_with("allowed: uniform with 0 ≤ least ≤ most ≤ 0.5"), "{line}");
     let all_off = error(&|s| s.unknowns = Unknown::ALL.into_iter().map(|u| (u, None)).collect());
     assert_eq!(all_off, BandsError::NoUnknown.to_string());
     let mut bad = sheet();

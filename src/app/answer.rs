@@ -3,6 +3,7 @@
 
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::uncertainty::Findings;
+use crate::clinical::Size;
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS, Status, no_shape};
 use crate::scene::Scene;
@@ -99,6 +100,10 @@ impl Card {
     fn with_band(mut self, band: Option<&Band>) -> Self {
         let Some(band) = band else { return self };
         let own = std::mem::replace(&mut self.figure, band.text.clone());
+        // The cover of sampled patients may be thicker than the plan's.
+        if let BarScale::Part { .. } = self.scale {
+            self.beside = "at least".to_owned();
+        }
         self.short.1.clone_from(&self.figure);
         (self.value, self.range) = (Some(band.p50), Some([band.p10, band.p90]));
         let mut line = format!("this plan itself: {own}. {}", self.line);
@@ -288,7 +293,8 @@ fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
     if let Some(findings) = findings.filter(|_| card.range.is_some()) {
         let count = findings.answers();
         tooltip = format!(
-            "Median, then 10th to 90th percentile, of {count} sampled patients. The word is the median's; the bar              has a line over the range.\n{tooltip}"
+            "Median, then 10th to 90th percentile, of {count} sampled patients. The word is the median's; the bar \
+             has a line over the range.\n{tooltip}"
         );
     }
     response.on_hover_text(tooltip);
@@ -457,9 +463,8 @@ fn sources(ui: &mut Ui) {
 /// The implant in a few words, as "300 ml, 12 cm".
 fn implant(scene: &Scene) -> (String, String) {
     let implant = &scene.implant;
-    let (radius, projection) = (implant.base_radius_mm, implant.projection_mm);
-    let volume = std::f64::consts::TAU / 3.0 * radius * radius * projection / 1000.0;
-    let width = format!("{:.1}", 0.2 * radius);
+    let volume = implant.size().map_or(0.0, Size::volume_ml);
+    let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
     let width = width.trim_end_matches(".0").to_owned();
     (format!("{volume:.0}"), width)
 }

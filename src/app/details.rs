@@ -2,8 +2,8 @@
 
 use super::answer::band_color;
 use super::uncertainty::Findings;
-use super::widgets::group;
 use super::widgets::quantity::without_negative_zero;
+use super::widgets::{group, remark};
 use crate::measure::{Outcome, Pressure, STRAIN_BANDS};
 use crate::study::Quantity;
 use eframe::egui::{self, RichText, Ui};
@@ -41,7 +41,7 @@ fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, "Skin area gained", gain, 1, "%");
             band(ui, bands, Quantity::SkinAreaGain);
         });
-        hint(
+        remark(
             ui,
             "Right after surgery. With tissue expanders about a third (35 %) of such a gain remained.",
         );
@@ -69,7 +69,7 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, "Pull at the pocket's edge", pull, 2, "kPa");
             band(ui, bands, Quantity::AttachmentTractionKpa);
         });
-        hint(
+        remark(
             ui,
             "Skin and the tissue under it deform separately; the skin over the pocket draws on the skin \
              beyond the pocket.",
@@ -97,9 +97,9 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, "Contact radius, at rest", outcome.contact_material_radius_mm, 1, "mm");
         });
         if let Some(radius) = outcome.contact_material_radius_mm {
-            hint(
+            remark(
                 ui,
-                &format!(
+                format!(
                     "The tissue rests on the implant out to {:.1} cm from its centre, measured at rest.",
                     0.1 * radius
                 ),
@@ -136,7 +136,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                 }
             }
         });
-        hint(
+        remark(
             ui,
             "These stresses are for biaxial stretch, as over an implant. They are higher than the \
              curve's at the same strain, because the curve is measured under uniaxial stretch.",
@@ -230,10 +230,6 @@ pub(super) fn known_decimals(value: f64, decimals: usize, position_error: f64) -
     let open = (10.0 * position_error * value.abs()).max(1e-12);
     let known = (-open.log10()).floor().max(0.0) as usize;
     decimals.min(known)
-}
-
-fn hint(ui: &mut Ui, text: &str) {
-    ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
 }
 
 #[cfg(test)]

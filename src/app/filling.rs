@@ -2,17 +2,18 @@
 
 use super::App;
 use super::plan::Device;
+use super::plots::fixed_plot;
 use super::range::within_text;
 use super::studies::{Driver, Studies};
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
-use super::widgets::group;
+use super::widgets::{group, remark};
 use crate::clinical::{Size, limits};
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::Scene;
 use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
-use eframe::egui::{self, RichText, Sense, Ui};
+use eframe::egui::{self, RichText, Ui};
 use egui_plot::{
-    HoverPosition, Line, LineStyle, Plot, PlotUi, Points, Polygon, VLine, uniform_grid_spacer,
+    HoverPosition, Line, LineStyle, PlotUi, Points, Polygon, VLine, uniform_grid_spacer,
 };
 
 /// Number of fills.
@@ -131,11 +132,11 @@ impl Filling {
             ui.label(RichText::new(chart.name).small().strong());
             self.chart(ui, chart, fill, palette);
             if !chart.legend.is_empty() {
-                quiet(ui, chart.legend);
+                remark(ui, chart.legend);
             }
             ui.add_space(SPACE_SMALL);
         }
-        quiet(ui, &self.caption());
+        remark(ui, self.caption());
         if let Some(failure) = self.curve.failure().or_else(|| self.check.failure()) {
             ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
         }
@@ -154,14 +155,9 @@ impl Filling {
             HoverPosition::Elsewhere { .. } => None,
         };
         let is_pressure = chart.quantity == Quantity::GreatestPressureMmhg;
-        let mut plot = Plot::new(chart.name)
-            .height(HEIGHT)
+        let mut plot = fixed_plot(chart.name, HEIGHT)
             .width(ui.available_width() - SPACE)
             .y_axis_min_width(AXIS_WIDTH)
-            .sense(Sense::hover())
-            .allow_scroll(false)
-            .allow_drag(false)
-            .allow_zoom(false)
             .include_y(0.0)
             .x_axis_label("fill (ml)")
             .label_formatter(read);
@@ -250,10 +246,6 @@ fn shade(plot: &mut PlotUi<'_>, corners: [[f64; 2]; 4], palette: &Palette) {
     let color = palette.caution.gamma_multiply(0.15);
     let area = Polygon::new("", corners.to_vec()).fill_color(color);
     plot.polygon(area.stroke(egui::Stroke::NONE).allow_hover(false));
-}
-
-fn quiet(ui: &mut Ui, words: &str) {
-    ui.add(egui::Label::new(RichText::new(words).small().weak()).wrap());
 }
 
 impl App {

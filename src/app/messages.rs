@@ -83,6 +83,9 @@ impl Notice {
 impl App {
     /// Shows the last notice until the user closes it.
     pub(super) fn show_notice(&mut self, ui: &mut Ui) {
+        if self.shots.is_for_report() {
+            return;
+        }
         match self.notice.as_ref().and_then(|notice| notice.show(ui)) {
             None => {}
             Some(NoticeAction::Close) => self.notice = None,

@@ -193,7 +193,7 @@ fn dome_outline(problem: &Problem) -> Polyline {
 }
 
 /// A plot without interaction, so that the Tab key skips it.
-fn fixed_plot(name: &'static str, height: f32) -> Plot<'static> {
+pub(super) fn fixed_plot(name: &'static str, height: f32) -> Plot<'static> {
     Plot::new(name)
         .height(height)
         .sense(Sense::hover())

@@ -3,6 +3,7 @@
 
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
+use super::viewport::Shown;
 use super::widgets::{Control, Kind};
 use super::{App, advanced, answer, details, messages, plan, plots, status, theme};
 use crate::measure::Status;
@@ -232,15 +233,18 @@ impl App {
             }
             let area = ui.available_rect_before_wrap();
             let envelope = self.uncertainty.envelope().unwrap_or_default();
-            let (options, bar) = (&self.options, self.view_bar_height);
-            if self.compare.is_side_by_side(&self.session) {
-                self.viewport.show_side_by_side(ui, &self.session, options, envelope, bar);
+            let (session, options) = (&self.session, &self.options);
+            let shown = Shown { session, options, envelope, bar: self.view_bar_height };
+            if self.compare.is_side_by_side(session) {
+                self.viewport.show_side_by_side(ui, shown);
             } else {
-                self.viewport.show(ui, &self.session, options, envelope, bar);
+                self.viewport.show(ui, shown);
             }
-            self.view_bar_height = self.view_bar(ui, area, layout);
-            if !self.is_edited && layout == Layout::Wide {
-                hint(ui, area);
+            if !self.shots.is_for_report() {
+                self.view_bar_height = self.view_bar(ui, area, layout);
+                if !self.is_edited && layout == Layout::Wide {
+                    hint(ui, area);
+                }
             }
         }
     }

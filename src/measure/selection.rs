@@ -52,6 +52,12 @@ impl Selection {
         Self { without_profile: true, ..self }
     }
 
+    /// Is a profile one of the paths?
+    #[must_use]
+    pub fn names_a_profile(&self) -> bool {
+        self.paths.is_some() && PROFILES.iter().any(|field| self.wants(field))
+    }
+
     /// Is a field of the result, or a part of it, selected?
     pub(crate) fn wants(&self, field: &str) -> bool {
         let is_left_out = self.without_profile && PROFILES.contains(&field);

@@ -105,6 +105,16 @@ pub struct Implant {
     pub center_mm: [f64; 2],
 }
 
+impl Implant {
+    /// Base width, projection and volume.
+    ///
+    /// # Errors
+    /// One line if base or projection is out of its limits.
+    pub fn size(&self) -> Result<Size, ClinicalError> {
+        Size::of_width_and_projection(2.0 * self.base_radius_mm, self.projection_mm)
+    }
+}
+
 /// Grid and tolerance of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]

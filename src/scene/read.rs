@@ -123,14 +123,21 @@ pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
     }
     let mut reader = serde_json::Deserializer::from_str(text);
     let read = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let path = match error.path().to_string() {
-            path if path == "." || path == "?" => whole.to_owned(),
-            path => path,
+        let path = error.path().to_string();
+        // A question mark stands for a part without a name.
+        let path = match path.trim_end_matches(['.', '?']) {
+            "" => whole,
+            named => named,
         };
-        let text = error.into_inner().to_string();
+        let error = error.into_inner();
+        let text = if error.is_syntax() {
+            format!("{error}; allowed: JSON, numbers as 12.5")
+        } else {
+            error.to_string()
+        };
         // Names of Rust types mean nothing to a reader.
         let text = text.replace("expected f64", "expected a number");
-        problem(&path, &text.replace("expected usize", "expected a whole number"))
+        problem(path, &text.replace("expected usize", "expected a whole number"))
     })?;
     reader.end().map_err(|error| problem(whole, &error.to_string()))?;
     Ok(read)

@@ -46,7 +46,7 @@ pub enum MapError {
         to: f64,
     },
     /// The number of values of an axis is out of its range.
-    #[error("{field}: {count} values; allowed: 2 to {MAX_POINTS}")]
+    #[error("{field}: count is {count}; allowed: 2 to {MAX_POINTS}")]
     Count {
         /// The field.
         field: String,

@@ -3,9 +3,9 @@
 //! The unknowns vary as between people ([`crate::clinical::spread`]), independently: no correlations are known. The
 //! samples are those of a seeded low-discrepancy sequence; equal seeds give equal samples on every platform.
 
-use super::importance::{Index, Row, index};
+use super::importance::{Index, MIN_ROWS, Row, index};
 use super::map::{MapSettings, base_scene};
-use super::percentile::{PERCENTILES, percentile};
+use super::percentile;
 use super::queue::{Queue, Queued};
 use super::section_band::{SectionBand, section_band};
 use super::sequence::{MAX_SAMPLES, quantile, unit_sample};
@@ -118,9 +118,8 @@ impl Bands {
             return Err(range("samples", settings.samples, allowed));
         }
         let rows = settings.importance_rows;
-        if rows != 0 && !(super::importance::MIN_ROWS..=settings.samples).contains(&rows) {
-            let allowed =
-                format!("0, {} to {} (samples)", super::importance::MIN_ROWS, settings.samples);
+        if rows != 0 && !(MIN_ROWS..=settings.samples).contains(&rows) {
+            let allowed = format!("0, {MIN_ROWS} to {} (samples)", settings.samples);
             return Err(range("importance_rows", rows, allowed));
         }
         let nodes = if scene.is_layered() { 33 } else { 65 };
@@ -219,20 +218,23 @@ impl Bands {
         samples.map(move |item| self.value(quantity, item))
     }
 
+    /// The items of a row of the importance of an unknown: A, B, and A with the unknown of B.
+    fn row_items(&self, unknown: usize, row: usize) -> [usize; 3] {
+        let (first, rows) = (FIRST_SAMPLE + self.settings.samples, self.settings.importance_rows);
+        [FIRST_SAMPLE + row, first + row, first + (unknown + 1) * rows + row]
+    }
+
     /// Sobol indices of a quantity by unknown, from the rows that have converged; `None` without enough rows or without
     /// variance.
     #[must_use]
     pub fn importance(&self, quantity: Quantity) -> Vec<Option<Index>> {
-        let (samples, rows) = (self.settings.samples, self.settings.importance_rows);
-        let of_block = |block: usize, row: usize| {
-            self.value(quantity, FIRST_SAMPLE + samples + block * rows + row)
-        };
         let row = |k: usize, row: usize| -> Option<Row> {
-            let a = self.value(quantity, FIRST_SAMPLE + row)?;
-            Some([a, of_block(0, row)?, of_block(k + 1, row)?])
+            let [a, b, mixed] = self.row_items(k, row).map(|item| self.value(quantity, item));
+            Some([a?, b?, mixed?])
         };
         let indices = |k: usize| {
-            let found: Vec<Row> = (0..rows).filter_map(|r| row(k, r)).collect();
+            let rows = 0..self.settings.importance_rows;
+            let found: Vec<Row> = rows.filter_map(|r| row(k, r)).collect();
             index(&found)
         };
         (0..self.unknowns.len()).map(indices).collect()
@@ -243,9 +245,8 @@ impl Bands {
     pub fn bands(&self) -> Vec<Band> {
         let band = |quantity: Quantity| {
             let cases = self.samples().filter(|case| case.is_converged());
-            let mut values: Vec<f64> = cases.filter_map(|case| case.values.get(quantity)).collect();
-            values.sort_by(f64::total_cmp);
-            let [p10, p50, p90] = PERCENTILES.map(|p| percentile(&values, p));
+            let values = cases.filter_map(|case| case.values.get(quantity)).collect();
+            let [p10, p50, p90] = percentile::band(values)?;
             let scenario = |k: usize| Scenario {
                 stress_factor: METHOD_SCALES[k],
                 value: self.value(quantity, k + 1),
@@ -256,10 +257,10 @@ impl Bands {
                 label: quantity.label(),
                 unit: quantity.unit(),
                 scene: self.value(quantity, 0),
-                p10: p10?,
-                p50: p50?,
-                p90: p90?,
-                text: text(quantity, p10?, p50?, p90?),
+                p10,
+                p50,
+                p90,
+                text: text(quantity, p10, p50, p90),
                 scenarios: (0..METHOD_SCALES.len()).map(scenario).collect(),
                 importance: importance
                     .filter_map(|(index, (unknown, _))| Some((*unknown, index?)))
@@ -296,12 +297,7 @@ impl Bands {
                     profile.at(s_mm).or_else(rest)
                 })
                 .collect();
-            let of = |k: usize| {
-                let mut values: Vec<f64> = points.iter().map(|point| point[k]).collect();
-                values.sort_by(f64::total_cmp);
-                let [a, b, c] = PERCENTILES.map(|p| percentile(&values, p));
-                Some([a?, b?, c?])
-            };
+            let of = |k: usize| percentile::band(points.iter().map(|point| point[k]).collect());
             Some(ProfileBand { s_mm, r_mm: of(0)?, z_mm: of(1)? })
         };
         (0..PROFILE_POINTS).filter_map(at).collect()
@@ -316,6 +312,32 @@ impl Bands {
             *counts.entry(PointStatus::of(case.as_ref()).word()).or_insert(0) += 1;
         }
         counts
+    }
+
+    /// What the samples did not allow, in one line each. Empty before the end of the study.
+    fn remarks(&self) -> Vec<String> {
+        let (done, all) = self.queue.progress();
+        let rows = self.settings.importance_rows;
+        if done < all || rows == 0 {
+            return Vec::new();
+        }
+        let is_answer = |item: usize| self.queue.case(item).is_some_and(Case::is_converged);
+        let answers = |k: usize| {
+            let is_whole = |row: &usize| self.row_items(k, *row).into_iter().all(is_answer);
+            (0..rows).filter(is_whole).count()
+        };
+        let short = |k: usize| {
+            let (name, found) = (self.unknowns[k].0.name(), answers(k));
+            (found < MIN_ROWS).then(|| format!("{name} ({found})"))
+        };
+        let short: Vec<String> = (0..self.unknowns.len()).filter_map(short).collect();
+        if short.is_empty() {
+            return Vec::new();
+        }
+        vec![format!(
+            "No importance of {}: rows with an answer, of {rows}; an index needs {MIN_ROWS}.",
+            short.join(", ")
+        )]
     }
 
     /// The whole report, for a file.
@@ -342,6 +364,7 @@ impl Bands {
             scene: self.base.clone(),
             unknowns: self.unknowns.iter().map(unknown).collect(),
             counts: self.counts(),
+            remarks: self.remarks(),
             scenes_solved: done,
             scenes_planned: all,
             bands: self.bands(),
@@ -368,21 +391,24 @@ impl Queued for Bands {
     }
 }
 
-/// Checks the numbers of a distribution.
+/// Checks the numbers of a distribution: the middle or the bounds are possible values of the unknown.
 fn check_distribution(unknown: Unknown, distribution: Distribution) -> Result<(), BandsError> {
-    const MOST: f64 = 1e6;
-    let is_plain = |value: f64| value.is_finite() && value.abs() <= MOST;
+    const MOST_SD: f64 = 1e6;
+    let (low, high) = unknown.allowed();
+    let is_in = |value: f64| (low..=high).contains(&value);
     let (is_valid, allowed) = match distribution {
         Distribution::LogNormal { median, gsd } => (
-            is_plain(median) && median > 0.0 && (1.0..=100.0).contains(&gsd),
-            "log_normal with a median above 0 and a gsd of 1 to 100",
+            is_in(median) && median > 0.0 && (1.0..=100.0).contains(&gsd),
+            format!("log_normal with a median above 0 of {low} to {high} and a gsd of 1 to 100"),
         ),
-        Distribution::Normal { mean, sd } => {
-            (is_plain(mean) && is_plain(sd) && sd >= 0.0, "normal with an sd of 0 or more")
-        }
-        Distribution::Uniform { least, most } => {
-            (is_plain(least) && is_plain(most) && least <= most, "uniform with least ≤ most")
-        }
+        Distribution::Normal { mean, sd } => (
+            is_in(mean) && (0.0..=MOST_SD).contains(&sd),
+            format!("normal with a mean of {low} to {high} and an sd of 0 or more"),
+        ),
+        Distribution::Uniform { least, most } => (
+            is_in(least) && is_in(most) && least <= most,
+            format!("uniform with {low} ≤ least ≤ most ≤ {high}"),
+        ),
     };
     if is_valid {
         return Ok(());
@@ -390,7 +416,7 @@ fn check_distribution(unknown: Unknown, distribution: Distribution) -> Result<()
     Err(BandsError::OutOfRange {
         field: format!("unknowns.{}", unknown.name()),
         value: serde_json::to_string(&distribution).unwrap_or_default(),
-        allowed: allowed.to_owned(),
+        allowed,
     })
 }
 
@@ -497,6 +523,8 @@ pub struct BandsReport {
     pub unknowns: Vec<UnknownReport>,
     /// Samples by state.
     pub counts: BTreeMap<&'static str, usize>,
+    /// What the samples did not allow, as an importance from too few rows, in one line each.
+    pub remarks: Vec<String>,
     /// Scenes solved or reused, with those of scenarios and importance.
     pub scenes_solved: usize,
     /// All scenes of the study.

@@ -201,10 +201,7 @@ impl Parameter {
             Self::BaseWidth => 2.0 * implant.base_radius_mm,
             Self::BaseRadius => implant.base_radius_mm,
             Self::Projection => implant.projection_mm,
-            Self::Volume => {
-                let (width, projection) = (2.0 * implant.base_radius_mm, implant.projection_mm);
-                Size::of_width_and_projection(width, projection).ok()?.volume_ml()
-            }
+            Self::Volume => implant.size().ok()?.volume_ml(),
             Self::CenterX => implant.center_mm[0],
             Self::CenterY => implant.center_mm[1],
             Self::PocketMargin => margin(scene),

@@ -1,6 +1,6 @@
 //! The values of the samples of bands: two scenes compared sample by sample.
 
-use super::percentile::{PERCENTILES, percentile};
+use super::percentile;
 use super::{Bands, Quantity, Unknown};
 use std::collections::BTreeMap;
 
@@ -52,13 +52,8 @@ impl Samples {
     }
 }
 
-fn band(mut values: Vec<f64>) -> Option<[f64; 3]> {
-    if values.len() < LEAST_ANSWERS {
-        return None;
-    }
-    values.sort_by(f64::total_cmp);
-    let [low, median, high] = PERCENTILES.map(|p| percentile(&values, p));
-    Some([low?, median?, high?])
+fn band(values: Vec<f64>) -> Option<[f64; 3]> {
+    if values.len() < LEAST_ANSWERS { None } else { percentile::band(values) }
 }
 
 #[cfg(test)]

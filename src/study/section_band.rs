@@ -1,7 +1,7 @@
 //! The band of the skin's section: heights of many sections at equal distances from the pocket's axis.
 
 use super::Profile;
-use super::percentile::{PERCENTILES, percentile};
+use super::percentile;
 use serde::Serialize;
 
 /// Points of a section's band, in equal steps of the distance.
@@ -22,11 +22,8 @@ pub(super) fn section_band(profiles: &[&Profile]) -> Vec<SectionBand> {
     let most = ends.fold(0.0, f64::max);
     let at = |point: usize| {
         let r_mm = most * point as f64 / (POINTS - 1) as f64;
-        let mut heights: Vec<f64> =
-            profiles.iter().filter_map(|profile| height(profile, r_mm)).collect();
-        heights.sort_by(f64::total_cmp);
-        let [low, median, high] = PERCENTILES.map(|p| percentile(&heights, p));
-        Some(SectionBand { r_mm, z_mm: [low?, median?, high?] })
+        let heights = profiles.iter().filter_map(|profile| height(profile, r_mm)).collect();
+        Some(SectionBand { r_mm, z_mm: percentile::band(heights)? })
     };
     (0..POINTS).filter_map(at).collect()
 }

@@ -91,6 +91,19 @@ impl Unknown {
         }
     }
 
+    /// Allowed medians, means and bounds of a distribution \[unit of the distribution\].
+    #[must_use]
+    pub fn allowed(self) -> (f64, f64) {
+        match self {
+            Self::SkinThickness => limits::THICKNESS_MM,
+            Self::SkinStressScale | Self::SkinStrainScale | Self::CoverThickness => SCALES,
+            Self::FatModulus => (0.01, 1e4),
+            Self::PocketRadius => (-50.0, 50.0),
+            Self::Projection => (-0.9, 0.9),
+            Self::PoissonRatio => limits::POISSON_RATIO,
+        }
+    }
+
     /// Sets the sampled value in a scene; values beyond the limits of a scene become the limit.
     pub(super) fn apply(self, scene: &mut Scene, base: &Scene, value: f64) {
         let into = |value: f64, (least, most): (f64, f64)| value.clamp(least, most);

@@ -315,7 +315,7 @@ mod tests {
         let (mut least, mut most) = (f32::MAX, f32::MIN);
         for corner in caps.iter().flat_map(|cap| &cap.corners).filter(has_net) {
             (least, most) = (least.min(corner.net.y), most.max(corner.net.y));
-            // Outside of the pocket the tissue has hardly moved.
+            // Displacements beyond the pocket are small against a cell.
             let place = direction.dot(corner.position.truncate());
             if place.abs() > 100.0 {
                 assert!((corner.net.x - place / spacing).abs() < 0.25, "{corner:?}");

@@ -13,7 +13,7 @@ pub(super) use table::rows;
 
 use super::App;
 use super::theme::{self, Palette};
-use super::widgets::{button_if, group, set_accessible_name};
+use super::widgets::{button_if, group, remark, set_accessible_name};
 use crate::measure::Status;
 use crate::scene::{Letter, Scene};
 use crate::session::{Command, Pin, Session};
@@ -75,7 +75,7 @@ pub(super) fn section<'a>(
         command = pin_button(ui, session);
         if session.pins().is_empty() {
             let hint = "A pin keeps this scene with its result, to compare other scenes with it.";
-            ui.add(egui::Label::new(RichText::new(hint).small().weak()).wrap());
+            remark(ui, hint);
             return;
         }
         for pin in session.pins() {
@@ -130,7 +130,7 @@ fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> 
         Some(Status::NotConverged) => "is not finished: no numbers",
         Some(Status::Unstable) => "has no stable shape",
     };
-    ui.label(RichText::new(format!("{letter} {note}")).small().weak());
+    remark(ui, format!("{letter} {note}"));
     command
 }
 

@@ -149,9 +149,12 @@ pub(in crate::app) fn rows<'a>(
         .into_iter()
         .chain(session.pins().iter().map(|pin| (pin.scene(), pin.outcome())))
         .collect();
-    let pins = session.pins().iter().map(|pin| match pin.name() {
-        "" => pin.letter().to_string(),
-        name => format!("{}: {name}", pin.letter()),
+    let pins = session.pins().iter().map(|pin| {
+        let letter = pin.letter().to_string();
+        match pin.name() {
+            name if name.is_empty() || name == letter => letter,
+            name => format!("{letter}: {name}"),
+        }
     });
     let head = ["".to_owned(), "this plan".to_owned()].into_iter().chain(pins).collect();
     let cell = |row: &Row, (scene, outcome): (&Scene, Option<&Outcome>)| {

@@ -1,8 +1,8 @@
 //! Implant or expander: width, volume, projection, of which one follows the other two; profile.
 
-use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, remark, row, title};
+use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, title};
 use crate::app::theme;
-use crate::app::widgets::{Control, Kind, quantity::significant, set_accessible_name};
+use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
 use crate::clinical::{Dimension, Expander, ProfileClass, Size, limits};
 use crate::scene::{self, Scene};
 use eframe::egui::{self, Rect, Sense, Stroke, Ui, vec2};
@@ -13,10 +13,8 @@ const MARK: f32 = 24.0;
 
 /// Shows the implant.
 pub(in crate::app) fn implant(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
-    let dome = scene.implant;
-    let (width, projection) = (2.0 * dome.base_radius_mm, dome.projection_mm);
     // The limits of a scene are those of a size.
-    let Ok(size) = Size::of_width_and_projection(width, projection) else { return };
+    let Ok(size) = scene.implant.size() else { return };
     title(ui, "Implant", |ui| device(ui, choices, hand));
     let changed = match choices.device {
         Device::Implant => implant_rows(ui, size, choices, hand),
@@ -215,7 +213,7 @@ fn control_of(size: Size, dimension: Dimension, follows: Dimension) -> Control<'
             allowed: Some(allowed),
             reset: 300.0,
             decimals: 0,
-            most_decimals: if is_following { 0 } else { 6 },
+            most_decimals: if is_following { 0 } else { 2 },
             step: 5.0,
             tooltip: "Volume of the implant, of a half-ellipsoid dome. Round \
                       implants: 95–965 ml. 1 ml = 1 cc.",

@@ -17,7 +17,7 @@ pub(super) use position::position;
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
 use super::widgets::{Control, ControlResponse, Kind};
-use crate::clinical::{Dimension, Size};
+use crate::clinical::Dimension;
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
@@ -26,7 +26,7 @@ use eframe::egui::{self, RichText, Ui};
 pub(super) fn rows(scene: &Scene) -> Vec<(&'static str, String)> {
     let implant = &scene.implant;
     let width = 2.0 * implant.base_radius_mm;
-    let size = Size::of_width_and_projection(width, implant.projection_mm).ok();
+    let size = implant.size().ok();
     let centimetres = |mm: f64| format!("{} cm", format_at_most(cm(mm), 1, 2));
     let layer = |layer: &Layer| {
         let [thickness, ratio] = [layer.thickness_mm, layer.poisson_ratio].map(number);
@@ -128,12 +128,6 @@ fn title(ui: &mut Ui, text: &str, add: impl FnOnce(&mut Ui)) {
             add(ui);
         });
     });
-}
-
-/// A quiet line of text.
-fn remark(ui: &mut Ui, text: impl Into<String>) -> egui::Response {
-    let text = RichText::new(text).small().color(ui.visuals().weak_text_color());
-    ui.add(egui::Label::new(text).wrap())
 }
 
 /// A choice out of a few that are all visible; returns whether this one was chosen.

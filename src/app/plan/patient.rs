@@ -1,7 +1,7 @@
 //! What was measured on the patient, pinch and skin, and what the measurements become.
 
-use super::{Hand, centimetres, chip, chips, cm, mm, remark, row, title};
-use crate::app::widgets::Control;
+use super::{Hand, centimetres, chip, chips, cm, mm, row, title};
+use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Scene, TissueModel};
 use eframe::egui::Ui;

@@ -2,8 +2,8 @@
 
 use crate::app::widgets::Kind;
 use crate::app::widgets::quantity::{format_at_most, significant};
-use crate::clinical;
-use crate::scene::{Scene, limits};
+use crate::clinical::{self, Size};
+use crate::scene::{Implant, Scene, limits};
 use crate::study::{Axis, Parameter, with_values};
 
 /// The numbers on offer, the usual ones first.
@@ -108,10 +108,11 @@ pub(super) fn usual(field: Parameter, scene: &Scene) -> (f64, f64) {
         Parameter::Projection => of_size::TYPICAL_PROJECTION_MM,
         // The typical projections on the present base.
         Parameter::Volume => {
-            let ml_per_mm =
-                2e-3 / 3.0 * std::f64::consts::PI * scene.implant.base_radius_mm.powi(2);
             let (least, most) = of_size::TYPICAL_PROJECTION_MM;
-            let round = |projection: f64| (ml_per_mm * projection / 50.0).round().max(1.0) * 50.0;
+            let round = |projection_mm: f64| {
+                let size = Implant { projection_mm, ..scene.implant }.size();
+                (size.map_or(0.0, Size::volume_ml) / 50.0).round().max(1.0) * 50.0
+            };
             (round(least), round(most).max(round(least) + 100.0))
         }
         Parameter::PocketMargin => (0.0, 30.0),

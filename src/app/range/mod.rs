@@ -14,7 +14,7 @@ use super::messages::Notice;
 use super::plan::{Hand, chip};
 use super::studies::{Driver, Studies};
 use super::toolbar::Layout;
-use super::widgets::{NumberField, choice, rejection_label, set_accessible_name};
+use super::widgets::{NumberField, choice, rejection_label, remark, set_accessible_name};
 use super::{App, theme};
 use crate::experiment::charts::scene_map;
 use crate::scene::Scene;
@@ -266,6 +266,9 @@ impl Range {
             .truncate()
             .selected_text(selected)
             .show_ui(ui, |ui| {
+                if !is_across && choice(ui, present.is_none(), NOTHING).clicked() {
+                    chosen = Some(None);
+                }
                 let is_free =
                     |field: &Parameter| is_across || !field.excludes(self.across.field, scene);
                 for field in axes::FIELDS.into_iter().filter(is_free) {
@@ -274,9 +277,6 @@ impl Range {
                     {
                         chosen = Some(Some(field));
                     }
-                }
-                if !is_across && choice(ui, present.is_none(), NOTHING).clicked() {
-                    chosen = Some(None);
                 }
             })
             .response;
@@ -372,8 +372,7 @@ impl Range {
         if map.present().is_none() {
             words.push("The present plan is not on this chart.".to_owned());
         }
-        let line = RichText::new(words.join(" ")).small().color(ui.visuals().weak_text_color());
-        ui.add(egui::Label::new(line).wrap());
+        remark(ui, words.join(" "));
         if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
             let line = RichText::new(failure).small().color(palette.bad);
             ui.add(egui::Label::new(line).wrap());
@@ -505,14 +504,16 @@ impl App {
         let margin = egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8);
         let frame = egui::Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill);
         let top = egui::Panel::top("range controls").frame(frame).resizable(false);
-        top.show_separator_line(false).show(ui, |ui| {
-            for reason in self.range.controls(ui, scene, layout) {
-                rejection_label(ui, &reason);
-            }
-            if layout == Layout::Narrow && self.range.shows_axes {
-                self.range_files(ui);
-            }
-        });
+        if !self.shots.is_for_report() {
+            top.show_separator_line(false).show(ui, |ui| {
+                for reason in self.range.controls(ui, scene, layout) {
+                    rejection_label(ui, &reason);
+                }
+                if layout == Layout::Narrow && self.range.shows_axes {
+                    self.range_files(ui);
+                }
+            });
+        }
         let bottom = egui::Panel::bottom("range captions").frame(frame).resizable(false);
         let mut taken = None;
         bottom.show_separator_line(false).show(ui, |ui| {

@@ -35,11 +35,16 @@ impl Purpose {
 /// A picture of the window, with the place of the 3-D view in it \[pixels\].
 type Shot = (Purpose, Rect, Arc<ColorImage>);
 
+/// Greatest number of frames between the request of a picture and its pixels: a desktop has those of the next frame.
+const FRAMES_ALONE: u8 = 3;
+
 /// Pictures of the window on their way.
 pub(super) struct Shots {
     wanted: Option<Purpose>,
     /// Place of the 3-D view or the chart in the latest frame \[points\].
     view: Rect,
+    /// Number of frames that show the view alone, for a report.
+    frames_alone: u8,
     sender: Sender<Shot>,
     receiver: Receiver<Shot>,
 }
@@ -47,7 +52,7 @@ pub(super) struct Shots {
 impl Default for Shots {
     fn default() -> Self {
         let (sender, receiver) = channel();
-        Self { wanted: None, view: Rect::NOTHING, sender, receiver }
+        Self { wanted: None, view: Rect::NOTHING, frames_alone: 0, sender, receiver }
     }
 }
 
@@ -63,11 +68,23 @@ impl Shots {
         self.view = view;
     }
 
+    /// Is a picture for a report being taken? Controls and notices over the view are then left out.
+    pub(super) fn is_for_report(&self) -> bool {
+        self.frames_alone > 0
+    }
+
     /// Takes the wanted picture of this frame.
     pub(super) fn take(&mut self, ctx: &egui::Context) {
+        if self.frames_alone > 0 {
+            self.frames_alone -= 1;
+            ctx.request_repaint();
+        }
         let Some(purpose) = self.wanted.take() else { return };
         let (sender, context) = (self.sender.clone(), ctx.clone());
         let view = self.view * ctx.pixels_per_point();
+        if purpose == Purpose::Report {
+            self.frames_alone = FRAMES_ALONE;
+        }
         ctx.request_screenshot(move |image| {
             // Sending fails if the app was closed in the meantime.
             let _ = sender.send((purpose, view, image));
@@ -80,6 +97,7 @@ impl App {
     /// Saves the pictures and reports whose pixels have arrived.
     pub(super) fn save_shots(&mut self, ctx: &egui::Context) {
         while let Ok((purpose, view, image)) = self.shots.receiver.try_recv() {
+            self.shots.frames_alone = 0;
             let content = match purpose {
                 Purpose::Picture => png_of(&image),
                 Purpose::Report => png_of(&cropped(&image, view))
@@ -103,18 +121,24 @@ impl App {
         let outcome = answer::visible(session, PreviousResults::Shown);
         Page {
             picture: page::data_address(picture),
-            date: files::date(),
+            date: date_in_words(&files::date()),
             headline: answer::headline(session, PreviousResults::Shown),
             plan: plan::rows(session.scene()),
             model: status::model(session.scene()),
             cards: answer::rows(session, findings),
             warnings: outcome.map_or(&[][..], |outcome| &outcome.warnings),
             table: compare::rows(session, &sampled),
-            has_bands: findings.is_some(),
+            bands: self.uncertainty.about_bands(),
             limits: bands::LIMITS.map(answer::text_of).to_vec(),
             plan_json: session.document_json(),
         }
     }
+}
+
+/// A date (UTC, RFC 3339) in words, as "2026-01-31, 12:34 UTC".
+fn date_in_words(date: &str) -> String {
+    let minutes = date.get(..16).map(|minutes| minutes.replace('T', ", "));
+    minutes.map_or_else(|| date.to_owned(), |minutes| format!("{minutes} UTC"))
 }
 
 /// The part of a picture within a rectangle \[pixels\].
@@ -144,6 +168,12 @@ fn png_of(image: &ColorImage) -> Result<Vec<u8>, png::EncodingError> {
 mod tests {
     use super::*;
     use eframe::egui::{Color32, pos2};
+
+    #[test]
+    fn a_date_has_no_seconds() {
+        assert_eq!(date_in_words("2026-01-31T12:34:56.789Z"), "2026-01-31, 12:34 UTC");
+        assert_eq!(date_in_words("now"), "now");
+    }
 
     #[test]
     fn a_crop_has_the_pixels_of_its_part_and_stays_within_the_picture() {

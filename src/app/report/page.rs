@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 pub(super) struct Page<'a> {
     /// Address of the picture.
     pub(super) picture: String,
-    /// Date and time (UTC, RFC 3339).
+    /// Date and time in words.
     pub(super) date: String,
     /// The answer in one sentence.
     pub(super) headline: String,
@@ -21,8 +21,8 @@ pub(super) struct Page<'a> {
     pub(super) warnings: &'a [String],
     /// The results of the plan and of the pins; the first row contains the heads of the columns.
     pub(super) table: Vec<Vec<String>>,
-    /// Do the results have bands?
-    pub(super) has_bands: bool,
+    /// What the bands are, if the results have bands.
+    pub(super) bands: Option<String>,
     /// Limits with their sources, a source in a line.
     pub(super) limits: Vec<String>,
     /// The plan's file.
@@ -36,7 +36,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     h1{font-size:22px;margin:0}h2{font-size:17px;margin:22px 0 6px}img{max-width:100%;border:1px solid #ccc}\
     table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
-    .quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
+    .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}";
 
 impl Page<'_> {
@@ -62,9 +62,9 @@ impl Page<'_> {
         put(page, "h2", "Numbers");
         let (head, rows) = self.table.split_first().map_or((None, &[][..]), |(h, r)| (Some(h), r));
         table(page, "numbers", head, rows.iter().cloned());
-        if self.has_bands {
-            let words = "In brackets: 10th to 90th percentile of the sampled patients.";
-            let _ = write!(page, "<p class=\"quiet\">{words} {}</p>", escaped(NOTES[0]));
+        if let Some(words) = &self.bands {
+            let notes = [words.as_str(), NOTES[0], NOTES[1]].map(escaped).join(" ");
+            let _ = write!(page, "<p class=\"quiet\">{notes}</p>");
         }
         put(page, "h2", "Where limits come from");
         for limits in &self.limits {
@@ -102,7 +102,8 @@ fn table(
     head: Option<&Vec<String>>,
     rows: impl Iterator<Item = Vec<String>>,
 ) {
-    let _ = write!(page, "<table class=\"{class}\">");
+    // A wide table scrolls within the page of a phone.
+    let _ = write!(page, "<div class=\"wide\"><table class=\"{class}\">");
     let mut row = |tag: &str, cells: &[String]| {
         page.push_str("<tr>");
         for cell in cells {
@@ -116,7 +117,7 @@ fn table(
     for cells in rows {
         row("td", &cells);
     }
-    page.push_str("</table>");
+    page.push_str("</table></div>");
 }
 
 /// A text with the signs of HTML as characters.
@@ -150,14 +151,14 @@ mod tests {
             cards: vec![[(); 4].map(|()| hostile.clone())],
             warnings: std::slice::from_ref(&hostile),
             table: vec![vec![hostile.clone()], vec![hostile.clone()]],
-            has_bands: true,
+            bands: Some(hostile.clone()),
             limits: vec![hostile.clone()],
             plan_json: hostile.clone(),
         };
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 12);
+        assert_eq!(count, 13);
         assert!(html.contains("data:image/png;base64,AQID"));
         assert!(html.contains("Not a medical device") && html.contains("not a prediction"));
         assert!(!html.contains("http://") && !html.contains("https://"));

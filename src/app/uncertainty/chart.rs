@@ -1,9 +1,8 @@
 //! The chart: how much of the spread of a result each unknown explains.
 
-use super::remark;
 use super::unknowns::words;
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
-use crate::app::widgets::{choice, labelled_box, set_accessible_name};
+use crate::app::widgets::{choice, labelled_box, remark, set_accessible_name};
 use crate::study::{Band, Index, Quantity, Unknown};
 use eframe::egui::{self, Align2, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 

@@ -215,6 +215,24 @@ impl Uncertainty {
         self.findings().filter(|_| self.is_in_picture).map(Findings::section)
     }
 
+    /// What the bands are, in a few sentences; `None` without bands.
+    pub(super) fn about_bands(&self) -> Option<String> {
+        let findings = self.findings()?;
+        let seed = self.driver.study()?.settings().seed;
+        let count = match (findings.solved(), findings.samples) {
+            (solved, all) if solved == all => all.to_string(),
+            (solved, all) => format!("{solved} of {all}"),
+        };
+        let mut words = format!(
+            "In brackets: 10th to 90th percentile of {count} sampled patients (seed {seed})."
+        );
+        if let Some(missing) = panel::without_answer(findings) {
+            words += " ";
+            words += &missing;
+        }
+        Some(words)
+    }
+
     /// The bands of the answer in one sentence, for screen readers; empty before the last sample.
     pub(super) fn summary(&self) -> String {
         let Some(findings) = self.findings() else { return String::new() };
@@ -238,9 +256,4 @@ impl Uncertainty {
 /// Has the present plan an answer within its tolerance?
 fn has_answer(session: &Session) -> bool {
     session.result().is_some_and(|outcome| outcome.status == Status::Converged)
-}
-
-/// Shows a quiet line.
-fn remark(ui: &mut egui::Ui, text: impl Into<String>) {
-    ui.add(egui::Label::new(egui::RichText::new(text).small().weak()).wrap());
 }

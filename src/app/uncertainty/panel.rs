@@ -1,8 +1,8 @@
 //! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
 
-use super::{Findings, Uncertainty, chart, has_answer, remark};
+use super::{Findings, Uncertainty, chart, has_answer};
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
-use crate::app::widgets::{group, rejection_label, set_accessible_name};
+use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
 use crate::session::Session;
 use crate::study::{NOTES, PointStatus, Quantity, Scenario};
 use eframe::egui::{self, RichText, Ui};
@@ -106,7 +106,7 @@ impl Uncertainty {
 }
 
 /// The samples without an answer, in words; `None` if all have one.
-fn without_answer(findings: &Findings) -> Option<String> {
+pub(super) fn without_answer(findings: &Findings) -> Option<String> {
     let causes = [
         (PointStatus::NotConverged, "not finished"),
         (PointStatus::NoShape, "without a stable shape"),

@@ -1,11 +1,11 @@
 //! What is not known: each unknown switched on or off, with its spread.
 
-use super::remark;
 use crate::app::theme::SPACE_SMALL;
-use crate::app::widgets::{Kind, NumberField, button_if, quantity::significant, rejection_label};
+use crate::app::widgets::{
+    Kind, NumberField, button_if, quantity::significant, rejection_label, remark,
+};
 use crate::clinical::spread::Distribution;
-use crate::curve::SCALES;
-use crate::scene::{Scene, limits};
+use crate::scene::Scene;
 use crate::study::{BandsSettings, SAMPLES, Unknown};
 use eframe::egui::{RichText, Ui};
 use std::collections::BTreeMap;
@@ -127,7 +127,7 @@ fn row(ui: &mut Ui, unknown: Unknown, choice: &mut Choice, usual: Distribution) 
     let mut rejections = Vec::new();
     ui.horizontal(|ui| {
         ui.add_space(3.0 * SPACE_SMALL);
-        for (between, part, value, allowed) in parts(&words, &mut distribution) {
+        for (between, part, value, allowed) in parts(unknown, &words, &mut distribution) {
             ui.label(RichText::new(between).small().weak());
             rejections.extend(number(ui, &words, part, value, allowed));
         }
@@ -145,19 +145,17 @@ fn row(ui: &mut Ui, unknown: Unknown, choice: &mut Choice, usual: Distribution) 
 type Part<'a> = (&'static str, &'static str, &'a mut f64, (f64, f64));
 
 /// The numbers of a distribution.
-fn parts<'a>(words: &Words, distribution: &'a mut Distribution) -> [Part<'a>; 2] {
+fn parts<'a>(unknown: Unknown, words: &Words, distribution: &'a mut Distribution) -> [Part<'a>; 2] {
+    let center = unknown.allowed();
     match distribution {
-        Distribution::LogNormal { median, gsd } => [
-            ("", "median", median, words.center),
-            ("× or ÷", "spread factor", gsd, (1.0, MOST_GSD)),
-        ],
-        Distribution::Normal { mean, sd } => [
-            ("", "mean", mean, words.center),
-            ("±", "standard deviation", sd, (0.0, words.most_sd)),
-        ],
+        Distribution::LogNormal { median, gsd } => {
+            [("", "median", median, center), ("× or ÷", "spread factor", gsd, (1.0, MOST_GSD))]
+        }
+        Distribution::Normal { mean, sd } => {
+            [("", "mean", mean, center), ("±", "standard deviation", sd, (0.0, words.most_sd))]
+        }
         Distribution::Uniform { least, most } => {
-            let (low, high) = words.center;
-            let (allowed_least, allowed_most) = ((low, *most), (*least, high));
+            let (allowed_least, allowed_most) = ((center.0, *most), (*least, center.1));
             [("", "least", least, allowed_least), ("to", "most", most, allowed_most)]
         }
     }
@@ -201,8 +199,6 @@ pub(super) struct Words {
     kind: Kind,
     /// From the distribution to the displayed number.
     factor: f64,
-    /// Allowed medians, means and bounds.
-    center: (f64, f64),
     most_sd: f64,
 }
 
@@ -214,7 +210,6 @@ pub(super) fn words(unknown: Unknown) -> Words {
         unit: "× the plan",
         kind: Kind::Plain,
         factor: 1.0,
-        center: SCALES,
         most_sd: 10.0,
     };
     match unknown {
@@ -223,7 +218,6 @@ pub(super) fn words(unknown: Unknown) -> Words {
             tooltip: "Thickness of the skin of the breast; it replaces the plan's",
             unit: "mm",
             kind: Kind::Length,
-            center: limits::THICKNESS_MM,
             ..of_plan
         },
         Unknown::SkinStressScale => Words {
@@ -243,7 +237,6 @@ pub(super) fn words(unknown: Unknown) -> Words {
             tooltip: "Initial modulus of the fat; it replaces the plan's",
             unit: "kPa",
             kind: Kind::Stress,
-            center: (0.01, 1e4),
             ..of_plan
         },
         Unknown::CoverThickness => Words {
@@ -256,7 +249,6 @@ pub(super) fn words(unknown: Unknown) -> Words {
             tooltip: "Difference of the pocket's radius from the plan",
             unit: "mm, added",
             kind: Kind::Length,
-            center: (-50.0, 50.0),
             most_sd: 50.0,
             ..of_plan
         },
@@ -266,7 +258,6 @@ pub(super) fn words(unknown: Unknown) -> Words {
             unit: "%, added",
             kind: Kind::Percent,
             factor: 100.0,
-            center: (-0.9, 0.9),
             most_sd: 0.5,
         },
         Unknown::PoissonRatio => Words {
@@ -274,7 +265,6 @@ pub(super) fn words(unknown: Unknown) -> Words {
             tooltip: "Poisson ratio of all layers; 0.5: the volume of the tissue stays. It replaces the plan's",
             unit: "",
             kind: Kind::Fraction,
-            center: limits::POISSON_RATIO,
             ..of_plan
         },
     }
@@ -292,7 +282,7 @@ mod tests {
         for unknown in Unknown::ALL {
             let Some(spread) = unknown.spread(&scene) else { continue };
             let mut distribution = spread.distribution;
-            for (_, _, value, (least, most)) in parts(&words(unknown), &mut distribution) {
+            for (_, _, value, (least, most)) in parts(unknown, &words(unknown), &mut distribution) {
                 assert!((least..=most).contains(value), "{unknown:?}");
             }
         }
@@ -306,7 +296,7 @@ mod tests {
             for unknown in Unknown::ALL {
                 let Some(spread) = unknown.spread(&scene) else { continue };
                 let mut edited = spread.distribution;
-                for (_, _, value, (least, most)) in parts(&words(unknown), &mut edited) {
+                for (_, _, value, (least, most)) in parts(unknown, &words(unknown), &mut edited) {
                     *value = if is_least { least } else { most };
                 }
                 let edited = Some((spread.distribution, edited));

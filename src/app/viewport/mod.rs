@@ -62,6 +62,17 @@ impl Default for Options {
     }
 }
 
+/// What the 3-D view shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Shown<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) options: &'a Options,
+    /// Band of the skin whose lines are drawn.
+    pub(crate) envelope: &'a [SectionBand],
+    /// Height of the controls over the top of the picture \[points\].
+    pub(crate) bar: f32,
+}
+
 /// The 3-D view with its camera.
 pub(crate) struct Viewport {
     renderer: Option<Arc<Mutex<Renderer>>>,
@@ -159,16 +170,9 @@ impl Viewport {
         }
     }
 
-    /// Shows the session in the remaining space. `envelope`: band of the skin whose lines are drawn. `bar`: height of the
-    /// controls over the top of the picture \[points\].
-    pub(crate) fn show(
-        &mut self,
-        ui: &mut Ui,
-        session: &Session,
-        options: &Options,
-        envelope: &[SectionBand],
-        bar: f32,
-    ) {
+    /// Shows the session in the remaining space.
+    pub(crate) fn show(&mut self, ui: &mut Ui, shown: Shown<'_>) {
+        let Shown { session, options, envelope, bar } = shown;
         self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);

@@ -1,8 +1,7 @@
 //! Pictures of the current scene and of the pins side by side, with one camera and one colour scale.
 
-use super::{CURRENT, Drawn, Options, Viewport, overlay, radius_of, section_of};
+use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
 use crate::session::{Pin, Session};
-use crate::study::SectionBand;
 use crate::view::color::Quantity;
 use crate::view::picture::Picture;
 use crate::view::subject::{PinnedShape, Subject};
@@ -22,16 +21,9 @@ pub(super) struct Pane {
 }
 
 impl Viewport {
-    /// Shows the pins with a shape and the session side by side in the remaining space. `envelope`, `bar`: as in
-    /// [`Self::show`].
-    pub(crate) fn show_side_by_side(
-        &mut self,
-        ui: &mut Ui,
-        session: &Session,
-        options: &Options,
-        envelope: &[SectionBand],
-        bar: f32,
-    ) {
+    /// Shows the pins with a shape and the session side by side in the remaining space.
+    pub(crate) fn show_side_by_side(&mut self, ui: &mut Ui, shown: Shown<'_>) {
+        let Shown { session, options, envelope, bar } = shown;
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let pins: Vec<PinnedShape<'_>> =
             session.pins().iter().filter_map(PinnedShape::of).collect();

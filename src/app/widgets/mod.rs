@@ -27,6 +27,11 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     );
 }
 
+/// A quiet line of small text that wraps.
+pub(super) fn remark(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap())
+}
+
 /// Sets the name of a widget, for screen readers and tests, in place of its icon or number.
 pub(super) fn set_accessible_name(response: &Response, role: egui::Role, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));

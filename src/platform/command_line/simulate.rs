@@ -143,6 +143,10 @@ fn selection(arguments: &Arguments) -> Result<Selection, InputError> {
             Selection::of(paths).map_err(|error| InputError(format!("--fields: {error}")))?
         }
     };
+    if arguments.no_profile && selection.names_a_profile() {
+        let line = "--no-profile: --fields names a profile; allowed: one of the two";
+        return Err(InputError(line.to_owned()));
+    }
     Ok(if arguments.no_profile { selection.without_profile() } else { selection })
 }
 

@@ -5,10 +5,10 @@ use super::{ExitStatus, InputError, in_range, input};
 use crate::experiment::charts::scene_map;
 use crate::platform::runner::{Threads, evaluate};
 use crate::scene::read::{self, Format};
-use crate::scene::{MAX_SCENE_BYTES, Scene};
+use crate::scene::{MAX_SCENE_BYTES, Scene, limits};
 use crate::study::{
-    Axis, Bands, BandsSettings, Cases, Job, Map, MapSettings, NOTES, PointStatus, Quantity, Study,
-    Unknown, run as run_study,
+    Axis, Bands, BandsSettings, Cases, Job, Map, MapSettings, NOTES, PointStatus, Quantity,
+    SAMPLES, Study, Unknown, run as run_study,
 };
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub(super) struct MapArguments {
     #[arg(long, value_name = "QUANTITY", default_value = "greatest_strain", value_parser = quantity)]
     show: Quantity,
     /// Nodes per side of the points.
-    #[arg(long, value_name = "N", default_value_t = MapSettings::default().nodes_per_side)]
+    #[arg(long, value_name = "N", default_value_t = MapSettings::default().nodes_per_side, value_parser = nodes)]
     nodes: usize,
     /// Leave out the comparison of 9 points with 129 nodes per side.
     #[arg(long)]
@@ -45,16 +45,16 @@ pub(super) struct BandsArguments {
     #[arg(value_name = "SCENE.json")]
     scene: PathBuf,
     /// Number of samples, 16 to 16384.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = samples)]
     samples: Option<usize>,
     /// Seed; equal seeds give equal samples on every machine.
     #[arg(long, value_name = "S", value_parser = seed, allow_negative_numbers = true)]
     seed: Option<u32>,
     /// Rows of the importance, 0 (no importance) or 16 to the number of samples.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = rows)]
     importance: Option<usize>,
     /// Nodes per side of the samples; default: 65 of a sheet, 33 of layered tissue.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = nodes)]
     nodes: Option<usize>,
     /// An unknown that does not vary; may be given several times.
     #[arg(long, value_name = "NAME", value_parser = unknown)]
@@ -81,6 +81,19 @@ fn unknown(text: &str) -> Result<Unknown, String> {
 
 fn seed(text: &str) -> Result<u32, String> {
     in_range(text, 0, u32::MAX)
+}
+
+fn nodes(text: &str) -> Result<usize, String> {
+    in_range(text, limits::NODES_PER_SIDE.0, limits::NODES_PER_SIDE.1)
+}
+
+fn samples(text: &str) -> Result<usize, String> {
+    in_range(text, SAMPLES.0, SAMPLES.1)
+}
+
+/// Rows of the importance; the study compares the number with that of the samples.
+fn rows(text: &str) -> Result<usize, String> {
+    in_range(text, 0, SAMPLES.1)
 }
 
 /// The default map: base width and projection, 20 by 20, over the typical round implants.
@@ -201,6 +214,7 @@ pub(super) fn bands(arguments: &BandsArguments) -> Result<ExitStatus, InputError
     for note in NOTES {
         output::warn(note);
     }
+    report.remarks.iter().for_each(|line| output::warn(line));
     let converged = report.counts.get(PointStatus::Converged.word()).copied().unwrap_or(0);
     if converged < report.samples {
         output::warn(&format!("{converged} of {} samples converged.", report.samples));
