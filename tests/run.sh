@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets up what the tests need and runs all of them: ./tests/run.sh
-# One line a step; the log of a step that fails is shown. The last line has the totals.
+# One line a step; the end and the failures of a log are shown if its step fails. The last line has the totals.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=web/tools.sh
@@ -11,6 +11,7 @@ export CARGO_TERM_COLOR=never NO_COLOR=1 CARGO_INCREMENTAL=0
 TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 LOGS="$TARGET_DIR/test-logs"
 WASM=(--target wasm32-unknown-unknown)
+FAILURE='^ *not ok | panicked at |^error'
 passed=0
 failed=0
 
@@ -44,7 +45,9 @@ run_step() {
     printf '✓ %-14s %4d s\n' "$name" $((SECONDS - start))
   else
     printf '✗ %-14s %4d s: %s (exit code %d)\n' "$name" $((SECONDS - start)) "$*" "$ended"
-    tail -n 150 "$LOGS/$name.log" | sed 's/^/    /'
+    # The end of the log, then the first failures: "not ok 3 - …" of node, "panicked at" and "error" of Rust.
+    { tail -n 60 "$LOGS/$name.log"; echo "failures:"; grep -m 60 -A 24 -E "$FAILURE" "$LOGS/$name.log" || :; } |
+      head -n 400 | sed 's/^/    /'
   fi
   return "$ended"
 }
