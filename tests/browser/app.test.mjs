@@ -163,51 +163,53 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await settled(page);
     await harness.screenshot(page, "phone");
     const finger = await page.context().newCDPSession(page);
-    /** A finger that goes down, travels and goes up. */
-    const swipe = async (x, y, dx, dy) => {
+    /** A finger that goes down, rests [ms], travels and goes up; then the panel comes to rest. */
+    const swipe = async ([x, y], dx, dy, rest = 0) => {
       const touch = (type, at) =>
         finger.send("Input.dispatchTouchEvent", { type, touchPoints: at ? [{ x: at[0], y: at[1] }] : [] });
       await touch("touchStart", [x, y]);
+      await page.waitForTimeout(rest);
       for (let k = 1; k <= 8; k += 1) {
         await page.waitForTimeout(60);
         await touch("touchMove", [x + (dx * k) / 8, y + (dy * k) / 8]);
       }
       await page.waitForTimeout(60);
       await touch("touchEnd");
-      await page.waitForTimeout(300);
+      await settled(page);
     };
     const before = await page.evaluate(() => implantPreview.scene());
     // The last control of its tab: the panel can be scrolled down only.
     let rail = await harness.control(page, "In place (%)");
     const beside = (at) => [at.x + 0.3 * at.width, at.y + at.height / 2];
     // Up and down on a slider, the panel scrolls; nothing else moves.
-    await swipe(...beside(rail), 4, 50);
+    await swipe(beside(rail), 4, 50);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
     const down = (await harness.focused(page)).y - rail.y;
     assert.ok(down > 20, `the panel was scrolled by ${down} pixels`);
     // From the slider's upper edge: its lower part may be behind the status line.
     rail = await harness.focused(page);
-    await swipe(rail.x + 0.3 * rail.width, rail.y + 3, 4, -90);
+    await swipe([rail.x + 0.3 * rail.width, rail.y + 3], 4, -90);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
-    // Along it, it moves, once the panel is at rest.
-    await settled(page);
+    // Along it, it moves, at once and after a rest.
+    const insertion = async () => JSON.parse(await page.evaluate(() => implantPreview.scene())).insertion;
     rail = await harness.focused(page);
-    await swipe(...beside(rail), -40, 3);
-    const { insertion } = JSON.parse(await page.evaluate(() => implantPreview.scene()));
-    assert.ok(insertion < 0.9, `the insertion is ${insertion}`);
+    await swipe(beside(rail), -40, 3);
+    const moved = await insertion();
+    assert.ok(moved < 0.9, `the insertion is ${moved}`);
+    await swipe(beside(rail), 40, 3, 1500);
+    assert.ok((await insertion()) > moved + 0.1, `the insertion is ${await insertion()} after ${moved}`);
     // A number field asks for the keyboard with digits, nothing else does.
     const keyboard = () => page.locator("#implant-preview-canvas + input").getAttribute("inputmode");
     assert.notEqual(await keyboard(), "decimal");
-    await settled(page);
     rail = await harness.focused(page);
     await page.touchscreen.tap(rail.x + rail.width + 40, rail.y + rail.height / 2);
-    await page.waitForTimeout(500);
+    await settled(page);
     assert.equal(await keyboard(), "decimal");
     assert.equal(await page.evaluate(() => document.activeElement.tagName), "INPUT");
     // A tap on the picture shows the values there, and puts the keyboard away.
     const still = await page.screenshot({ clip: { x: 0, y: 80, width: 390, height: 380 } });
     await page.touchscreen.tap(120, 260);
-    await page.waitForTimeout(800);
+    await settled(page);
     const tapped = await page.screenshot({ clip: { x: 0, y: 80, width: 390, height: 380 } });
     assert.ok((await harness.difference(page, still, tapped)) > 2000, "a tap shows no values");
     assert.equal(await keyboard(), "text");

@@ -4,7 +4,7 @@
 use super::{Hand, centimetres, cm, mm, title};
 use crate::app::messages::{Notice, Offer};
 use crate::app::theme;
-use crate::app::widgets::{Control, arrow_keys, quantity, set_accessible_name};
+use crate::app::widgets::{Control, arrow_keys, keep_press, quantity, set_accessible_name};
 use crate::scene::{Scene, limits};
 use eframe::egui::{
     self, Align2, Key, Modifiers, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2,
@@ -47,6 +47,7 @@ fn inside(scene: &Scene, [x, y]: [f64; 2]) -> [f64; 2] {
 /// The pad: pocket and implant from the front; the implant follows pointer and arrow keys.
 fn pad(ui: &mut Ui, scene: &mut Scene) {
     let (rect, response) = ui.allocate_exact_size(PAD, Sense::click_and_drag());
+    keep_press(&response);
     let centre = rect.center() - vec2(0.0, 2.0);
     let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
     let before = scene.implant.center_mm;

@@ -9,7 +9,7 @@ mod renderer;
 
 pub(crate) use overlay::pointer_box;
 
-use super::widgets::arrow_keys;
+use super::widgets::{arrow_keys, keep_press};
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
@@ -219,6 +219,7 @@ impl Viewport {
         // An id of its own: the focus stays while the progress of a solve is shown above the picture.
         let id = ui.scope_id().with("3-D view");
         let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
+        keep_press(&response);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
         self.id = Some(response.id);
         response

@@ -1,6 +1,7 @@
 //! Pictures of the current scene and of the pins side by side, with one camera and one colour scale.
 
 use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
+use crate::app::widgets::keep_press;
 use crate::session::{Pin, Session};
 use crate::view::color::Quantity;
 use crate::view::picture::Picture;
@@ -160,6 +161,7 @@ fn pane(ui: &Ui, pin: &Pin, area: Rect) -> Response {
     let id: Id = ui.scope_id().with(("3-D view", pin.number()));
     // Without focus: the keys act on the picture of the current scene.
     let response = ui.interact(area, id, Sense::CLICK | Sense::DRAG);
+    keep_press(&response);
     let name = format!("3-D view of {}", pin.letter());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, &name));
     response

@@ -80,6 +80,14 @@ pub(super) fn choice(ui: &mut Ui, is_present: bool, text: impl Into<egui::Widget
     response
 }
 
+/// Keeps the press of a finger that rests before it drags: egui ends the press of a widget of clicks and drags after
+/// 0.8 s of rest, for a context menu.
+pub(super) fn keep_press(response: &Response) {
+    if response.long_touched() {
+        response.ctx.set_dragged_id(response.id);
+    }
+}
+
 /// Filter of a focused widget that receives the arrow keys; otherwise the keys move the focus.
 pub(super) fn arrow_keys() -> EventFilter {
     EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() }

@@ -1,7 +1,9 @@
 //! The rail of a slider. A mouse moves the handle from anywhere on the rail. A finger moves it from the
 //! handle, or after dragging along the rail; a swipe across the rail scrolls the panel.
 
-use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, quantity, set_value_requests};
+use super::{
+    STEP_KEYS, arrow_keys, describe_range, keep_press, key_steps, quantity, set_value_requests,
+};
 use crate::app::theme;
 use eframe::egui::{
     self, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
@@ -96,7 +98,8 @@ impl Rail<'_> {
             data.remove::<Press>(id);
             kept
         });
-        let is_held = response.is_pointer_button_down_on();
+        keep_press(response);
+        let is_held = response.is_pointer_button_down_on() || response.long_touched();
         let is_released = response.clicked() || response.drag_stopped();
         let at = response.interact_pointer_pos().filter(|_| is_held || is_released)?;
         let (origin, delta, has_fingers, has_touch) = ui.input(|input| {
@@ -218,5 +221,86 @@ impl Rail<'_> {
         let width = if response.hovered() || response.has_focus() { 3.0 } else { 2.0 };
         let centre = pos2(handle, rect.center().y);
         painter.circle(centre, HANDLE - 1.0, fill, Stroke::new(width, palette.accent));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Context, Event, PointerButton, RawInput, TouchPhase};
+
+    /// The value after a finger has gone through positions, each with its time \[s\] and one frame.
+    fn after_gesture(positions: &[(f64, Pos2)]) -> f64 {
+        let ctx = Context::default();
+        let (mut value, mut is_down) = (1.0, false);
+        let mut frame = |time: f64, events: Vec<Event>| {
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 100.0)));
+            let input = RawInput { time: Some(time), events, screen_rect, ..RawInput::default() };
+            let mut output = ctx.run_ui(input, |ui| {
+                ui.put(Rect::from_min_size(pos2(100.0, 40.0), vec2(114.0, 24.0)), |ui: &mut Ui| {
+                    let (range, allowed) = (0.0..=1.0, 0.0..=1.0);
+                    let (step, logarithmic, width) = (0.01, false, 114.0);
+                    let name = "In place";
+                    let rail = Rail { name, range, allowed, step, logarithmic, width };
+                    rail.show(ui, &mut value).response
+                });
+            });
+            output.textures_delta.clear();
+        };
+        let touch = |phase, pos| Event::Touch {
+            device_id: egui::TouchDeviceId(0),
+            id: egui::TouchId(0),
+            phase,
+            pos,
+            force: None,
+        };
+        let button = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        frame(0.0, vec![]);
+        for &(time, pos) in positions {
+            if is_down {
+                frame(time, vec![Event::PointerMoved(pos), touch(TouchPhase::Move, pos)]);
+            } else {
+                frame(time, vec![button(pos, true), touch(TouchPhase::Start, pos)]);
+            }
+            is_down = true;
+        }
+        if let Some(&(time, pos)) = positions.last() {
+            let up = vec![button(pos, false), Event::PointerGone, touch(TouchPhase::End, pos)];
+            frame(time + 0.1, up);
+        }
+        value
+    }
+
+    /// A finger that travels from the middle of the rail by `travel`, with a pause \[s\] between the frames.
+    fn swiped(travel: egui::Vec2, pause: f64) -> f64 {
+        let at = |k: u32| (0.1 + pause * f64::from(k), pos2(150.0, 52.0) + travel * k as f32 / 8.0);
+        after_gesture(&(0..=8).map(at).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_finger_moves_the_handle_however_slow_the_frames_and_long_the_rest() {
+        // 40 of 100 points, 8 of them for the decision.
+        for pause in [0.01, 0.06, 0.3, 0.5, 1.0] {
+            let value = swiped(vec2(-40.0, 3.0), pause);
+            assert!((value - 0.68).abs() < 0.011, "{value} at {pause} s a frame");
+        }
+        let from = pos2(150.0, 52.0);
+        let rest = [(0.1, from), (0.5, from), (1.0, from), (2.0, from)];
+        assert_eq!(after_gesture(&rest).to_bits(), 1f64.to_bits());
+        let drag = (1..=4).map(|k| (2.0 + 0.02 * f64::from(k), from - vec2(10.0 * k as f32, 0.0)));
+        let value = after_gesture(&rest.into_iter().chain(drag).collect::<Vec<_>>());
+        assert!((value - 0.68).abs() < 0.011, "{value} after a rest");
+    }
+
+    #[test]
+    fn a_finger_across_the_rail_keeps_the_value() {
+        for pause in [0.01, 0.3, 1.0] {
+            assert_eq!(swiped(vec2(4.0, 40.0), pause).to_bits(), 1f64.to_bits());
+        }
     }
 }
