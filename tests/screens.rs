@@ -783,17 +783,103 @@ fn the_last_point_of_a_measured_curve_can_be_entered() {
         CurveSpec::Points { points, .. } => points.clone(),
         other => panic!("{other:?}"),
     };
+    harness.get_by_role_and_label(Role::Button, "Edit points").click();
+    harness.run();
+    let apply = |harness: &mut Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
+        settle(harness);
+    };
     type_into(&mut harness, "Strain of point 3", "0,5");
-    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 500.0]]);
+    // The layer takes the points on request only.
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [1.0, 500.0]]);
     type_into(&mut harness, "Stress of point 3", "220");
+    apply(&mut harness);
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
     // Points out of order are reported; nothing is stored or clamped.
     type_into(&mut harness, "Stress of point 3", "90");
     harness.get_by_label_contains("must be greater than that of point 2 (100 kPa)");
+    apply(&mut harness);
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 100.0], [0.5, 220.0]]);
     // The points of such a table can be corrected in any sequence.
     type_into(&mut harness, "Stress of point 2", "50");
+    apply(&mut harness);
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 50.0], [0.5, 90.0]]);
+    harness.get_by_label("percent").click();
+    harness.run();
+    type_into(&mut harness, "Strain of point 2", "30");
+    apply(&mut harness);
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.3, 50.0], [0.5, 90.0]]);
+    // Escape closes the window without a draft; Undo takes the last curve back.
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    assert!(harness.query_by_label("Apply the curve").is_none());
+    harness.get_by_role_and_label(Role::Button, "Undo").click();
+    settle(&mut harness);
+    assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 50.0], [0.5, 90.0]]);
+}
+
+#[test]
+fn a_pasted_table_becomes_the_curve_of_its_layer() {
+    let mut harness = unfolded(|scene| {
+        scene.layers[0].curve = CurveSpec::Points {
+            points: vec![[0.0, 0.0], [1.0, 500.0]],
+            interpolation: Interpolation::Line,
+        }
+        .into();
+    });
+    harness.get_by_role_and_label(Role::Button, "Edit points").click();
+    harness.run();
+    let paste = |harness: &mut Harness<'static, App>, text: &str| {
+        harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read").focus();
+        harness.run();
+        harness.event(egui::Event::Paste(text.to_owned()));
+        harness.run();
+        harness.get_by_role_and_label(Role::Button, "Use the table").click();
+        harness.run();
+    };
+    paste(&mut harness, "0,1 2,5\nx 3\n");
+    harness.get_by_label_contains("line 2: “x” is not a number. The points are unchanged.");
+    harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read").focus();
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    harness.run();
+    paste(&mut harness, "strain;stress (kPa)\n0,1;2,5\n45 %;0,12 MPa\n");
+    harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
+    settle(&mut harness);
+    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve.spec
+    else {
+        panic!("no points")
+    };
+    assert_eq!(points[..], [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
+}
+
+#[test]
+fn the_side_panels_can_be_made_wider() {
+    let mut harness = app(DESKTOP, |_| {});
+    let picture = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Canvas, "3-D view").rect()
+    };
+    let before = picture(&harness);
+    let edge = egui::pos2(before.left(), before.center().y);
+    let drag = |harness: &mut Harness<'static, App>, from: egui::Pos2, to: egui::Pos2| {
+        harness.hover_at(from);
+        harness.run();
+        harness.drag_at(from);
+        harness.run();
+        harness.hover_at(to);
+        harness.run();
+        harness.drop_at(to);
+        harness.run();
+    };
+    drag(&mut harness, edge, edge + egui::vec2(60.0, 0.0));
+    let wider = picture(&harness);
+    assert!((wider.left() - before.left() - 60.0).abs() < 4.0, "{before} became {wider}");
+    assert!((wider.right() - before.right()).abs() < 1.0, "{before} became {wider}");
+    // The picture keeps a third of the window, the panel its content.
+    drag(&mut harness, wider.left_center(), wider.right_center());
+    assert!(picture(&harness).width() > 0.3 * DESKTOP.x);
+    let far = picture(&harness).left_center();
+    drag(&mut harness, far, egui::pos2(5.0, far.y));
+    assert!(picture(&harness).left() > 260.0);
 }
 
 #[test]

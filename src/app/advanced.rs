@@ -13,14 +13,17 @@ use eframe::egui::{self, RichText, Ui};
 const ACCURACIES: [(&str, usize, f64); 3] =
     [("Fast", 65, 1e-3), ("Normal", 129, 1e-4), ("Fine", 257, 1e-4)];
 
-/// Shows the fold, closed at first.
-pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) {
-    egui::CollapsingHeader::new("Advanced").id_salt("advanced").show_unindented(ui, |ui| {
+/// Shows the fold, closed at first. Returns the layer whose points are to be edited.
+pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) -> Option<usize> {
+    let header = egui::CollapsingHeader::new("Advanced").id_salt("advanced");
+    let fold = header.show_unindented(ui, |ui| {
         accuracy(ui, scene, hand);
-        layers(ui, scene);
+        let edited = layers(ui, scene);
         ui.add_space(SPACE);
         method(ui, scene, session);
+        edited
     });
+    fold.body_returned.flatten()
 }
 
 /// The name of a scene's accuracy; `None` for other numbers.
@@ -64,9 +67,9 @@ fn length((least, most): (f64, f64), label: &str, reset: f64) -> Control<'_> {
     }
 }
 
-/// Shows the layers, from the skin inwards.
-fn layers(ui: &mut Ui, scene: &mut Scene) {
-    let mut action = None;
+/// Shows the layers, from the skin inwards. Returns the layer whose points are to be edited.
+fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
+    let (mut action, mut edited) = (None, None);
     let count = scene.layers.len();
     for (k, layer) in scene.layers.iter_mut().enumerate() {
         let title = format!("Layer {}: {}", k + 1, layer.tissue);
@@ -74,7 +77,9 @@ fn layers(ui: &mut Ui, scene: &mut Scene) {
             .id_salt(("layer", k))
             .default_open(k < 2);
         header.show_unindented(ui, |ui| {
-            ui.push_id(k, |ui| one_layer(ui, layer));
+            if ui.push_id(k, |ui| one_layer(ui, layer)).inner {
+                edited = Some(k);
+            }
             ui.horizontal_wrapped(|ui| {
                 let named = |text: &str| format!("{text} layer {}", k + 1);
                 for (text, name, tooltip, is_able, what) in [
@@ -120,6 +125,7 @@ fn layers(ui: &mut Ui, scene: &mut Scene) {
         Some(Action::Add(layer)) => scene.layers.push(layer),
         None => {}
     }
+    edited
 }
 
 enum Action {
@@ -129,7 +135,8 @@ enum Action {
     Add(Layer),
 }
 
-fn one_layer(ui: &mut Ui, layer: &mut Layer) {
+/// Shows a layer. Returns whether the points of its curve are to be edited.
+fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
     let usual = if layer.tissue == "adipose" { Layer::adipose() } else { Layer::skin() };
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Tissue").color(ui.visuals().weak_text_color()));
@@ -163,7 +170,7 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) {
     }
     .show(ui, &mut layer.poisson_ratio);
     ui.small("How little the volume changes when pulled (0.5 = not at all)");
-    curve_editor::show(ui, &mut layer.curve.spec);
+    curve_editor::show(ui, &mut layer.curve.spec)
 }
 
 /// Tissue model and springs.

@@ -56,6 +56,9 @@ impl App {
             self.wide(ui, &mut scene);
         }
         self.help_window(&ctx);
+        if self.curve_window.as_mut().is_some_and(|window| !window.show(&ctx, &mut scene)) {
+            self.curve_window = None;
+        }
         self.focus.boundary(ui, Boundary::Last);
         self.submit_edits(&ctx, &mut scene);
         // An edit clears the previous notice, so a notice about this edit is stored after it.

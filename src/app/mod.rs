@@ -45,6 +45,7 @@ use crate::measure::Outcome;
 use crate::scene::{Scene, SceneError};
 use crate::session::{Command, CommandError, Record, Session};
 use compare::{Compare, Keep};
+use curve_editor::CurveWindow;
 use eframe::{egui, glow};
 use egui::FocusDirection;
 use files::Files;
@@ -57,7 +58,7 @@ use report::Shots;
 use status::Timing;
 use std::sync::Arc;
 use studies::Studies;
-use ui::NarrowTab;
+use ui::{NarrowTab, PanelWidths};
 use uncertainty::Uncertainty;
 use viewport::Viewport;
 
@@ -94,7 +95,9 @@ pub struct App {
     /// Number of the present gesture; edits of one gesture are one step of the history.
     gesture: u64,
     narrow_tab: NarrowTab,
+    panel_widths: PanelWidths,
     show_help: bool,
+    curve_window: Option<CurveWindow>,
     /// Height of the controls on the picture in the previous frame \[points\].
     view_bar_height: f32,
 }
@@ -138,7 +141,9 @@ impl App {
             was_paused: false,
             gesture: 0,
             narrow_tab: NarrowTab::Implant,
+            panel_widths: PanelWidths::default(),
             show_help: false,
+            curve_window: None,
             view_bar_height: 40.0,
         })
     }

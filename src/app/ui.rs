@@ -1,6 +1,7 @@
 //! Layout of the screen. Wide: plan, picture, answer side by side. Narrow: the picture over a sheet with the three
 //! figures of the answer and tabs.
 
+use super::curve_editor::CurveWindow;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
@@ -8,7 +9,7 @@ use super::widgets::{Control, Kind};
 use super::{App, advanced, answer, details, messages, plan, plots, status, theme};
 use crate::measure::Status;
 use crate::scene::Scene;
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Rect, RichText, Ui};
 use plan::Hand;
 
 /// A tab of the bottom sheet on narrow screens.
@@ -30,15 +31,14 @@ const TABS: [(NarrowTab, &str); 4] = [
 impl App {
     /// Arranges the panels of a wide screen.
     pub(super) fn wide(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        let (least, most) = theme::PANEL_WIDTH;
-        let width = (0.24 * ui.available_width()).clamp(least, most);
+        let [plan, answer] = self.panel_widths.fitting(ui.available_width());
         egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, Layout::Wide));
         egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
             ui.add_space(theme::SPACE_SMALL);
             self.status_row(ui, Layout::Wide);
             ui.add_space(theme::SPACE_SMALL);
         });
-        side_panel(egui::Panel::left("plan"), width).show(ui, |ui| {
+        let left = side_panel(egui::Panel::left("plan"), plan).show(ui, |ui| {
             column("plan").show(ui, |ui| {
                 ui.add_space(theme::SPACE_SMALL);
                 ui.heading("Plan");
@@ -46,7 +46,7 @@ impl App {
                 self.focus.scroll_into_view(ui);
             });
         });
-        side_panel(egui::Panel::right("answer"), width).show(ui, |ui| {
+        let right = side_panel(egui::Panel::right("answer"), answer).show(ui, |ui| {
             column("answer").show(ui, |ui| {
                 self.answer(ui);
                 self.focus.scroll_into_view(ui);
@@ -58,6 +58,7 @@ impl App {
             self.headline(ui);
         });
         egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Wide));
+        self.panel_widths.drag(ui, left.response.rect, right.response.rect);
     }
 
     /// Arranges picture and sheet of a narrow screen.
@@ -91,7 +92,14 @@ impl App {
         plan::pocket(ui, scene, Hand::Mouse);
         self.position_notice = plan::position(ui, scene, Hand::Mouse);
         ui.add_space(theme::SPACE);
-        advanced::show(ui, scene, &self.session, Hand::Mouse);
+        self.advanced(ui, scene, Hand::Mouse);
+    }
+
+    /// The folded part of the plan, which opens the window of a curve.
+    fn advanced(&mut self, ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+        if let Some(layer) = advanced::show(ui, scene, &self.session, hand) {
+            self.curve_window = CurveWindow::new(scene, layer);
+        }
     }
 
     /// The tabs of the sheet, at the size of a finger.
@@ -121,7 +129,7 @@ impl App {
             }
             NarrowTab::More => {
                 self.answer(ui);
-                advanced::show(ui, scene, &self.session, Hand::Finger);
+                self.advanced(ui, scene, Hand::Finger);
             }
         }
     }
@@ -251,7 +259,7 @@ impl App {
 }
 
 /// What to do first, on the lower edge of the picture.
-fn hint(ui: &mut Ui, area: egui::Rect) {
+fn hint(ui: &mut Ui, area: Rect) {
     let layout = egui::Layout::bottom_up(egui::Align::Max);
     let inner = area.shrink(2.0 * theme::SPACE);
     let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
@@ -260,10 +268,46 @@ fn hint(ui: &mut Ui, area: egui::Rect) {
     ui.new_child(builder).add(egui::Label::new(words).selectable(false));
 }
 
-/// A side panel. Its width follows the window's alone: a wide line or figure would widen a panel for good, and the
-/// picture would pay.
+/// A side panel of a given width. A width that follows the content would grow for good with a wide line or figure, and
+/// the picture would pay.
 fn side_panel(panel: egui::Panel, width: f32) -> egui::Panel {
     panel.exact_size(width).resizable(false)
+}
+
+/// Widths of the side panels that the user has chosen, plan and answer \[points\].
+#[derive(Default)]
+pub(super) struct PanelWidths([Option<f32>; 2]);
+
+impl PanelWidths {
+    /// The widths in a window: the picture keeps a third.
+    fn fitting(&self, window: f32) -> [f32; 2] {
+        let (least, most) = theme::PANEL_WIDTH;
+        let usual = (0.24 * window).clamp(least, most);
+        self.0.map(|width| width.unwrap_or(usual).min(window / 3.0).max(least))
+    }
+
+    /// Moves the inner edges of the panels with the pointer; a double-click restores the usual width.
+    fn drag(&mut self, ui: &Ui, plan: Rect, answer: Rect) {
+        for (k, (panel, edge)) in
+            [(plan, plan.right()), (answer, answer.left())].into_iter().enumerate()
+        {
+            let area = Rect::from_x_y_ranges(edge - 3.0..=edge + 3.0, panel.y_range());
+            let id = ui.scope_id().with(("panel edge", k));
+            let response = ui.interact(area, id, egui::Sense::CLICK | egui::Sense::DRAG);
+            if response.hovered() || response.dragged() {
+                ui.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+                let stroke = egui::Stroke::new(2.0, theme::palette(ui.visuals()).accent);
+                ui.painter().vline(edge, panel.y_range(), stroke);
+            }
+            if response.double_clicked() {
+                self.0[k] = None;
+            } else if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged())
+            {
+                let width = if k == 0 { at.x - panel.left() } else { panel.right() - at.x };
+                self.0[k] = Some(width);
+            }
+        }
+    }
 }
 
 /// The scrolled content of a side panel, at the panel's full width. A content that shrinks would make

@@ -1,0 +1,139 @@
+//! Editor of a layer's stress–strain curve: its kind and its parameters here, its measured points in a `window`.
+
+mod table;
+mod window;
+
+pub(super) use window::CurveWindow;
+
+use super::widgets::{Control, Kind, button_if, choice, labelled_box, remark};
+use crate::curve::{Curve, CurveSpec, Interpolation};
+use eframe::egui::Ui;
+use std::ops::RangeInclusive;
+
+/// Name and description of the kinds that the editor offers. Curves of sections come from a scene file.
+const KINDS: [(&str, &str); 6] = [
+    ("Skin preset", "Modulus 100 kPa up to strain 0.4, rising to 1000 kPa at 0.7"),
+    ("Adipose preset", "0.4 kPa · atan(7.5 ε): initial modulus 3 kPa"),
+    ("Linear", "Young's modulus"),
+    ("Arctangent", "scale · atan(rate · ε)"),
+    ("Exponential (Fung)", "scale · (exp(rate · ε) − 1)"),
+    ("Measured points", "Points joined by straight lines or a monotone spline"),
+];
+
+fn kind(spec: &CurveSpec) -> Option<usize> {
+    Some(match spec {
+        CurveSpec::Skin {} => 0,
+        CurveSpec::Adipose {} => 1,
+        CurveSpec::Linear { .. } => 2,
+        CurveSpec::Arctangent { .. } => 3,
+        CurveSpec::Exponential { .. } => 4,
+        CurveSpec::Points { .. } => 5,
+        CurveSpec::Sections { .. } => return None,
+    })
+}
+
+/// Converts a curve to another kind, as close to the present curve as that kind allows.
+fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
+    let curve = Curve::new(spec).ok();
+    let slope = curve.as_ref().map_or(10.0, |c| c.slope(0.0)).clamp(0.01, 1e5);
+    match kind {
+        0 => CurveSpec::Skin {},
+        1 => CurveSpec::Adipose {},
+        2 => CurveSpec::Linear { modulus_kpa: slope },
+        3 => CurveSpec::Arctangent { scale_kpa: slope / 7.5, rate: 7.5 },
+        4 => CurveSpec::Exponential { scale_kpa: slope / 4.0, rate: 4.0 },
+        _ => {
+            let stress = |e: f64| curve.as_ref().map_or(slope * e, |c| c.stress(e));
+            // Breaks of the curve become points too.
+            let breaks: Vec<f64> = curve.iter().flat_map(Curve::breaks).collect();
+            let mut strains = vec![0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+            strains.extend(breaks.into_iter().filter(|e| *e > 0.05 && *e < 0.95).take(6));
+            strains.sort_by(f64::total_cmp);
+            strains.dedup_by(|a, b| *a - *b < 0.01);
+            let points = strains.into_iter().map(|e| [e, stress(e)]).collect();
+            CurveSpec::Points { points, interpolation: Interpolation::Spline }
+        }
+    }
+}
+
+/// Edits kind and parameters of a curve in place. Returns whether the window of its points is to be opened.
+pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) -> bool {
+    let present = kind(spec);
+    let selected = present.map_or("Sections (from a file)", |k| KINDS[k].0);
+    let response = labelled_box(ui, "Stress–strain curve", selected, |ui| {
+        for (k, (name, tooltip)) in KINDS.iter().enumerate() {
+            let choice = choice(ui, present == Some(k), *name);
+            if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
+                *spec = converted(spec, k);
+            }
+        }
+    });
+    response.on_hover_text("Nominal stress against engineering strain, as measured");
+    match spec {
+        CurveSpec::Linear { modulus_kpa } => {
+            stress(ui, "Young's modulus", modulus_kpa, 100.0);
+        }
+        CurveSpec::Arctangent { scale_kpa, rate: value } => {
+            stress(ui, "Scale", scale_kpa, 0.4);
+            rate(ui, value, 7.5, 0.1..=100.0);
+        }
+        CurveSpec::Exponential { scale_kpa, rate: value } => {
+            stress(ui, "Scale", scale_kpa, 2.0);
+            rate(ui, value, 4.0, 0.1..=9.0);
+        }
+        CurveSpec::Points { points, interpolation } => {
+            let end = points.last().map_or(0.0, |point| 100.0 * point[0]);
+            let form = match interpolation {
+                Interpolation::Line => "straight",
+                Interpolation::Spline => "smooth",
+            };
+            remark(ui, format!("{} points up to {end:.0} % strain, {form} between", points.len()));
+            let tip = "Type or paste the points of a measured curve";
+            return button_if(ui, true, "Edit points…", "Edit points", tip);
+        }
+        CurveSpec::Skin {} | CurveSpec::Adipose {} | CurveSpec::Sections { .. } => {}
+    }
+    false
+}
+
+fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
+    Control {
+        unit: "kPa",
+        kind: Kind::Stress,
+        tooltip: "In vivo: breast fat about 3 kPa, breast skin 56–344 kPa.",
+        ..parameter(label, 0.01..=1e4, reset)
+    }
+    .show(ui, value);
+}
+
+fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: RangeInclusive<f64>) {
+    Control {
+        tooltip: "How quickly the slope changes with strain.",
+        ..parameter("Rate", range, reset)
+    }
+    .show(ui, value);
+}
+
+/// A control of a curve's parameter, with a logarithmic rail.
+fn parameter(label: &str, range: RangeInclusive<f64>, reset: f64) -> Control<'_> {
+    Control { label, range, reset, decimals: 2, step: 0.0, logarithmic: true, ..Control::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_preset_made_points_keeps_every_point_on_its_curve() {
+        for preset in [CurveSpec::Skin {}, CurveSpec::Adipose {}] {
+            let curve = Curve::new(&preset).unwrap();
+            let CurveSpec::Points { points, .. } = converted(&preset, 5) else {
+                panic!("no points")
+            };
+            assert_eq!(points.last().map(|p| p[0]), Some(1.0));
+            for [strain, stress] in points {
+                assert_eq!(stress.to_bits(), curve.stress(strain).to_bits(), "at {strain}");
+            }
+        }
+    }
+}
