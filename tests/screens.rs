@@ -852,6 +852,49 @@ fn a_pasted_table_becomes_the_curve_of_its_layer() {
     assert_eq!(points[..], [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
 }
 
+/// Starts of the marks on the rail of the volume \[points\], computed once the pointer is on the rail.
+fn volume_marks(model: TissueModel) -> Vec<f32> {
+    let mut harness = app(DESKTOP, |scene| {
+        *scene = Scene::opening();
+        scene.solver.nodes_per_side = 33;
+        scene.set_tissue_model(model);
+    });
+    let rail = harness.get_by_role_and_label(Role::Slider, "Volume (ml)").rect();
+    let marks = |harness: &Harness<'static, App>| -> Vec<f32> {
+        let lines = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+            egui::Shape::LineSegment { points, stroke } => Some((*points, stroke.width)),
+            _ => None,
+        });
+        let is_mark = |points: &[egui::Pos2; 2], width: f32| {
+            (width - 3.0).abs() < 1e-3 && points.iter().all(|point| rail.contains(*point))
+        };
+        lines
+            .filter(|(points, width)| is_mark(points, *width))
+            .map(|(points, _)| points[0].x)
+            .collect()
+    };
+    (0..20).for_each(|_| harness.step());
+    assert!(marks(&harness).is_empty(), "computed without need");
+    harness.hover_at(rail.center());
+    let start = std::time::Instant::now();
+    while marks(&harness).is_empty() {
+        assert!(start.elapsed().as_secs() < 300, "no marks");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    marks(&harness)
+}
+
+#[test]
+fn the_rail_of_the_volume_marks_where_the_words_change() {
+    // Skin on fat has no answer beyond a volume; a sheet is high, then very high from smaller volumes on.
+    let (layered, sheet) = (volume_marks(TissueModel::Layered), volume_marks(TissueModel::Sheet));
+    assert!(
+        sheet.len() >= 2 && sheet[0] < sheet[1] && sheet[0] < layered[0],
+        "{layered:?}, {sheet:?}"
+    );
+}
+
 #[test]
 fn the_side_panels_can_be_made_wider() {
     let mut harness = app(DESKTOP, |_| {});

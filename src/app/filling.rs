@@ -6,20 +6,18 @@ use super::plots::fixed_plot;
 use super::range::within_text;
 use super::studies::{Driver, Studies};
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
+use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
-use crate::clinical::{Size, limits};
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::Scene;
-use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
+use crate::study::{Map, MapCheck, MapSettings, Parameter, Quantity};
 use eframe::egui::{self, RichText, Ui};
 use egui_plot::{
     HoverPosition, Line, LineStyle, PlotUi, Points, Polygon, VLine, uniform_grid_spacer,
 };
 
-/// Number of fills.
-const COUNT: usize = 21;
-/// Projection / half base width of the least and of the greatest fill \[-\].
-const RATIOS: (f64, f64) = (0.15, 1.0);
+/// Projection / half base width of the greatest fill \[-\].
+const MOST_RATIO: f64 = 1.0;
 /// Grid and tolerance of the fills.
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 65, tolerance: 1e-3 };
 /// Height of a chart, and width of the numbers beside it \[points\].
@@ -97,7 +95,7 @@ impl Filling {
         self.started = Some(scene.clone());
         let mut base = scene.clone();
         base.insertion = 1.0;
-        let axis = fills(2.0 * scene.implant.base_radius_mm);
+        let axis = volumes(2.0 * scene.implant.base_radius_mm, MOST_RATIO);
         let is_equal = |curve: &mut Map| curve.axes() == [axis] && curve.move_to(&base);
         if self.curve.study_mut().is_some_and(is_equal) {
             return;
@@ -226,21 +224,6 @@ impl Filling {
     }
 }
 
-/// The fills of a base width \[mm\], in whole 10 ml, within the limits of a scene.
-fn fills(base_width_mm: f64) -> Axis {
-    let radius = 0.5 * base_width_mm;
-    let volume = |ratio: f64| {
-        let (least, most) = limits::PROJECTION_MM;
-        let projection = (ratio * radius).clamp(least, most);
-        Size::of_width_and_projection(base_width_mm, projection).map_or(0.0, Size::volume_ml)
-    };
-    let (least, most) = (volume(RATIOS.0), volume(RATIOS.1));
-    // A small base has a small step.
-    let step = if most - least > 100.0 { 10.0 } else { 0.1 };
-    let (from, to) = ((least / step).ceil() * step, (most / step).floor() * step);
-    Axis { field: Parameter::Volume, from, to, count: COUNT }
-}
-
 /// Shades a quadrilateral.
 fn shade(plot: &mut PlotUi<'_>, corners: [[f64; 2]; 4], palette: &Palette) {
     let color = palette.caution.gamma_multiply(0.15);
@@ -260,23 +243,5 @@ impl App {
         if is_saved && let Some(curve) = self.filling.curve.study() {
             self.files.save(ui.ctx(), "filling.csv", curve.csv());
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fills_lie_within_the_limits_and_between_the_ratios() {
-        for width in [20.0, 60.0, 120.0, 240.0] {
-            let axis = fills(width);
-            assert!(axis.from < axis.to, "{width}: {axis:?}");
-            for volume in axis.values() {
-                let dome = Size::of_width_and_volume(width, volume).unwrap();
-                assert!((0.14..=1.001).contains(&dome.ratio()), "{width}: {volume}");
-            }
-        }
-        assert_eq!((fills(120.0).from, fills(120.0).to), (70.0, 450.0));
     }
 }

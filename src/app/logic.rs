@@ -124,6 +124,7 @@ impl App {
         let is_held = ctx.input(|input| input.pointer.any_down());
         let is_busy = self.session.is_working() || self.is_playing || is_held;
         self.filling.advance(self.session.scene(), self.plan.device, &mut self.studies, is_busy);
+        self.volume_marks.advance(self.session.scene(), &mut self.studies, is_busy);
         self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);
     }
 

@@ -5,9 +5,9 @@
 //! At rest the app neither solves nor draws.
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `ui` arranges the screen: `plan` with `advanced` on the left, `viewport` with `view_bar` or `range` in the
-//! middle, `answer` with `filling`, `uncertainty`, `details` and `plots` on the right. `messages` shows notices and the
-//! pages without a picture; `report` saves picture and report.
+//! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` and `curve_editor` on the left, `viewport` with
+//! `view_bar` or `range` in the middle, `answer` with `filling`, `uncertainty`, `details` and `plots` on the right.
+//! `messages` shows notices and the pages without a picture; `report` saves picture and report.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
@@ -36,6 +36,8 @@ mod ui;
 mod uncertainty;
 mod view_bar;
 mod viewport;
+mod volume_marks;
+mod volumes;
 mod widgets;
 
 pub use stats::Stats;
@@ -61,6 +63,7 @@ use studies::Studies;
 use ui::{NarrowTab, PanelWidths};
 use uncertainty::Uncertainty;
 use viewport::Viewport;
+use volume_marks::VolumeMarks;
 
 /// The app.
 pub struct App {
@@ -76,6 +79,7 @@ pub struct App {
     studies: Studies,
     range: Range,
     filling: Filling,
+    volume_marks: VolumeMarks,
     uncertainty: Uncertainty,
     notice: Option<Notice>,
     /// Notice about a position requested in this frame that does not fit the pocket.
@@ -128,6 +132,7 @@ impl App {
             studies: Studies::new(ctx, runner),
             range: Range::default(),
             filling: Filling::default(),
+            volume_marks: VolumeMarks::default(),
             uncertainty: Uncertainty::default(),
             notice: None,
             position_notice: None,

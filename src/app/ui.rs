@@ -87,7 +87,7 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        plan::implant(ui, scene, &mut self.plan, Hand::Mouse);
+        plan::implant(ui, scene, &mut self.plan, Some(&mut self.volume_marks), Hand::Mouse);
         plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.position_notice = plan::position(ui, scene, Hand::Mouse);
@@ -119,7 +119,7 @@ impl App {
     fn narrow_tab(&mut self, ui: &mut Ui, scene: &mut Scene) {
         match self.narrow_tab {
             NarrowTab::Implant => {
-                plan::implant(ui, scene, &mut self.plan, Hand::Finger);
+                plan::implant(ui, scene, &mut self.plan, None, Hand::Finger);
                 self.insertion_row(ui, scene);
             }
             NarrowTab::Patient => plan::patient(ui, scene, Hand::Finger),

@@ -2,6 +2,7 @@
 
 use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, title};
 use crate::app::theme;
+use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
 use crate::clinical::{Dimension, Expander, ProfileClass, Size, limits};
 use crate::scene::{self, Scene};
@@ -10,14 +11,22 @@ use std::ops::RangeInclusive;
 
 /// Width of the mark of the dimension that follows \[points\].
 const MARK: f32 = 24.0;
+const VOLUME_TOOLTIP: &str =
+    "Volume of the implant, of a half-ellipsoid dome. Round implants: 95–965 ml. 1 ml = 1 cc.";
 
-/// Shows the implant.
-pub(in crate::app) fn implant(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
+/// Shows the implant, with the marks of its volumes if a slider shows the volume.
+pub(in crate::app) fn implant(
+    ui: &mut Ui,
+    scene: &mut Scene,
+    choices: &mut Choices,
+    marks: Option<&mut VolumeMarks>,
+    hand: Hand,
+) {
     // The limits of a scene are those of a size.
     let Ok(size) = scene.implant.size() else { return };
     title(ui, "Implant", |ui| device(ui, choices, hand));
     let changed = match choices.device {
-        Device::Implant => implant_rows(ui, size, choices, hand),
+        Device::Implant => implant_rows(ui, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),
     };
     if let Some(size) = changed {
@@ -40,14 +49,29 @@ fn device(ui: &mut Ui, choices: &mut Choices, hand: Hand) {
 }
 
 /// Shows width, volume, projection and profile; returns a changed size.
-fn implant_rows(ui: &mut Ui, size: Size, choices: &mut Choices, hand: Hand) -> Option<Size> {
+fn implant_rows(
+    ui: &mut Ui,
+    size: Size,
+    choices: &mut Choices,
+    mut marks: Option<&mut VolumeMarks>,
+    hand: Hand,
+) -> Option<Size> {
     let mut changed = None;
+    // The marks are those of the present width.
+    let is_marked = choices.follows != Dimension::BaseWidth;
+    let marks_words = marks.as_ref().map(|marks| marks.words()).unwrap_or_default();
+    let volume_tooltip = format!("{VOLUME_TOOLTIP}{marks_words}");
     for dimension in [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection] {
         let is_following = choices.follows == dimension;
         let before = value(size, dimension);
         let mut now = before;
         let mut mark = false;
-        let control = control_of(size, dimension, choices.follows);
+        let mut control = control_of(size, dimension, choices.follows);
+        let top = ui.cursor().top();
+        if dimension == Dimension::Volume && is_marked {
+            control.marks = marks.as_ref().map(|marks| marks.ends()).unwrap_or_default();
+            control.tooltip = &volume_tooltip;
+        }
         let response = row(
             ui,
             hand,
@@ -57,6 +81,14 @@ fn implant_rows(ui: &mut Ui, size: Size, choices: &mut Choices, hand: Hand) -> O
                 mark = follow_mark(ui, dimension, is_following, hand);
             }),
         );
+        let line = ui.max_rect().with_min_y(top).with_max_y(ui.cursor().top());
+        if dimension == Dimension::Volume
+            && is_marked
+            && (response.is_changed || ui.rect_contains_pointer(line))
+            && let Some(marks) = &mut marks
+        {
+            marks.want();
+        }
         if mark {
             choices.follows = dimension;
         }
@@ -184,7 +216,7 @@ fn value(size: Size, dimension: Dimension) -> f64 {
 }
 
 /// The control of a dimension.
-fn control_of(size: Size, dimension: Dimension, follows: Dimension) -> Control<'static> {
+fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimension) -> Control<'a> {
     let allowed = allowed(size, dimension, held(dimension, follows));
     let is_following = dimension == follows;
     let (most_decimals, label) = (if is_following { 1 } else { 6 }, label(dimension));
@@ -215,8 +247,7 @@ fn control_of(size: Size, dimension: Dimension, follows: Dimension) -> Control<'
             decimals: 0,
             most_decimals: if is_following { 0 } else { 2 },
             step: 5.0,
-            tooltip: "Volume of the implant, of a half-ellipsoid dome. Round \
-                      implants: 95–965 ml. 1 ml = 1 cc.",
+            tooltip: VOLUME_TOOLTIP,
             ..Control::default()
         },
     }

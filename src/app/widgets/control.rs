@@ -34,6 +34,8 @@ pub(in crate::app) struct Control<'a> {
     /// Rounding step of dragging and keys; 0: three significant digits.
     pub(in crate::app) step: f64,
     pub(in crate::app) logarithmic: bool,
+    /// Values above which the rail is marked as high, as more than high, and as without an answer.
+    pub(in crate::app) marks: [Option<f64>; 3],
     pub(in crate::app) tooltip: &'a str,
 }
 
@@ -51,6 +53,7 @@ impl Default for Control<'_> {
             most_decimals: 6,
             step: 0.5,
             logarithmic: false,
+            marks: [None; 3],
             tooltip: "",
         }
     }
@@ -240,6 +243,7 @@ impl<'c, 'a> Line<'c, 'a> {
             allowed: self.allowed(),
             step: self.control.step,
             logarithmic: self.control.logarithmic,
+            marks: self.control.marks,
             width,
         };
         let moved = rail.show(ui, value);

@@ -18,6 +18,8 @@ const TOUCH_REACH: f32 = 24.0;
 /// Travel that decides between dragging and scrolling \[points\].
 const DRAG_THRESHOLD: f32 = 8.0;
 const LINE: f32 = 5.0;
+/// Distance of the marks below the line \[points\].
+const MARK: f32 = 6.0;
 
 /// A rail with a handle.
 pub(super) struct Rail<'a> {
@@ -29,6 +31,8 @@ pub(super) struct Rail<'a> {
     /// Rounding step of dragging and keys; 0: three significant digits.
     pub(super) step: f64,
     pub(super) logarithmic: bool,
+    /// Values above which the rail is marked as high, as more than high, and as without an answer.
+    pub(super) marks: [Option<f64>; 3],
     /// Width \[points\].
     pub(super) width: f32,
 }
@@ -217,6 +221,19 @@ impl Rail<'_> {
         painter.rect_filled(line, 0.5 * LINE, palette.rail);
         let trailing = line.with_max_x(handle);
         painter.rect_filled(trailing, 0.5 * LINE, palette.accent);
+        let track = rect.x_range().shrink(HANDLE);
+        let at = |value: f64| lerp(track.min..=track.max, self.fraction(value));
+        let [high, beyond, none] = self.marks.map(|mark| mark.map(at));
+        let end = none.unwrap_or(track.max);
+        for (from, to, color) in [
+            (high, beyond.unwrap_or(end), palette.caution),
+            (beyond, end, palette.bad),
+            (none, track.max, palette.edge),
+        ] {
+            if let Some(from) = from {
+                painter.hline(from..=to, rect.center().y + MARK, Stroke::new(3.0, color));
+            }
+        }
         let fill = ui.visuals().panel_fill;
         let width = if response.hovered() || response.has_focus() { 3.0 } else { 2.0 };
         let centre = pos2(handle, rect.center().y);
@@ -240,8 +257,9 @@ mod tests {
                 ui.put(Rect::from_min_size(pos2(100.0, 40.0), vec2(114.0, 24.0)), |ui: &mut Ui| {
                     let (range, allowed) = (0.0..=1.0, 0.0..=1.0);
                     let (step, logarithmic, width) = (0.01, false, 114.0);
+                    let marks = [None; 3];
                     let name = "In place";
-                    let rail = Rail { name, range, allowed, step, logarithmic, width };
+                    let rail = Rail { name, range, allowed, step, logarithmic, marks, width };
                     rail.show(ui, &mut value).response
                 });
             });

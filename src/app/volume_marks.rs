@@ -1,0 +1,186 @@
+//! Where the words of the cards change along the slider of the volume, and where the model has no answer: the implant's
+//! volumes at its width, each one solved scene on a coarse grid. Computed once the slider is used.
+
+use super::studies::{Driver, Studies};
+use super::volumes::{COUNT, volumes};
+use crate::measure::bands::{self, Limits};
+use crate::scene::Scene;
+use crate::study::{Axis, Map, MapSettings, Quantity};
+
+/// Grid and tolerance of the volumes.
+const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
+/// Projection / half base width of the greatest volume \[-\]: from 1.36 on a scene may have no answer.
+const MOST_RATIO: f64 = 1.3;
+/// The quantities of the cards with limits, and their names there.
+const QUANTITIES: [(Quantity, &Limits, &str); 2] = [
+    (Quantity::GreatestStrain, &bands::STRAIN, "skin stretch"),
+    (Quantity::GreatestPressureMmhg, &bands::PRESSURE, "pressure"),
+];
+
+/// The study behind the marks.
+#[derive(Default)]
+pub(super) struct VolumeMarks {
+    curve: Driver<Map>,
+    /// The scene of the present curve.
+    started: Option<Scene>,
+    is_wanted: bool,
+    /// The marks of a curve that is solved.
+    marks: Option<Vec<Mark>>,
+}
+
+/// A volume \[ml\] above which the word of a quantity changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Mark {
+    volume_ml: f64,
+    /// Index of the band above the volume, 1 or more; `None`: no answer.
+    band: Option<usize>,
+    /// Quantity and word of the band, or what is missing.
+    words: [&'static str; 2],
+}
+
+impl VolumeMarks {
+    /// The slider is in use: the marks are computed from now on.
+    pub(super) fn want(&mut self) {
+        self.is_wanted = true;
+    }
+
+    /// Starts and continues the study, once a frame. `is_busy`: the plan is being solved or edited.
+    pub(super) fn advance(&mut self, scene: &Scene, studies: &mut Studies, is_busy: bool) {
+        if self.is_wanted && !is_busy && self.started.as_ref() != Some(scene) {
+            self.restart(scene, studies);
+        }
+        self.curve.advance(studies);
+        if self.marks.is_none()
+            && let Some(curve) = self.curve.study().filter(|_| !self.curve.is_running())
+        {
+            self.marks = Some(marks(&curve.axes()[0], |quantity, i| curve.value(quantity, i, 0)));
+        }
+    }
+
+    /// Starts the curve of a scene. Another volume leaves the curve as it is.
+    fn restart(&mut self, scene: &Scene, studies: &mut Studies) {
+        self.started = Some(scene.clone());
+        let mut base = scene.clone();
+        base.insertion = 1.0;
+        let axis = volumes(2.0 * scene.implant.base_radius_mm, MOST_RATIO);
+        let is_equal = |curve: &mut Map| curve.axes() == [axis] && curve.move_to(&base);
+        if self.curve.study_mut().is_some_and(is_equal) {
+            return;
+        }
+        self.marks = None;
+        self.curve.cancel(studies);
+        if let Ok(curve) = Map::new(&base, &[axis], SETTINGS) {
+            self.curve.start(curve, studies);
+        }
+    }
+
+    /// The volumes \[ml\] above which the worst card is high, is more than high, and above which no scene has an answer.
+    pub(super) fn ends(&self) -> [Option<f64>; 3] {
+        let first = |is_meant: &dyn Fn(Option<usize>) -> bool| {
+            // The marks are in the order of their volumes.
+            let found = self.marks.iter().flatten().find(|mark| is_meant(mark.band));
+            found.map(|mark| mark.volume_ml)
+        };
+        [
+            first(&|band| band >= Some(1)),
+            first(&|band| band >= Some(2)),
+            first(&|band| band.is_none()),
+        ]
+    }
+
+    /// The marks in words; empty without any.
+    pub(super) fn words(&self) -> String {
+        let word = |mark: &Mark| format!("\n{:.0} ml: {}", mark.volume_ml, mark.words.join(" "));
+        let words: String = self.marks.iter().flatten().map(word).collect();
+        if words.is_empty() { words } else { format!("\nAt this width, from about{words}") }
+    }
+}
+
+/// The volumes at which the quantities exceed their limits and the answers end, in their order. `value`: a quantity at a
+/// volume of the axis; `None` without an answer.
+fn marks(axis: &Axis, value: impl Fn(Quantity, usize) -> Option<f64>) -> Vec<Mark> {
+    let point = |quantity: Quantity, i: usize| Some([axis.value(i), value(quantity, i)?]);
+    let mut marks = Vec::new();
+    for (quantity, limits, name) in QUANTITIES {
+        let line: Vec<[f64; 2]> = (0..COUNT).filter_map(|i| point(quantity, i)).collect();
+        for (k, limit) in limits.bands.iter().filter_map(|band| band.limit).enumerate() {
+            if let Some(volume_ml) = crossing(&line, limit) {
+                let words = [name, limits.bands[k + 1].word];
+                marks.push(Mark { volume_ml, band: Some(k + 1), words });
+            }
+        }
+    }
+    // Between the last volume with an answer and the next one.
+    let last = (0..COUNT).rev().find_map(|i| Some((i, point(Quantity::GreatestStrain, i)?[0])));
+    if let Some((_, volume)) = last.filter(|(i, _)| i + 1 < COUNT) {
+        let volume_ml = volume + 0.5 * (axis.value(1) - axis.value(0));
+        marks.push(Mark { volume_ml, band: None, words: ["the model has", "no answer"] });
+    }
+    marks.sort_by(|a, b| a.volume_ml.total_cmp(&b.volume_ml));
+    marks
+}
+
+/// The first place where a polyline exceeds a limit; its start if it begins above.
+fn crossing(line: &[[f64; 2]], limit: f64) -> Option<f64> {
+    let first = line.iter().position(|point| point[1] > limit)?;
+    let [x, y] = line[first];
+    let Some(&[before, value]) = first.checked_sub(1).map(|k| &line[k]) else { return Some(x) };
+    Some(before + (x - before) * (limit - value) / (y - value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::Size;
+    use crate::measure::Outcome;
+    use crate::scene::TissueModel;
+    use crate::simulate::simulate;
+
+    #[test]
+    fn a_line_exceeds_a_limit_between_its_points() {
+        let line = [[100.0, 0.1], [200.0, 0.2], [300.0, 0.4]];
+        assert_eq!(crossing(&line, 0.05), Some(100.0));
+        assert!((crossing(&line, 0.25).unwrap() - 225.0).abs() < 1e-9);
+        assert_eq!(crossing(&line, 0.4), None);
+        assert_eq!(crossing(&[], 0.4), None);
+    }
+
+    #[test]
+    fn the_marks_separate_the_words_of_single_solves() {
+        let mut scene = Scene::opening();
+        scene.set_tissue_model(TissueModel::Sheet);
+        let width = 2.0 * scene.implant.base_radius_mm;
+        let axis = volumes(width, MOST_RATIO);
+        let solved = |volume: f64, nodes: usize| {
+            let mut scene = scene.clone();
+            scene.solver.nodes_per_side = nodes;
+            let size = Size::of_width_and_volume(width, volume).unwrap();
+            scene.implant.projection_mm = size.projection_mm();
+            simulate(&scene).unwrap()
+        };
+        let curve: Vec<Outcome> =
+            axis.values().iter().map(|v| solved(*v, SETTINGS.nodes_per_side)).collect();
+        let marks = marks(&axis, |quantity, i| quantity.of(&curve[i]));
+        let of_stretch = |mark: &&Mark| mark.words[0] == "skin stretch";
+        assert!(marks.iter().filter(of_stretch).count() >= 2, "{marks:?}");
+        for mark in &marks {
+            let Some(band) = mark.band else { continue };
+            let of_mark = |found: &(Quantity, &Limits, &str)| found.2 == mark.words[0];
+            let (quantity, limits, _) = QUANTITIES.into_iter().find(of_mark).unwrap();
+            for (factor, expected) in [(0.97, band - 1), (1.03, band)] {
+                let value = quantity.of(&solved(factor * mark.volume_ml, 129)).unwrap();
+                assert_eq!(limits.band(value), expected, "{mark:?}: {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_answers_end_between_the_last_volume_with_one_and_the_next() {
+        let axis = volumes(120.0, 1.0);
+        let end = |count: usize| marks(&axis, |_, i| (i < count).then_some(0.1));
+        assert_eq!(end(COUNT), []);
+        let found = end(10);
+        assert!(found.len() == 1 && found[0].band.is_none(), "{found:?}");
+        assert!(axis.value(9) < found[0].volume_ml && found[0].volume_ml < axis.value(10));
+    }
+}

@@ -1,0 +1,44 @@
+//! The volumes of an implant or expander of a given width, as the axis of a study.
+
+use crate::clinical::{Size, limits};
+use crate::study::{Axis, Parameter};
+
+/// Number of volumes.
+pub(super) const COUNT: usize = 21;
+/// Projection / half base width of the least volume \[-\].
+const LEAST_RATIO: f64 = 0.15;
+
+/// The volumes of a base width \[mm\] up to a ratio of projection to half the width, in whole 10 ml, within the limits of a
+/// scene.
+pub(super) fn volumes(base_width_mm: f64, most_ratio: f64) -> Axis {
+    let radius = 0.5 * base_width_mm;
+    let volume = |ratio: f64| {
+        let (least, most) = limits::PROJECTION_MM;
+        let projection = (ratio * radius).clamp(least, most);
+        Size::of_width_and_projection(base_width_mm, projection).map_or(0.0, Size::volume_ml)
+    };
+    let (least, most) = (volume(LEAST_RATIO), volume(most_ratio));
+    // A small base has a small step.
+    let step = if most - least > 100.0 { 10.0 } else { 0.1 };
+    let (from, to) = ((least / step).ceil() * step, (most / step).floor() * step);
+    Axis { field: Parameter::Volume, from, to, count: COUNT }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volumes_lie_within_the_limits_and_between_the_ratios() {
+        for width in [20.0, 60.0, 120.0, 240.0] {
+            let axis = volumes(width, 1.0);
+            assert!(axis.from < axis.to, "{width}: {axis:?}");
+            for volume in axis.values() {
+                let dome = Size::of_width_and_volume(width, volume).unwrap();
+                assert!((0.14..=1.001).contains(&dome.ratio()), "{width}: {volume}");
+            }
+        }
+        let axis = volumes(120.0, 1.0);
+        assert_eq!((axis.from, axis.to), (70.0, 450.0));
+    }
+}
