@@ -16,6 +16,8 @@ use implant_preview::session::Counters;
 
 #[path = "screens/filling.rs"]
 mod filling;
+#[path = "screens/form.rs"]
+mod form;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 

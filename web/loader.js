@@ -2,6 +2,7 @@
 // The app removes #loading after its first frame.
 
 import "./crash.js";
+import "./form.js";
 
 const element = (id) => document.getElementById(id);
 

@@ -217,7 +217,7 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     let (least, most) = Body::patch_range(pocket);
     Control {
         allowed: Some(least..=most),
-        limit_reason: &format!("{least:.0} to {most:.0} mm around this pocket"),
+        limit_reason: format!("{least:.0} to {most:.0} mm around this pocket"),
         tooltip: "Radius of the computed tissue around the pocket's centre; the tissue is held at its edge.",
         ..length((least, most), "Computed radius", usual.patch_radius_mm)
     }

@@ -5,7 +5,7 @@ use super::files::FileEvent;
 use super::focus::Boundary;
 use super::messages::Notice;
 use super::status::SliceOf;
-use super::{App, theme};
+use super::{App, plan, theme};
 use crate::measure::no_shape;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError};
@@ -195,13 +195,38 @@ impl App {
         if self.is_scene_replaced || scene == self.session.scene() {
             return;
         }
+        if let Err(error) = self.edit(scene) {
+            self.notice = Some(Notice::error(error.to_string()));
+        }
+    }
+
+    /// Submits an edited scene as a step of the present gesture. A position outside of the pocket is repaired first.
+    fn edit(&mut self, scene: &mut Scene) -> Result<(), CommandError> {
         let repair = scene.repair();
-        self.execute(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture });
+        self.is_edited = true;
+        self.request_frame();
+        self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture })?;
         if let Some(repair) = repair {
             self.notice = Some(Notice::caution(repair.to_string()));
         }
-        self.is_edited = true;
-        ctx.request_repaint();
+        Ok(())
+    }
+
+    /// Sets a field of the plan by its name, as one step of the history. A number may have a decimal comma and a unit.
+    ///
+    /// # Errors
+    /// Returns one line with what is wrong and what is allowed; the plan is then unchanged.
+    pub fn set_plan(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let (mut scene, mut choices) = (self.session.scene().clone(), self.plan);
+        plan::set(&mut scene, &mut choices, name, text)?;
+        if scene == *self.session.scene() {
+            return Ok(());
+        }
+        self.gesture += 1;
+        self.is_playing &= scene.insertion.to_bits() == self.session.scene().insertion.to_bits();
+        self.edit(&mut scene).map_err(|error| error.to_string())?;
+        self.plan = choices;
+        Ok(())
     }
 
     /// Reads dropped files and reports finished dialogs.

@@ -231,6 +231,14 @@ impl App {
         serde_json::to_string_pretty(&record).ok()
     }
 
+    /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, and
+    /// `least` and `most` of a number or the `choices` of a word.
+    #[must_use]
+    pub fn plan_json(&self) -> String {
+        let fields = plan::fields(self.session.scene(), &self.plan);
+        serde_json::to_string(&fields).unwrap_or_default()
+    }
+
     /// Opens the text of a scene file.
     ///
     /// # Errors

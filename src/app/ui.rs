@@ -5,7 +5,6 @@ use super::curve_editor::CurveWindow;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::widgets::{Control, Kind};
 use super::{App, advanced, answer, details, messages, plan, plots, status, theme};
 use crate::measure::Status;
 use crate::scene::Scene;
@@ -195,20 +194,9 @@ impl App {
             if button.on_hover_text(format!("{name} (space)")).clicked() {
                 self.toggle_playback();
             }
-            let mut percent = 100.0 * scene.insertion;
-            let slider = Control {
-                label: "In place",
-                unit: "%",
-                kind: Kind::Percent,
-                range: 0.0..=100.0,
-                reset: 100.0,
-                decimals: 0,
-                step: 1.0,
-                tooltip: "Height of the implant under the tissue, from flat (0 %) to full (100 %).",
-                ..Control::default()
-            };
+            let (slider, mut percent) = plan::insertion(scene);
             if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
-                scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
+                plan::set_insertion(scene, percent);
                 self.is_playing = false;
             }
         });

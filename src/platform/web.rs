@@ -207,6 +207,7 @@ impl PageHost {
                 summary: String::new(),
                 next_summary: (String::new(), 0.0),
                 scene: None,
+                plan: String::new(),
                 is_loading: true,
                 is_decimal_keyboard: false,
             }))
@@ -295,6 +296,8 @@ struct PageApp {
     next_summary: (String, f64),
     /// The last scene passed to the page.
     scene: Option<Scene>,
+    /// The fields of the plan last passed to the page's form.
+    plan: String,
     is_loading: bool,
     /// Does the touch screen show a numeric keyboard?
     is_decimal_keyboard: bool,
@@ -330,6 +333,11 @@ impl eframe::App for PageApp {
         if self.scene.as_ref() != Some(scene) {
             call("implantPreviewKeep", &scene.to_json());
             self.scene = Some(scene.clone());
+        }
+        let plan = app.plan_json();
+        if self.plan != plan {
+            call("implantPreviewPlan", &plan);
+            self.plan = plan;
         }
         store_pins(app, false);
         self.update_summary(ui, app.summary());
@@ -390,6 +398,30 @@ impl Handle {
         app.open(super::text::text(json, "scene")?)?;
         app.request_frame();
         Ok(())
+    }
+
+    /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, and
+    /// `least` and `most` of a number or the `choices` of a word.
+    ///
+    /// # Errors
+    /// Throws if the app is not running.
+    pub fn plan(&self) -> Result<String, JsError> {
+        Ok(self.host.app()?.plan_json())
+    }
+
+    /// Sets a field of the plan by its name. A number may have a decimal comma and a unit.
+    ///
+    /// # Errors
+    /// Throws an `Error` with one line: what is wrong and what is allowed; the plan is then unchanged.
+    #[wasm_bindgen(js_name = setPlan)]
+    pub fn set_plan(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "string")] name: &JsValue,
+        #[wasm_bindgen(unchecked_param_type = "string")] text: &JsValue,
+    ) -> Result<(), JsError> {
+        let mut app = self.host.app()?;
+        let (name, text) = (super::text::text(name, "name")?, super::text::text(text, "value")?);
+        app.set_plan(&name, &text).map_err(|error| JsError::new(&error))
     }
 
     /// The result of the present scene with `scene`, `program_version` and `date` (JSON text);

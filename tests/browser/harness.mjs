@@ -307,10 +307,11 @@ export async function summary(page, words) {
   return text();
 }
 
-/** What of the page has the keyboard's focus: the app, or what is before or behind it. */
+/** What of the page has the keyboard's focus: the app, what is before or behind it, or the form of the plan. */
 export const place = (page) =>
   page.evaluate(() => {
     const id = document.activeElement?.id;
+    if (document.activeElement?.form) return "form";
     if (id === "implant-preview-skip") return "before";
     if (id === "implant-preview-summary") return "behind";
     return id === "implant-preview-canvas" || document.activeElement?.tagName === "INPUT" ? "app" : "page";

@@ -93,12 +93,7 @@ fn implant_rows(
             choices.follows = dimension;
         }
         if response.is_changed {
-            let held = held(dimension, choices.follows);
-            let given = if dimension == Dimension::Volume { now } else { mm(now) };
-            if let Ok(size) = size.changed(dimension, given, held) {
-                changed = Some(size);
-                choices.follows = third(dimension, held);
-            }
+            changed = resized(size, choices, dimension, now).or(changed);
         }
     }
     chips(ui, |ui| {
@@ -207,7 +202,7 @@ fn name_of(class: ProfileClass) -> &'static str {
 }
 
 /// A dimension in the units of the plan: cm and ml.
-fn value(size: Size, dimension: Dimension) -> f64 {
+pub(super) fn value(size: Size, dimension: Dimension) -> f64 {
     match dimension {
         Dimension::BaseWidth => cm(size.base_width_mm()),
         Dimension::Volume => significant(size.volume_ml()),
@@ -216,7 +211,7 @@ fn value(size: Size, dimension: Dimension) -> f64 {
 }
 
 /// The control of a dimension.
-fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimension) -> Control<'a> {
+pub(super) fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimension) -> Control<'a> {
     let allowed = allowed(size, dimension, held(dimension, follows));
     let is_following = dimension == follows;
     let (most_decimals, label) = (if is_following { 1 } else { 6 }, label(dimension));
@@ -251,6 +246,20 @@ fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimension) -> Contr
             ..Control::default()
         },
     }
+}
+
+/// The size after a change of a dimension \[cm, ml\]; the other two follow their marks.
+pub(super) fn resized(
+    size: Size,
+    choices: &mut Choices,
+    dimension: Dimension,
+    value: f64,
+) -> Option<Size> {
+    let held = held(dimension, choices.follows);
+    let given = if dimension == Dimension::Volume { value } else { mm(value) };
+    let size = size.changed(dimension, given, held).ok()?;
+    choices.follows = third(dimension, held);
+    Some(size)
 }
 
 /// The dimension that keeps its value while another one is changed. The one that follows may be changed too: then
@@ -301,7 +310,7 @@ fn allowed(size: Size, dimension: Dimension, held: Dimension) -> RangeInclusive<
 }
 
 /// Sets the size of the implant. The pocket keeps its margin around the implant.
-fn set_size(scene: &mut Scene, size: Size) {
+pub(super) fn set_size(scene: &mut Scene, size: Size) {
     let radius = 0.5 * size.base_width_mm();
     let before = scene.implant.base_radius_mm;
     scene.implant.projection_mm = size.projection_mm();

@@ -2,14 +2,18 @@
 //! turns the difference into a command.
 //!
 //! `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
-//! (the implant in its pocket).
+//! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts).
 
+mod form;
 mod implant;
+mod insertion;
 mod patient;
 mod pocket;
 mod position;
 
+pub(super) use form::{fields, set};
 pub(super) use implant::implant;
+pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::position;

@@ -12,18 +12,23 @@ const USUAL_PULL_MM: f64 = 25.0;
 /// Shows pinch and skin.
 pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     title(ui, "Patient", |_| {});
-    let before = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
-    let mut measured = before;
-    pinch(ui, scene, &mut measured, hand);
+    let before = measured(scene);
+    let mut now = before;
+    pinch(ui, scene, &mut now, hand);
     thickness(ui, scene);
-    skin(ui, scene, &mut measured, hand);
-    if measured != before {
-        measure(scene, measured);
+    skin(ui, scene, &mut now, hand);
+    if now != before {
+        measure(scene, now);
     }
 }
 
+/// The measurements of the scene's patient.
+pub(super) fn measured(scene: &Scene) -> Measurements {
+    scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default()
+}
+
 /// Derives the values of the scene from the measurements.
-fn measure(scene: &mut Scene, measured: Measurements) {
+pub(super) fn measure(scene: &mut Scene, measured: Measurements) {
     if scene.body.is_none() {
         // A sheet of `scene/1` becomes the equal sheet of `scene/2`, which may have a patient.
         scene.set_tissue_model(TissueModel::Sheet);
@@ -33,10 +38,18 @@ fn measure(scene: &mut Scene, measured: Measurements) {
 }
 
 fn pinch(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
+    let (control, mut pinch) = pinch_control(scene, measured);
+    if row(ui, hand, control, &mut pinch, (0.0, |_: &mut Ui| {})).is_changed {
+        measured.pinch_mm = Some(mm(pinch));
+    }
+}
+
+/// The control of the pinch, and the pinch \[cm\].
+pub(super) fn pinch_control(scene: &Scene, measured: &Measurements) -> (Control<'static>, f64) {
     // Without a measurement: the pinch of the layers.
     let layers: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
     let (least, most) = limits::PINCH_MM;
-    let mut pinch = cm(measured.pinch_mm.unwrap_or((2.0 * layers).clamp(least, most)));
+    let pinch = cm(measured.pinch_mm.unwrap_or((2.0 * layers).clamp(least, most)));
     let control = Control {
         range: 0.5..=6.0,
         allowed: Some(cm(least)..=cm(most)),
@@ -44,9 +57,7 @@ fn pinch(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
         tooltip: "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.",
         ..centimetres("Pinch")
     };
-    if row(ui, hand, control, &mut pinch, (0.0, |_: &mut Ui| {})).is_changed {
-        measured.pinch_mm = Some(mm(pinch));
-    }
+    (control, pinch)
 }
 
 /// The thickness over the implant that follows from the pinch, or the values set by hand.

@@ -7,21 +7,29 @@ use eframe::egui::{RichText, Ui};
 
 /// Shows the margin of the pocket.
 pub(in crate::app) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
-    let radius = scene.implant.base_radius_mm;
-    let [x, y] = scene.implant.center_mm;
-    // A displayed limit is itself allowed.
-    let least = cm((10.0 * x.hypot(y) - 1e-6).ceil() / 10.0);
-    let most = cm(limits::POCKET_RADIUS_MAX_MM - radius);
-    let mut margin = cm(scene.pocket_radius_mm - radius);
     let width = quantity::format_at_most(cm(2.0 * scene.pocket_radius_mm), 1, 1);
     title(ui, "Pocket", |ui| {
         let words = format!("{width} cm wide");
         ui.label(RichText::new(words).small().color(ui.visuals().weak_text_color()));
     });
+    let (control, mut margin) = margin(scene);
+    if row(ui, hand, control, &mut margin, (0.0, |_: &mut Ui| {})).is_changed {
+        set_margin(scene, margin);
+    }
+}
+
+/// The control of the margin, and the margin \[cm\].
+pub(super) fn margin(scene: &Scene) -> (Control<'static>, f64) {
+    let radius = scene.implant.base_radius_mm;
+    let [x, y] = scene.implant.center_mm;
+    // A displayed limit is itself allowed.
+    let least = cm((10.0 * x.hypot(y) - 1e-6).ceil() / 10.0);
+    let most = cm(limits::POCKET_RADIUS_MAX_MM - radius);
+    let margin = cm(scene.pocket_radius_mm - radius);
     let control = Control {
         range: 0.0..=4.0_f64.max(least),
         allowed: Some(least.min(margin)..=most),
-        limit_reason: &format!(
+        limit_reason: format!(
             "{} to {} cm around this implant at this position",
             quantity::format(least, 1),
             quantity::format(most, 1)
@@ -31,7 +39,10 @@ pub(in crate::app) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
                   stays attached to the chest wall.",
         ..centimetres("Margin")
     };
-    if row(ui, hand, control, &mut margin, (0.0, |_: &mut Ui| {})).is_changed {
-        scene.set_pocket_radius(quantity::significant(radius + mm(margin)));
-    }
+    (control, margin)
+}
+
+/// Sets the margin \[cm\].
+pub(super) fn set_margin(scene: &mut Scene, margin: f64) {
+    scene.set_pocket_radius(quantity::significant(scene.implant.base_radius_mm + mm(margin)));
 }

@@ -24,11 +24,8 @@ pub(in crate::app) fn position(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Op
     ui.horizontal(|ui| {
         pad(ui, scene);
         ui.vertical(|ui| {
-            for (label, axis, side) in [
-                ("To the side", 0, "patient's side (−: the midline)"),
-                ("Up", 1, "head (−: the feet)"),
-            ] {
-                notice = number(ui, scene, axis, (label, side), hand).or(notice.take());
+            for axis in [0, 1] {
+                notice = number(ui, scene, axis, hand).or(notice.take());
             }
         });
     });
@@ -134,29 +131,9 @@ fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
 }
 
 /// Position along one axis. A number outside of the pocket is rejected, with the offer of a larger pocket.
-fn number(
-    ui: &mut Ui,
-    scene: &mut Scene,
-    axis: usize,
-    (label, side): (&str, &str),
-    hand: Hand,
-) -> Option<Notice> {
-    let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
-    let most = (room * room - other * other).max(0.0).sqrt();
-    // A displayed limit is itself allowed.
-    let shown = cm((10.0 * most + 1e-6).floor() / 10.0);
-    let reason = format!("at most {} cm in this pocket", quantity::format(shown, 1));
-    let mut value = cm(scene.implant.center_mm[axis]);
-    // The position of a file may lie on the pocket's rim by rounding.
-    let reach = cm(most).max(value.abs());
-    let control = Control {
-        range: -reach..=reach,
-        allowed: Some(-reach..=reach),
-        limit_reason: &reason,
-        tooltip: &format!("Offset of the implant from the pocket's centre towards the {side}."),
-        most_decimals: 2,
-        ..centimetres(label)
-    };
+fn number(ui: &mut Ui, scene: &mut Scene, axis: usize, hand: Hand) -> Option<Notice> {
+    let (control, mut value) = offset(scene, axis);
+    let (label, reason) = (control.label, control.limit_reason.clone());
     let change = control.number(ui, &mut value, hand == Hand::Finger);
     if change.is_changed {
         scene.implant.center_mm[axis] = mm(value);
@@ -164,6 +141,34 @@ fn number(
     let requested = mm(change.out_of_range?);
     let offer = larger_pocket(scene, axis, requested);
     Some(Notice { offer, ..Notice::caution(format!("{label}: {reason}.")) })
+}
+
+/// The control of the position along an axis (0: to the side, 1: up), and the position \[cm\].
+pub(super) fn offset(scene: &Scene, axis: usize) -> (Control<'static>, f64) {
+    let (label, tooltip) = [
+        (
+            "To the side",
+            "Offset of the implant from the pocket's centre towards the patient's side (−: the midline).",
+        ),
+        ("Up", "Offset of the implant from the pocket's centre towards the head (−: the feet)."),
+    ][axis];
+    let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
+    let most = (room * room - other * other).max(0.0).sqrt();
+    // A displayed limit is itself allowed.
+    let shown = cm((10.0 * most + 1e-6).floor() / 10.0);
+    let limit_reason = format!("at most {} cm in this pocket", quantity::format(shown, 1));
+    let value = cm(scene.implant.center_mm[axis]);
+    // The position of a file may lie on the pocket's rim by rounding.
+    let reach = cm(most).max(value.abs());
+    let control = Control {
+        range: -reach..=reach,
+        allowed: Some(-reach..=reach),
+        limit_reason,
+        tooltip,
+        most_decimals: 2,
+        ..centimetres(label)
+    };
+    (control, value)
 }
 
 /// The offer of a pocket, in steps of 1 mm of its width, that contains the implant at the requested position \[mm\].

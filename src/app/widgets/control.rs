@@ -24,8 +24,8 @@ pub(in crate::app) struct Control<'a> {
     pub(in crate::app) range: RangeInclusive<f64>,
     /// Allowed values; `None`: the range of the rail.
     pub(in crate::app) allowed: Option<RangeInclusive<f64>>,
-    /// Reason of the limit, shown for a value outside of it.
-    pub(in crate::app) limit_reason: &'a str,
+    /// Reason of the limit, shown for a value outside of it; empty: the message contains the limit.
+    pub(in crate::app) limit_reason: String,
     pub(in crate::app) reset: f64,
     /// Minimum number of decimals shown.
     pub(in crate::app) decimals: usize,
@@ -47,7 +47,7 @@ impl Default for Control<'_> {
             kind: Kind::Plain,
             range: 0.0..=1.0,
             allowed: None,
-            limit_reason: "",
+            limit_reason: String::new(),
             reset: 0.0,
             decimals: 1,
             most_decimals: 6,
@@ -178,6 +178,24 @@ impl Control<'_> {
         self.finish(ui, value, &label, done.inner)
     }
 
+    /// The allowed values.
+    pub(in crate::app) fn allowed(&self) -> RangeInclusive<f64> {
+        self.allowed.clone().unwrap_or_else(|| self.range.clone())
+    }
+
+    /// Parses a typed value.
+    ///
+    /// # Errors
+    /// Returns one line with what is wrong and what is allowed.
+    pub(in crate::app) fn parse(&self, text: &str) -> Result<f64, String> {
+        quantity::parse_within(text, self.kind, &self.allowed(), &self.limit_reason)
+    }
+
+    /// A value as the number field shows it.
+    pub(in crate::app) fn shown(&self, value: f64) -> String {
+        quantity::format_at_most(value, self.decimals, self.most_decimals)
+    }
+
     /// Name with the unit, for screen readers and tests.
     fn name(&self) -> String {
         match self.unit {
@@ -233,7 +251,7 @@ impl<'c, 'a> Line<'c, 'a> {
     }
 
     fn allowed(&self) -> RangeInclusive<f64> {
-        self.control.allowed.clone().unwrap_or_else(|| self.control.range.clone())
+        self.control.allowed()
     }
 
     fn rail(&mut self, ui: &mut Ui, value: &mut f64, width: f32) {
@@ -258,7 +276,7 @@ impl<'c, 'a> Line<'c, 'a> {
             name: &self.name,
             kind: control.kind,
             allowed: self.allowed(),
-            limit_reason: control.limit_reason,
+            limit_reason: &control.limit_reason,
             decimals: control.decimals,
             most_decimals: control.most_decimals,
             step: if control.step > 0.0 { control.step } else { 0.1 },

@@ -205,24 +205,7 @@ impl NumberField<'_> {
     }
 
     fn parse(&self, text: &str) -> Result<f64, String> {
-        let number = quantity::parse(text, self.kind)?;
-        if self.allowed.contains(&number) {
-            return Ok(number);
-        }
-        if !self.limit_reason.is_empty() {
-            return Err(self.limit_reason.to_owned());
-        }
-        let unit = self.kind.unit();
-        let end = |value: f64| {
-            let text = quantity::format(value, 0);
-            if unit.is_empty() { text } else { format!("{text} {unit}") }
-        };
-        let (least, most) = (*self.allowed.start(), *self.allowed.end());
-        Err(if number < least {
-            format!("at least {}", end(least))
-        } else {
-            format!("at most {}", end(most))
-        })
+        quantity::parse_within(text, self.kind, &self.allowed, self.limit_reason)
     }
 
     fn clamped(&self, value: f64) -> f64 {

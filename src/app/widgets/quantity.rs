@@ -1,5 +1,7 @@
 //! Numbers as text: decimal commas, units, exact values.
 
+use std::ops::RangeInclusive;
+
 /// Kind of a number, which determines the accepted units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::app) enum Kind {
@@ -107,6 +109,36 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     } else {
         Err(format!("“{}” is too large", truncated(text)))
     }
+}
+
+/// Parses a number like [`parse`] and checks the allowed values.
+///
+/// # Errors
+/// Returns one line: the error of [`parse`], or the reason of the limits, or, without a reason, the limit.
+pub(in crate::app) fn parse_within(
+    text: &str,
+    kind: Kind,
+    allowed: &RangeInclusive<f64>,
+    limit_reason: &str,
+) -> Result<f64, String> {
+    let number = parse(text, kind)?;
+    if allowed.contains(&number) {
+        return Ok(number);
+    }
+    if !limit_reason.is_empty() {
+        return Err(limit_reason.to_owned());
+    }
+    let unit = kind.unit();
+    let end = |value: f64| {
+        let text = format(value, 0);
+        if unit.is_empty() { text } else { format!("{text} {unit}") }
+    };
+    let (least, most) = (*allowed.start(), *allowed.end());
+    Err(if number < least {
+        format!("at least {}", end(least))
+    } else {
+        format!("at most {}", end(most))
+    })
 }
 
 /// Parses a number with a decimal point or one decimal comma.

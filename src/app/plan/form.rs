@@ -1,0 +1,236 @@
+//! The plan as a form: its numbers and its choice by name, for the form of the page and for scripts. A number has the
+//! same limits and the same effect as its control on the screen.
+
+use super::{Choices, Device, implant, insertion, mm, patient, pocket, position, set_insertion};
+use crate::app::widgets::Control;
+use crate::clinical::{Dimension, SkinClass};
+use crate::scene::Scene;
+use serde::Serialize;
+
+/// A field of the form.
+#[derive(Debug, Serialize)]
+pub(in crate::app) struct Field {
+    name: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    /// The value as the screen shows it; empty: none of the choices.
+    text: String,
+    /// What the field means.
+    hint: &'static str,
+    #[serde(flatten)]
+    values: Values,
+}
+
+/// The values that a field allows.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Values {
+    Numbers { least: f64, most: f64 },
+    Words { choices: Vec<&'static str> },
+}
+
+/// A number of the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    Size(Dimension),
+    Pinch,
+    Margin,
+    /// Position along an axis (0: to the side, 1: up).
+    Offset(usize),
+    InPlace,
+}
+
+/// The numbers by name, in the order of the screen. The skin follows the pinch.
+const NUMBERS: [(&str, Number); 8] = [
+    ("width_cm", Number::Size(Dimension::BaseWidth)),
+    ("volume_ml", Number::Size(Dimension::Volume)),
+    ("projection_cm", Number::Size(Dimension::Projection)),
+    (PINCH, Number::Pinch),
+    ("margin_cm", Number::Margin),
+    ("side_cm", Number::Offset(0)),
+    ("up_cm", Number::Offset(1)),
+    ("in_place_percent", Number::InPlace),
+];
+const PINCH: &str = "pinch_cm";
+const SKIN: &str = "skin";
+
+/// The fields of the present plan, in the order of the screen.
+pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
+    let mut fields = Vec::with_capacity(NUMBERS.len() + 1);
+    for (name, number) in NUMBERS {
+        fields.extend(number.control(scene, choices).map(|(control, value)| {
+            let allowed = control.allowed();
+            let (text, values) = (
+                control.shown(value),
+                Values::Numbers { least: *allowed.start(), most: *allowed.end() },
+            );
+            Field {
+                name,
+                label: control.label,
+                unit: control.unit,
+                text,
+                hint: control.tooltip,
+                values,
+            }
+        }));
+        if name == PINCH {
+            fields.push(skin(scene));
+        }
+    }
+    fields
+}
+
+/// The class of the skin; empty with a measured pull or with values set by hand.
+fn skin(scene: &Scene) -> Field {
+    Field {
+        name: SKIN,
+        label: "Skin feels",
+        unit: "",
+        text: patient::measured(scene).skin_class.map_or("", SkinClass::word).to_owned(),
+        hint: "Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
+               very lax more than 4 cm.",
+        values: Values::Words { choices: SkinClass::ALL.map(SkinClass::word).to_vec() },
+    }
+}
+
+/// Sets a field from its text. A number may have a decimal comma and a unit.
+///
+/// # Errors
+/// Returns one line with the field, what is wrong and what is allowed; scene and choices are then unchanged.
+pub(in crate::app) fn set(
+    scene: &mut Scene,
+    choices: &mut Choices,
+    name: &str,
+    text: &str,
+) -> Result<(), String> {
+    if name == SKIN {
+        let allowed = SkinClass::ALL.map(SkinClass::word);
+        let class = SkinClass::ALL.into_iter().find(|class| class.word() == text.trim());
+        let class = class.ok_or_else(|| format!("Skin feels: allowed: {}", allowed.join(", ")))?;
+        let mut measured = patient::measured(scene);
+        (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
+        patient::measure(scene, measured);
+        return Ok(());
+    }
+    let number = NUMBERS.into_iter().find(|(known, _)| *known == name);
+    let found = number.and_then(|(_, n)| Some((n, n.control(scene, choices)?)));
+    let Some((number, (control, before))) = found else {
+        let names: Vec<&str> = fields(scene, choices).iter().map(|field| field.name).collect();
+        return Err(format!("the plan has no field of this name; allowed: {}", names.join(", ")));
+    };
+    let value = control.parse(text).map_err(|reason| format!("{}: {reason}", control.label))?;
+    // The shown text is rounded: the same text keeps the value.
+    if text.trim() != control.shown(before) {
+        number.set(scene, choices, value);
+    }
+    Ok(())
+}
+
+impl Number {
+    /// The control of the number and its value in the control's unit; `None` if the plan has no such number.
+    fn control(self, scene: &Scene, choices: &Choices) -> Option<(Control<'static>, f64)> {
+        Some(match self {
+            // The fill of an expander raises its dome.
+            Self::Size(Dimension::Projection) if choices.device == Device::Expander => return None,
+            Self::Size(dimension) => {
+                let size = scene.implant.size().ok()?;
+                let control = implant::control_of(size, dimension, choices.follows);
+                (control, implant::value(size, dimension))
+            }
+            Self::Pinch => patient::pinch_control(scene, &patient::measured(scene)),
+            Self::Margin => pocket::margin(scene),
+            Self::Offset(axis) => position::offset(scene, axis),
+            Self::InPlace => insertion(scene),
+        })
+    }
+
+    /// Sets the number, in the unit of its control.
+    fn set(self, scene: &mut Scene, choices: &mut Choices, value: f64) {
+        match self {
+            Self::Size(dimension) => {
+                let size = scene.implant.size().ok();
+                let size = size.and_then(|size| implant::resized(size, choices, dimension, value));
+                if let Some(size) = size {
+                    implant::set_size(scene, size);
+                }
+            }
+            Self::Pinch => {
+                let mut measured = patient::measured(scene);
+                measured.pinch_mm = Some(mm(value));
+                patient::measure(scene, measured);
+            }
+            Self::Margin => pocket::set_margin(scene, value),
+            Self::Offset(axis) => scene.implant.center_mm[axis] = mm(value),
+            Self::InPlace => set_insertion(scene, value),
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
+mod tests {
+    use super::*;
+
+    /// The scene after fields of the opening plan were set.
+    fn after(fields: &[(&str, &str)]) -> Scene {
+        let (mut scene, mut choices) = (Scene::opening(), Choices::default());
+        for (name, text) in fields {
+            set(&mut scene, &mut choices, name, text).unwrap();
+        }
+        scene
+    }
+
+    #[test]
+    fn the_shown_texts_keep_every_bit_of_the_plan() {
+        let (opening, choices) = (Scene::opening(), Choices::default());
+        for field in fields(&opening, &choices) {
+            assert_eq!(after(&[(field.name, &field.text)]), opening, "{}", field.name);
+        }
+    }
+
+    #[test]
+    fn a_number_of_each_field_becomes_that_of_the_scene() {
+        let scene = after(&[("width_cm", "130 mm"), ("volume_ml", "0,35 l")]);
+        assert_eq!(scene.implant.base_radius_mm, 65.0);
+        let volume = scene.implant.size().unwrap().volume_ml();
+        assert!((volume - 350.0).abs() < 1e-9, "{volume}");
+        let wide = after(&[("projection_cm", "5")]);
+        assert_eq!((wide.implant.base_radius_mm, wide.implant.projection_mm), (60.0, 50.0));
+        let patient = after(&[("pinch_cm", "3"), ("skin", "lax")]).patient.unwrap().measured;
+        assert_eq!((patient.pinch_mm, patient.skin_class), (Some(30.0), Some(SkinClass::Lax)));
+        let placed = after(&[("margin_cm", "2"), ("side_cm", "1"), ("up_cm", "−0,5")]);
+        assert_eq!((placed.pocket_radius_mm, placed.implant.center_mm), (80.0, [10.0, -5.0]));
+        assert_eq!(after(&[("in_place_percent", "40 %")]).insertion, 0.4);
+    }
+
+    #[test]
+    fn a_refused_text_changes_nothing() {
+        let (mut scene, mut choices) = (Scene::opening(), Choices::default());
+        for (name, text, words) in [
+            ("width_cm", "wide", "Width: “wide” is not a number"),
+            ("width_cm", "1e308", "Width: at most 24 cm"),
+            ("volume_ml", "NaN", "Volume: “NaN” is not a number"),
+            ("pinch_cm", "", "Pinch: enter a number"),
+            ("skin", "soft", "Skin feels: allowed: tight, normal, lax, very lax"),
+            ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
+            (
+                "height",
+                "3",
+                "the plan has no field of this name; allowed: width_cm, volume_ml, projection_cm, pinch_cm, skin, \
+                 margin_cm, side_cm, up_cm, in_place_percent",
+            ),
+        ] {
+            assert_eq!(set(&mut scene, &mut choices, name, text).unwrap_err(), words);
+        }
+        assert_eq!(scene, Scene::opening());
+    }
+
+    #[test]
+    fn an_expander_has_no_projection() {
+        let (mut scene, mut choices) = (Scene::opening(), Choices::default());
+        choices.device = Device::Expander;
+        let names: Vec<&str> = fields(&scene, &choices).iter().map(|field| field.name).collect();
+        assert!(!names.contains(&"projection_cm"), "{names:?}");
+        assert!(set(&mut scene, &mut choices, "projection_cm", "4").is_err());
+    }
+}

@@ -1,0 +1,102 @@
+// The plan as an HTML form behind the app, in the built page.
+
+import assert from "node:assert/strict";
+import { describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+const fixture = harness.setUp();
+
+describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
+  test("is filled, sets the plan, refuses in one line and follows the app", async () => {
+    const { page, finish } = await fixture.openApp({ viewport: { width: 1000, height: 700 } });
+    const form = page.getByRole("form", { name: "Plan" });
+    const field = (name) => form.getByLabel(name, { exact: true });
+    const names = await form.locator("label").allTextContents();
+    assert.deepEqual(names, [
+      "Width (cm)",
+      "Volume (ml)",
+      "Projection (cm)",
+      "Pinch (cm)",
+      "Skin feels",
+      "Margin (cm)",
+      "To the side (cm)",
+      "Up (cm)",
+      "In place (%)",
+    ]);
+    assert.equal(await field("Width (cm)").inputValue(), "12.0");
+    assert.equal(await field("Skin feels").inputValue(), "normal");
+
+    // Behind the result in words by the Tab key; hidden without the focus.
+    const box = () => form.boundingBox();
+    assert.ok((await box()).width <= 1);
+    await page.locator("#implant-preview-summary").focus();
+    await harness.tab(page);
+    assert.equal(await harness.place(page), "form");
+    assert.ok((await box()).width > 300);
+
+    // A typed number becomes one of the scene, the answer follows.
+    await page.keyboard.press("Control+a");
+    await page.keyboard.type("13,2");
+    await page.keyboard.press("Enter");
+    assert.equal((await harness.scene(page)).implant.base_radius_mm, 66);
+    assert.match(await harness.summary(page, "13.2 cm wide"), /^300 ml implant, 13\.2 cm wide\./);
+    await field("Skin feels").selectOption("lax");
+    assert.equal((await harness.scene(page)).patient.skin_class, "lax");
+    await harness.screenshot(page, "form");
+
+    // A refused number stays with its reason; Escape restores the plan's.
+    const pinch = field("Pinch (cm)");
+    await pinch.fill("1e308");
+    await pinch.press("Enter");
+    assert.equal(await form.getByRole("alert").filter({ hasText: "Pinch" }).textContent(), "Pinch: at most 12 cm");
+    assert.equal(await pinch.getAttribute("aria-invalid"), "true");
+    await harness.screenshot(page, "form-refused");
+    await pinch.press("Escape");
+    assert.equal(await pinch.inputValue(), "2.0");
+    assert.equal((await harness.scene(page)).patient.pinch_mm, 20);
+
+    // The form follows the app: undo, another scene, an expander without a projection.
+    await harness.focusPicture(page);
+    await page.keyboard.press("Control+z");
+    await page.waitForFunction(() => document.getElementById("plan-skin").value === "normal");
+    await page.evaluate(() => {
+      const scene = JSON.parse(implantPreview.scene());
+      scene.insertion = 0.4;
+      implantPreview.setScene(JSON.stringify(scene));
+    });
+    await page.waitForFunction(() => document.getElementById("plan-in_place_percent").value === "40");
+    await harness.control(page, "expander");
+    await page.keyboard.press("Enter");
+    await field("Projection (cm)").waitFor({ state: "hidden" });
+    await finish();
+  });
+
+  test("has its fields by name for scripts", async () => {
+    const { page, finish } = await fixture.openApp({ viewport: { width: 390, height: 844 } });
+    const seen = await page.evaluate(() => {
+      const refusal = (name, text) => {
+        try {
+          implantPreview.setPlan(name, text);
+          return "";
+        } catch (error) {
+          return error.message;
+        }
+      };
+      const [width] = JSON.parse(implantPreview.plan());
+      implantPreview.setPlan("volume_ml", "350 cc");
+      return { width, refusals: [refusal("width_cm", "NaN"), refusal("height", "1"), refusal("skin", 3)] };
+    });
+    const { hint, ...width } = seen.width;
+    assert.ok(hint.length > 10);
+    assert.deepEqual(width, { name: "width_cm", label: "Width", unit: "cm", text: "12.0", least: 4.9, most: 24 });
+    assert.equal(seen.refusals[0], "Width: “NaN” is not a number");
+    assert.match(seen.refusals[1], /^the plan has no field of this name; allowed: width_cm, /);
+    assert.equal(seen.refusals[2], "value is not text; allowed: a string");
+    const { implant } = await harness.scene(page);
+    const volume = (2 / 3) * Math.PI * implant.base_radius_mm ** 2 * implant.projection_mm * 1e-3;
+    assert.ok(Math.abs(volume - 350) < 1e-6);
+    await page.locator("#plan-volume_ml").focus();
+    await harness.screenshot(page, "form-phone");
+    await finish();
+  });
+});

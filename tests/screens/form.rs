@@ -1,0 +1,58 @@
+//! The plan's fields by name, as the form of the page and scripts set them.
+
+use super::*;
+
+/// The text of a field.
+fn text(harness: &Harness<'static, App>, name: &str) -> String {
+    let fields: serde_json::Value = serde_json::from_str(&harness.state().plan_json()).unwrap();
+    let field = fields.as_array().unwrap().iter().find(|field| field["name"] == name).unwrap();
+    field["text"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_field_is_one_step_of_the_history_and_has_the_text_of_its_control() {
+    let mut harness = app(WIDE, |scene| *scene = opening());
+    let before = harness.state().session().scene().clone();
+    for (name, value, control) in [
+        ("width_cm", "13", "Width (cm)"),
+        ("volume_ml", "350 cc", "Volume (ml)"),
+        ("pinch_cm", "2,5", "Pinch (cm)"),
+        ("up_cm", "0.5", "Up (cm)"),
+        ("in_place_percent", "80", "In place (%)"),
+    ] {
+        harness.state_mut().set_plan(name, value).unwrap();
+        settle(&mut harness);
+        let shown = harness.get_by_role_and_label(Role::SpinButton, control).value().unwrap();
+        assert_eq!(text(&harness, name), shown, "{name}");
+        assert_ne!(harness.state().session().scene(), &before, "{name}");
+        harness.get_by_role_and_label(Role::Button, "Undo").click();
+        settle(&mut harness);
+        assert_eq!(harness.state().session().scene(), &before, "{name}");
+    }
+}
+
+#[test]
+fn a_refused_or_an_equal_field_is_no_step() {
+    let mut harness = app(WIDE, |scene| *scene = opening());
+    let refusal = harness.state_mut().set_plan("in_place_percent", "101").unwrap_err();
+    assert_eq!(refusal, "In place: at most 100 %");
+    harness.state_mut().set_plan("width_cm", "120 mm").unwrap();
+    settle(&mut harness);
+    assert!(!harness.state().session().can_undo());
+}
+
+#[test]
+fn playback_goes_on_with_a_field_other_than_the_insertion() {
+    let mut harness = app(WIDE, |scene| *scene = opening());
+    harness.get_by_role_and_label(Role::Button, "Show insertion").click();
+    harness.step();
+    for (name, value, button) in
+        [("width_cm", "13", "Pause"), ("in_place_percent", "55", "Show insertion")]
+    {
+        harness.state_mut().set_plan(name, value).unwrap();
+        harness.step();
+        harness.step();
+        harness.get_by_label(button);
+    }
+    assert_eq!(harness.state().session().scene().insertion, 0.55);
+}

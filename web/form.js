@@ -1,0 +1,84 @@
+// The plan as an HTML form behind the result in words: for screen readers, voice control and browsers' own fields, which
+// reach nothing on the app's canvas. The form is shown while a field of it has the focus.
+
+const form = document.getElementById("implant-preview-form");
+/** The rows of the form by the names of their fields. */
+const rows = new Map();
+
+function element(tag, properties = {}, children = []) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+function selection(choices) {
+  const none = element("option", { value: "", textContent: "–", disabled: true });
+  const options = choices.map((word) => element("option", { value: word, textContent: word }));
+  return element("select", {}, [none, ...options]);
+}
+
+/** A row with label, input, allowed values and error. */
+function createRow({ name, label, unit, hint, choices }) {
+  const id = `plan-${name}`;
+  const input = choices ? selection(choices) : element("input", { inputMode: "decimal", autocomplete: "off" });
+  Object.assign(input, { id, name });
+  input.setAttribute("aria-describedby", `${id}-range ${id}-hint ${id}-error`);
+  const parts = {
+    label: element("label", { htmlFor: id, textContent: unit ? `${label} (${unit})` : label }),
+    input,
+    range: element("small", { id: `${id}-range` }),
+    hint: element("small", { id: `${id}-hint`, textContent: hint, hidden: true }),
+    error: element("small", { id: `${id}-error`, className: "error" }),
+  };
+  parts.error.setAttribute("role", "alert");
+  const row = { ...parts, shown: "", element: element("div", {}, Object.values(parts)) };
+  input.addEventListener("change", () => commit(row));
+  input.addEventListener("keydown", ({ key }) => {
+    if (key === "Enter") commit(row);
+    if (key === "Escape") reset(row);
+  });
+  rows.set(name, row);
+  form.append(row.element);
+  return row;
+}
+
+function setError(row, text) {
+  row.error.textContent = text;
+  row.input.setAttribute("aria-invalid", String(text !== ""));
+}
+
+function reset(row) {
+  row.input.value = row.shown;
+  setError(row, "");
+}
+
+/** Sets the field of the plan; a refused text stays with its reason. */
+function commit(row) {
+  try {
+    globalThis.implantPreview.setPlan(row.input.name, row.input.value);
+  } catch (error) {
+    setError(row, error.message);
+    return;
+  }
+  reset(row);
+  show(globalThis.implantPreview.plan());
+}
+
+/** Shows the fields of a plan (JSON text). Text that is being typed stays. */
+function show(plan) {
+  const fields = JSON.parse(plan);
+  for (const field of fields) {
+    const row = rows.get(field.name) ?? createRow(field);
+    const isTyped = row.input.value !== row.shown;
+    row.range.textContent = field.choices ? "" : `${+field.least.toFixed(2)} to ${+field.most.toFixed(2)} ${field.unit}`;
+    row.shown = field.text;
+    if (!isTyped) reset(row);
+  }
+  const names = new Set(fields.map(({ name }) => name));
+  for (const [name, row] of rows) row.element.hidden = !names.has(name);
+}
+
+form.addEventListener("submit", (event) => event.preventDefault());
+
+// Called by the app with each new plan.
+globalThis.implantPreviewPlan = show;
