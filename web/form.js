@@ -21,7 +21,7 @@ function selection(choices) {
 function createRow({ name, label, unit, hint, choices }) {
   const id = `plan-${name}`;
   const input = choices ? selection(choices) : element("input", { inputMode: "decimal", autocomplete: "off" });
-  Object.assign(input, { id, name });
+  Object.assign(input, { id, name, value: "" });
   input.setAttribute("aria-describedby", `${id}-range ${id}-hint ${id}-error`);
   const parts = {
     label: element("label", { htmlFor: id, textContent: unit ? `${label} (${unit})` : label }),
