@@ -23,7 +23,7 @@ struct Row {
 const ROWS: [Row; 10] = [
     Row::new("Width", "cm", 1, None, |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
     Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
-    Row::new("Projection", "mm", 0, None, |scene, _| Some(scene.implant.projection_mm)),
+    Row::new("Projection", "cm", 1, None, |scene, _| Some(0.1 * scene.implant.projection_mm)),
     Row {
         word: Some(|percent| strain_word(0.01 * percent)),
         ..Row::new("Most stretch", "%", 0, Some(Quantity::GreatestStrain), |_, outcome| {

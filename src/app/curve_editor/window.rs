@@ -3,6 +3,7 @@
 
 use super::table;
 use crate::app::plots::fixed_plot;
+use crate::app::range::marks;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{
     Kind, NumberField, button_if, quantity, rejection_label, remark, set_accessible_name,
@@ -10,7 +11,7 @@ use crate::app::widgets::{
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use crate::scene::{Layer, Scene};
 use eframe::egui::{self, Key, RichText, Ui, vec2};
-use egui_plot::{Line, PlotPoints, Points};
+use egui_plot::{GridMark, Line, PlotPoints, Points};
 
 /// Upper limits of a point: strain \[-\] and stress \[kPa\].
 const MAX_POINT: [f64; 2] = [10.0, 1e7];
@@ -205,9 +206,15 @@ impl CurveWindow {
         let color = theme::palette(ui.visuals()).curves[self.layer % 4];
         let curve = Curve::new(&self.spec()).ok();
         let end = self.points.last().map_or(1.0, |point| point[0]);
-        fixed_plot("curve draft", 220.0).x_axis_label("strain").y_axis_label("stress (kPa)").show(
-            ui,
-            |plot| {
+        let ticks: Vec<GridMark> = marks((0.0, end), 3)
+            .into_iter()
+            .map(|value| GridMark { value, step_size: end / 3.0 })
+            .collect();
+        fixed_plot("curve draft", 220.0)
+            .x_grid_spacer(move |_| ticks.clone())
+            .x_axis_label("strain")
+            .y_axis_label("stress (kPa)")
+            .show(ui, |plot| {
                 if let Some(curve) = curve {
                     let strains = (0..=SAMPLES).map(|i| end * f64::from(i) / f64::from(SAMPLES));
                     let line: PlotPoints<'_> = strains.map(|e| [e, curve.stress(e)]).collect();
@@ -218,8 +225,7 @@ impl CurveWindow {
                         Points::new("points", self.points.clone()).color(color).radius(4.0),
                     );
                 }
-            },
-        );
+            });
         let (strain, stress) = (layer.curve.strain_scale, layer.curve.stress_scale);
         #[expect(clippy::float_cmp, reason = "1 is the scale of an unscaled curve")]
         if strain != 1.0 || stress != 1.0 {

@@ -10,6 +10,8 @@ mod colours;
 mod plane;
 mod readout;
 
+pub(super) use plane::marks;
+
 use super::messages::Notice;
 use super::plan::{Hand, chip};
 use super::studies::{Driver, Studies};
