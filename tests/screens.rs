@@ -742,6 +742,17 @@ fn on_a_phone_the_answer_stays_above_the_tabs_and_the_picture_keeps_half() {
 }
 
 #[test]
+fn the_toolbar_fits_in_320_points() {
+    let harness = app(egui::vec2(320.0, 568.0), |scene| *scene = opening());
+    let buttons = ["File", "Undo", "Redo", "Start over", "Theme", "Help"];
+    let rects = buttons.map(|name| harness.get_by_role_and_label(Role::Button, name).rect());
+    for (pair, names) in rects.windows(2).zip(buttons.windows(2)) {
+        assert!(pair[0].right() < pair[1].left(), "{names:?} overlap: {pair:?}");
+    }
+    assert!(rects[5].right() <= 320.0);
+}
+
+#[test]
 fn steppers_of_a_phone_step_and_have_the_size_of_a_finger() {
     let mut harness = app(PHONE, |scene| *scene = opening());
     let button = harness.get_by_role_and_label(Role::Button, "More Volume");

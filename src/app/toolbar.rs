@@ -21,6 +21,11 @@ impl App {
             if layout == Layout::Wide {
                 ui.label(RichText::new("Implant preview").strong());
                 ui.separator();
+            } else {
+                // Six buttons in 320 points.
+                let spacing = ui.spacing_mut();
+                spacing.item_spacing.x = theme::SPACE_SMALL;
+                spacing.button_padding.x = theme::SPACE_SMALL + 2.0;
             }
             self.file_menu(ui);
             for (name, enabled, command) in [
