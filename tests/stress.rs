@@ -9,7 +9,7 @@ use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
 
 /// Scenes that once failed, converged to a wrong position or converged prematurely, with their outcome.
-const ONCE_FAILED: [(&str, &str, Ending); 33] = [
+const ONCE_FAILED: [(&str, &str, Ending); 35] = [
     (
         "a grid whose rows end inside a group of lanes",
         include_str!("stress/partial-lanes-on-41-node-grid.json"),
@@ -166,6 +166,16 @@ const ONCE_FAILED: [(&str, &str, Ending); 33] = [
         "a path through strains outside of the paper's law",
         include_str!("stress/path-outside-of-the-law.json"),
         Ending::Converged,
+    ),
+    (
+        "a shape of layered tissue without convergence, with inverted cells",
+        include_str!("stress/layered-inverted-cells.json"),
+        Ending::Unstable,
+    ),
+    (
+        "150 000 force evaluations of Newton's method in layered tissue",
+        include_str!("stress/layered-long-newton.json"),
+        Ending::NotConverged,
     ),
 ];
 

@@ -449,6 +449,19 @@ impl Solver {
         }
     }
 
+    /// Makes the last shape of layered tissue admissible: a step of Newton's method ends beside the dome by the square of
+    /// its length. A shape with an inverted cell is no shape.
+    fn admit_last_shape(&mut self) {
+        let obstacle = self.problem.obstacle;
+        for x in &mut self.x {
+            *x = obstacle.project(*x, 0.0);
+        }
+        if self.solution().has_inverted_cell() {
+            self.invalid = Some(Invalid::NotFound);
+            self.verdict = Verdict::Unstable;
+        }
+    }
+
     /// Would Newton's method end within seconds?
     fn is_in_reach_of_newton(&self) -> bool {
         let cells = self.law.layered().map_or(0, |law| law.cells.len());
@@ -468,6 +481,9 @@ impl Solver {
 
     fn end(&mut self, verdict: Verdict) {
         self.verdict = verdict;
+        if verdict == Verdict::NotConverged && self.law.layered().is_some() {
+            self.admit_last_shape();
+        }
         self.progress = Progress::Done;
         self.displayed = Displayed::Final;
     }

@@ -15,6 +15,7 @@ use crate::model::membrane::stack::{Stack, log_area_stretch, solid_thickness_mm,
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::cmp::Ordering;
 use std::sync::{Arc, OnceLock};
 
 /// Status of a solve.
@@ -344,6 +345,17 @@ impl Solution {
         if let Some(law) = self.law.layered() {
             self.exact(law).visit(&self.node_layers(), self.part(), visit);
         }
+    }
+
+    /// Is a cell of layered tissue inverted in its middle?
+    pub(crate) fn has_inverted_cell(&self) -> bool {
+        let mut is_found = false;
+        self.visit_cells(|cell| {
+            let ratio = cell.gradient.determinant();
+            // A ratio that is not a number counts as inverted.
+            is_found |= !matches!(ratio.partial_cmp(&0.0), Some(Ordering::Greater));
+        });
+        is_found
     }
 
     /// [`Self::reactions`] on the part.

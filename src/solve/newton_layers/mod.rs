@@ -35,10 +35,6 @@ pub(super) use nested::NestedLayers;
 
 /// Iterations after which the iteration ends, times [`crate::solve::Options::work_limit_factor`].
 const MAX_ITERATIONS: f64 = 60.0;
-/// Force evaluations times cells after which the iteration ends: a few seconds.
-const MAX_CELL_WORK: f64 = 1.6e7;
-/// Lower bound of the limit of force evaluations on fine grids.
-const MIN_WORK_LIMIT: f64 = 800.0;
 /// Cells whose second derivatives are one piece of work: a few milliseconds.
 const PLACES_PER_PIECE: usize = 1024;
 /// Rounds of conjugate gradients and active set in one iteration.
@@ -126,7 +122,6 @@ pub(in crate::solve) struct Newton {
     error: f64,
     work_units: f64,
     max_iterations: u32,
-    max_work: f64,
 }
 
 fn exact<'a>(sheet: &'a Sheet, law: &'a LayeredLaw, problem: &Problem) -> Exact<'a> {
@@ -141,7 +136,6 @@ impl Newton {
         let free: Vec<u32> =
             (0..size).filter(|&k| sheet.kinds()[k] == NodeKind::Free).map(|k| k as u32).collect();
         let vectors = || vec![vec![DVec3::ZERO; size]; layers];
-        let cells = (free.len() * (layers - 1)).max(1) as f64;
         Self {
             places: Vec::new(),
             x: vectors(),
@@ -173,11 +167,20 @@ impl Newton {
             error: f64::INFINITY,
             work_units: 0.0,
             max_iterations: (MAX_ITERATIONS * work_limit_factor) as u32,
-            max_work: (MAX_CELL_WORK / cells).max(MIN_WORK_LIMIT) * work_limit_factor,
             free,
             heights,
             sheet,
         }
+    }
+
+    /// Does the next piece of work start an iteration?
+    fn is_between_iterations(&self) -> bool {
+        matches!(self.phase, Phase::Linearize { place: 0 })
+    }
+
+    /// Number of cells between free nodes.
+    fn cells(&self) -> f64 {
+        (self.free.len() * (self.heights.len() - 1)).max(1) as f64
     }
 
     /// Replaces conjugate gradients by a factorisation, of the part of the patch that the planes of symmetry leave.
@@ -242,7 +245,7 @@ impl Newton {
         obstacle: &Obstacle,
         place: usize,
     ) -> State {
-        if self.iterations >= self.max_iterations || self.work_units > self.max_work {
+        if self.iterations >= self.max_iterations {
             return State::Stalled;
         }
         let exact = exact(&self.sheet, law, problem);

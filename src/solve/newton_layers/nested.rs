@@ -24,6 +24,11 @@ const RAISE: f64 = 1.0 / 16.0;
 /// As [`RAISE`], with factorisations: 1 failed, 1/2 was no faster.
 const RAISE_FACTORIZED: f64 = 1.0 / 4.0;
 
+/// Force evaluations times cells of the finest grid after which the solve ends: 4 seconds.
+const MAX_CELL_WORK: f64 = 1.8e7;
+/// Bounds of that limit as force evaluations: on fine grids, on coarse grids.
+const WORK_LIMITS: (f64, f64) = (800.0, 15_000.0);
+
 /// Newton's method on a grid and its coarser grids.
 pub(in crate::solve) struct NestedLayers {
     /// From the coarsest grid to the finest.
@@ -36,6 +41,8 @@ pub(in crate::solve) struct NestedLayers {
     raise: f64,
     /// Did the solve start from a solution?
     is_warm: bool,
+    /// Work on all grids after which the solve ends, in the unit of [`Self::work_units`].
+    max_work: f64,
 }
 
 impl NestedLayers {
@@ -48,12 +55,16 @@ impl NestedLayers {
             sheets.push(coarser);
         }
         let newton = |sheet| Newton::new(sheet, law, work_limit_factor);
+        let levels: Vec<Newton> = sheets.into_iter().rev().map(newton).collect();
+        let cells = levels[levels.len() - 1].cells();
+        let (least, most) = WORK_LIMITS;
         Self {
-            levels: sheets.into_iter().rev().map(newton).collect(),
+            levels,
             grid: 0,
             raised: 1.0,
             raise: RAISE,
             is_warm: false,
+            max_work: (MAX_CELL_WORK / cells).clamp(least, most) * work_limit_factor,
         }
     }
 
@@ -94,6 +105,9 @@ impl NestedLayers {
     /// Does the next piece of work; `tolerance` of the finest grid \[mm\]. A state other than [`State::Working`] is the
     /// final state of the finest grid.
     pub(in crate::solve) fn step(&mut self, law: &LayeredLaw, problem: &Problem) -> State {
+        if self.levels[self.grid].is_between_iterations() && self.work_units() > self.max_work {
+            return State::Stalled;
+        }
         let is_finest = self.is_on_finest();
         let radius = problem.obstacle.dome.base_radius;
         if self.raised < 1.0 {
