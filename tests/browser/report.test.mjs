@@ -9,9 +9,11 @@ const fixture = harness.setUp();
 
 /** Chooses an item of the menu "File" and reads the file that is downloaded, with its path. */
 async function save(page, item) {
+  // The previous file may still be on its way, and frames are slow on a busy machine.
+  await harness.settled(page);
   await harness.control(page, "File");
   await page.keyboard.press("Enter");
-  await page.waitForTimeout(400);
+  await harness.settled(page);
   for (let presses = 0; presses < 8 && (await harness.focused(page)).name !== item; presses += 1) await harness.tab(page);
   assert.equal((await harness.focused(page)).name, item);
   const [file] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
