@@ -123,6 +123,8 @@ fn spreads_between_people_are_the_stated_ones() {
         (spread::SKIN_STRESS_SCALE, Distribution::LogNormal { median: 1.0, gsd: 1.3 }),
         (spread::SKIN_STRAIN_SCALE, Distribution::LogNormal { median: 0.65, gsd: 1.9 }),
         (spread::SKIN_STRAIN_SCALE_MEASURED, Distribution::LogNormal { median: 1.0, gsd: 2.0 }),
+        (spread::FAT_STRESS_SCALE, Distribution::LogNormal { median: 1.0, gsd: 1.6 }),
+        (spread::FAT_POISSON_RATIO, Distribution::Uniform { least: 0.48, most: 0.495 }),
         (spread::FAT_MODULUS, Distribution::LogNormal { median: 4.0, gsd: 1.8 }),
         (spread::COVER_THICKNESS, Distribution::LogNormal { median: 1.0, gsd: 1.3 }),
         (spread::POCKET_RADIUS, Distribution::Normal { mean: 0.0, sd: 2.5 }),

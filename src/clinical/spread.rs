@@ -94,7 +94,14 @@ pub const SKIN_STRAIN_SCALE_MEASURED: Spread = Spread {
     distribution: Distribution::LogNormal { median: 1.0, gsd: 2.0 },
 };
 
-/// Initial modulus of fat \[kPa\].
+/// Stress scale of fat whose curve is `fat` \[-\].
+pub const FAT_STRESS_SCALE: Spread = Spread {
+    quantity: "stress scale of fat",
+    unit: "",
+    distribution: Distribution::LogNormal { median: 1.0, gsd: 1.6 },
+};
+
+/// Initial modulus of fat with another curve \[kPa\].
 pub const FAT_MODULUS: Spread = Spread {
     quantity: "initial modulus of fat",
     unit: "kPa",
@@ -122,7 +129,14 @@ pub const PROJECTION: Spread = Spread {
     distribution: Distribution::Normal { mean: -0.035, sd: 0.03 },
 };
 
-/// Poisson ratio \[-\].
+/// Poisson ratio of fat whose curve is `fat` \[-\]: fat holds its volume.
+pub const FAT_POISSON_RATIO: Spread = Spread {
+    quantity: "Poisson ratio of fat",
+    unit: "",
+    distribution: Distribution::Uniform { least: 0.48, most: 0.495 },
+};
+
+/// Poisson ratio of the other layers \[-\].
 pub const POISSON_RATIO: Spread = Spread {
     quantity: "Poisson ratio",
     unit: "",
@@ -130,16 +144,17 @@ pub const POISSON_RATIO: Spread = Spread {
 };
 
 /// All spreads of a person without a measured pull; with one [`SKIN_STRAIN_SCALE_MEASURED`] replaces
-/// [`SKIN_STRAIN_SCALE`].
-pub const SPREADS: [Spread; 8] = [
+/// [`SKIN_STRAIN_SCALE`], with fat of another curve than `fat` [`FAT_MODULUS`] replaces [`FAT_STRESS_SCALE`].
+pub const SPREADS: [Spread; 9] = [
     SKIN_THICKNESS,
     SKIN_STRESS_SCALE,
     SKIN_STRAIN_SCALE,
-    FAT_MODULUS,
+    FAT_STRESS_SCALE,
     COVER_THICKNESS,
     POCKET_RADIUS,
     PROJECTION,
     POISSON_RATIO,
+    FAT_POISSON_RATIO,
 ];
 
 /// Scenarios of the method of measurement: factors on all stresses \[-\].

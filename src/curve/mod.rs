@@ -10,7 +10,8 @@
 //! Three assumptions that the paper does not state:
 //! * compression is the odd extension, `Ef(−ε) = −Ef(ε)`;
 //! * beyond the last point the curve continues as a line with its end slope (an arctangent keeps its
-//!   formula); [`Curve::is_beyond_data`] detects these strains;
+//!   formula); [`Curve::is_beyond_data`] detects these strains; [`Curve::measured_end`] is the end of the measurements behind a
+//!   curve, which of [`Fat`] lies below the end of its data;
 //! * `Ef` is strictly increasing, so that its energy is convex.
 
 mod read;
@@ -19,7 +20,7 @@ mod spec;
 
 pub(crate) use read::{GivenCurve, List, Pair, number, object};
 pub use scale::{SCALES, ScaledCurve};
-pub use spec::{CurveError, CurveSpec, Interpolation, Section};
+pub use spec::{CurveError, CurveSpec, Fat, Interpolation, Section};
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -39,6 +40,8 @@ pub struct Curve {
     pieces: Vec<Piece>,
     /// Strain at the end of the data \[-\].
     data_end: f64,
+    /// Strain at the end of the measurements \[-\], at most `data_end`.
+    measured_end: f64,
     /// Start of the final line \[-\]: the end of the data, or a larger strain for a formula of bounded
     /// slope.
     line_start: f64,
@@ -157,6 +160,7 @@ impl Curve {
             CurveSpec::Adipose {} => {
                 Self::from_shape(Shape::Arctangent { scale: 0.4, rate: 7.5 }, MAX_STRAIN)
             }
+            CurveSpec::Fat { variant } => Self::from_fat(*variant),
             CurveSpec::Linear { modulus_kpa } => {
                 let modulus = checked("modulus_kpa", *modulus_kpa, STRESS_SCALE)?;
                 Self::from_shape(Shape::Polynomial(vec![modulus]), FULL_STRAIN)
@@ -184,6 +188,19 @@ impl Curve {
         Self::from_pieces(pieces, FULL_STRAIN, line_start)
     }
 
+    fn from_fat(variant: Fat) -> Result<Self, CurveError> {
+        let (scale, rate) = variant.scale_and_rate();
+        let shape = Shape::Exponential { scale, rate };
+        let from = Fat::MEASURED_STRAIN;
+        let (base, slope) = (shape.stress(from), shape.slope(from));
+        let pieces = vec![
+            Piece { from: 0.0, base: 0.0, energy: 0.0, shape },
+            Piece { from, base, energy: 0.0, shape: Shape::Polynomial(vec![slope]) },
+        ];
+        let curve = Self::from_pieces(pieces, FULL_STRAIN, FULL_STRAIN)?;
+        Ok(Self { measured_end: from, ..curve })
+    }
+
     /// Builds a curve from its pieces; computes end values and energies.
     fn from_pieces(
         mut pieces: Vec<Piece>,
@@ -208,7 +225,7 @@ impl Curve {
         let end_energy = last.energy + last.base * x + last.shape.energy(x);
         // The lower bound keeps the final line increasing after a flat end.
         let end = (end.0, end.1.max(1e-6 * end.0 / line_start));
-        Ok(Self { pieces, data_end, line_start, end, end_energy })
+        Ok(Self { pieces, data_end, measured_end: data_end, line_start, end, end_energy })
     }
 
     fn from_points(points: &[[f64; 2]], interpolation: Interpolation) -> Result<Self, CurveError> {
@@ -343,6 +360,13 @@ impl Curve {
     #[must_use]
     pub fn data_end(&self) -> f64 {
         self.data_end
+    }
+
+    /// Strain at the end of the measurements behind the curve \[-\], times the strain scale: [`Fat::MEASURED_STRAIN`] of the fat
+    /// preset, which continues as a line; [`Self::data_end`] of all other kinds.
+    #[must_use]
+    pub fn measured_end(&self) -> f64 {
+        self.measured_end
     }
 
     /// Start of the final line with the end slope \[-\]: the end of the data; an arctangent keeps its

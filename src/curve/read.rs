@@ -3,7 +3,7 @@
 //! serde buffers a tagged enum as a whole, in some thirty times the memory of the text, and loses the
 //! position of an error.
 
-use super::{CurveSpec, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, ScaledCurve, Section};
+use super::{CurveSpec, Fat, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, ScaledCurve, Section};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
@@ -14,6 +14,7 @@ use std::marker::PhantomData;
 #[serde(deny_unknown_fields)]
 struct CurveFile {
     kind: Kind,
+    variant: Option<Fat>,
     modulus_kpa: Option<f64>,
     scale_kpa: Option<f64>,
     rate: Option<f64>,
@@ -37,6 +38,7 @@ pub(crate) struct GivenCurve {
 enum Kind {
     Skin,
     Adipose,
+    Fat,
     Linear,
     Arctangent,
     Exponential,
@@ -116,6 +118,7 @@ impl CurveFile {
         let spec = match file.kind {
             Kind::Skin => CurveSpec::Skin {},
             Kind::Adipose => CurveSpec::Adipose {},
+            Kind::Fat => CurveSpec::Fat { variant: file.variant.take().unwrap_or_default() },
             Kind::Linear => {
                 CurveSpec::Linear { modulus_kpa: take(&mut file.modulus_kpa, "modulus_kpa")? }
             }
@@ -136,6 +139,7 @@ impl CurveFile {
             }
         };
         reject_others(&[
+            ("variant", file.variant.is_some()),
             ("modulus_kpa", file.modulus_kpa.is_some()),
             ("scale_kpa", file.scale_kpa.is_some()),
             ("rate", file.rate.is_some()),

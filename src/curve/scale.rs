@@ -51,7 +51,7 @@ impl JsonSchema for ScaledCurve {
         let (least, most) = SCALES;
         let scale = |what: &str| {
             serde_json::json!({
-                "description": format!("Scale of the {what}, scene/2 only."),
+                "description": format!("Scale of the {what}, from scene/2 on."),
                 "type": "number", "minimum": least, "maximum": most, "default": 1.0,
             })
         };
@@ -110,6 +110,7 @@ impl Curve {
         Self {
             pieces: self.pieces.into_iter().map(piece).collect(),
             data_end: self.data_end * strain_scale,
+            measured_end: self.measured_end * strain_scale,
             line_start: self.line_start * strain_scale,
             end: (self.end.0 * stress_scale, self.end.1 * stress_scale / strain_scale),
             end_energy: self.end_energy * energy_scale,

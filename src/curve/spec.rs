@@ -11,8 +11,14 @@ use serde::{Deserialize, Serialize};
 pub enum CurveSpec {
     /// Skin preset: slope 100 kPa up to 0.4, cubic to (0.7; 205 kPa), slope 1000 kPa beyond.
     Skin {},
-    /// Adipose preset: 0.4 kPa · atan(7.5 ε), initial modulus 3 kPa.
+    /// Adipose preset of the paper: 0.4 kPa · atan(7.5 ε), initial modulus 3 kPa, nearly flat beyond strain 0.6.
     Adipose {},
+    /// Subcutaneous fat as measured up to strain 0.3, a line with the end slope beyond; see [`Fat`].
+    Fat {
+        /// The curve within the range of the measurements.
+        #[serde(default)]
+        variant: Fat,
+    },
     /// `modulus_kpa · ε`.
     Linear {
         /// Young's modulus \[kPa\], > 0.
@@ -45,6 +51,43 @@ pub enum CurveSpec {
         /// The sections; `from` is 0 in the first section and the previous `to` in the others.
         sections: Vec<Section>,
     },
+}
+
+/// Curves of subcutaneous fat, `scale · (exp(rate · ε) − 1)` up to strain [`Fat::MEASURED_STRAIN`]; beyond it no
+/// quasi-static test was found, and the curve is a line.
+///
+/// Initial modulus: geometric mean of Alkhouli et al. 2013 (1.6 kPa), Sims et al. 2010 (1.6), magnetic resonance elastography
+/// (2.25) and breast fat in vivo (3.04). Slope at 30 %: the only tensile test of human fat (N. Alkhouli et al., Am. J. Physiol.
+/// Endocrinol. Metab. 305, 2013: tangent 1.6 ± 0.8 → 11.7 ± 6.4 kPa) times 0.77 for tissue at rest.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Fat {
+    /// 0.43 kPa · (exp(3.5 ε) − 1); slope 4.3 kPa beyond strain 0.3.
+    Low,
+    /// 0.40 kPa · (exp(5 ε) − 1); slope 8.96 kPa beyond strain 0.3.
+    #[default]
+    Mid,
+    /// 0.89 kPa · (exp(4.5 ε) − 1); slope 15.4 kPa beyond strain 0.3.
+    High,
+}
+
+impl Fat {
+    /// All variants, from the softest to the stiffest.
+    pub const ALL: [Self; 3] = [Self::Low, Self::Mid, Self::High];
+    /// Strain up to which fat was measured \[-\].
+    pub const MEASURED_STRAIN: f64 = 0.3;
+
+    /// Scale \[kPa\] and rate \[-\] of the exponential.
+    #[must_use]
+    pub const fn scale_and_rate(self) -> (f64, f64) {
+        match self {
+            Self::Low => (0.43, 3.5),
+            Self::Mid => (0.40, 5.0),
+            Self::High => (0.89, 4.5),
+        }
+    }
 }
 
 /// Interpolation between marked points.

@@ -1,7 +1,8 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
 use super::{
-    SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, SceneError, limits, out_of_range, problem, within,
+    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, limits, out_of_range,
+    problem, within,
 };
 use crate::curve::number;
 use crate::mesh::{Attachment, Edge, Patch};
@@ -22,7 +23,7 @@ pub enum TissueModel {
     Sheet,
 }
 
-/// The fields of a scene that `scene/2` adds.
+/// The fields of a scene from `scene/2` on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Body {
     /// The tissue model.
@@ -152,10 +153,18 @@ impl Scene {
         self.body.is_some_and(|body| body.tissue_model == TissueModel::Layered)
     }
 
-    /// Sets the tissue model; the scene is one of `scene/2` afterwards. Layered tissue has the coupled springs, and
+    /// Does the skin wrinkle instead of being compressed? Layered tissue from `scene/3` on.
+    #[must_use]
+    pub fn skin_wrinkles(&self) -> bool {
+        self.is_layered() && Version::of(&self.schema) == Some(Version::Third)
+    }
+
+    /// Sets the tissue model; a scene of `scene/1` becomes one of `scene/3`. Layered tissue has the coupled springs, and
     /// its patch, attachment and cells are moved into their limits, which a sheet does not check.
     pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
-        self.schema = SCENE_SCHEMA_2.to_owned();
+        if self.schema == SCENE_SCHEMA {
+            SCENE_SCHEMA_3.clone_into(&mut self.schema);
+        }
         let pocket = self.pocket_radius_mm;
         let mut body = self.body.unwrap_or_else(|| Body::around(pocket, tissue_model));
         body.tissue_model = tissue_model;
@@ -182,15 +191,17 @@ impl Scene {
         self.springs = springs;
     }
 
-    /// Checks the fields of `scene/2`.
+    /// Checks the fields of a scene from `scene/2` on.
     pub(super) fn check_body(&self) -> Result<(), SceneError> {
-        let is_second = self.schema == SCENE_SCHEMA_2;
+        let is_first = self.schema == SCENE_SCHEMA;
         let cells = self.solver.cells_through;
         let mut layers = self.layers.iter().enumerate();
         let scaled = layers.find_map(|(k, layer)| Some(format!("layers[{k}].{}", layer.scale()?)));
         let Some(body) = self.body else {
             return match cells {
-                _ if is_second => Err(problem("tissue_model", "missing in a scene of scene/2")),
+                _ if !is_first => {
+                    Err(problem("tissue_model", "missing in a scene of scene/2 or later"))
+                }
                 Some(_) => Err(in_first("solver.cells_through")),
                 None if self.patient.is_some() => Err(in_first("patient")),
                 None => match scaled {
@@ -199,7 +210,7 @@ impl Scene {
                 },
             };
         };
-        if !is_second {
+        if is_first {
             return Err(in_first("tissue_model"));
         }
         let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = body.attachment;
@@ -244,11 +255,11 @@ impl Scene {
 
 impl CellsThrough {
     /// Layered tissue of these materials.
-    pub(super) fn tissue(self, materials: &[Material]) -> Tissue {
+    pub(super) fn tissue(self, materials: &[Material], skin_wrinkles: bool) -> Tissue {
         let cells_through = match self {
             Self::Auto => automatic_cells(materials),
             Self::Count(count) => count,
         };
-        Tissue::Layered { cells_through }
+        Tissue::Layered { cells_through, skin_wrinkles }
     }
 }

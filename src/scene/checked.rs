@@ -81,7 +81,10 @@ impl CheckedScene {
             None => (Patch::clamped_at_pocket(*pocket_radius_mm), Tissue::Sheet),
             Some(body) => {
                 let cells = solver.cells_through.unwrap_or_default();
-                (body.patch(*pocket_radius_mm), cells.tissue(&self.materials))
+                (
+                    body.patch(*pocket_radius_mm),
+                    cells.tissue(&self.materials, self.scene.skin_wrinkles()),
+                )
             }
         };
         Problem {

@@ -1,6 +1,7 @@
 //! One layer of tissue, and its format in a file.
 
-use crate::curve::{CurveSpec, GivenCurve, ScaledCurve};
+use super::Version;
+use crate::curve::{CurveSpec, Fat, GivenCurve, ScaledCurve};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -87,8 +88,9 @@ fn default_poisson_ratio() -> f64 {
 }
 
 /// The layers of a scene without layers.
-pub(super) fn default_layers() -> Vec<Layer> {
-    vec![Layer::skin(), Layer::adipose()]
+pub(super) fn default_layers(version: Version) -> Vec<Layer> {
+    let adipose = if version < Version::Third { Layer::paper_adipose() } else { Layer::adipose() };
+    vec![Layer::skin(), adipose]
 }
 
 impl Layer {
@@ -103,14 +105,24 @@ impl Layer {
         }
     }
 
-    /// Adipose, 10 mm, ν = 0.45.
+    /// Adipose as measured, 10 mm: curve `fat`, ν = 0.49.
     #[must_use]
     pub fn adipose() -> Self {
         Self {
             tissue: ADIPOSE.to_owned(),
             thickness_mm: 10.0,
+            poisson_ratio: 0.49,
+            curve: CurveSpec::Fat { variant: Fat::Mid }.into(),
+        }
+    }
+
+    /// The paper's adipose, 10 mm: curve `adipose`, ν = 0.45; the default below `scene/3`.
+    #[must_use]
+    pub fn paper_adipose() -> Self {
+        Self {
             poisson_ratio: default_poisson_ratio(),
             curve: CurveSpec::Adipose {}.into(),
+            ..Self::adipose()
         }
     }
 

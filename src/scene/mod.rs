@@ -36,8 +36,29 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 /// The schema of a sheet.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
-/// The schema with a choice of tissue model, and of a scene without schema.
+/// The schema with a choice of tissue model.
 pub const SCENE_SCHEMA_2: &str = "implant-preview/scene/2";
+/// The newest schema, and that of a scene without schema: fat as measured, skin that wrinkles instead of being compressed.
+pub const SCENE_SCHEMA_3: &str = "implant-preview/scene/3";
+
+/// The version of a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Version {
+    First,
+    Second,
+    Third,
+}
+
+impl Version {
+    fn of(schema: &str) -> Option<Self> {
+        match schema {
+            SCENE_SCHEMA => Some(Self::First),
+            SCENE_SCHEMA_2 => Some(Self::Second),
+            SCENE_SCHEMA_3 => Some(Self::Third),
+            _ => None,
+        }
+    }
+}
 
 /// Allowed ranges, as inclusive bounds \[mm, unless said otherwise\].
 pub mod limits {
@@ -72,20 +93,20 @@ pub mod limits {
 #[serde(try_from = "SceneFile")]
 #[schemars(with = "SceneFile")]
 pub struct Scene {
-    /// [`SCENE_SCHEMA`] or [`SCENE_SCHEMA_2`].
+    /// [`SCENE_SCHEMA`], [`SCENE_SCHEMA_2`] or [`SCENE_SCHEMA_3`].
     pub schema: String,
     /// The dome.
     pub implant: Implant,
     /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
     pub pocket_radius_mm: f64,
-    /// Tissue model and patch of `scene/2`; `None` in `scene/1`, a sheet.
+    /// Tissue model and patch; `None` in `scene/1`, a sheet.
     #[serde(flatten)]
     pub body: Option<Body>,
     /// Insertion t \[-\], 0 (flat) to 1 (full height).
     pub insertion: f64,
     /// Layers from the skin inwards, 1 to 8.
     pub layers: Vec<Layer>,
-    /// `scene/2`: measurements of a person, and the fields that were derived from them.
+    /// Measurements of a person, and the fields that were derived from them; `None` in `scene/1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patient: Option<Patient>,
     /// The spring law.
@@ -139,34 +160,34 @@ impl Default for SolverSettings {
 #[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Scene")]
 struct SceneFile {
-    /// `implant-preview/scene/1`, a sheet, or `implant-preview/scene/2`. Default: the newest.
+    /// `implant-preview/scene/1`, a sheet, `implant-preview/scene/2` or `implant-preview/scene/3`. Default: the newest.
     #[serde(default = "newest_schema")]
     schema: String,
     #[serde(deserialize_with = "object")]
     implant: ImplantFile,
     /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
     pocket_radius_mm: Option<f64>,
-    /// `scene/2` only. Default: layered.
+    /// From `scene/2` on. Default: layered.
     tissue_model: Option<TissueModel>,
-    /// `scene/2` only: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
+    /// From `scene/2` on: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
     patch_radius_mm: Option<f64>,
-    /// `scene/2` only.
+    /// From `scene/2` on.
     #[serde(default, deserialize_with = "some_object")]
     attachment: Option<AttachmentSettings>,
     #[serde(default = "full_insertion")]
     insertion: f64,
-    /// Default: skin and adipose.
+    /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
     #[serde(default, deserialize_with = "layers")]
     #[schemars(with = "Vec<LayerFile>")]
     layers: Option<Vec<LayerFile>>,
-    /// `scene/2` only: what was measured on a person.
+    /// From `scene/2` on: what was measured on a person.
     #[serde(default, deserialize_with = "some_object")]
     patient: Option<PatientFile>,
     #[serde(default)]
     springs: Springs,
     #[serde(default, deserialize_with = "object")]
     solver: SolverSettings,
-    /// `scene/2` only: up to 4 scenes for comparison; a computation ignores them.
+    /// From `scene/2` on: up to 4 scenes for comparison; a computation ignores them.
     #[serde(default, deserialize_with = "pins::list")]
     #[schemars(with = "Vec<pins::PinFile>")]
     pins: Option<Vec<pins::PinFile>>,
@@ -198,7 +219,7 @@ fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<LayerFile>>
 }
 
 fn newest_schema() -> String {
-    SCENE_SCHEMA_2.to_owned()
+    SCENE_SCHEMA_3.to_owned()
 }
 fn full_insertion() -> f64 {
     1.0
@@ -314,7 +335,7 @@ impl SceneFile {
         let given = file.layers.iter().flatten().map(patient::Given::of).collect::<Vec<_>>();
         let layers = match file.layers {
             Some(layers) => layers.into_iter().map(Layer::from).collect(),
-            None => default_layers(),
+            None => default_layers(Version::of(&file.schema).unwrap_or(Version::Third)),
         };
         let mut scene = Scene {
             schema: file.schema,
@@ -339,7 +360,7 @@ impl SceneFile {
 }
 
 impl Default for Scene {
-    /// The scene of the defaults of a file: a 55 mm hemisphere fully under layered skin and adipose.
+    /// The scene of the defaults of a file: a 55 mm hemisphere fully under layered skin and fat.
     fn default() -> Self {
         let pocket_radius_mm = 70.0;
         Self {
@@ -348,7 +369,7 @@ impl Default for Scene {
             pocket_radius_mm,
             body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
             insertion: full_insertion(),
-            layers: default_layers(),
+            layers: default_layers(Version::Third),
             patient: None,
             springs: Springs::default(),
             solver: SolverSettings::default(),
@@ -362,7 +383,7 @@ const OPENING: &str = r#"{
     "pocket_radius_mm": 70.0,
     "layers": [
         { "tissue": "skin", "curve": { "kind": "skin" } },
-        { "tissue": "adipose", "curve": { "kind": "adipose" } }
+        { "tissue": "adipose", "poisson_ratio": 0.49, "curve": { "kind": "fat" } }
     ],
     "patient": { "pinch_mm": 20.0, "skin_class": "normal" }
 }"#;
@@ -385,10 +406,15 @@ impl Scene {
         scene
     }
 
-    /// The default scene as a sheet of `scene/1`.
+    /// The default scene of `scene/1`, a sheet.
     #[must_use]
     pub fn sheet() -> Self {
-        Self { schema: SCENE_SCHEMA.to_owned(), body: None, ..Self::default() }
+        Self {
+            schema: SCENE_SCHEMA.to_owned(),
+            body: None,
+            layers: default_layers(Version::First),
+            ..Self::default()
+        }
     }
 
     /// Reads a scene from JSON and checks it.
@@ -415,12 +441,12 @@ impl Scene {
 
     /// Checks every field but the curves.
     fn check_limits(&self) -> Result<(), SceneError> {
-        if self.schema != SCENE_SCHEMA && self.schema != SCENE_SCHEMA_2 {
+        if Version::of(&self.schema).is_none() {
             let schema = one_line(&format!("{:?}", self.schema), 40);
             return Err(out_of_range(
                 "schema",
                 schema,
-                &format!("{SCENE_SCHEMA} or {SCENE_SCHEMA_2}"),
+                &format!("{SCENE_SCHEMA}, {SCENE_SCHEMA_2} or {SCENE_SCHEMA_3}"),
             ));
         }
         let implant = &self.implant;
@@ -507,7 +533,9 @@ impl Scene {
             let body = body.filter(|_| scene.is_layered());
             let cells = solver.cells_through.unwrap_or_default();
             let grid = (solver.nodes_per_side, solver.tolerance, body.map(|_| cells));
-            (*implant, *pocket_radius_mm, body, *insertion, *springs, grid)
+            // The version determines the law of compressed skin.
+            let wrinkles = scene.skin_wrinkles();
+            (*implant, *pocket_radius_mm, body, *insertion, *springs, grid, wrinkles)
         };
         let layer = |layer: &Layer, other: &Layer| {
             let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;

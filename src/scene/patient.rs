@@ -8,7 +8,7 @@
 
 use super::body::in_first;
 use super::layer::{ADIPOSE, LayerFile, given};
-use super::{SCENE_SCHEMA_2, Scene, SceneError, limits, one_line, out_of_range};
+use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
 use crate::curve::{CurveSpec, List, number};
 use schemars::JsonSchema;
@@ -186,7 +186,7 @@ impl Scene {
     /// The scene is of `scene/1`, a measurement is invalid, or a derived value is out of its range; the scene is
     /// unchanged.
     pub fn apply_patient(&mut self, measured: Measurements) -> Result<(), SceneError> {
-        if self.schema != SCENE_SCHEMA_2 {
+        if self.schema == SCENE_SCHEMA {
             return Err(in_first("patient"));
         }
         measured.check().map_err(error)?;
@@ -263,7 +263,7 @@ impl Scene {
     /// Checks the patient's measurements.
     pub(super) fn check_patient(&self) -> Result<(), SceneError> {
         match &self.patient {
-            Some(_) if self.schema != SCENE_SCHEMA_2 => Err(in_first("patient")),
+            Some(_) if self.schema == SCENE_SCHEMA => Err(in_first("patient")),
             Some(patient) => patient.measured.check().map_err(error),
             None => Ok(()),
         }

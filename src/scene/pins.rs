@@ -1,7 +1,7 @@
 //! Pins: scenes kept beside the current scene for comparison, in a scene file and in a list of their own.
 
 use super::{
-    CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, SceneError, SceneFile, TissueModel, body,
+    CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_3, Scene, SceneError, SceneFile, TissueModel, body,
     check_words, out_of_range, read,
 };
 use crate::curve::{List, object};
@@ -148,7 +148,7 @@ impl Document {
     }
 }
 
-/// A scene file as JSON text, indented. With pins a scene of `scene/1` is written as the equal sheet of `scene/2`.
+/// A scene file as JSON text, indented. With pins a scene of `scene/1` is written as the equal sheet of `scene/3`.
 #[must_use]
 pub fn document_json(scene: &Scene, pins: &[PinnedScene]) -> String {
     #[derive(Serialize)]
@@ -162,7 +162,7 @@ pub fn document_json(scene: &Scene, pins: &[PinnedScene]) -> String {
     }
     let mut scene = scene.clone();
     if scene.body.is_none() {
-        SCENE_SCHEMA_2.clone_into(&mut scene.schema);
+        SCENE_SCHEMA_3.clone_into(&mut scene.schema);
         scene.body = Some(body::Body::around(scene.pocket_radius_mm, TissueModel::Sheet));
     }
     serde_json::to_string_pretty(&File { scene: &scene, pins }).unwrap_or_default()

@@ -63,7 +63,7 @@ impl Solver {
             cycles: self.cycles(),
             nodes_solved: self.nodes_solved(),
             nodes_swept: self.nodes_swept(),
-            fell_back: self.fell_back,
+            fell_back: self.fell_back(),
             is_left_at_rest: self.stage == Stage::Rest && self.error_at_rest() > 0.0,
             work_units: self.work_units(),
             relative_residual: finite(self.relative_residual()),
@@ -104,7 +104,14 @@ impl Solver {
     /// See [`Report::fell_back`].
     #[must_use]
     pub fn fell_back(&self) -> bool {
-        self.fell_back
+        self.attempts > 1
+    }
+
+    /// Attempts of this solve, 1 if the first one succeeded: multigrid with one set of constants after the other, then Newton's
+    /// method.
+    #[must_use]
+    pub fn attempts(&self) -> u32 {
+        self.attempts
     }
 
     fn method(&self) -> Method {

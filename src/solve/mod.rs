@@ -56,7 +56,8 @@ pub struct Solver {
     /// Solves the linear systems of Newton's method.
     factorization: Option<NewFactorization>,
     stage: Stage,
-    fell_back: bool,
+    /// Attempts of this solve: multigrid with one set of constants after the other, Newton's method as the fallback.
+    attempts: u32,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
     /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
@@ -113,7 +114,7 @@ impl Solver {
             newton: None,
             factorization: None,
             stage: Stage::Newton,
-            fell_back: false,
+            attempts: 1,
             displayed: Displayed::Previous,
             revision: 0,
             tables_built: 1,
@@ -211,7 +212,7 @@ impl Solver {
     fn start(&mut self) {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
-        self.fell_back = false;
+        self.attempts = 1;
         self.invalid = None;
         self.displayed = Displayed::Previous;
         if let Some(newton) = &mut self.newton {
@@ -378,15 +379,14 @@ impl Solver {
                     self.end(Verdict::Converged);
                 }
             }
-            fas::State::Failed if self.law.layered().is_some() && !self.fell_back => {
-                self.fell_back = true;
-                let stop = self.stop();
-                if let Some(multigrid) = &mut self.multigrid {
-                    multigrid.start_gently(&self.problem, stop);
-                }
-            }
             fas::State::Failed => {
-                self.fell_back = true;
+                self.attempts += 1;
+                let stop = self.stop();
+                if let Some(multigrid) = &mut self.multigrid
+                    && multigrid.start_again(&self.problem, stop)
+                {
+                    return state;
+                }
                 // A shape of a coarse grid is far from the finest grid's.
                 let has_shape = self.law.layered().is_some()
                     && self.cycles() > 0

@@ -1,9 +1,7 @@
 //! Full multigrid for either tissue model.
 
 use super::Problem;
-use super::fas::{
-    Ending, FullMultigrid, LAYERED, LAYERED_AUGMENTED, LAYERED_GENTLE, MEMBRANE, State, Stop,
-};
+use super::fas::{Ending, FullMultigrid, LAYERED, LAYERED_AUGMENTED, MEMBRANE, State, Stop};
 use super::problem::Tissue;
 use super::validity::Invalid;
 use crate::mesh::lanes::Mirrored;
@@ -27,8 +25,9 @@ impl Law {
             Tissue::Sheet => {
                 Self::Sheet(Arc::new(SheetLaw::new(problem.springs, &problem.materials)))
             }
-            Tissue::Layered { cells_through } => {
-                Self::Layered(Arc::new(LayeredLaw::new(&problem.materials, cells_through)))
+            Tissue::Layered { cells_through, skin_wrinkles } => {
+                let law = LayeredLaw::new(&problem.materials, cells_through, skin_wrinkles);
+                Self::Layered(Arc::new(law))
             }
         }
     }
@@ -115,14 +114,9 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts layered tissue again with smaller steps; a sheet has no second attempt.
-    pub(super) fn start_gently(&mut self, problem: &Problem, stop: Stop) {
-        if let Self::Layered(scheme) = self {
-            let work_units = scheme.work_units();
-            scheme.set_parameters(&LAYERED_GENTLE);
-            scheme.start(problem, stop, None);
-            scheme.add_work(work_units);
-        }
+    /// Starts the next attempt, by other constants; false without one.
+    pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
+        delegate!(self, scheme => scheme.start_again(problem, stop))
     }
 
     pub(super) fn step(&mut self) -> State {

@@ -45,6 +45,8 @@ pub enum Tissue {
     Layered {
         /// Cells through the thickness of the solids, 1 to 8; each solid has one at least.
         cells_through: usize,
+        /// Does the skin wrinkle instead of being compressed (tension field)? Else compression is the odd extension of its curve.
+        skin_wrinkles: bool,
     },
 }
 

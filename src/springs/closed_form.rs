@@ -6,6 +6,10 @@
 //!
 //! P = α + β/t, Q = β/(t s), α = Σ sec/(1+ν), β = Σ sec·(ν(t−1) − 1)/(1−ν²), sec = h·Ef(ē)/ē.
 //!
+//! In a tension field (`is_tension_field`: skin that wrinkles instead of being compressed) S₂ = P + Q λ₁² < 0 is replaced by
+//! uniaxial tension, S₂ = 0 and S₁ = Ef(λ₁ − 1)/λ₁, or by none. λ₁ − λ₂ = √D/t comes from the metric itself,
+//! D = (λ₁² − λ₂²)²: the difference t² − 4s of the invariants would cancel in f32.
+//!
 //! One source for f64 and for four f32 lanes; [`super::coupled`] has the reference.
 
 use super::table::Buckets;
@@ -17,6 +21,8 @@ const MIN_NORMAL_STIFFNESS: f64 = 1e-4;
 const MIN_TENSION: f64 = 0.1;
 /// ē² below which the secant's slope over ē is damped \[-\]; the vectors that the quotient multiplies vanish there.
 const SMALL_STRAIN: f64 = 1e-6;
+/// Least D = (λ₁² − λ₂²)² of a wrinkled triangle \[-\]; a slack triangle has no tension at any D.
+const MIN_SPREAD: f64 = 1e-20;
 /// Squared relative area below which a triangle counts as this much \[-\].
 const MIN_AREA: f64 = 1e-10;
 
@@ -34,6 +40,8 @@ pub(crate) struct Group<R: Real, T> {
     plane: R,
     /// 1/(1 + ν).
     shear: R,
+    /// Is compression relaxed, by wrinkles finer than any grid?
+    is_tension_field: bool,
 }
 
 /// The numbers of a [`Group`].
@@ -44,6 +52,8 @@ pub(crate) struct GroupNumbers {
     pub(crate) end: f64,
     pub(crate) line_slope: f64,
     pub(crate) line_offset: f64,
+    /// Is compression relaxed?
+    pub(crate) is_tension_field: bool,
 }
 
 /// Second derivative of a triangle's energy by one node,
@@ -76,8 +86,10 @@ pub(crate) fn trace_of_stretch<R: Real>(i1: R, s: R) -> R {
 impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
     /// A group whose tensions are those of the numbers times `scale`.
     pub(crate) fn new(numbers: GroupNumbers, secant: T, scale: f64) -> Self {
-        let GroupNumbers { poisson_ratio: nu, end, line_slope, line_offset } = numbers;
+        let GroupNumbers { poisson_ratio: nu, end, line_slope, line_offset, is_tension_field } =
+            numbers;
         Self {
+            is_tension_field,
             secant,
             end: R::splat(end),
             line_slope: R::splat(line_slope * scale),
@@ -125,15 +137,41 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
         )
     }
 
-    /// P and Q of triangles with the invariants I₁, s > 0 and t.
+    /// P and Q of triangles with the invariants I₁, s > 0 and t; `spread` returns D = (λ₁² − λ₂²)² of the metric.
     #[inline(always)]
-    pub(crate) fn tension(&self, i1: R, s: R, t: R) -> (R, R) {
+    pub(crate) fn tension(&self, i1: R, s: R, t: R, spread: impl Fn() -> R) -> (R, R) {
         let one = R::splat(1.0);
         let inverse = one / (t * s);
         let secant = self.secant(self.equivalent_strain(i1, t));
         let q = secant * (((t - one) * self.nu - one) * self.plane) * inverse;
-        (secant * self.shear + q * s, q)
+        let p = secant * self.shear + q * s;
+        if self.is_tension_field { self.relaxed([p, q], t, spread()) } else { (p, q) }
     }
+
+    /// P and Q of triangles that are not compressed: where P + Q λ₁² < 0, those of uniaxial tension along the first direction,
+    /// or zero.
+    #[inline(always)]
+    fn relaxed(&self, [p, q]: [R; 2], t: R, spread: R) -> (R, R) {
+        let zero = R::default();
+        let difference = spread.max(R::splat(MIN_SPREAD)).sqrt();
+        let strain = (t - R::splat(2.0) + difference / t) * R::splat(0.5);
+        let first = strain + R::splat(1.0);
+        let square = first * first;
+        let is_wrinkled = zero.is_above(p + q * square);
+        if !R::is_any(is_wrinkled) {
+            return (p, q);
+        }
+        let pulled = strain.max(zero);
+        let along = self.secant(pulled) * pulled / (first * difference);
+        (R::select(is_wrinkled, along * square, p), R::select(is_wrinkled, -along, q))
+    }
+}
+
+/// D = (λ₁² − λ₂²)² of a metric relative to an orthonormal frame.
+#[inline(always)]
+pub(crate) fn spread<R: Real>(c11: R, c22: R, c12: R) -> R {
+    let (difference, twice) = (c11 - c22, c12 + c12);
+    difference * difference + twice * twice
 }
 
 /// P and Q of all groups.
@@ -143,17 +181,18 @@ pub(crate) fn tension<R: Real, T: AsRef<Buckets<R>>>(
     i1: R,
     s: R,
     t: R,
+    spread: impl Fn() -> R,
 ) -> (R, R) {
     let (mut p, mut q) = (R::default(), R::default());
     for group in groups {
-        let (one, two) = group.tension(i1, s, t);
+        let (one, two) = group.tension(i1, s, t, &spread);
         p += one;
         q += two;
     }
     (p, q)
 }
 
-/// The stiffness of all groups.
+/// The stiffness of all groups, in a tension field that before relaxation: an upper bound.
 #[inline(always)]
 pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
     groups: &[Group<R, T>],

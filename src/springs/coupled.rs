@@ -58,6 +58,26 @@ pub fn principal_response(
     PrincipalResponse::of(strain, poisson_ratio, [secant, bend, curve.energy(equivalent)])
 }
 
+/// The principal strains at which the law of a tension field is evaluated \[-\]: skin without bending stiffness wrinkles where
+/// it would be compressed, and ever finer wrinkles leave no compressive stress (A. C. Pipkin, IMA J. Appl. Math. 36, 1986;
+/// D. J. Steigmann, Proc. R. Soc. A 429, 1990). The greater strain is raised to 0, the other to −ν times the greater one: taut
+/// as given, wrinkled in uniaxial tension, slack without stress.
+#[inline]
+#[must_use]
+pub fn relaxed(strain: [f64; 2], poisson_ratio: f64) -> [f64; 2] {
+    let [a, b] = strain;
+    let greater = a.max(b).max(0.0);
+    let least = -poisson_ratio * greater;
+    if a >= b { [greater, b.max(least)] } else { [a.max(least), greater] }
+}
+
+/// [`principal_response`] of a tension field.
+#[must_use]
+pub fn relaxed_response(curve: &Curve, poisson_ratio: f64, strain: [f64; 2]) -> PrincipalResponse {
+    let at = relaxed(strain, poisson_ratio);
+    principal_response(curve, poisson_ratio, at).relaxed_from(strain, at)
+}
+
 /// A layer as the law needs it.
 #[derive(Clone, Copy, Debug)]
 pub struct LawLayer<'a> {
@@ -117,12 +137,44 @@ impl PrincipalResponse {
             shear: secant / (1.0 + nu),
         }
     }
+
+    /// The response of a tension field at the `given` strains, from that at the relaxed ones: a tension whose strain was
+    /// relaxed is zero, and so is its stiffness.
+    #[inline]
+    fn relaxed_from(self, given: [f64; 2], relaxed: [f64; 2]) -> Self {
+        if relaxed == given {
+            return self;
+        }
+        let [one, coupling, two] = self.stiffness;
+        let is_first = given[0] >= given[1];
+        let (along, across) = if is_first { (one, two) } else { (two, one) };
+        let is_slack = given[0].max(given[1]) <= 0.0;
+        let own = if is_slack { 0.0 } else { along - coupling * coupling / across };
+        let tension = if is_slack { 0.0 } else { self.tension[usize::from(!is_first)] };
+        let (tensions, stiffness) = if is_first {
+            ([tension, 0.0], [own, 0.0, 0.0])
+        } else {
+            ([0.0, tension], [0.0, 0.0, own])
+        };
+        let shear = if is_slack { 0.0 } else { tension / (given[0] - given[1]).abs() };
+        Self { energy: self.energy, tension: tensions, stiffness, shear }
+    }
 }
 
 impl CoupledLaw {
     /// The law of the given layers.
     #[must_use]
     pub fn new(layers: &[LawLayer]) -> Self {
+        Self::with_compression(layers, false)
+    }
+
+    /// The law of layers that wrinkle instead of being compressed, each by itself: see [`relaxed`].
+    #[must_use]
+    pub fn tension_field(layers: &[LawLayer]) -> Self {
+        Self::with_compression(layers, true)
+    }
+
+    fn with_compression(layers: &[LawLayer], is_tension_field: bool) -> Self {
         let mut groups: Vec<(f64, Vec<LawLayer>)> = Vec::new();
         for layer in layers {
             match groups.iter_mut().find(|(nu, _)| nu.to_bits() == layer.poisson_ratio.to_bits()) {
@@ -130,7 +182,9 @@ impl CoupledLaw {
                 None => groups.push((layer.poisson_ratio, vec![*layer])),
             }
         }
-        Self { layers: groups.into_iter().map(|(nu, members)| Merged::new(nu, &members)).collect() }
+        let merged =
+            |(nu, members): (f64, Vec<LawLayer>)| Merged::new(nu, &members, is_tension_field);
+        Self { layers: groups.into_iter().map(merged).collect() }
     }
 
     /// Number of tables that one triangle reads: different Poisson ratios.
@@ -167,7 +221,7 @@ impl CoupledLaw {
     #[inline]
     #[must_use]
     pub fn energy(&self, strain: [f64; 2]) -> f64 {
-        self.layers.iter().map(|m| m.energy(m.equivalent_strain(strain))).sum()
+        self.layers.iter().map(|m| m.energy(m.equivalent_strain(m.relaxed(strain)))).sum()
     }
 
     /// Second Piola–Kirchhoff tension S = \[S₁₁, S₂₂, S₁₂\] \[kPa·mm\] of a metric C = FᵀF, given as
@@ -180,7 +234,7 @@ impl CoupledLaw {
         let t = closed_form::trace_of_stretch(i1, s);
         let (mut p, mut q) = (0.0, 0.0);
         for Merged { group, .. } in &self.layers {
-            let (one, two) = group.tension(i1, s, t);
+            let (one, two) = group.tension(i1, s, t, || closed_form::spread(c11, c22, c12));
             (p, q) = (p + one, q + two);
         }
         [p + q * c22, p + q * c11, -q * c12]
@@ -192,12 +246,14 @@ impl CoupledLaw {
     pub fn response(&self, strain: [f64; 2]) -> PrincipalResponse {
         let mut sum = PrincipalResponse::default();
         for m in &self.layers {
-            let equivalent = m.equivalent_strain(strain);
+            let at = m.relaxed(strain);
+            let equivalent = m.equivalent_strain(at);
             let (secant, slope) = m.group.secant_and_slope(equivalent);
             // The quotient stays finite as ē → 0 because t does.
             let bend = if equivalent > 1e-12 { slope / equivalent } else { 0.0 };
             let nu = m.numbers.poisson_ratio;
-            let one = PrincipalResponse::of(strain, nu, [secant, bend, m.energy(equivalent)]);
+            let one = PrincipalResponse::of(at, nu, [secant, bend, m.energy(equivalent)])
+                .relaxed_from(strain, at);
             sum.energy += one.energy;
             sum.tension = [0, 1].map(|k| sum.tension[k] + one.tension[k]);
             sum.stiffness = [0, 1, 2].map(|k| sum.stiffness[k] + one.stiffness[k]);
@@ -208,7 +264,7 @@ impl CoupledLaw {
 }
 
 impl Merged {
-    fn new(poisson_ratio: f64, layers: &[LawLayer]) -> Self {
+    fn new(poisson_ratio: f64, layers: &[LawLayer], is_tension_field: bool) -> Self {
         let sum = |f: &dyn Fn(&Curve) -> f64| -> f64 {
             layers.iter().map(|layer| layer.thickness_mm * f(layer.curve)).sum()
         };
@@ -220,9 +276,17 @@ impl Merged {
             Table::new(|e| sum(&|curve| curve.secant(e)), (0.0, end), &breaks, Weight::Argument);
         let line_slope = sum(&|curve| curve.slope(end));
         let line_offset = sum(&|curve| curve.stress(end)) - line_slope * end;
-        let numbers = GroupNumbers { poisson_ratio, end, line_slope, line_offset };
+        let numbers =
+            GroupNumbers { poisson_ratio, end, line_slope, line_offset, is_tension_field };
         let plane = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
         Self { numbers, plane, group: Group::new(numbers, secant, 1.0) }
+    }
+
+    /// The strains at which the law is evaluated.
+    #[inline]
+    fn relaxed(&self, strain: [f64; 2]) -> [f64; 2] {
+        let GroupNumbers { is_tension_field, poisson_ratio, .. } = self.numbers;
+        if is_tension_field { relaxed(strain, poisson_ratio) } else { strain }
     }
 
     #[inline]

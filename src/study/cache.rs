@@ -63,6 +63,7 @@ impl Cases {
                 bits(body.patch_radius_mm),
                 bits(body.attachment.stiffness_kpa_per_mm),
                 bits(body.attachment.ramp_mm),
+                u64::from(scene.skin_wrinkles()),
             ]);
         }
         words.push(u64::from(is_layered));

@@ -19,7 +19,7 @@ pub enum Unknown {
     SkinStressScale,
     /// Strain scale of the skin preset; with a measured or set scale a factor on it \[-\].
     SkinStrainScale,
-    /// Initial modulus of the layers named adipose \[kPa\], by their stress scale.
+    /// Initial modulus of the layers named adipose \[kPa\] whose curve is not `fat`, by their stress scale.
     FatModulus,
     /// Factor on the thickness of the layers below the first \[-\].
     CoverThickness,
@@ -27,13 +27,17 @@ pub enum Unknown {
     PocketRadius,
     /// Relative change of the projection \[-\].
     Projection,
-    /// Poisson ratio of all layers \[-\].
+    /// Poisson ratio of all layers \[-\] but those whose curve is `fat`.
     PoissonRatio,
+    /// Factor on the stress scale of the layers whose curve is `fat` \[-\].
+    FatStressScale,
+    /// Poisson ratio of the layers whose curve is `fat` \[-\].
+    FatPoissonRatio,
 }
 
 impl Unknown {
     /// All unknowns.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::SkinThickness,
         Self::SkinStressScale,
         Self::SkinStrainScale,
@@ -42,6 +46,8 @@ impl Unknown {
         Self::PocketRadius,
         Self::Projection,
         Self::PoissonRatio,
+        Self::FatStressScale,
+        Self::FatPoissonRatio,
     ];
 
     /// The name in files and arguments.
@@ -56,6 +62,8 @@ impl Unknown {
             Self::PocketRadius => "pocket_radius",
             Self::Projection => "projection",
             Self::PoissonRatio => "poisson_ratio",
+            Self::FatStressScale => "fat_stress_scale",
+            Self::FatPoissonRatio => "fat_poisson_ratio",
         }
     }
 
@@ -83,11 +91,22 @@ impl Unknown {
             Self::SkinStrainScale => {
                 (skin.spec == CurveSpec::Skin {}).then_some(spread::SKIN_STRAIN_SCALE)
             }
-            Self::FatModulus => scene.layers.iter().any(is_fat).then_some(spread::FAT_MODULUS),
+            Self::FatModulus => {
+                scene.layers.iter().any(is_other_fat).then_some(spread::FAT_MODULUS)
+            }
             Self::CoverThickness => (scene.layers.len() > 1).then_some(spread::COVER_THICKNESS),
             Self::PocketRadius => Some(spread::POCKET_RADIUS),
             Self::Projection => Some(spread::PROJECTION),
-            Self::PoissonRatio => Some(spread::POISSON_RATIO),
+            Self::PoissonRatio => {
+                let has_other = !scene.layers.iter().all(has_fat_curve);
+                has_other.then_some(spread::POISSON_RATIO)
+            }
+            Self::FatStressScale => {
+                scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_STRESS_SCALE)
+            }
+            Self::FatPoissonRatio => {
+                scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_POISSON_RATIO)
+            }
         }
     }
 
@@ -96,11 +115,14 @@ impl Unknown {
     pub fn allowed(self) -> (f64, f64) {
         match self {
             Self::SkinThickness => limits::THICKNESS_MM,
-            Self::SkinStressScale | Self::SkinStrainScale | Self::CoverThickness => SCALES,
+            Self::SkinStressScale
+            | Self::SkinStrainScale
+            | Self::CoverThickness
+            | Self::FatStressScale => SCALES,
             Self::FatModulus => (0.01, 1e4),
             Self::PocketRadius => (-50.0, 50.0),
             Self::Projection => (-0.9, 0.9),
-            Self::PoissonRatio => limits::POISSON_RATIO,
+            Self::PoissonRatio | Self::FatPoissonRatio => limits::POISSON_RATIO,
         }
     }
 
@@ -122,7 +144,7 @@ impl Unknown {
             Self::FatModulus => {
                 for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
                     let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
-                    if is_fat(base) && modulus > 0.0 {
+                    if is_other_fat(base) && modulus > 0.0 {
                         let scale = base.curve.stress_scale * value / modulus;
                         layer.curve.stress_scale = into(scale, SCALES);
                     }
@@ -150,14 +172,32 @@ impl Unknown {
             }
             Self::PoissonRatio => {
                 let ratio = into(value, limits::POISSON_RATIO);
-                scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = ratio);
+                let others = scene.layers.iter_mut().filter(|layer| !has_fat_curve(layer));
+                others.for_each(|layer| layer.poisson_ratio = ratio);
+            }
+            Self::FatStressScale => {
+                for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
+                    if has_fat_curve(base) {
+                        layer.curve.stress_scale = into(base.curve.stress_scale * value, SCALES);
+                    }
+                }
+            }
+            Self::FatPoissonRatio => {
+                let ratio = into(value, limits::POISSON_RATIO);
+                let fat = scene.layers.iter_mut().filter(|layer| has_fat_curve(layer));
+                fat.for_each(|layer| layer.poisson_ratio = ratio);
             }
         }
     }
 }
 
-fn is_fat(layer: &Layer) -> bool {
-    layer.tissue == "adipose"
+fn has_fat_curve(layer: &Layer) -> bool {
+    matches!(layer.curve.spec, CurveSpec::Fat { .. })
+}
+
+/// Is the layer fat with another curve, as the paper's?
+fn is_other_fat(layer: &Layer) -> bool {
+    layer.tissue == "adipose" && !has_fat_curve(layer)
 }
 
 /// Is the strain scale of the skin measured, or set by hand?

@@ -1,6 +1,6 @@
 //! Properties of any input, shared by the property tests and the fuzz targets.
 
-use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve, Section};
+use implant_preview::curve::{Curve, CurveSpec, Fat, Interpolation, ScaledCurve, Section};
 use implant_preview::measure::{Fields, surfaces};
 use implant_preview::scene::{Scene, SceneError, read};
 use implant_preview::simulate;
@@ -244,7 +244,8 @@ impl Choices<'_> {
     pub(crate) fn curve(&mut self) -> CurveSpec {
         match self.below(8) {
             0 => CurveSpec::Skin {},
-            1 => CurveSpec::Adipose {},
+            1 if self.byte() < 128 => CurveSpec::Adipose {},
+            1 => CurveSpec::Fat { variant: Fat::ALL[usize::from(self.below(3))] },
             2 => CurveSpec::Linear { modulus_kpa: self.magnitude(1e-6, 1e7) },
             3 => CurveSpec::Arctangent {
                 scale_kpa: self.magnitude(1e-6, 1e7),

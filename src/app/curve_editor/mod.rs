@@ -6,14 +6,18 @@ mod window;
 pub(super) use window::CurveWindow;
 
 use super::widgets::{Control, Kind, button_if, choice, labelled_box, remark};
-use crate::curve::{Curve, CurveSpec, Interpolation};
+use crate::curve::{Curve, CurveSpec, Fat, Interpolation};
 use eframe::egui::Ui;
 use std::ops::RangeInclusive;
 
 /// Name and description of the kinds that the editor offers. Curves of sections come from a scene file.
-const KINDS: [(&str, &str); 6] = [
+const KINDS: [(&str, &str); 7] = [
     ("Skin preset", "Modulus 100 kPa up to strain 0.4, rising to 1000 kPa at 0.7"),
-    ("Adipose preset", "0.4 kPa · atan(7.5 ε): initial modulus 3 kPa"),
+    ("Fat, as measured", "Fat as measured up to a strain of 30 %, a line beyond"),
+    (
+        "Adipose of Nikolaev 2013",
+        "0.4 kPa · atan(7.5 ε): initial modulus 3 kPa, nearly flat beyond 60 %",
+    ),
     ("Linear", "Young's modulus"),
     ("Arctangent", "scale · atan(rate · ε)"),
     ("Exponential (Fung)", "scale · (exp(rate · ε) − 1)"),
@@ -23,11 +27,12 @@ const KINDS: [(&str, &str); 6] = [
 fn kind(spec: &CurveSpec) -> Option<usize> {
     Some(match spec {
         CurveSpec::Skin {} => 0,
-        CurveSpec::Adipose {} => 1,
-        CurveSpec::Linear { .. } => 2,
-        CurveSpec::Arctangent { .. } => 3,
-        CurveSpec::Exponential { .. } => 4,
-        CurveSpec::Points { .. } => 5,
+        CurveSpec::Fat { .. } => 1,
+        CurveSpec::Adipose {} => 2,
+        CurveSpec::Linear { .. } => 3,
+        CurveSpec::Arctangent { .. } => 4,
+        CurveSpec::Exponential { .. } => 5,
+        CurveSpec::Points { .. } => 6,
         CurveSpec::Sections { .. } => return None,
     })
 }
@@ -38,10 +43,11 @@ fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
     let slope = curve.as_ref().map_or(10.0, |c| c.slope(0.0)).clamp(0.01, 1e5);
     match kind {
         0 => CurveSpec::Skin {},
-        1 => CurveSpec::Adipose {},
-        2 => CurveSpec::Linear { modulus_kpa: slope },
-        3 => CurveSpec::Arctangent { scale_kpa: slope / 7.5, rate: 7.5 },
-        4 => CurveSpec::Exponential { scale_kpa: slope / 4.0, rate: 4.0 },
+        1 => CurveSpec::Fat { variant: Fat::Mid },
+        2 => CurveSpec::Adipose {},
+        3 => CurveSpec::Linear { modulus_kpa: slope },
+        4 => CurveSpec::Arctangent { scale_kpa: slope / 7.5, rate: 7.5 },
+        5 => CurveSpec::Exponential { scale_kpa: slope / 4.0, rate: 4.0 },
         _ => {
             let stress = |e: f64| curve.as_ref().map_or(slope * e, |c| c.stress(e));
             // Breaks of the curve become points too.
@@ -91,9 +97,27 @@ pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) -> bool {
             let tip = "Type or paste the points of a measured curve";
             return button_if(ui, true, "Edit points…", "Edit points", tip);
         }
+        CurveSpec::Fat { variant } => fat(ui, variant),
         CurveSpec::Skin {} | CurveSpec::Adipose {} | CurveSpec::Sections { .. } => {}
     }
     false
+}
+
+/// The choice among the curves within the range of the measurements.
+fn fat(ui: &mut Ui, variant: &mut Fat) {
+    let name = |fat: Fat| match fat {
+        Fat::Low => "Soft",
+        Fat::Mid => "Usual",
+        Fat::High => "Firm",
+    };
+    let response = labelled_box(ui, "Fat", name(*variant), |ui| {
+        for fat in Fat::ALL {
+            if choice(ui, *variant == fat, name(fat)).clicked() {
+                *variant = fat;
+            }
+        }
+    });
+    response.on_hover_text("Low, middle and high end of what tests of human fat found");
 }
 
 fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
@@ -125,9 +149,11 @@ mod tests {
 
     #[test]
     fn a_preset_made_points_keeps_every_point_on_its_curve() {
-        for preset in [CurveSpec::Skin {}, CurveSpec::Adipose {}] {
+        for preset in
+            [CurveSpec::Skin {}, CurveSpec::Adipose {}, CurveSpec::Fat { variant: Fat::Mid }]
+        {
             let curve = Curve::new(&preset).unwrap();
-            let CurveSpec::Points { points, .. } = converted(&preset, 5) else {
+            let CurveSpec::Points { points, .. } = converted(&preset, 6) else {
                 panic!("no points")
             };
             assert_eq!(points.last().map(|p| p[0]), Some(1.0));

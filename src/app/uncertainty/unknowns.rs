@@ -262,7 +262,20 @@ pub(super) fn words(unknown: Unknown) -> Words {
         },
         Unknown::PoissonRatio => Words {
             name: "Compressibility",
-            tooltip: "Poisson ratio of all layers; 0.5: the volume of the tissue stays. It replaces the plan's",
+            tooltip: "Poisson ratio of the skin and of all layers but fat as measured; 0.5: the volume of the tissue \
+                      stays. It replaces the plan's",
+            unit: "",
+            kind: Kind::Fraction,
+            ..of_plan
+        },
+        Unknown::FatStressScale => Words {
+            name: "Stiffness of the fat",
+            tooltip: "All stresses of the fat, as a factor on the plan's",
+            ..of_plan
+        },
+        Unknown::FatPoissonRatio => Words {
+            name: "Compressibility of the fat",
+            tooltip: "Poisson ratio of the fat; 0.5: the volume of the fat stays. It replaces the plan's",
             unit: "",
             kind: Kind::Fraction,
             ..of_plan

@@ -1,9 +1,9 @@
 //! Random scenes of layered tissue, within realistic ranges and within all limits of a scene file.
 
 use super::scenes::{self, log_uniform, uniform};
-use crate::curve::CurveSpec;
+use crate::curve::{CurveSpec, Fat};
 use crate::scene::{
-    AttachmentSettings, Body, CellsThrough, Implant, Layer, SCENE_SCHEMA_2, Scene, SolverSettings,
+    AttachmentSettings, Body, CellsThrough, Implant, Layer, SCENE_SCHEMA_3, Scene, SolverSettings,
     Springs, TissueModel, limits,
 };
 use fastrand::Rng;
@@ -20,7 +20,7 @@ const SKIN_MM: (f64, f64) = (1.0, 4.0);
 /// Thickness of all solids together in realistic scenes \[mm\].
 const SOLIDS_MM: (f64, f64) = (5.0, 40.0);
 /// Poisson ratios of realistic scenes \[-\].
-const POISSON_RATIO: (f64, f64) = (0.3, 0.48);
+const POISSON_RATIO: (f64, f64) = (0.3, 0.495);
 /// Insertions of realistic scenes \[-\].
 const INSERTION: (f64, f64) = (0.2, 1.0);
 /// Modulus of gland \[kPa\].
@@ -52,7 +52,7 @@ pub(super) fn extreme(rng: &mut Rng) -> Scene {
 /// The scene that both populations start from.
 fn start() -> Scene {
     Scene {
-        schema: SCENE_SCHEMA_2.to_owned(),
+        schema: SCENE_SCHEMA_3.to_owned(),
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0; 2] },
         pocket_radius_mm: 70.0,
         body: Some(Body::around(70.0, TissueModel::Layered)),
@@ -106,7 +106,8 @@ pub(super) fn realistic_layers(rng: &mut Rng) -> Vec<Layer> {
         thickness_mm: share * per_share,
         poisson_ratio: nu(rng),
         curve: match name {
-            "adipose" => CurveSpec::Adipose {},
+            "adipose" if rng.u8(0..4) == 0 => CurveSpec::Adipose {},
+            "adipose" => CurveSpec::Fat { variant: Fat::ALL[rng.usize(0..3)] },
             "gland" => CurveSpec::Linear { modulus_kpa: uniform(rng, GLAND_KPA) },
             // That of the case with muscle in `tests/reference/layered.json`.
             _ => CurveSpec::Exponential { scale_kpa: 3.0, rate: 3.0 },

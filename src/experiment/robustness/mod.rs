@@ -1,11 +1,12 @@
 //! Robustness tests: random scenes and edit sequences checked against invariants.
 //!
 //! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `check`, `check_layered` (invariants) |
-//! `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
+//! `clinical` (random patients) | `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
 //! A case depends on population, seed and number alone: equal on every machine and in every order.
 
 pub mod check;
 mod check_layered;
+pub mod clinical;
 mod compare;
 mod edits;
 mod layered_scenes;
@@ -204,6 +205,23 @@ impl Case {
             scene,
         }
     }
+
+    /// Sets what a solver reports; a case with findings has failed.
+    fn end(&mut self, solver: &Solver, is_one_of_several: bool) {
+        let error = solver.estimated_position_error();
+        let is_pierced = solver.invalid() == Some(Invalid::Penetrated);
+        self.ending = match (self.findings.is_empty(), solver.verdict()) {
+            (false, _) => Ending::Failed,
+            (_, Verdict::Converged) if is_one_of_several => Ending::Several,
+            (_, Verdict::Converged) => Ending::Converged,
+            (_, Verdict::NotConverged) => Ending::NotConverged,
+            (_, Verdict::Unstable) if is_pierced => Ending::Pierced,
+            (_, Verdict::Unstable) => Ending::Unstable,
+        };
+        self.fell_back = solver.fell_back();
+        self.work_units = solver.work_units();
+        self.estimated_position_error = error.is_finite().then_some(error);
+    }
 }
 
 /// Solves a scene and checks the solution against all invariants.
@@ -240,18 +258,7 @@ pub fn examine_timed(scene: Scene, clock: Clock) -> Case {
         (is_one_of_several, case.ways) =
             compare::compare_solutions(&case.scene, &solver, &mut case.findings);
     }
-    let error = solver.estimated_position_error();
-    case.ending = match (case.findings.is_empty(), solver.verdict()) {
-        (false, _) => Ending::Failed,
-        (_, Verdict::Converged) if is_one_of_several => Ending::Several,
-        (_, Verdict::Converged) => Ending::Converged,
-        (_, Verdict::NotConverged) => Ending::NotConverged,
-        (_, Verdict::Unstable) if solver.invalid() == Some(Invalid::Penetrated) => Ending::Pierced,
-        (_, Verdict::Unstable) => Ending::Unstable,
-    };
-    case.fell_back = solver.fell_back();
-    case.work_units = solver.work_units();
-    case.estimated_position_error = error.is_finite().then_some(error);
+    case.end(&solver, is_one_of_several);
     case
 }
 

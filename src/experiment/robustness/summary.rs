@@ -28,7 +28,7 @@ pub struct Endings {
 }
 
 impl Endings {
-    fn add(&mut self, case: &Case) {
+    pub(super) fn add(&mut self, case: &Case) {
         self.cases += 1;
         self.fell_back += u64::from(case.fell_back);
         self.held_both_ways += u64::from(case.ways == 2);

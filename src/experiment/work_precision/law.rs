@@ -3,7 +3,7 @@
 use crate::mesh::vec3::{add, cross, dot, scale};
 use crate::model::membrane::node_stiffness::node_stiffness;
 use crate::model::membrane::triangle::Rest;
-use crate::springs::closed_form::{self, Group, area_stretch, trace_of_stretch};
+use crate::springs::closed_form::{self, Group, area_stretch, spread, trace_of_stretch};
 use crate::springs::coupled::CoupledLaw;
 use crate::springs::table::Buckets;
 use glam::{DMat3, DVec2, DVec3};
@@ -76,7 +76,8 @@ impl Law {
         let f2 = (e1 * g1.y + e2 * g2.y).to_array();
         let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
         let (i1, s) = (c11 + c22, area_stretch(c11 * c22 - c12 * c12));
-        let (p, q) = closed_form::tension(&self.groups, i1, s, trace_of_stretch(i1, s));
+        let t = trace_of_stretch(i1, s);
+        let (p, q) = closed_form::tension(&self.groups, i1, s, t, || spread(c11, c22, c12));
         // F g and F adj(C) g.
         let turned = DVec2::new(c22 * g.x - c12 * g.y, c11 * g.y - c12 * g.x);
         let v = add(scale(f1, g.x), scale(f2, g.y));

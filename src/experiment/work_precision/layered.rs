@@ -107,11 +107,11 @@ struct Grid {
 
 impl<'a> Relaxation<'a> {
     pub(super) fn new(problem: &'a Problem, rest: &'a [DVec3], scheme: Scheme) -> Self {
-        let cells_through = match problem.tissue {
-            Tissue::Layered { cells_through } => cells_through,
-            Tissue::Sheet => 1,
+        let (cells_through, skin_wrinkles) = match problem.tissue {
+            Tissue::Layered { cells_through, skin_wrinkles } => (cells_through, skin_wrinkles),
+            Tissue::Sheet => (1, false),
         };
-        let law = LayeredLaw::new(&problem.materials, cells_through);
+        let law = LayeredLaw::new(&problem.materials, cells_through, skin_wrinkles);
         let model = Layered::new(&law, problem.patch.pocket_radius_mm, problem.patch.attachment());
         let mut sheets = vec![problem.sheet.clone()];
         while let Some(coarser) = sheets.last().and_then(Sheet::coarser)

@@ -16,8 +16,8 @@ pub(crate) mod tangent;
 
 use super::columns::MAX_LAYERS;
 use super::membrane::law::SheetLaw;
+use crate::springs::Material;
 use crate::springs::table::Table;
-use crate::springs::{Material, Springs};
 use law::SolidLaw;
 
 /// The greatest number of cells through the thickness.
@@ -44,8 +44,8 @@ pub(crate) struct LayeredLaw {
 
 impl LayeredLaw {
     /// The laws of materials from the skin inwards, with `cells_through` cells through the thickness or more: each solid has one
-    /// at least.
-    pub(crate) fn new(materials: &[Material], cells_through: usize) -> Self {
+    /// at least. Does the skin wrinkle instead of being compressed?
+    pub(crate) fn new(materials: &[Material], cells_through: usize, skin_wrinkles: bool) -> Self {
         let (skin, solids) = materials.split_at(materials.len().min(1));
         let heights: Vec<f64> = solids.iter().rev().map(|m| m.thickness_mm).collect();
         let cells = shared_out(&heights, cells_through)
@@ -57,7 +57,7 @@ impl LayeredLaw {
             })
             .collect();
         Self {
-            skin: SheetLaw::new(Springs::Coupled, skin),
+            skin: SheetLaw::of_skin(skin, skin_wrinkles),
             solids: solids.iter().rev().map(SolidLaw::new).collect(),
             cells,
         }

@@ -380,7 +380,7 @@ mod tests {
             material(CurveSpec::Linear { modulus_kpa: 1e-6 }, 0.4, 1e-3),
             material(CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 }, 0.45, 20.0),
         ];
-        let law = LayeredLaw::new(&materials, 2);
+        let law = LayeredLaw::new(&materials, 2, false);
         let sheet = Sheet::new(17, 60.0);
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
         let exact = Exact { sheet: &sheet, law: &law, pocket_radius: 30.0, attachment };

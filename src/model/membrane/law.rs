@@ -29,18 +29,31 @@ pub(crate) struct PaperLaw {
 
 /// The law of coupled springs for a stack of layers.
 pub(crate) fn coupled_law(materials: &[Material]) -> CoupledLaw {
-    let layers: Vec<LawLayer> = materials
+    CoupledLaw::new(&law_layers(materials))
+}
+
+fn law_layers(materials: &[Material]) -> Vec<LawLayer<'_>> {
+    materials
         .iter()
         .map(|m| LawLayer {
             curve: &m.curve,
             poisson_ratio: m.poisson_ratio,
             thickness_mm: m.thickness_mm,
         })
-        .collect();
-    CoupledLaw::new(&layers)
+        .collect()
 }
 
 impl SheetLaw {
+    /// The law of the skin of layered tissue, which may wrinkle instead of being compressed.
+    pub(crate) fn of_skin(skin: &[Material], wrinkles: bool) -> Self {
+        let layers = law_layers(skin);
+        Self::Coupled(if wrinkles {
+            CoupledLaw::tension_field(&layers)
+        } else {
+            CoupledLaw::new(&layers)
+        })
+    }
+
     /// The law of the given springs and layers.
     #[must_use]
     pub(crate) fn new(springs: Springs, materials: &[Material]) -> Self {

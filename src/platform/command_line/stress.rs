@@ -2,6 +2,7 @@
 
 use super::output::{self, File, STANDARD};
 use super::{ExitStatus, InputError, in_range};
+use crate::experiment::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
 use crate::experiment::robustness::{Case, LayeredSummary, Population, Summary, panicked, run_of};
 use crate::scene::{TissueModel, limits};
 use rayon::prelude::*;
@@ -24,6 +25,18 @@ pub(super) struct Arguments {
     /// The tissue model of the random scenes.
     #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
     tissue_model: TissueModel,
+    /// Random patients under round implants instead, each solved once: the clinical population.
+    #[arg(long)]
+    clinical: bool,
+    /// Clinical population: nodes per side.
+    #[arg(long, value_name = "N", default_value_t = 65, value_parser = most_nodes, requires = "clinical")]
+    nodes: usize,
+    /// Clinical population: Poisson ratio of the fat, 0 to 0.5.
+    #[arg(long, value_name = "NU", default_value_t = 0.49, value_parser = poisson_ratio, requires = "clinical")]
+    fat_poisson_ratio: f64,
+    /// Clinical population: rate of an exponential, 0.001 to 100, in place of the curve `fat`.
+    #[arg(long, value_name = "RATE", value_parser = rate, requires = "clinical")]
+    fat_rate: Option<f64>,
     /// Output file for all cases, one a line (JSON lines).
     #[arg(long, value_name = "F")]
     lines: Option<PathBuf>,
@@ -53,11 +66,38 @@ fn most_nodes(text: &str) -> Result<usize, String> {
     in_range(text, limits::NODES_PER_SIDE.0, MOST_NODES)
 }
 
+fn poisson_ratio(text: &str) -> Result<f64, String> {
+    in_range(text, limits::POISSON_RATIO.0, limits::POISSON_RATIO.1)
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    in_range(text, 1e-3, 100.0)
+}
+
+/// Solves random patients.
+fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
+    let &Arguments { cases, seed, nodes, fat_poisson_ratio, fat_rate, ref lines, ref out, .. } =
+        arguments;
+    let clinical = Clinical { fat_poisson_ratio, fat_rate, nodes_per_side: nodes };
+    let run = |case: u64| {
+        let start = Instant::now();
+        let clock = || 1e3 * start.elapsed().as_secs_f64();
+        clinical.run(seed, case, Some(&clock))
+    };
+    let cases: Vec<ClinicalCase> = (0..cases).into_par_iter().map(run).collect();
+    let summary = ClinicalSummary::new(seed, clinical, &cases);
+    write(out, json(&summary, true)?, lines.as_deref(), &cases)?;
+    Ok(if summary.all_converged() { ExitStatus::Converged } else { ExitStatus::NotConverged })
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let &Arguments { cases, seed, most_nodes, tissue_model, ref lines, ref out } = arguments;
+    let &Arguments { cases, seed, most_nodes, tissue_model, ref lines, ref out, .. } = arguments;
     output::check_path(out)?;
     if let Some(lines) = lines {
         output::check_path(lines)?;
+    }
+    if arguments.clinical {
+        return run_clinical(arguments);
     }
     let is_layered = tissue_model == TissueModel::Layered;
     std::panic::set_hook(Box::new(|panic| {
@@ -82,14 +122,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         let summary = Summary::new(seed, &cases);
         (json(&summary, true)?, !summary.failures.is_empty())
     };
+    write(out, summary, lines.as_deref(), &cases)?;
+    Ok(if has_failures { ExitStatus::NotConverged } else { ExitStatus::Converged })
+}
+
+/// Writes the summary and, if wanted, each case in a line.
+fn write<T: Serialize>(
+    out: &Path,
+    summary: String,
+    lines: Option<&Path>,
+    cases: &[T],
+) -> Result<(), InputError> {
     let mut files = vec![File::new(out, summary + "\n")];
     if let Some(lines) = lines {
         let each: Vec<String> =
             cases.iter().map(|case| json(case, false)).collect::<Result<_, _>>()?;
         files.push(File::new(lines, each.join("\n") + "\n"));
     }
-    output::write_all(&files)?;
-    Ok(if has_failures { ExitStatus::NotConverged } else { ExitStatus::Converged })
+    output::write_all(&files)
 }
 
 fn json<T: Serialize>(value: &T, is_pretty: bool) -> Result<String, InputError> {

@@ -90,6 +90,13 @@ impl Plan {
     }
 }
 
+impl Parameters {
+    fn damping(&self, omega: f32) -> Damping {
+        let &Self { has_hardening, block_growth, .. } = self;
+        Damping { omega, has_hardening, block_growth }
+    }
+}
+
 impl<M: ElasticModel> FullMultigrid<M> {
     /// Begins a cycle of the grid being solved.
     pub(super) fn begin_cycle(&mut self) {
@@ -113,7 +120,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             }
             Step::Smooth { grid, omega } => {
                 let contact = self.contact(grid);
-                let damping = self.damping(omega);
+                let damping = self.parameters.damping(omega);
                 let evaluations = self.levels[grid].smooth(&self.model, contact, damping);
                 self.count(grid, evaluations);
             }
@@ -140,7 +147,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     fn solve_coarsest(&mut self) {
         let contact = self.contact(0);
-        let damping = |omega| Damping { omega, has_hardening: self.parameters.has_hardening };
+        let parameters = self.parameters;
         let smoothing = match self.grid {
             0 => self.parameters.coarsest_start,
             _ => self.parameters.coarsest_smoothing,
@@ -149,17 +156,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if self.grid == 0 || self.mode == Mode::Robust {
             level.invert_blocks(&self.model);
         }
-        for _ in 0..self.parameters.coarsest_rounds {
+        let mut evaluations = 0.0;
+        for _ in 0..parameters.coarsest_rounds {
             for &omega in smoothing {
-                level.smooth(&self.model, contact, damping(omega));
+                evaluations += level.smooth(&self.model, contact, parameters.damping(omega));
             }
         }
-        let steps = self.parameters.coarsest_rounds * smoothing.len();
-        self.count(0, steps as f64);
-    }
-
-    pub(super) fn damping(&self, omega: f32) -> Damping {
-        Damping { omega, has_hardening: self.parameters.has_hardening }
+        self.count(0, evaluations);
     }
 
     fn contact(&self, grid: usize) -> Contact {

@@ -169,7 +169,7 @@ impl Level<Membrane> {
         let Self { layout, obstacle, u, tau, inverse, active, contact_offset, .. } = self;
         let conditions =
             Self::conditions(obstacle, Contact::OneSided, inverse, tau, contact_offset);
-        let damping = Damping { omega, has_hardening: true };
+        let damping = Damping { omega, has_hardening: true, block_growth: f64::INFINITY };
         smoother::step(layout, &conditions, damping, f, active, u);
     }
 

@@ -34,6 +34,8 @@ pub(super) struct Level<M: ElasticModel> {
     /// negative if contact ends before the node, is read by `write_positions` alone.
     pub(super) contact_offset: Vec<f32>,
     scratch: M::Scratch,
+    /// The least sum of squares of the residual above the inner face since the last blocks.
+    least_squares: f64,
 }
 
 impl<M: ElasticModel> Level<M> {
@@ -64,6 +66,7 @@ impl<M: ElasticModel> Level<M> {
             contact_offset: vec![0.0; length],
             scratch: model.scratch(&layout, &border),
             layout,
+            least_squares: f64::INFINITY,
         }
     }
 
@@ -115,6 +118,7 @@ impl<M: ElasticModel> Level<M> {
         let Self { layout, u, inverse, scratch, .. } = self;
         model.blocks(layout, u, inverse, scratch);
         inverse.invert(layout);
+        self.least_squares = f64::INFINITY;
     }
 
     /// Renews the model's constraints after a cycle.
@@ -150,10 +154,23 @@ impl<M: ElasticModel> Level<M> {
         if !is_known {
             self.find_forces(model);
         }
+        let has_stiffened = self.has_stiffened(contact, step.block_growth);
+        if has_stiffened {
+            self.invert_blocks(model);
+        }
         let Self { layout, obstacle, u, f, tau, inverse, active, contact_offset, .. } = self;
         let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
         smoother::step(layout, &conditions, step, f, active, u);
-        f64::from(u8::from(!is_known))
+        f64::from(u8::from(!is_known) + u8::from(has_stiffened))
+    }
+
+    /// Has the residual above the inner face, where no reaction acts, grown by a factor since the last blocks?
+    fn has_stiffened(&mut self, contact: Contact, growth: f64) -> bool {
+        let tau = self.tau.as_ref().filter(|_| contact == Contact::Inherited);
+        let squares = smoother::outer_squares(&self.layout, tau, &self.f);
+        let has_grown = squares > growth * growth * self.least_squares;
+        self.least_squares = self.least_squares.min(squares);
+        has_grown
     }
 
     /// Sets `f` to the residual without contact forces; returns the sum of squares.
@@ -310,7 +327,7 @@ mod tests {
             material(&CurveSpec::Adipose {}, 0.3, 8.0),
             material(&CurveSpec::Linear { modulus_kpa: 12.0 }, 0.45, 5.0),
         ];
-        let law = LayeredLaw::new(&materials, 3);
+        let law = LayeredLaw::new(&materials, 3, false);
         let n = 33;
         let sheet = Sheet::new(n, 80.0);
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });

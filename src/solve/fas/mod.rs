@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_AUGMENTED, LAYERED_GENTLE, MEMBRANE};
+pub(super) use parameters::{LAYERED, LAYERED_AUGMENTED, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -178,9 +178,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.convergence.ending
     }
 
-    /// Adds the work of an earlier attempt.
-    pub(super) fn add_work(&mut self, work_units: f64) {
-        self.work_units += work_units;
+    /// Starts with the constants of the next attempt; false without one.
+    pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
+        let Some(next) = self.parameters.next else { return false };
+        let work_units = self.work_units;
+        self.parameters = next;
+        self.start(problem, stop, None);
+        self.work_units = work_units;
+        true
     }
 
     /// See [`Parameters::least_tolerance`].

@@ -13,8 +13,7 @@ pub(super) struct Smoothing {
 #[derive(Debug)]
 pub(in crate::solve) struct Parameters {
     /// Damping factors of the smoothing steps of a cycle \[-\]: close to the inverse roots of a Chebyshev
-    /// polynomial on the upper part of the spectrum of D⁻¹H, the longest step first. Change them together
-    /// with the smoother or the blocks.
+    /// polynomial on the upper part of the spectrum of D⁻¹H. Change them together with the smoother or the blocks.
     pub(super) smoothing: Smoothing,
     /// The same in the first cycle of a grid, whose start is smooth: interpolated from a coarser grid \[-\].
     pub(super) first_smoothing: Smoothing,
@@ -39,12 +38,17 @@ pub(in crate::solve) struct Parameters {
     /// Number of first cycles of a grid that recompute the grid's nodal blocks. The coarsest grid recomputes them in every
     /// cycle of its own.
     pub(super) block_cycles: u32,
+    /// Growth of the residual above the inner face since the last blocks at which the blocks are renewed before the next
+    /// step \[-\]: the tissue has stiffened.
+    pub(super) block_growth: f64,
     /// Weighted fraction of active fine nodes around a coarse node above which the coarse node is active \[-\].
     pub(super) coarse_active_weight: f32,
     /// [`Self::coarse_active_weight`] in robust mode: with more active coarse nodes the correction does not lift the
     /// sheet off a small contact. Fixed by `penetration-between-nodes`, `lost-contact-on-narrow-dome`.
     pub(super) robust_active_weight: f32,
 
+    /// The constants of the next attempt where the scheme fails.
+    pub(super) next: Option<&'static Parameters>,
     /// The least tolerance of node positions that f32 resolves \[base radius\].
     pub(in crate::solve) least_tolerance: f64,
     /// The most V-cycles of the finest grid.
@@ -107,8 +111,10 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     coarsest_start: MEMBRANE_COARSEST,
     coarsest_rounds: 3,
     block_cycles: 2,
+    block_growth: f64::INFINITY,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
+    next: None,
     least_tolerance: 2e-6,
     max_cycles: 16,
     max_start_cycles: 4,
@@ -129,22 +135,35 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     max_contact_offset: 10.0,
 };
 
-/// Inverse roots of Chebyshev polynomials on [0.45, 10] \[-\].
+/// Inverse roots of Chebyshev polynomials on [0.45, 10] \[-\], the shortest step first: a long step amplifies the stiff modes
+/// elevenfold until shorter ones follow, and a tissue that stiffens by as much does not return.
 const LAYERED_SMOOTHING: Smoothing =
-    Smoothing { before: &[0.5410, 0.1163], after: &[1.2293, 0.2943, 0.1418, 0.1038] };
+    Smoothing { before: &[0.1163, 0.5410], after: &[0.1038, 0.1418, 0.2943, 1.2293] };
 
 /// Inverse roots of Chebyshev polynomials on [0.8, 20] \[-\].
 const GENTLE_SMOOTHING: Smoothing = Smoothing {
-    before: &[0.4794, 0.0962, 0.0534],
-    after: &[0.7875, 0.2102, 0.0962, 0.0623, 0.0512],
+    before: &[0.0534, 0.0962, 0.4794],
+    after: &[0.0512, 0.0623, 0.0962, 0.2102, 0.7875],
 };
+
+/// The constants for layered tissue: [`LAYERED_BASE`], with further attempts.
+pub(in crate::solve) const LAYERED: Parameters =
+    Parameters { next: Some(&LAYERED_FRESH), ..LAYERED_BASE };
 
 /// The constants for nearly incompressible tissue, whose pressure converges more slowly than the shape.
 pub(in crate::solve) const LAYERED_AUGMENTED: Parameters =
     Parameters { error_safety: 8.0, ..LAYERED };
 
-/// The constants for layered tissue where [`LAYERED`] fails: smaller steps, blocks renewed in every cycle.
-pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
+/// The constants for layered tissue that stiffens too fast for [`LAYERED`]: blocks renewed before every step.
+const LAYERED_FRESH: Parameters = Parameters {
+    block_growth: 0.0,
+    error_safety: 8.0,
+    next: Some(&LAYERED_GENTLE),
+    ..LAYERED_BASE
+};
+
+/// The constants for layered tissue where [`LAYERED`] and [`LAYERED_FRESH`] fail: smaller steps, blocks renewed in every cycle.
+const LAYERED_GENTLE: Parameters = Parameters {
     coarsest_tolerance: 3e-3,
     smoothing: GENTLE_SMOOTHING,
     first_smoothing: GENTLE_SMOOTHING,
@@ -152,12 +171,13 @@ pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     coarsest_start: &[0.2; 24],
     first_grid: 1,
     block_cycles: u32::MAX,
+    next: None,
     max_cycles: 80,
     max_start_cycles: 4,
     max_slow_cycles: 16,
     max_stagnations: 6,
     error_safety: 8.0,
-    ..LAYERED
+    ..LAYERED_BASE
 };
 
 /// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5 on the dome, 7 on steep domes
@@ -165,7 +185,7 @@ pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
 /// checkerboards. The solution of the coarsest grid is several per cent of the base radius away from the finer one: an
 /// error of 3 % is sufficient for a start. With these constants 200 random scenes take 76 force evaluations at 33 nodes per
 /// side, 55 at 65 and 45 at 129; with 0.3 % and sixteen smaller steps on the coarsest grid 101, 63 and 47.
-pub(in crate::solve) const LAYERED: Parameters = Parameters {
+const LAYERED_BASE: Parameters = Parameters {
     smoothing: LAYERED_SMOOTHING,
     first_smoothing: LAYERED_SMOOTHING,
     mixes: true,
@@ -176,12 +196,14 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     // Inverse roots of a Chebyshev polynomial on [0.3, 8]. From a start far away the longest step loses shapes of soft fat
     // under tight skin: of 256 samples of the opening plan 24 have none, 21 with the shorter steps of the start, 19 with
     // steps of at most 1.2 throughout, which need a second attempt twice as often at 97 nodes per side.
-    coarsest_smoothing: &[2.3192, 0.7005, 0.3171, 0.1943, 0.1455, 0.1271],
-    coarsest_start: &[1.2, 0.4, 0.2, 0.25, 0.15, 0.13],
+    coarsest_smoothing: &[0.1271, 0.1455, 0.1943, 0.3171, 0.7005, 2.3192],
+    coarsest_start: &[0.13, 0.15, 0.25, 0.2, 0.4, 1.2],
     coarsest_rounds: 2,
     block_cycles: 2,
+    block_growth: 1.5,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
+    next: None,
     least_tolerance: 1e-5,
     max_cycles: 40,
     max_start_cycles: 2,

@@ -28,6 +28,8 @@ pub(super) struct Damping {
     pub(super) omega: f32,
     /// Is the step shortened by the hardening of the adjacent springs?
     pub(super) has_hardening: bool,
+    /// See [`super::parameters::Parameters::block_growth`].
+    pub(super) block_growth: f64,
 }
 
 /// Conditions at the nodes of a grid.
@@ -205,6 +207,21 @@ pub(super) fn residual<S: Stiffness>(
     squares += outer_residual(layout, tau, f);
     layout.mirror(f);
     layout.mirror_marks(active);
+    squares
+}
+
+/// The sum of squares of the residual above the inner face.
+pub(super) fn outer_squares(layout: &Layout, tau: Option<&Field>, f: &Field) -> f64 {
+    let mut squares = 0.0;
+    for layer in f.layers().skip(1) {
+        layout.free_groups(|group| {
+            let k = layer + group.first;
+            let own = f.load(k);
+            let r = tau.map_or(own, |tau| add(own, tau.load(k)));
+            let lanes = dot(r, r).to_array();
+            squares += lanes[..group.count].iter().map(|&r| f64::from(r)).sum::<f64>();
+        });
+    }
     squares
 }
 

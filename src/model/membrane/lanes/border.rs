@@ -130,6 +130,15 @@ impl Four {
         let s = area_stretch(det);
         Stretched { e1, e2, g11, g12, g22, i1, s, t: trace_of_stretch(i1, s) }
     }
+
+    /// (λ₁² − λ₂²)² of a metric: of M = G⁻¹g the square of M₁₁ − M₂₂ and 4 M₁₂M₂₁.
+    #[inline(always)]
+    fn spread(&self, [g11, g12, g22]: [f32x4; 3]) -> f32x4 {
+        let [i11, i12, i22] = self.inverse_metric;
+        let difference = i11 * g11 - i22 * g22;
+        let product = (i11 * g12 + i12 * g22) * (i12 * g11 + i22 * g12);
+        difference * difference + product * 4.0
+    }
 }
 
 impl Border {
@@ -166,8 +175,9 @@ impl Border {
             for (four, out) in fours.iter().zip(&mut *stretched) {
                 *out = four.stretched(at);
             }
-            for four in &mut *stretched {
-                (four.i1, four.s) = law.tension(four.i1, four.s, four.t);
+            for (four, at) in fours.iter().zip(&mut *stretched) {
+                let &mut Stretched { g11, g12, g22, i1, s, t, .. } = at;
+                (at.i1, at.s) = law.tension(i1, s, t, || four.spread([g11, g12, g22]));
             }
             for (four, &Stretched { e1, e2, g11, g12, g22, i1: p, s: q, .. }) in
                 fours.iter().zip(&*stretched)

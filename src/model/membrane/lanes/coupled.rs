@@ -35,20 +35,20 @@ impl CoupledLanes {
 
 /// The tension of four triangles.
 pub(super) trait Law {
-    /// P and Q of triangles with the invariants I₁, s > 0 and t.
-    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4) -> (f32x4, f32x4);
+    /// P and Q of triangles with the invariants I₁, s > 0 and t; `spread` returns (λ₁² − λ₂²)².
+    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4, spread: impl Fn() -> f32x4) -> (f32x4, f32x4);
 }
 
 impl Law for LaneGroup {
     #[inline(always)]
-    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4) -> (f32x4, f32x4) {
-        Group::tension(self, i1, s, t)
+    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4, spread: impl Fn() -> f32x4) -> (f32x4, f32x4) {
+        Group::tension(self, i1, s, t, spread)
     }
 }
 
 impl Law for [LaneGroup] {
     #[inline(always)]
-    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4) -> (f32x4, f32x4) {
-        closed_form::tension(self, i1, s, t)
+    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4, spread: impl Fn() -> f32x4) -> (f32x4, f32x4) {
+        closed_form::tension(self, i1, s, t, spread)
     }
 }

@@ -10,7 +10,7 @@ use crate::mesh::lanes::{CellRow, Field, Layout, shifted_right};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::add_stretch;
-use crate::springs::closed_form::{area_stretch, trace_of_stretch};
+use crate::springs::closed_form::{area_stretch, spread, trace_of_stretch};
 use wide::f32x4;
 
 /// Lanes shifted to the left; the last one is the first of the following four.
@@ -129,9 +129,11 @@ fn all_forces<L: Law + ?Sized>(
         // Three short loops: one long one would wait for its own square roots.
         measure_row(lower, upper, row);
         for four in row.iter_mut() {
-            for triangle in &mut four.triangles {
+            let [bb, tt, ll, rr, bl, br, tl, tr] = four.dots;
+            let metrics = [[bb, ll, bl], [bb, rr, br], [tt, rr, tr], [tt, ll, tl]];
+            for (triangle, [g11, g22, g12]) in four.triangles.iter_mut().zip(metrics) {
                 let [i1, s, t] = *triangle;
-                let (p, q) = law.tension(i1, s, t);
+                let (p, q) = law.tension(i1, s, t, || spread(g11, g22, g12));
                 (triangle[0], triangle[1]) = (p, q);
             }
         }

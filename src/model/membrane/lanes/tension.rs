@@ -5,6 +5,7 @@ use super::coupled::{CoupledLanes, Law};
 use super::forces::{Row, measure_row};
 use crate::mesh::lanes::{Field, Layout};
 use crate::model::Tension;
+use crate::springs::closed_form::spread;
 use wide::f32x4;
 
 /// The tension of the whole cells: what the sheet pulls at the two edges B and L of every cell, squared, and
@@ -24,7 +25,7 @@ pub(super) fn tension(
         for (b, cells) in row.iter().enumerate() {
             let [g11, _, g22, _, g12, ..] = cells.dots;
             let [i1, s, t] = cells.triangles[0];
-            let (p, q) = law.groups().tension(i1, s, t);
+            let (p, q) = law.groups().tension(i1, s, t, || spread(g11, g22, g12));
             let (m11, m12, m22) = (p + q * g22, -q * g12, p + q * g11);
             let squares = m11 * (m11 * g11 + m12 * g12 * 2.0)
                 + m22 * (m22 * g22 + m12 * g12 * 2.0)
