@@ -529,7 +529,7 @@ fn the_schema_contains_patient_and_scales() {
         assert!(patient[field].is_object(), "{field}: {schema:#}");
     }
     let kinds = schema["$defs"]["Curve"]["oneOf"].as_array().unwrap();
-    assert_eq!(kinds.len(), 7);
+    assert_eq!(kinds.len(), 8);
     for kind in kinds {
         assert_eq!(kind["properties"]["strain_scale"]["maximum"], 20.0);
         assert_eq!(kind["properties"]["stress_scale"]["minimum"], 0.05);

@@ -130,8 +130,8 @@ fn the_schema_decides_about_the_tissue_model() {
     };
     let fields = [
         "",
-        r#""schema":"implant-preview/scene/2","#,
-        r#""tissue_model":"sheet","#,
+        r#""schema":"implant-preview/scene/3","#,
+        r#""schema":"implant-preview/scene/2","tissue_model":"sheet","#,
         r#""schema":"implant-preview/scene/1","#,
     ];
     // A byte-order mark before JSON lines, in standard input as in a file.

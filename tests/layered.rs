@@ -1,11 +1,12 @@
-//! Layered tissue compared with the axisymmetric reference, its invariants, and the contracts of `scene/2` and
-//! `result/2`.
+//! Layered tissue compared with the axisymmetric reference, its invariants, and the contracts of `scene/2`,
+//! `scene/3` and `result/2`.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+use implant_preview::curve::{CurveSpec, Fat};
 use implant_preview::measure::{Fields, Outcome, SolverMethod, Status};
 use implant_preview::scene::{
-    CellsThrough, CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene, Springs, TissueModel,
+    CellsThrough, CheckedScene, Layer, SCENE_SCHEMA, SCENE_SCHEMA_3, Scene, Springs, TissueModel,
 };
 use implant_preview::simulate::{measure, run, simulate};
 use implant_preview::solve::{Method, Options, Problem, Solver, Verdict};
@@ -268,7 +269,11 @@ fn a_scene_without_schema_is_layered_tissue() {
     let least = r#"{ "implant": { "base_radius_mm": 55 } }"#;
     let scene = Scene::from_json(least).unwrap();
     assert_eq!(scene, Scene::default());
-    assert_eq!(scene.schema, SCENE_SCHEMA_2);
+    assert_eq!(scene.schema, SCENE_SCHEMA_3);
+    assert!(scene.skin_wrinkles());
+    let fat = &scene.layers[1];
+    assert_eq!(fat.curve.spec, CurveSpec::Fat { variant: Fat::Mid });
+    assert!((fat.poisson_ratio - 0.49).abs() < 1e-12);
     let body = scene.body.unwrap();
     assert_eq!(body.tissue_model, TissueModel::Layered);
     assert!((body.patch_radius_mm - 130.0).abs() < 1e-12);
@@ -277,7 +282,14 @@ fn a_scene_without_schema_is_layered_tissue() {
     assert_eq!(scene.solver.cells_through.unwrap_or_default(), CellsThrough::Auto);
     let first = r#"{ "schema": "implant-preview/scene/1", "implant": { "base_radius_mm": 55 } }"#;
     assert_eq!(Scene::from_json(first).unwrap(), Scene::sheet());
-    let sheet = r#"{ "tissue_model": "sheet", "implant": { "base_radius_mm": 55 } }"#;
+    // Older scenes keep their model: the paper's adipose, skin under compression.
+    let second = r#"{ "schema": "implant-preview/scene/2", "implant": { "base_radius_mm": 55 } }"#;
+    let second = Scene::from_json(second).unwrap();
+    assert!(second.is_layered() && !second.skin_wrinkles());
+    assert_eq!(second.layers, Scene::sheet().layers);
+    assert_eq!(second.layers[1], Layer::paper_adipose());
+    let sheet = r#"{ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
+        "implant": { "base_radius_mm": 55 } }"#;
     let sheet = Scene::from_json(sheet).unwrap();
     assert!(!sheet.is_layered() && sheet.same_physics(&Scene::sheet()));
 }
@@ -341,7 +353,8 @@ fn a_field_of_scene_2_in_scene_1_is_named_alone() {
 fn a_sheet_ignores_patch_attachment_and_cells() {
     let sheet = |fields: &str| {
         Scene::from_json(&format!(
-            r#"{{ "tissue_model": "sheet", "implant": {{ "base_radius_mm": 55 }}, {fields} }}"#
+            r#"{{ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
+                  "implant": {{ "base_radius_mm": 55 }}, {fields} }}"#
         ))
     };
     let mut scene = sheet(

@@ -302,7 +302,7 @@ fn small_sheet() -> Scene {
 
 /// Adipose alone, too much stretched for the paper's springs.
 fn unstable() -> Scene {
-    Scene { springs: Springs::Nikolaev, layers: vec![Layer::adipose()], ..small_sheet() }
+    Scene { springs: Springs::Nikolaev, layers: vec![Layer::paper_adipose()], ..small_sheet() }
 }
 
 #[test]

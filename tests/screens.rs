@@ -350,7 +350,7 @@ fn a_sheet_of_the_first_schema_gets_a_patient_and_stays_a_sheet() {
     let mut harness = app(DESKTOP, |scene| *scene = Scene::sheet());
     type_into(&mut harness, "Pinch (cm)", "3");
     let scene = harness.state().session().scene().clone();
-    assert!(!scene.is_layered() && scene.schema.ends_with("scene/2"));
+    assert!(!scene.is_layered() && scene.schema.ends_with("scene/3"));
     assert_eq!(scene.layers[1].thickness_mm, 13.5);
     // Without solid layers there is no cover.
     harness.get_by_label("needs “Skin on solid layers” (Advanced)");
@@ -511,8 +511,8 @@ fn the_tissue_model_is_chosen_and_layered_tissue_adds_its_controls_and_readings(
     choose(&mut harness, "One sheet");
     assert!(harness.query_by_label("Cover over the apex").is_none());
     let sheet = force(&harness);
-    // A sheet is more than twice as stiff.
-    assert!(layered < 0.5 * sheet, "{layered} of {sheet}");
+    // A sheet is nearly twice as stiff.
+    assert!(layered < 0.6 * sheet, "{layered} of {sheet}");
     choose(&mut harness, "Skin on solid layers");
     assert!(harness.state().session().scene().is_layered());
     assert!((force(&harness) - layered).abs() < 1e-9);
@@ -643,7 +643,7 @@ fn a_rejected_scene_changes_nothing_and_shows_the_reason() {
 fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
     let mut harness = app(WIDE, |scene| {
         scene.set_springs(Springs::Nikolaev);
-        scene.layers = vec![implant_preview::scene::Layer::adipose()];
+        scene.layers = vec![implant_preview::scene::Layer::paper_adipose()];
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
     assert!(harness.get_all_by_label("No stable shape").count() > 0);
@@ -679,7 +679,10 @@ fn the_papers_springs_are_marked_before_the_solve() {
 
 #[test]
 fn the_mark_of_the_papers_springs_is_computed_once_per_stack_of_layers() {
-    let mut harness = unfolded(|scene| scene.set_springs(Springs::Nikolaev));
+    let mut harness = unfolded(|scene| {
+        scene.set_springs(Springs::Nikolaev);
+        scene.layers[1] = implant_preview::scene::Layer::paper_adipose();
+    });
     let asked =
         |harness: &Harness<'static, App>| harness.state().session().counters().stability_limits;
     assert_eq!(asked(&harness), 1);

@@ -1,7 +1,7 @@
 //! Full multigrid for either tissue model.
 
 use super::Problem;
-use super::fas::{Ending, FullMultigrid, LAYERED, LAYERED_AUGMENTED, MEMBRANE, State, Stop};
+use super::fas::{Ending, FullMultigrid, LAYERED, MEMBRANE, State, Stop};
 use super::problem::Tissue;
 use super::validity::Invalid;
 use crate::mesh::lanes::Mirrored;
@@ -108,8 +108,8 @@ impl Multigrid {
 
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         if let Self::Layered(scheme) = self {
-            let is_augmented = scheme.model().is_augmented();
-            scheme.set_parameters(if is_augmented { &LAYERED_AUGMENTED } else { &LAYERED });
+            // An earlier solve may have ended in another attempt.
+            scheme.set_parameters(&LAYERED);
         }
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }

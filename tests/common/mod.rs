@@ -10,19 +10,24 @@ pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
             json!({ "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 33 } }),
         ),
         (
+            "layered-second",
+            json!({ "schema": "implant-preview/scene/2", "implant": { "base_radius_mm": 55 },
+                    "solver": { "nodes_per_side": 33 } }),
+        ),
+        (
             "sheet",
-            json!({ "tissue_model": "sheet",
+            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
                     "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 65 } }),
         ),
         (
             "off-centre",
-            json!({ "tissue_model": "sheet",
+            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
                     "implant": { "base_radius_mm": 50, "center_mm": [12, -7] }, "pocket_radius_mm": 75,
                     "insertion": 0.7, "solver": { "nodes_per_side": 33 } }),
         ),
         (
             "flat-ellipsoid",
-            json!({ "tissue_model": "sheet", "implant": { "base_radius_mm": 60, "projection_mm": 25 },
+            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet", "implant": { "base_radius_mm": 60, "projection_mm": 25 },
                     "layers": [
                         { "poisson_ratio": 0.3, "thickness_mm": 2,
                           "curve": { "kind": "exponential", "scale_kpa": 2, "rate": 5 } },
@@ -33,7 +38,7 @@ pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
         ),
         (
             "paper-springs",
-            json!({ "tissue_model": "sheet",
+            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
                     "implant": { "base_radius_mm": 40 }, "insertion": 0.5, "springs": "nikolaev",
                     "layers": [ { "poisson_ratio": 0.3 } ], "solver": { "nodes_per_side": 33 } }),
         ),

@@ -224,6 +224,7 @@ fn bad_numbers_of_a_spread_change_nothing_and_have_a_reason() {
         "Width of the pocket",
         "Projection in the body",
         "Compressibility",
+        "Compressibility of the fat",
     ] {
         press(&mut harness, unknown);
     }

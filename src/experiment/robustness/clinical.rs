@@ -3,11 +3,13 @@
 //! Distributions: spread between people as in `clinical::spread`; base radius 45–75 mm and volume 120–600 ml with
 //! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant.
 
-use super::{Case, Ending, Endings, Population, check_layered, random, scenes::uniform, solve};
+use super::{
+    Case, Ending, Endings, Population, check_layered, nodes, random, scenes::uniform, solve,
+};
 use crate::clinical::Size;
 use crate::curve::{CurveSpec, Fat};
 use crate::scene::{Scene, limits};
-use crate::solve::{Method, Options};
+use crate::solve::{Method, Options, Solver, Verdict};
 use crate::study::normal_quantile;
 use fastrand::Rng;
 use serde::Serialize;
@@ -45,7 +47,12 @@ pub struct Clinical {
     pub fat_rate: Option<f64>,
     /// Nodes per side.
     pub nodes_per_side: usize,
+    /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
+    pub measures_errors: bool,
 }
+
+/// Tolerance of the solution that errors are measured against \[base radius\].
+pub const FINE_TOLERANCE: f64 = 1e-5;
 
 fn normal(rng: &mut Rng, (mean, deviation): (f64, f64)) -> f64 {
     mean + deviation * normal_quantile(rng.f64().clamp(1e-9, 1.0 - 1e-9))
@@ -109,7 +116,7 @@ impl Clinical {
         let mut outcome =
             Case { case, time_ms, population: Population::Realistic, ..Case::of(scene) };
         let Some(solver) = solver else {
-            return ClinicalCase { case: outcome, attempts: 0, by_newton: false };
+            return ClinicalCase { case: outcome, attempts: 0, by_newton: false, error: None };
         };
         let checked = check_layered::check(&solver);
         outcome.findings = checked.findings;
@@ -117,8 +124,20 @@ impl Clinical {
         outcome.inverted_corners = checked.inverted_corners;
         outcome.end(&solver, false);
         let by_newton = solver.report().method == Method::Newton;
-        ClinicalCase { case: outcome, attempts: solver.attempts(), by_newton }
+        let is_measured = self.measures_errors && outcome.ending == Ending::Converged;
+        let error = is_measured.then(|| error(&outcome.scene, &solver)).flatten();
+        ClinicalCase { case: outcome, attempts: solver.attempts(), by_newton, error }
     }
+}
+
+/// Greatest distance of a node from the solution of a smaller tolerance on the same grid \[base radius\]; `None` if that solve
+/// does not converge.
+fn error(scene: &Scene, solver: &Solver) -> Option<f64> {
+    let mut fine = scene.clone();
+    fine.solver.tolerance = FINE_TOLERANCE;
+    let fine = solve(&fine, Options::default()).filter(|s| s.verdict() == Verdict::Converged)?;
+    let distances = nodes(solver).into_iter().zip(nodes(&fine)).map(|(a, b)| a.distance(b));
+    Some(distances.fold(0.0, f64::max) / scene.implant.base_radius_mm)
 }
 
 /// A case of a clinical run.
@@ -131,6 +150,9 @@ pub struct ClinicalCase {
     pub attempts: u32,
     /// Did Newton's method end the solve?
     pub by_newton: bool,
+    /// Greatest position error \[base radius\], if measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
 }
 
 /// The summary of a clinical run.
@@ -152,6 +174,15 @@ pub struct ClinicalSummary {
     pub work_units: [f64; 3],
     /// Time of a solve \[ms\]: median, 95th percentile, greatest; `None` without a clock.
     pub time_ms: Option<[f64; 3]>,
+    /// Measured position error \[base radius\]: median, 95th percentile, greatest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<[f64; 3]>,
+    /// Measured error relative to its estimate \[-\]: median, 95th percentile, greatest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_per_estimate: Option<[f64; 3]>,
+    /// Cases whose measured error is above the tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub above_tolerance: Option<u64>,
     /// Cases that did not converge or failed a check, and the case of most work.
     pub worst: Vec<ClinicalCase>,
 }
@@ -172,6 +203,10 @@ impl ClinicalSummary {
         cases.iter().for_each(|case| endings.add(&case.case));
         let is_converged = |c: &&ClinicalCase| c.case.ending == Ending::Converged;
         let converged = || cases.iter().filter(is_converged);
+        let errors = || cases.iter().filter_map(|c| Some((c, c.error?)));
+        let is_above = |(c, error): &(&ClinicalCase, f64)| *error > c.case.scene.solver.tolerance;
+        let per_estimate =
+            |(c, error): (&ClinicalCase, f64)| Some(error / c.case.estimated_position_error?);
         let costliest = cases.iter().max_by(|a, b| a.case.work_units.total_cmp(&b.case.work_units));
         Self {
             seed,
@@ -182,6 +217,11 @@ impl ClinicalSummary {
             work_units: spread(cases.iter().map(|c| c.case.work_units).collect())
                 .unwrap_or_default(),
             time_ms: spread(cases.iter().filter_map(|c| c.case.time_ms).collect()),
+            error: spread(errors().map(|(_, error)| error).collect()),
+            error_per_estimate: spread(errors().filter_map(per_estimate).collect()),
+            above_tolerance: clinical
+                .measures_errors
+                .then(|| errors().filter(is_above).count() as u64),
             worst: cases.iter().filter(|c| !is_converged(c)).chain(costliest).cloned().collect(),
         }
     }
@@ -200,7 +240,12 @@ mod tests {
     #[test]
     fn every_scene_is_valid_and_within_the_distributions() {
         for (fat_rate, nodes_per_side) in [(None, 65), (Some(10.0), 33)] {
-            let clinical = Clinical { fat_poisson_ratio: 0.49, fat_rate, nodes_per_side };
+            let clinical = Clinical {
+                fat_poisson_ratio: 0.49,
+                fat_rate,
+                nodes_per_side,
+                measures_errors: false,
+            };
             for case in 0..500 {
                 let scene = clinical.scene(7, case);
                 assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());

@@ -94,20 +94,21 @@ impl Case {
             scene
         };
         match self {
-            Self::Default => sheet(55.0, 70.0, vec![Layer::skin(), Layer::adipose()]),
+            Self::Default => sheet(55.0, 70.0, vec![Layer::skin(), Layer::paper_adipose()]),
             Self::LinearThird => sheet(40.0, 60.0, vec![linear_third()]),
             Self::SkinEquator => sheet(40.0, 40.0, vec![Layer::skin()]),
-            Self::SkinAdiposeHalf => {
-                Scene { insertion: 0.6, ..sheet(40.0, 60.0, vec![Layer::skin(), Layer::adipose()]) }
-            }
+            Self::SkinAdiposeHalf => Scene {
+                insertion: 0.6,
+                ..sheet(40.0, 60.0, vec![Layer::skin(), Layer::paper_adipose()])
+            },
             Self::AdiposeEquator => {
-                sheet(40.0, 40.0, vec![Layer { poisson_ratio: 0.3, ..Layer::adipose() }])
+                sheet(40.0, 40.0, vec![Layer { poisson_ratio: 0.3, ..Layer::paper_adipose() }])
             }
             Self::LayeredDefault => {
-                layered([55.0, 55.0], 70.0, 2.0, vec![Layer::skin(), Layer::adipose()])
+                layered([55.0, 55.0], 70.0, 2.0, vec![Layer::skin(), Layer::paper_adipose()])
             }
             Self::LayeredFlat => {
-                let adipose = Layer { thickness_mm: 15.0, ..Layer::adipose() };
+                let adipose = Layer { thickness_mm: 15.0, ..Layer::paper_adipose() };
                 layered([62.0, 38.0], 70.0, 2.0, vec![Layer::skin(), adipose])
             }
             Self::LayeredLinear => {
@@ -115,13 +116,13 @@ impl Case {
                     thickness_mm,
                     poisson_ratio: 1.0 / 3.0,
                     curve: CurveSpec::Linear { modulus_kpa }.into(),
-                    ..Layer::adipose()
+                    ..Layer::paper_adipose()
                 };
                 layered([40.0, 40.0], 55.0, 2.0, vec![linear(1.5, 50.0), linear(12.0, 5.0)])
             }
             Self::LayeredMuscle => {
                 let skin = Layer { thickness_mm: 1.6, ..Layer::skin() };
-                let adipose = Layer { poisson_ratio: 0.47, ..Layer::adipose() };
+                let adipose = Layer { poisson_ratio: 0.47, ..Layer::paper_adipose() };
                 let muscle = Layer {
                     tissue: "muscle".to_owned(),
                     thickness_mm: 6.0,

@@ -37,6 +37,9 @@ pub(super) struct Arguments {
     /// Clinical population: rate of an exponential, 0.001 to 100, in place of the curve `fat`.
     #[arg(long, value_name = "RATE", value_parser = rate, requires = "clinical")]
     fat_rate: Option<f64>,
+    /// Clinical population: solves every converged case again, to measure its error.
+    #[arg(long, requires = "clinical")]
+    measure_errors: bool,
     /// Output file for all cases, one a line (JSON lines).
     #[arg(long, value_name = "F")]
     lines: Option<PathBuf>,
@@ -76,9 +79,14 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Solves random patients.
 fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let &Arguments { cases, seed, nodes, fat_poisson_ratio, fat_rate, ref lines, ref out, .. } =
-        arguments;
-    let clinical = Clinical { fat_poisson_ratio, fat_rate, nodes_per_side: nodes };
+    let &Arguments { cases, seed, nodes, fat_poisson_ratio, fat_rate, .. } = arguments;
+    let Arguments { lines, out, measure_errors, .. } = arguments;
+    let clinical = Clinical {
+        fat_poisson_ratio,
+        fat_rate,
+        nodes_per_side: nodes,
+        measures_errors: *measure_errors,
+    };
     let run = |case: u64| {
         let start = Instant::now();
         let clock = || 1e3 * start.elapsed().as_secs_f64();

@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_AUGMENTED, MEMBRANE};
+pub(super) use parameters::{LAYERED, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -196,11 +196,6 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Replaces the constants of the scheme.
     pub(super) fn set_parameters(&mut self, parameters: &'static Parameters) {
         self.parameters = parameters;
-    }
-
-    /// The elastic model.
-    pub(super) fn model(&self) -> &M {
-        &self.model
     }
 
     /// Replaces the elastic model.
