@@ -65,8 +65,8 @@ fn draw_series(area: &Area, comparison: &Comparison) -> Drawn {
     let (of_x, of_y) = (label(x), label(y));
     let panel = Panel {
         caption: "",
-        x: Axis { range: x.range[0]..x.range[1], name: x.name, labels: 7, format: &of_x },
-        y: Axis { range: y.range[0]..y.range[1], name: y.name, labels: 7, format: &of_y },
+        x: Axis { range: x.range[0]..x.range[1], name: x.name, labels: x.labels, format: &of_x },
+        y: Axis { range: y.range[0]..y.range[1], name: y.name, labels: y.labels, format: &of_y },
         grid: Grid::Lines,
         right_margin: 24,
         y_label_width: 66,

@@ -2,7 +2,7 @@
 //!
 //! Uses `fat` (names), `table`. Used by `mod`.
 
-use super::fat::{ADIPOSE, name};
+use super::fat::{self, ADIPOSE, name};
 use super::table::{Comparison, Mark, PlotAxis, Row, Series};
 use crate::clinical::{Expander, Size};
 use crate::curve::{CurveSpec, Fat};
@@ -22,6 +22,8 @@ const PIG_PROJECTION_MM: f64 = 37.5;
 /// Thickness of the pig's skin, and assumed thickness of its fat \[mm\].
 const PIG_SKIN_MM: f64 = 3.0;
 const PIG_FAT_MM: f64 = 5.0;
+/// Other thicknesses of the fat, for the sensitivity to the assumption \[mm\].
+const PIG_OTHER_FAT_MM: [f64; 2] = [2.0, 10.0];
 /// Radii of the pocket: the middle, the least and the greatest that suit the expander \[mm\].
 const PIG_POCKETS_MM: [f64; 3] = [31.5, 28.0, 35.0];
 /// Half of the side of the measured square of skin \[mm\].
@@ -103,14 +105,21 @@ fn pig_scene(model: TissueModel, pocket_mm: f64, fat: Option<Layer>, nodes: usiz
 /// # Errors
 /// A scene is out of its limits.
 pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
+    let is_middle = |pocket: f64| pocket.to_bits() == PIG_POCKETS_MM[0].to_bits();
+    let layered = TissueModel::Layered;
     let mut scenes = Vec::new();
     for pocket in PIG_POCKETS_MM {
-        scenes.push((SHEET, TissueModel::Sheet, pocket, None));
+        scenes.push((SHEET.to_owned(), TissueModel::Sheet, pocket, None));
         for (name, fat) in fats(PIG_FAT_MM) {
-            if name == "fat mid" || pocket.to_bits() == PIG_POCKETS_MM[0].to_bits() {
-                scenes.push((name, TissueModel::Layered, pocket, Some(fat)));
+            if name == fat::name(Fat::Mid) || is_middle(pocket) {
+                scenes.push((format!("layered {name}"), layered, pocket, Some(fat)));
             }
         }
+    }
+    for thickness_mm in PIG_OTHER_FAT_MM {
+        let fat = Layer { thickness_mm, ..Layer::adipose() };
+        let name = format!("{LAYERED_MID} of {thickness_mm} mm");
+        scenes.push((name, layered, PIG_POCKETS_MM[0], Some(fat)));
     }
     let mut simulator = Simulator::default();
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
@@ -118,8 +127,7 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
         let scene = pig_scene(model, pocket, fat, nodes_per_side);
         let found = solved(&mut simulator, scene)?;
         let statistics = found.map(|found| square_statistics(&found.solution));
-        let kind = if model == TissueModel::Sheet { "" } else { "layered " };
-        let model = format!("{kind}{name} pocket {pocket} mm");
+        let model = format!("{name} pocket {pocket} mm");
         for (k, (quantity, measured)) in PIG_MEASURED.into_iter().enumerate() {
             rows.push(Row {
                 quantity: quantity.to_owned(),
@@ -130,9 +138,10 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
                 predicted: statistics.map(|all| all[k]),
             });
         }
-        if let Some(all) = statistics.filter(|_| pocket.to_bits() == PIG_POCKETS_MM[0].to_bits()) {
+        let is_drawn = is_middle(pocket) && !name.ends_with(" mm");
+        if let Some(all) = statistics.filter(|_| is_drawn) {
             let points = (1_u8..).map(f64::from).zip(all).collect();
-            lines.push(Series { label: format!("{kind}{name}"), mark: Mark::Line, points });
+            lines.push(Series { label: name, mark: Mark::Line, points });
         }
     }
     rows.sort_by_key(|row| PIG_MEASURED.iter().position(|(name, _)| *name == row.quantity));
@@ -153,7 +162,7 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
     Ok(Comparison {
         name: "pig-expander",
         title: "Pig skin over an expander of 60 ml: area stretch",
-        source: "T. Han, T. Lee, A. K. Gosain, A. Buganza Tepole et al., Acta Biomater. 2022: 10 × 10 cm of skin, one hour \
+        source: "Han, Lee, Gosain, Buganza Tepole, Acta Biomater. 2022: 10 × 10 cm of skin, one hour \
                  after filling.",
         unit: "",
         argument: "–",
@@ -171,8 +180,8 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
             "In the sheet skin beyond the pocket does not move: its area stretch is 1.".to_owned(),
         ],
         axes: [
-            PlotAxis { name: "1: mean, 2: 90th percentile, 3: greatest", range: [0.8, 3.2], decimals: 0 },
-            PlotAxis { name: "area stretch (–)", range: [0.8, 3.4], decimals: 1 },
+            PlotAxis { name: "1: mean, 2: 90th percentile, 3: greatest", range: [0.8, 3.2], decimals: 0, labels: 3 },
+            PlotAxis { name: "area stretch (–)", range: [0.8, 3.4], decimals: 1, labels: 7 },
         ],
         series,
     })
@@ -283,8 +292,8 @@ pub fn filling(nodes_per_side: usize) -> Result<Comparison, SceneError> {
                 .to_owned(),
         ],
         axes: [
-            PlotAxis { name: "fill (ml)", range: [0.0, 420.0], decimals: 0 },
-            PlotAxis { name: "greatest pressure (mmHg)", range: [0.0, 120.0], decimals: 0 },
+            PlotAxis { name: "fill (ml)", range: [0.0, 420.0], decimals: 0, labels: 7 },
+            PlotAxis { name: "greatest pressure (mmHg)", range: [0.0, 120.0], decimals: 0, labels: 7 },
         ],
         series,
     })

@@ -90,8 +90,7 @@ pub fn comparison() -> Result<Comparison, CurveError> {
     let mut series: Vec<Series> = ALKHOULI
         .iter()
         .map(|(strain, value, sd)| {
-            let label =
-                if *strain > 0.0 { "± one standard deviation at 30 %" } else { "the same at 0" };
+            let label = if *strain > 0.0 { "± one standard deviation" } else { "" };
             Series::band(label, [strain - 0.006, strain + 0.006], [value - sd, value + sd])
         })
         .collect();
@@ -122,8 +121,8 @@ pub fn comparison() -> Result<Comparison, CurveError> {
                 .to_owned(),
         ],
         axes: [
-            PlotAxis { name: "strain (–)", range: [-0.01, 0.32], decimals: 2 },
-            PlotAxis { name: "tangent modulus (kPa)", range: [0.0, 20.0], decimals: 0 },
+            PlotAxis { name: "strain (–)", range: [-0.01, 0.32], decimals: 2, labels: 7 },
+            PlotAxis { name: "tangent modulus (kPa)", range: [0.0, 20.0], decimals: 0, labels: 7 },
         ],
         series,
     })

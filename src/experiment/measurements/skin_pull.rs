@@ -78,8 +78,8 @@ pub fn comparison() -> Result<Comparison, CurveError> {
             "Held at 0.35 N, the force falls to 0.22 N within a minute. Relaxation is not modelled.".to_owned(),
         ],
         axes: [
-            PlotAxis { name: "strain (–)", range: [0.0, 0.28], decimals: 2 },
-            PlotAxis { name: "force (N)", range: [-0.05, 1.0], decimals: 1 },
+            PlotAxis { name: "strain (–)", range: [0.0, 0.28], decimals: 2, labels: 7 },
+            PlotAxis { name: "force (N)", range: [-0.05, 1.0], decimals: 1, labels: 7 },
         ],
         series,
     })

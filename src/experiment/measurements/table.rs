@@ -90,6 +90,8 @@ pub struct PlotAxis {
     pub range: [f64; 2],
     /// Decimals of the labels.
     pub decimals: usize,
+    /// Greatest number of labels.
+    pub labels: usize,
 }
 
 /// A measurement with its predictions.

@@ -101,8 +101,8 @@ pub fn comparison() -> Result<Comparison, CurveError> {
             "Below a stretch of 1.07 the curve rests on one uniaxial point, at 1.02.".to_owned(),
         ],
         axes: [
-            PlotAxis { name: "stretch (–)", range: [1.0, 1.45], decimals: 2 },
-            PlotAxis { name: "nominal stress (kPa)", range: [0.0, 600.0], decimals: 0 },
+            PlotAxis { name: "stretch (–)", range: [1.0, 1.45], decimals: 2, labels: 7 },
+            PlotAxis { name: "nominal stress (kPa)", range: [0.0, 600.0], decimals: 0, labels: 7 },
         ],
         series,
     })
