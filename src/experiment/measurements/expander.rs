@@ -85,16 +85,19 @@ fn square_statistics(solution: &Solution) -> [f64; 3] {
 }
 
 fn pig_scene(model: TissueModel, pocket_mm: f64, fat: Option<Layer>, nodes: usize) -> Scene {
-    let mut scene = Scene::default();
-    scene.implant = Implant {
-        base_radius_mm: PIG_BASE_MM,
-        projection_mm: PIG_PROJECTION_MM,
-        center_mm: [0.0; 2],
+    let mut layers = vec![Layer { thickness_mm: PIG_SKIN_MM, ..Layer::skin() }];
+    layers.extend(fat);
+    let mut scene = Scene {
+        implant: Implant {
+            base_radius_mm: PIG_BASE_MM,
+            projection_mm: PIG_PROJECTION_MM,
+            center_mm: [0.0; 2],
+        },
+        pocket_radius_mm: pocket_mm,
+        body: Some(Body::around(pocket_mm, model)),
+        layers,
+        ..Scene::default()
     };
-    scene.pocket_radius_mm = pocket_mm;
-    scene.body = Some(Body::around(pocket_mm, model));
-    scene.layers = vec![Layer { thickness_mm: PIG_SKIN_MM, ..Layer::skin() }];
-    scene.layers.extend(fat);
     scene.solver.nodes_per_side = nodes;
     scene.solver.tolerance = TOLERANCE;
     scene

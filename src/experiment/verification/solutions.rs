@@ -146,24 +146,26 @@ fn richardson(coarse: f64, fine: f64) -> f64 {
 
 impl Reference {
     fn scene(&self, nodes: usize, cells: usize) -> Scene {
-        let mut scene = Scene::default();
-        scene.implant = Implant {
-            base_radius_mm: self.base_radius_mm,
-            projection_mm: self.projection_mm,
-            center_mm: [0.0; 2],
-        };
-        scene.pocket_radius_mm = self.pocket_radius_mm;
-        scene.body = Some(Body {
-            tissue_model: TissueModel::Layered,
-            patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,
-            attachment: AttachmentSettings::default(),
-        });
         let (mut skin, mut fat) = (Layer::skin(), Layer::adipose());
         skin.curve.strain_scale = self.skin_scale;
         fat.thickness_mm = self.fat_mm;
         fat.poisson_ratio = self.poisson_ratio;
         fat.curve = CurveSpec::Exponential { scale_kpa: self.scale_kpa, rate: self.rate }.into();
-        scene.layers = vec![skin, fat];
+        let mut scene = Scene {
+            implant: Implant {
+                base_radius_mm: self.base_radius_mm,
+                projection_mm: self.projection_mm,
+                center_mm: [0.0; 2],
+            },
+            pocket_radius_mm: self.pocket_radius_mm,
+            body: Some(Body {
+                tissue_model: TissueModel::Layered,
+                patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,
+                attachment: AttachmentSettings::default(),
+            }),
+            layers: vec![skin, fat],
+            ..Scene::default()
+        };
         scene.solver.nodes_per_side = nodes;
         scene.solver.tolerance = TOLERANCE;
         scene.solver.cells_through = Some(CellsThrough::Count(cells));
