@@ -372,7 +372,7 @@ mod tests {
         let material = Material { curve, poisson_ratio: 0.45, thickness_mm: 1.5 };
         let ring = SkinRing::new([20.0, 22.0]);
         // Taut, and wrinkled around the axis.
-        for x in [[25.0, 12.0, 27.3, 11.0], [15.0, 12.0, 17.9, 11.0]] {
+        for x in [[25.0, 12.0, 27.3, 11.0], [15.0, 12.0, 17.0, 11.0]] {
             for wrinkles in [false, true] {
                 let skin = Skin { material: material.clone(), wrinkles };
                 compare(x, |x| ring.energy(&skin, x), |x| ring.linearise(&skin, x));
@@ -380,7 +380,7 @@ mod tests {
         }
         let [given, relaxed] = [false, true].map(|wrinkles| {
             let skin = Skin { material: material.clone(), wrinkles };
-            ring.energy(&skin, &[15.0, 12.0, 17.9, 11.0])
+            ring.energy(&skin, &[15.0, 12.0, 17.0, 11.0])
         });
         assert!(relaxed < 0.9 * given, "{relaxed} {given}");
     }
