@@ -47,6 +47,7 @@ fn input(case: &Value) -> Input {
             ramp_mm: number(case, "attachment_ramp_mm"),
         },
         layers: case["layers"].as_array().unwrap().iter().map(material).collect(),
+        skin_wrinkles: false,
         cells: [count("nr"), count("nz")],
     }
 }

@@ -566,6 +566,40 @@ fn bench_writes_a_table_and_a_chart() {
 }
 
 #[test]
+fn validate_writes_errors_verification_and_a_table_and_chart_for_every_measurement() {
+    let folder = folder("validate");
+    let output = run_in(&folder, &["validate", "--quick", "--out-dir", "out"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let out = folder.join("out");
+    let measured = ["fat", "filling-pressure", "pig-expander", "skin-pull", "treloar"];
+    let of_all = ["errors.csv", "errors.md", "verification.csv", "verification.md"];
+    let mut expected: Vec<String> = measured
+        .iter()
+        .flat_map(|name| ["csv", "svg"].map(|ending| format!("measurement-{name}.{ending}")))
+        .chain(["measurements.json", "measurements.md"].map(str::to_owned))
+        .chain(of_all.map(str::to_owned))
+        .collect();
+    expected.sort();
+    assert_eq!(names_in(&out), expected);
+    let read = |name: &str| fs::read_to_string(out.join(name)).unwrap();
+    for name in measured {
+        let table = read(&format!("measurement-{name}.csv"));
+        let is_table = table.lines().all(|line| line.split(',').count() == 10);
+        assert!(table.lines().count() > 3 && is_table, "{table}");
+        assert!(read(&format!("measurement-{name}.svg")).starts_with("<svg"));
+    }
+    let all: Value = serde_json::from_str(&read("measurements.json")).unwrap();
+    let all = all.as_array().unwrap();
+    assert_eq!(all.len(), measured.len());
+    for comparison in all {
+        let rows = comparison["rows"].as_array().unwrap();
+        assert!(rows.iter().any(|row| row["difference"].is_number()), "{}", comparison["name"]);
+        assert!(read("measurements.md").contains(comparison["title"].as_str().unwrap()));
+    }
+    assert!(!read("verification.md").contains("| fail |"));
+}
+
+#[test]
 fn stress_writes_a_line_for_every_case_of_layered_tissue() {
     let folder = folder("stress-layered");
     let arguments = ["--cases", "4", "--seed", "3", "--most-nodes", "17", "--lines", "cases.jsonl"];

@@ -1,6 +1,6 @@
 //! Experiments: the paper's tension test of a square sample, stability maps of the homogeneous sheet, the
 //! axisymmetric reference solutions of the sheet and of layered tissue, errors of all nodes, the study of run time against
-//! error, robustness tests, and charts.
+//! error, the comparisons with measurements, verification, robustness tests, and charts.
 //!
 //! Uses the modules before `experiment` (`curve` … `session`). No files, no clocks, no toolkit. Used by the
 //! command line, the JavaScript API and the tests.
@@ -11,8 +11,10 @@ pub mod axisymmetric_layers;
 #[cfg(feature = "drawing")]
 pub mod charts;
 mod dense;
+pub mod measurements;
 pub mod robustness;
 pub mod sample;
 pub mod stability;
 pub mod tension;
+pub mod verification;
 pub mod work_precision;

@@ -340,6 +340,19 @@ impl Solution {
         Exact { sheet, law, pocket_radius, attachment }
     }
 
+    /// Elastic energy of tissue and attachment \[kPa·mm³ = µJ\] with balanced forces ([`Self::balanced`]).
+    #[must_use]
+    pub fn elastic_energy(&self) -> f64 {
+        match &self.law {
+            Law::Sheet(law) => assembly::energy(&self.problem.sheet, law, &self.balanced()),
+            Law::Layered(law) => {
+                let exact = self.exact(law);
+                let layers: Vec<_> = self.node_layers().into_iter().map(<[_]>::to_vec).collect();
+                exact.energy(&exact.places(), &layers)
+            }
+        }
+    }
+
     /// Calls `visit` with the state in the middle of every cell of layered tissue between nodes of the part.
     pub(crate) fn visit_cells(&self, visit: impl FnMut(&CellState)) {
         if let Some(law) = self.law.layered() {

@@ -6,7 +6,7 @@
 //! Uses `springs`, `banded`, `element`, `law`. Used by `newton`, `mod`.
 
 use super::banded::Banded;
-use super::element::{Attachment, Quadrilateral, SkinRing};
+use super::element::{Attachment, Quadrilateral, Skin, SkinRing};
 use super::law::SolidLaw;
 use crate::springs::Material;
 
@@ -21,7 +21,7 @@ pub(super) struct Tissue {
     pub(super) rows: usize,
     /// Coordinates at rest \[mm\].
     pub(super) rest: Vec<f64>,
-    skin: Material,
+    skin: Skin,
     rings: Vec<SkinRing>,
     laws: Vec<SolidLaw>,
     /// Number of the law of each row of cells.
@@ -33,9 +33,9 @@ pub(super) struct Tissue {
 }
 
 impl Tissue {
-    /// `layers` from the skin inwards, at least two; `cells`: along the radius, through the solids.
+    /// Layers from the skin inwards, at least two, and whether the skin wrinkles; `cells`: along the radius, through the solids.
     pub(super) fn new(
-        layers: &[Material],
+        (layers, skin_wrinkles): (&[Material], bool),
         [columns, rows]: [usize; 2],
         patch_radius_mm: f64,
         (attachment, pocket_radius_mm): (Attachment, f64),
@@ -74,7 +74,7 @@ impl Tissue {
             columns: columns + 1,
             rows: heights.len() + 1,
             rest,
-            skin: layers[0].clone(),
+            skin: Skin { material: layers[0].clone(), wrinkles: skin_wrinkles },
             rings: (0..columns).map(|i| SkinRing::new(ring(i))).collect(),
             laws: solids.iter().map(|s| SolidLaw::new(&s.curve, s.poisson_ratio)).collect(),
             law_of_row,

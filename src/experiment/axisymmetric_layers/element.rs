@@ -5,7 +5,7 @@
 
 use super::law::SolidLaw;
 use crate::springs::Material;
-use crate::springs::coupled::principal_response;
+use crate::springs::coupled::{PrincipalResponse, principal_response, relaxed_response};
 use std::f64::consts::PI;
 
 /// Energy, gradient and Hessian of an element with `N` coordinates.
@@ -204,6 +204,22 @@ impl Gradients {
     }
 }
 
+/// The skin's material, and how it bears compression.
+#[derive(Clone, Debug)]
+pub(super) struct Skin {
+    pub(super) material: Material,
+    /// Does the skin wrinkle instead of being compressed (tension field)? Else compression is the odd extension of its curve.
+    pub(super) wrinkles: bool,
+}
+
+impl Skin {
+    fn response(&self, strain: [f64; 2]) -> PrincipalResponse {
+        let Material { curve, poisson_ratio, .. } = &self.material;
+        let law = if self.wrinkles { relaxed_response } else { principal_response };
+        law(curve, *poisson_ratio, strain)
+    }
+}
+
 /// Ring of the skin: conical membrane with two Gauss points along the meridian.
 #[derive(Clone, Debug)]
 pub(super) struct SkinRing {
@@ -224,17 +240,16 @@ impl SkinRing {
         Self { length, points }
     }
 
-    pub(super) fn energy(&self, skin: &Material, x: &[f64; 4]) -> f64 {
+    pub(super) fn energy(&self, skin: &Skin, x: &[f64; 4]) -> f64 {
         let along = (x[2] - x[0]).hypot(x[3] - x[1]) / self.length - 1.0;
         let point = |(area, hoop): &(f64, [f64; 2])| {
             let around = hoop[0] * x[0] + hoop[1] * x[2] - 1.0;
-            let response = principal_response(&skin.curve, skin.poisson_ratio, [along, around]);
-            area * skin.thickness_mm * response.energy
+            area * skin.material.thickness_mm * skin.response([along, around]).energy
         };
         self.points.iter().map(point).sum()
     }
 
-    pub(super) fn linearise(&self, skin: &Material, x: &[f64; 4]) -> Linearised<4> {
+    pub(super) fn linearise(&self, skin: &Skin, x: &[f64; 4]) -> Linearised<4> {
         let (dr, dz) = (x[2] - x[0], x[3] - x[1]);
         let chord = dr.hypot(dz);
         let (c, s) = (dr / chord, dz / chord);
@@ -245,8 +260,8 @@ impl SkinRing {
         for (area, hoop) in &self.points {
             let around_by = [hoop[0], 0.0, hoop[1], 0.0];
             let strain = [chord / self.length - 1.0, hoop[0] * x[0] + hoop[1] * x[2] - 1.0];
-            let response = principal_response(&skin.curve, skin.poisson_ratio, strain);
-            let weight = area * skin.thickness_mm;
+            let response = skin.response(strain);
+            let weight = area * skin.material.thickness_mm;
             sum.energy += weight * response.energy;
             let [t1, t2] = response.tension.map(|t| weight * t);
             let [k11, k12, k22] = response.stiffness.map(|k| weight * k);
@@ -354,10 +369,20 @@ mod tests {
             compare(x, |x| cell.energy(&law, x), |x| cell.linearise(&law, x).unwrap());
         }
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
-        let skin = Material { curve, poisson_ratio: 0.45, thickness_mm: 1.5 };
+        let material = Material { curve, poisson_ratio: 0.45, thickness_mm: 1.5 };
         let ring = SkinRing::new([20.0, 22.0]);
-        let x = [25.0, 12.0, 27.3, 11.0];
-        compare(x, |x| ring.energy(&skin, x), |x| ring.linearise(&skin, x));
+        // Taut, and wrinkled around the axis.
+        for x in [[25.0, 12.0, 27.3, 11.0], [15.0, 12.0, 17.0, 11.0]] {
+            for wrinkles in [false, true] {
+                let skin = Skin { material: material.clone(), wrinkles };
+                compare(x, |x| ring.energy(&skin, x), |x| ring.linearise(&skin, x));
+            }
+        }
+        let [given, relaxed] = [false, true].map(|wrinkles| {
+            let skin = Skin { material: material.clone(), wrinkles };
+            ring.energy(&skin, &[15.0, 12.0, 17.0, 11.0])
+        });
+        assert!(relaxed < 0.9 * given, "{relaxed} {given}");
     }
 
     #[test]

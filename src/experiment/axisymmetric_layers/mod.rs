@@ -2,7 +2,7 @@
 //!
 //! The layered model of a section through the axis, with bilinear quadrilaterals in the coordinates R, Z at rest:
 //!
-//! * the skin, first layer, is a membrane of the coupled law on the outer face; every other layer is a solid, stacked
+//! * the skin, first layer, is a membrane of the coupled law on the outer face, as a tension field if `skin_wrinkles`; every other layer is a solid, stacked
 //!   inwards, with the law of `law`; J is averaged over each cell (mean dilatation);
 //! * an elastic attachment ½∫ k(R)|u|² dA holds the inner face; k rises linearly from 0 at the pocket's radius;
 //! * the rim of the patch is clamped at every height;
@@ -60,6 +60,8 @@ pub struct Input {
     pub attachment: Attachment,
     /// The skin, then the solids inwards; at least two layers.
     pub layers: Vec<Material>,
+    /// Does the skin wrinkle instead of being compressed, as in `scene/3` (tension field)?
+    pub skin_wrinkles: bool,
     /// Cells along the radius, nr, and through the solids, nz. Of nr, 1.2 times the fraction a/b (pocket's radius / patch
     /// radius) are in the pocket, a node at its edge. The solids share nz by thickness, rounded, at least one each.
     pub cells: [usize; 2],
@@ -147,7 +149,7 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
     check(input)?;
     let mesh = |cells| {
         let attachment = (input.attachment, input.pocket_radius_mm);
-        Tissue::new(&input.layers, cells, input.patch_radius_mm, attachment)
+        Tissue::new((&input.layers, input.skin_wrinkles), cells, input.patch_radius_mm, attachment)
     };
     let mut cells = vec![input.cells];
     let mut nr = input.cells[0];

@@ -1,4 +1,4 @@
-//! Charts as SVG text: run time against error, stability maps, tension tests, maps of scenes.
+//! Charts as SVG text: run time against error, stability maps, tension tests, maps of scenes, measurements.
 //!
 //! Each chart file lists the axes and elements of its panels; `panel` draws the panels of all charts, `page`
 //! lays out title, panels and legend.
@@ -7,6 +7,7 @@
 //! JavaScript API.
 
 mod backend;
+pub mod measurement;
 mod page;
 mod panel;
 pub mod scene_map;

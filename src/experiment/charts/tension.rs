@@ -66,7 +66,7 @@ const LEGEND_HEIGHT: u32 = 62;
 const CURVE: RGBColor = RGBColor(0xb8, 0xbe, 0xc6);
 const LOST: RGBColor = RGBColor(0xc6, 0x28, 0x28);
 /// From low to high ν; distinguishable also with red–green colour blindness.
-const COLOURS: [RGBColor; 6] = [
+pub(super) const COLOURS: [RGBColor; 6] = [
     RGBColor(0x3b, 0x0f, 0x70),
     RGBColor(0x33, 0x63, 0xb5),
     RGBColor(0x1f, 0x9e, 0xa8),

@@ -35,7 +35,7 @@ pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
         return None;
     }
     match problem.tissue {
-        Tissue::Layered { .. } => of_layers(scene, &problem),
+        Tissue::Layered { skin_wrinkles, .. } => of_layers(scene, &problem, skin_wrinkles),
         Tissue::Sheet if problem.springs == Springs::Coupled => of_sheet(&problem),
         Tissue::Sheet => None,
     }
@@ -49,7 +49,7 @@ fn of_sheet(Problem { patch, obstacle, materials, .. }: &Problem) -> Option<Prof
     }))
 }
 
-fn of_layers(scene: &Scene, problem: &Problem) -> Option<Profile> {
+fn of_layers(scene: &Scene, problem: &Problem, skin_wrinkles: bool) -> Option<Profile> {
     let Problem { patch, obstacle, materials, .. } = problem;
     let attachment = patch.attachment()?;
     let on = |cells: [usize; 2]| {
@@ -64,6 +64,7 @@ fn of_layers(scene: &Scene, problem: &Problem) -> Option<Profile> {
                 ramp_mm: attachment.ramp_mm,
             },
             layers: materials.clone(),
+            skin_wrinkles,
             cells,
         })
     };

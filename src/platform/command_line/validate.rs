@@ -1,16 +1,18 @@
-//! `validate`: errors of all nodes against references, as tables.
+//! `validate`: errors of all nodes against references, the model against measurements, and verification.
 
 use super::output::{self, File, OutputFolder};
 use super::{ExitStatus, InputError};
 use crate::experiment::accuracy::{csv, markdown, measure};
+use crate::experiment::charts::measurement::draw;
 use crate::experiment::work_precision::Case;
+use crate::experiment::{measurements, verification};
 use std::path::Path;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     folder: OutputFolder,
-    /// Only centred domes on grids of 33 nodes per side: seconds instead of a minute.
+    /// Only centred domes on grids of 33 nodes per side, measurements on 33, verification up to 65: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
 }
@@ -19,7 +21,10 @@ const SHEET_GRIDS: [usize; 4] = [33, 65, 129, 257];
 const LAYERED_GRIDS: [usize; 3] = [33, 65, 129];
 const OFF_CENTRE_GRIDS: [usize; 3] = [33, 65, 129];
 
-/// Writes `errors.csv` and `errors.md`.
+/// Nodes per side of the scenes that are compared with measurements, and with `--quick`.
+const MEASUREMENT_GRID: (usize, usize) = (65, 33);
+
+/// Writes `errors`, `verification` and `measurements` as CSV, Markdown or JSON, and a chart for each measurement.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let folder = arguments.folder.create()?;
     let count = |all: usize| if arguments.quick { 1 } else { all };
@@ -42,9 +47,34 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         is_complete &= row.is_some();
         rows.extend(row);
     }
-    output::write_all(&[
+    let mut files = vec![
         File::new(&folder.join("errors.csv"), csv(&rows)),
         File::new(&folder.join("errors.md"), markdown(&rows)),
-    ])?;
+    ];
+    files.extend(measurement_files(folder, arguments.quick)?);
+    let checks = verification::all(arguments.quick)
+        .map_err(|error| output::input_error(Path::new("validate"), error))?;
+    is_complete &= checks.iter().all(verification::Check::is_passed);
+    files.push(File::new(&folder.join("verification.csv"), verification::csv(&checks)));
+    files.push(File::new(&folder.join("verification.md"), verification::markdown(&checks)));
+    output::write_all(&files)?;
     Ok(if is_complete { ExitStatus::Converged } else { ExitStatus::NotConverged })
+}
+
+/// The comparisons with measurements: a table and a chart each, and all of them as Markdown and JSON.
+fn measurement_files(folder: &Path, is_quick: bool) -> Result<Vec<File>, InputError> {
+    let refused = |error: &dyn std::fmt::Display| output::input_error(Path::new("validate"), error);
+    let (nodes, quick_nodes) = MEASUREMENT_GRID;
+    let comparisons = measurements::all(if is_quick { quick_nodes } else { nodes })
+        .map_err(|error| refused(&error))?;
+    let mut files = Vec::new();
+    for comparison in &comparisons {
+        let path = |ending: &str| folder.join(format!("measurement-{}.{ending}", comparison.name));
+        files.push(File::new(&path("csv"), comparison.csv()));
+        files.push(File::new(&path("svg"), draw(comparison).map_err(|error| refused(&error))?));
+    }
+    let text: Vec<String> = comparisons.iter().map(measurements::Comparison::markdown).collect();
+    files.push(File::new(&folder.join("measurements.md"), text.join("\n")));
+    files.push(File::new(&folder.join("measurements.json"), measurements::json(&comparisons)));
+    Ok(files)
 }
