@@ -18,6 +18,8 @@ use implant_preview::session::Counters;
 mod filling;
 #[path = "screens/form.rs"]
 mod form;
+#[path = "screens/no_answer.rs"]
+mod no_answer;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 
