@@ -93,13 +93,11 @@ mod tests {
         let muscle = Layer { tissue: "muscle".to_owned(), ..Layer::adipose() };
         scene.layers.extend([Layer::adipose(), muscle.clone()]);
         let before = scene.clone();
-        let chosen = |scene: &mut Scene| {
-            let is_chosen = |(_, fat, _): &FatChoice| layers(scene).all(|layer| is_of(layer, *fat));
-            CHOICES
-                .into_iter()
-                .filter(|choice| is_chosen(choice))
-                .map(|choice| choice.0)
-                .collect::<Vec<_>>()
+        let chosen = |scene: &mut Scene| -> Vec<&str> {
+            let of = |(name, fat, _): FatChoice| {
+                layers(scene).all(|layer| is_of(layer, fat)).then_some(name)
+            };
+            CHOICES.into_iter().filter_map(of).collect()
         };
         assert_eq!(chosen(&mut scene), ["Usual"]);
         for (name, fat, _) in CHOICES {

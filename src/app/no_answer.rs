@@ -5,6 +5,7 @@ use super::studies::{Driver, Studies};
 use super::theme::SPACE;
 use super::widgets::remark;
 use super::{App, theme};
+use crate::clinical::Dimension;
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
 use crate::session::{Command, Session};
@@ -71,34 +72,32 @@ impl NearestSearch {
         card.inner
     }
 
-    /// The button of the nearest plan, or what is known of the search; returns the plan of a pressed button.
+    /// The button of the nearest plan, or what is known of the search, in a line of constant height; returns the plan of a
+    /// pressed button.
     pub(super) fn offer(&self, ui: &mut Ui, session: &Session) -> Option<Scene> {
-        if let Some(plan) = self.found(session) {
-            let palette = theme::palette(ui.visuals());
-            let text = RichText::new(&plan.words).strong().color(palette.on_accent);
-            let button = ui.add(egui::Button::new(text).fill(palette.accent));
-            let button = button.on_hover_text(
-                "The nearest plan for which a shape was found, in steps of 5 ml at this width or of 5 % in place. Undo \
-                 restores the present plan.",
-            );
-            remark(ui, "The nearest plan with an answer");
-            return button.clicked().then(|| plan.scene.clone());
-        }
-        match self.of(session).map(Nearest::search) {
+        let found = self.found(session);
+        let words = match self.of(session).map(Nearest::search) {
+            Some(Search::Found(_)) => "the nearest plan with an answer",
             Some(Search::Nothing) => {
-                remark(
-                    ui,
-                    "No smaller volume at this width and no lesser insertion has an answer.",
-                );
+                "No smaller volume at this width and no lesser insertion has an answer."
             }
-            Some(Search::Failed) => {
-                remark(ui, "The search of the nearest plan with an answer has failed.");
-            }
-            Some(Search::Running | Search::Found(_)) | None => {
-                remark(ui, "The nearest plan with an answer is being searched…");
-            }
-        }
-        None
+            Some(Search::Failed) => "The search for the nearest plan with an answer has failed.",
+            Some(Search::Running) | None => "Searching for the nearest plan with an answer…",
+        };
+        let line = ui.horizontal_wrapped(|ui| {
+            ui.set_min_height(ui.spacing().interact_size.y);
+            let button = found.map(|plan| {
+                let palette = theme::palette(ui.visuals());
+                let text = RichText::new(&plan.words).strong().color(palette.on_accent);
+                ui.add(egui::Button::new(text).fill(palette.accent)).on_hover_text(
+                    "The nearest plan for which a shape was found, in steps of 5 ml at this width or of 5 % in place. \
+                     Undo restores the present plan.",
+                )
+            });
+            remark(ui, words);
+            button.is_some_and(|button| button.clicked())
+        });
+        found.filter(|_| line.inner).map(|plan| plan.scene.clone())
     }
 
     /// The found plan in a sentence, for screen readers; empty without one.
@@ -116,9 +115,17 @@ impl App {
             return false;
         }
         if let Some(scene) = self.nearest.card(ui, &self.session) {
-            self.accept(Box::new(scene));
+            self.take_nearest(scene);
         }
         true
+    }
+
+    /// Takes the nearest plan with an answer. The projection follows a smaller volume.
+    pub(super) fn take_nearest(&mut self, scene: Scene) {
+        if scene.implant != self.session.scene().implant {
+            self.plan.follows = Dimension::Projection;
+        }
+        self.accept(Box::new(scene));
     }
 
     /// Takes an offered plan, as one step of the history.

@@ -230,7 +230,7 @@ impl App {
             }
         });
         if let Some(scene) = accepted {
-            self.accept(Box::new(scene));
+            self.take_nearest(scene);
         }
     }
 

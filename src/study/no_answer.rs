@@ -1,5 +1,6 @@
 //! Why a plan may have no answer, in a surgeon's words, from what the scene shows.
 
+use crate::clinical::Size;
 use crate::curve::Curve;
 use crate::scene::{Layer, Scene};
 use crate::solve::Invalid;
@@ -103,7 +104,7 @@ fn size(scene: &Scene) -> String {
     let implant = &scene.implant;
     let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
     let width = width.trim_end_matches(".0");
-    let volume = implant.size().map_or(0.0, |size| size.volume_ml());
+    let volume = implant.size().map_or(0.0, Size::volume_ml);
     format!("{volume:.0} ml on {width} cm")
 }
 

@@ -6,7 +6,7 @@ use egui_kittest::kittest::NodeT;
 use implant_preview::curve::Fat;
 
 const TITLE: &str = "No answer for this plan";
-const LOOKING: &str = "The nearest plan with an answer is being searched…";
+const LOOKING: &str = "Searching for the nearest plan with an answer…";
 const FATS: [&str; 4] = ["Soft", "Usual", "Firm", "Nikolaev 2013"];
 
 /// The opening plan with very tight skin over the paper's fat, which has no shape.
@@ -58,6 +58,7 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
         assert!(harness.query_by_label_contains("The solver found no shape").is_none());
         assert_eq!(harness.query_all_by_label("longer, at most").count(), 0);
         wait(&mut harness);
+        harness.get_by_label("the nearest plan with an answer");
         let (button, volume) = offer(&harness);
         assert!((100.0..300.0).contains(&volume), "{button}");
         assert!(harness.state().summary().contains(&button));

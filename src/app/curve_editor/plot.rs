@@ -3,9 +3,10 @@
 use crate::app::plots::{fixed_plot, sampled};
 use crate::app::range::marks;
 use crate::app::theme::{self, SPACE};
+use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::curve::{Curve, CurveSpec, ScaledCurve};
-use eframe::egui::{self, Color32, Ui};
+use eframe::egui::{self, Color32, Rangef, Ui};
 use egui_plot::{GridMark, Line, LineStyle, PlotUi, VLine};
 
 /// Height of the plot and width of its numbers \[points\].
@@ -38,15 +39,17 @@ pub(super) fn show(ui: &mut Ui, scaled: &ScaledCurve, tissue: &str) {
     let (Some(source), Ok(curve)) = (source(&scaled.spec), Curve::scaled(scaled)) else { return };
     let color = theme::palette(ui.visuals()).curves[0];
     let end = curve.data_end();
-    let ticks: Vec<GridMark> = marks((0.0, end), 4)
-        .into_iter()
-        .map(|value| GridMark { value, step_size: end / 4.0 })
-        .collect();
+    let [strains, stresses] = [end, curve.stress(end)].map(ticks);
     let plot = fixed_plot("preset", HEIGHT)
-        .width(ui.available_width() - SPACE)
+        .width(ui.available_width() - 2.0 * SPACE)
         .y_axis_min_width(AXIS_WIDTH)
-        .x_grid_spacer(move |_| ticks.clone())
+        .show_crosshair(false)
+        .label_formatter(|_| None)
+        .grid_spacing(Rangef::new(8.0, 1200.0))
+        .x_grid_spacer(move |_| strains.clone())
+        .y_grid_spacer(move |_| stresses.clone())
         .x_axis_formatter(|mark, _| format!("{:.0} %", 100.0 * mark.value))
+        .y_axis_formatter(|mark, _| format_at_most(mark.value, 0, 2))
         .y_axis_label("kPa")
         .show(ui, |plot| lines(plot, &curve, end, color));
     let measured = curve.measured_end();
@@ -59,7 +62,15 @@ pub(super) fn show(ui: &mut Ui, scaled: &ScaledCurve, tissue: &str) {
     let name = format!("Curve of {tissue}. {words}");
     set_accessible_name(&plot.response, egui::Role::Image, &name);
     plot.response.on_hover_text(source);
-    remark(ui, words).on_hover_text(source);
+    if is_extrapolated {
+        remark(ui, words).on_hover_text(source);
+    }
+}
+
+/// A few round numbers up to `end`, all of them with a number.
+fn ticks(end: f64) -> Vec<GridMark> {
+    let mark = |value: f64| GridMark { value, step_size: end };
+    marks((0.0, end), 4).into_iter().map(mark).collect()
 }
 
 /// Draws a curve up to a strain: solid up to the end of the measurements, dashed and faint beyond, with a line between.
