@@ -1,6 +1,7 @@
 //! A plan without an answer: what that means for the plan, and the nearest plan with an answer as a button. The search runs
 //! beside the app and ends with the plan.
 
+use super::plan::Hand;
 use super::studies::{Driver, Studies};
 use super::theme::SPACE;
 use super::widgets::remark;
@@ -64,7 +65,7 @@ impl NearestSearch {
             ui.set_width(ui.available_width());
             ui.label(RichText::new("No answer for this plan").strong());
             ui.add(egui::Label::new(words(session)).wrap());
-            let pressed = self.offer(ui, session);
+            let pressed = self.offer(ui, session, Hand::Mouse);
             let header = egui::CollapsingHeader::new("Technical details").id_salt("no answer");
             header.show_unindented(ui, |ui| remark(ui, no_shape(session.invalid())));
             pressed
@@ -74,7 +75,11 @@ impl NearestSearch {
 
     /// The button of the nearest plan, or what is known of the search, in a line of constant height; returns the plan of a
     /// pressed button.
-    pub(super) fn offer(&self, ui: &mut Ui, session: &Session) -> Option<Scene> {
+    pub(super) fn offer(&self, ui: &mut Ui, session: &Session, hand: Hand) -> Option<Scene> {
+        let height = match hand {
+            Hand::Mouse => ui.spacing().interact_size.y,
+            Hand::Finger => theme::TOUCH,
+        };
         let found = self.found(session);
         let words = match self.of(session).map(Nearest::search) {
             Some(Search::Found(_)) => "the nearest plan with an answer",
@@ -85,11 +90,12 @@ impl NearestSearch {
             Some(Search::Running) | None => "Searching for the nearest plan with an answer…",
         };
         let line = ui.horizontal_wrapped(|ui| {
-            ui.set_min_height(ui.spacing().interact_size.y);
+            ui.set_min_height(height);
             let button = found.map(|plan| {
                 let palette = theme::palette(ui.visuals());
                 let text = RichText::new(&plan.words).strong().color(palette.on_accent);
-                ui.add(egui::Button::new(text).fill(palette.accent)).on_hover_text(
+                let button = egui::Button::new(text).fill(palette.accent);
+                ui.add(button.min_size(egui::vec2(0.0, height))).on_hover_text(
                     "The nearest plan for which a shape was found, in steps of 5 ml at this width or of 5 % in place. \
                      Undo restores the present plan.",
                 )

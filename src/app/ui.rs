@@ -226,7 +226,7 @@ impl App {
         let mut accepted = None;
         messages::no_shape_page(ui, &words, scene, |ui| {
             if layout == Layout::Narrow {
-                accepted = self.nearest.offer(ui, &self.session);
+                accepted = self.nearest.offer(ui, &self.session, Hand::Finger);
             }
         });
         if let Some(scene) = accepted {
