@@ -18,6 +18,8 @@ use implant_preview::session::Counters;
 mod filling;
 #[path = "screens/form.rs"]
 mod form;
+#[path = "screens/no_answer.rs"]
+mod no_answer;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 
@@ -646,7 +648,7 @@ fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
         scene.layers = vec![implant_preview::scene::Layer::paper_adipose()];
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
-    assert!(harness.get_all_by_label("No stable shape").count() > 0);
+    assert!(harness.get_all_by_label("No answer for this plan").count() > 0);
     harness.get_by_role_and_label(Role::Button, "Use the standard model").click();
     settle(&mut harness);
     assert_eq!(harness.state().session().scene().springs, Springs::Coupled);

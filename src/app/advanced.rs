@@ -1,6 +1,7 @@
-//! The folded part of the plan: layers and curves, tissue model, patch and attachment, springs, accuracy.
+//! The folded part of the plan: accuracy, fat, layers and curves, tissue model, patch and attachment, springs.
 
 use super::curve_editor;
+use super::fat;
 use super::plan::{Hand, chip, chips};
 use super::stability;
 use super::theme::{SPACE, SPACE_SMALL};
@@ -18,6 +19,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
     let header = egui::CollapsingHeader::new("Advanced").id_salt("advanced");
     let fold = header.show_unindented(ui, |ui| {
         accuracy(ui, scene, hand);
+        fat::show(ui, scene, hand);
         let edited = layers(ui, scene);
         ui.add_space(SPACE);
         method(ui, scene, session);
@@ -170,7 +172,7 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
     }
     .show(ui, &mut layer.poisson_ratio);
     ui.small("How little the volume changes when pulled (0.5 = not at all)");
-    curve_editor::show(ui, &mut layer.curve.spec)
+    curve_editor::show(ui, &mut layer.curve, &layer.tissue)
 }
 
 /// Tissue model and springs.

@@ -1,11 +1,12 @@
 //! The answer: what happens to the tissue, as three cards, in one sentence, and in words for screen readers. The words
 //! and limits of all of them are those of [`bands`].
 
+use super::no_answer;
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::uncertainty::Findings;
 use crate::clinical::Size;
 use crate::measure::bands::{self, Limits};
-use crate::measure::{Outcome, STRAIN_BANDS, Status, no_shape};
+use crate::measure::{Outcome, STRAIN_BANDS, Status};
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::springs::Springs;
@@ -207,15 +208,8 @@ fn cards(answer: &Answer, findings: Option<&Findings>) -> [Card; 3] {
     ]
 }
 
-/// Shows warnings and the three cards, with bands if there are `findings`. Further sections of the answer (Uncertainty,
-/// Compare) follow below.
-pub(super) fn show(
-    ui: &mut Ui,
-    session: &Session,
-    previous: PreviousResults,
-    findings: Option<&Findings>,
-) {
-    let outcome = visible(session, previous);
+/// Shows the heading with the state of the computation.
+pub(super) fn heading(ui: &mut Ui, session: &Session) {
     ui.add_space(SPACE_SMALL);
     ui.horizontal(|ui| {
         ui.heading("What happens");
@@ -228,15 +222,21 @@ pub(super) fn show(
     if session.is_stopped() {
         ui.label(RichText::new("Not computed.").color(ui.visuals().weak_text_color()));
     }
-    if outcome.is_some_and(|outcome| outcome.status == Status::Unstable) {
-        ui.label("This plan has no stable shape, so there are no results.");
-    }
-    let answer = Answer::new(outcome, session.scene());
+}
+
+/// Shows the three cards, with bands if there are `findings`, and warnings. Further sections of the answer (sources,
+/// Uncertainty, Compare) follow below.
+pub(super) fn show(
+    ui: &mut Ui,
+    session: &Session,
+    previous: PreviousResults,
+    findings: Option<&Findings>,
+) {
+    let answer = Answer::new(visible(session, previous), session.scene());
     for card in cards(&answer, findings) {
         show_card(ui, &card, findings);
     }
-    warnings(ui, session.result().filter(|outcome| outcome.status != Status::Unstable));
-    sources(ui);
+    warnings(ui, session.result());
 }
 
 /// Shows the three figures in one row, for a phone.
@@ -440,7 +440,7 @@ pub(super) fn text_of(limits: &Limits) -> String {
 }
 
 /// The fold with the sources of all limits.
-fn sources(ui: &mut Ui) {
+pub(super) fn sources(ui: &mut Ui) {
     egui::CollapsingHeader::new("Where limits come from").id_salt("sources").show_unindented(
         ui,
         |ui| {
@@ -479,6 +479,7 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     let answer = Answer::new(visible(session, previous), session.scene());
     let words = match answer.strain {
         None if session.is_working() => "updating…".to_owned(),
+        None if no_answer::applies(session) => "no answer.".to_owned(),
         None => "no result.".to_owned(),
         Some(strain) => {
             let cover = answer.cover.map_or_else(String::new, |mm| format!(", cover {mm:.0} mm"));
@@ -497,7 +498,7 @@ pub(super) fn summary(session: &Session) -> String {
         return "Updating.".to_owned();
     };
     let state = match outcome.status {
-        Status::Unstable => return no_shape(session.invalid()).to_owned(),
+        Status::Unstable => return format!("No answer. {}", no_answer::words(session)),
         Status::NotConverged => "Not finished: do not use these numbers.",
         Status::Converged => "Up to date.",
     };

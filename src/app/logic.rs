@@ -126,6 +126,7 @@ impl App {
         self.filling.advance(self.session.scene(), self.plan.device, &mut self.studies, is_busy);
         self.volume_marks.advance(self.session.scene(), &mut self.studies, is_busy);
         self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);
+        self.nearest.advance(&self.session, &mut self.studies, is_busy);
     }
 
     /// Solves a pin for one slice.

@@ -3,10 +3,7 @@
 
 use super::widgets::set_accessible_name;
 use super::{App, theme};
-use crate::measure::no_shape;
 use crate::scene::{Scene, Springs};
-use crate::session::Command;
-use crate::solve::Invalid;
 use eframe::egui::{self, RichText, Ui};
 
 /// Severity of a notice.
@@ -89,10 +86,7 @@ impl App {
         match self.notice.as_ref().and_then(|notice| notice.show(ui)) {
             None => {}
             Some(NoticeAction::Close) => self.notice = None,
-            Some(NoticeAction::Accept(scene)) => {
-                self.gesture += 1;
-                self.execute(Command::Edit { scene, gesture: self.gesture });
-            }
+            Some(NoticeAction::Accept(scene)) => self.accept(scene),
         }
     }
 
@@ -131,14 +125,21 @@ impl App {
     }
 }
 
-/// Shows the reason why the scene has no shape, and a remedy.
-pub(super) fn no_shape_page(ui: &mut Ui, fault: Option<Invalid>, scene: &mut Scene) {
-    message_page(ui, "No stable shape", |ui| {
-        if fault.is_some() {
-            ui.label(no_shape(fault));
+/// Shows the reason why the scene has no shape, and a remedy: the standard model in place of the paper's springs, and what
+/// `offer` adds.
+pub(super) fn no_shape_page(
+    ui: &mut Ui,
+    words: &str,
+    scene: &mut Scene,
+    offer: impl FnOnce(&mut Ui),
+) {
+    message_page(ui, "No answer for this plan", |ui| {
+        ui.label(words);
+        ui.add_space(theme::SPACE);
+        offer(ui);
+        if scene.springs != Springs::Nikolaev {
             return;
         }
-        ui.label("The 2013 model has no answer for this much stretch.");
         ui.small(
             "At these strains and this Poisson ratio the springs of Nikolaev 2013 are unstable: their \
              energy has no minimum, so no shape can be computed.",

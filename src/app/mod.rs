@@ -5,8 +5,8 @@
 //! At rest the app neither solves nor draws.
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` and `curve_editor` on the left, `viewport` with
-//! `view_bar` or `range` in the middle, `answer` with `filling`, `uncertainty`, `details` and `plots` on the right.
+//! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
+//! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling`, `uncertainty`, `details` and `plots` on the right.
 //! `messages` shows notices and the pages without a picture; `report` saves picture and report.
 //!
 //! Uses all modules to its left. Used by `platform`.
@@ -16,12 +16,14 @@ mod answer;
 mod compare;
 mod curve_editor;
 mod details;
+mod fat;
 mod files;
 mod filling;
 mod focus;
 mod keys;
 mod logic;
 mod messages;
+mod no_answer;
 mod plan;
 mod plots;
 mod range;
@@ -55,6 +57,7 @@ use filling::Filling;
 use focus::Focus;
 use logic::RunningSolve;
 use messages::Notice;
+use no_answer::NearestSearch;
 use range::Range;
 use report::Shots;
 use status::Timing;
@@ -81,6 +84,7 @@ pub struct App {
     filling: Filling,
     volume_marks: VolumeMarks,
     uncertainty: Uncertainty,
+    nearest: NearestSearch,
     notice: Option<Notice>,
     /// Notice about a position requested in this frame that does not fit the pocket.
     position_notice: Option<Notice>,
@@ -134,6 +138,7 @@ impl App {
             filling: Filling::default(),
             volume_marks: VolumeMarks::default(),
             uncertainty: Uncertainty::default(),
+            nearest: NearestSearch::default(),
             notice: None,
             position_notice: None,
             focus: Focus::default(),

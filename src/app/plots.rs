@@ -4,14 +4,14 @@ use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
 use super::theme;
 use super::widgets::group;
+use crate::curve::Curve;
 use crate::mesh::NodeKind;
 use crate::session::{Pin, Session};
 use crate::solve::{Problem, Solution};
 use crate::study::SectionBand;
 use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{
-    FilledArea, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, PlotUi, Points,
-    uniform_grid_spacer,
+    FilledArea, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi, Points, uniform_grid_spacer,
 };
 
 /// Number of intervals of a sampled curve.
@@ -20,7 +20,7 @@ const SAMPLES: i32 = 160;
 /// Points (x, y) of a line.
 type Polyline = Vec<[f64; 2]>;
 
-/// Plots the curves of all layers up to strain 1, thick up to the greatest strain. During a long solve
+/// Plots the curves of all layers up to strain 1, dashed beyond the measurements, thick up to the greatest strain. During a long solve
 /// (`previous`) the strains are unknown and the thick part is missing.
 pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) {
     let greatest_strain = session.greatest_strain().filter(|_| previous == PreviousResults::Shown);
@@ -42,7 +42,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
             || "The strains of this scene are being computed.".to_owned(),
             |strain| {
                 format!(
-                    "Thick line: how far this plan stretches it, up to {:.0} %. Dot: stress at that strain under \
+                    "Dashed: extrapolated. Thick: how far this plan stretches it, up to {:.0} %. Dot: stress at that strain under \
                      uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \
                      implant, where the stretch is biaxial.",
                     100.0 * strain
@@ -62,17 +62,20 @@ fn layer_curve(
 ) {
     let (layer, material) = (&session.scene().layers[k], &session.problem().materials[k]);
     let name = format!("{} {}", k + 1, layer.tissue);
-    let sampled = |end: f64| -> PlotPoints<'static> {
-        let strains = (0..=SAMPLES).map(|i| end * f64::from(i) / f64::from(SAMPLES));
-        strains.map(|strain| [strain, material.curve.stress(strain)]).collect()
+    let curve = &material.curve;
+    // Solid up to the end of the measurements, dashed beyond.
+    let mut part = |end: f64, color: Color32, width: f32| {
+        let measured = curve.measured_end();
+        let solid = Line::new(name.clone(), sampled(curve, 0.0, end.min(measured)));
+        plot.line(solid.color(color).width(width));
+        if end > measured {
+            let dashed = Line::new(name.clone(), sampled(curve, measured, end));
+            plot.line(dashed.color(color).width(width).style(LineStyle::dashed_dense()));
+        }
     };
-    plot.line(
-        Line::new(name.clone(), sampled(greatest_strain.unwrap_or(0.0).max(1.0)))
-            .color(color.gamma_multiply(0.5))
-            .width(1.0),
-    );
+    part(greatest_strain.unwrap_or(0.0).max(1.0), color.gamma_multiply(0.5), 1.0);
     let Some(strain) = greatest_strain else { return };
-    plot.line(Line::new(name, sampled(strain)).color(color).width(3.0));
+    part(strain, color, 3.0);
     // Points without a name are not in the legend.
     let uniaxial = vec![[strain, material.curve.stress(strain)]];
     plot.points(Points::new("", uniaxial).color(color).radius(4.0));
@@ -80,6 +83,12 @@ fn layer_curve(
         let biaxial = Points::new("", vec![[strain, stress]]).color(color).radius(5.0);
         plot.points(biaxial.filled(false).shape(MarkerShape::Diamond));
     }
+}
+
+/// Points of a curve between two strains.
+pub(super) fn sampled(curve: &Curve, from: f64, to: f64) -> Polyline {
+    let strains = (0..=SAMPLES).map(|i| from + (to - from) * f64::from(i) / f64::from(SAMPLES));
+    strains.map(|strain| [strain, curve.stress(strain)]).collect()
 }
 
 /// Plots the section in the plane y = 0: implant, inner face and outer skin, the outer skin of the pins, and the skin of

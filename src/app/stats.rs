@@ -73,7 +73,10 @@ impl App {
     /// The answer in a few sentences, for screen readers; before it the chosen point of the range of implants.
     #[must_use]
     pub fn summary(&self) -> String {
-        let answer = answer::summary(&self.session) + &self.uncertainty.summary() + &self.pinned();
+        let answer = answer::summary(&self.session)
+            + &self.nearest.summary(&self.session)
+            + &self.uncertainty.summary()
+            + &self.pinned();
         self.range.summary().map_or(answer.clone(), |point| format!("{point} {answer}"))
     }
 

@@ -5,7 +5,7 @@ use super::curve_editor::CurveWindow;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::{App, advanced, answer, details, messages, plan, plots, status, theme};
+use super::{App, advanced, answer, details, messages, no_answer, plan, plots, status, theme};
 use crate::measure::Status;
 use crate::scene::Scene;
 use eframe::egui::{self, Rect, RichText, Ui};
@@ -133,10 +133,14 @@ impl App {
         }
     }
 
-    /// The cards, the filling of an expander, what is not known, the comparison and the details.
+    /// The cards or the missing answer in words, the filling of an expander, what is not known, the comparison and the details.
     fn answer(&mut self, ui: &mut Ui) {
-        let findings = self.uncertainty.findings();
-        answer::show(ui, &self.session, self.previous_results(), findings);
+        answer::heading(ui, &self.session);
+        if !self.no_answer(ui) {
+            let findings = self.uncertainty.findings();
+            answer::show(ui, &self.session, self.previous_results(), findings);
+        }
+        answer::sources(ui);
         self.filling(ui);
         self.uncertainty.show(ui, &self.session);
         self.compare(ui);
@@ -216,13 +220,27 @@ impl App {
         }
     }
 
+    /// The page of a plan without a shape. On a narrow screen the answer with the nearest plan is behind a tab.
+    fn no_shape_page(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
+        let words = no_answer::words(&self.session);
+        let mut accepted = None;
+        messages::no_shape_page(ui, &words, scene, |ui| {
+            if layout == Layout::Narrow {
+                accepted = self.nearest.offer(ui, &self.session, Hand::Finger);
+            }
+        });
+        if let Some(scene) = accepted {
+            self.take_nearest(scene);
+        }
+    }
+
     /// The 3-D view with its controls and notices, or the page that replaces the view.
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
         self.show_notice(ui);
         if self.session.is_stopped() {
             self.stopped_page(ui);
         } else if self.session.has_no_shape() {
-            messages::no_shape_page(ui, self.session.invalid(), scene);
+            self.no_shape_page(ui, scene, layout);
         } else {
             if self.is_long() {
                 self.progress_bar(ui);

@@ -7,7 +7,8 @@
 //! all runners) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
 //! `axis` | `map` | `map_check` (points on a finer grid) | `map_file` (its table and JSON) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
-//! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section).
+//! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
+//! none) | `nearest` (the nearest plan with an answer).
 //!
 //! Uses `scene`, `simulate` and all to their left; no threads, no clock. Used by `platform` and `app`.
 
@@ -20,6 +21,8 @@ mod job;
 mod map;
 mod map_check;
 mod map_file;
+mod nearest;
+mod no_answer;
 mod parameter;
 mod percentile;
 mod quantity;
@@ -41,6 +44,8 @@ pub use job::{Case, Evaluator, Job, Profile, evaluate};
 pub use map::{CHECK, Map, MapSettings, PointStatus};
 pub use map_check::{Difference, MapCheck};
 pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};
+pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
+pub use no_answer::NoAnswer;
 pub use parameter::{Parameter, ParameterError, with_values};
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};

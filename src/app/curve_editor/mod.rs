@@ -1,12 +1,14 @@
-//! Editor of a layer's stress–strain curve: its kind and its parameters here, its measured points in a `window`.
+//! Editor of a layer's stress–strain curve: its kind and its parameters here, the `plot` of a preset, its measured points in a
+//! `window`.
 
+mod plot;
 mod table;
 mod window;
 
 pub(super) use window::CurveWindow;
 
 use super::widgets::{Control, Kind, button_if, choice, labelled_box, remark};
-use crate::curve::{Curve, CurveSpec, Fat, Interpolation};
+use crate::curve::{Curve, CurveSpec, Fat, Interpolation, ScaledCurve};
 use eframe::egui::Ui;
 use std::ops::RangeInclusive;
 
@@ -62,8 +64,16 @@ fn converted(spec: &CurveSpec, kind: usize) -> CurveSpec {
     }
 }
 
-/// Edits kind and parameters of a curve in place. Returns whether the window of its points is to be opened.
-pub(super) fn show(ui: &mut Ui, spec: &mut CurveSpec) -> bool {
+/// Edits kind and parameters of a curve in place and plots a preset. `tissue`: the name of the layer. Returns whether the
+/// window of the curve's points is to be opened.
+pub(super) fn show(ui: &mut Ui, curve: &mut ScaledCurve, tissue: &str) -> bool {
+    let is_opened = edit(ui, &mut curve.spec);
+    plot::show(ui, curve, tissue);
+    is_opened
+}
+
+/// Edits kind and parameters. Returns whether the window of the points is to be opened.
+fn edit(ui: &mut Ui, spec: &mut CurveSpec) -> bool {
     let present = kind(spec);
     let selected = present.map_or("Sections (from a file)", |k| KINDS[k].0);
     let response = labelled_box(ui, "Stress–strain curve", selected, |ui| {
@@ -110,7 +120,7 @@ fn fat(ui: &mut Ui, variant: &mut Fat) {
         Fat::Mid => "Usual",
         Fat::High => "Firm",
     };
-    let response = labelled_box(ui, "Fat", name(*variant), |ui| {
+    let response = labelled_box(ui, "Firmness", name(*variant), |ui| {
         for fat in Fat::ALL {
             if choice(ui, *variant == fat, name(fat)).clicked() {
                 *variant = fat;

@@ -1,0 +1,192 @@
+//! A plan without an answer: what it means in words, and the nearest plan with an answer as a button. The choice of the fat
+//! and the plot of its curve.
+
+use super::*;
+use egui_kittest::kittest::NodeT;
+use implant_preview::curve::Fat;
+
+const TITLE: &str = "No answer for this plan";
+const LOOKING: &str = "Searching for the nearest plan with an answer…";
+const FATS: [&str; 4] = ["Soft", "Usual", "Firm", "Nikolaev 2013"];
+
+/// The opening plan with very tight skin over the paper's fat, which has no shape.
+fn without_answer(scene: &mut Scene) {
+    *scene = opening();
+    scene.layers[1].curve = CurveSpec::Adipose {}.into();
+    scene.layers[1].poisson_ratio = 0.45;
+    scene.layers[0].curve.strain_scale = 0.15;
+}
+
+/// Runs frames until the search of the nearest plan has ended.
+fn wait(harness: &mut Harness<'static, App>) {
+    let start = std::time::Instant::now();
+    harness.step();
+    while harness.query_by_label(LOOKING).is_some() {
+        assert!(start.elapsed().as_secs() < 300, "the search does not end");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    harness.run();
+}
+
+/// The button of the nearest plan by volume, and its volume \[ml\].
+fn offer(harness: &Harness<'static, App>) -> (String, f64) {
+    let buttons = harness.query_all_by(|node| {
+        node.role() == Role::Button && node.label().is_some_and(|label| label.starts_with("Use "))
+    });
+    let labels: Vec<String> =
+        buttons.filter_map(|button| button.accesskit_node().label()).collect();
+    let found = labels.iter().find_map(|label| {
+        let volume = label.strip_prefix("Use ")?.strip_suffix(" ml")?.parse().ok()?;
+        Some((label.clone(), volume))
+    });
+    found.unwrap_or_else(|| panic!("no button among {labels:?}"))
+}
+
+#[test]
+fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = app(size, without_answer);
+        let before = harness.state().session().scene().clone();
+        assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+        assert!(harness.get_all_by_label(TITLE).count() > 0, "{size}");
+        let words =
+            "The skin is too tight for 300 ml on 12 cm, and fat this soft gives way under it.";
+        assert!(harness.get_all_by_label(words).count() > 0, "{size}");
+        assert!(harness.state().summary().contains(words));
+        // The reason of the solver is folded; the cards without figures are gone.
+        assert!(harness.query_by_label_contains("The solver found no shape").is_none());
+        assert_eq!(harness.query_all_by_label("longer, at most").count(), 0);
+        wait(&mut harness);
+        harness.get_by_label("the nearest plan with an answer");
+        let (button, volume) = offer(&harness);
+        assert!((100.0..300.0).contains(&volume), "{button}");
+        assert!(harness.state().summary().contains(&button));
+        harness.get_by_role_and_label(Role::Button, &button).click();
+        settle(&mut harness);
+        let outcome = harness.state().outcome().unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+        assert!((outcome.implant_volume_ml - volume).abs() < 1e-6);
+        assert_eq!(harness.query_all_by_label(TITLE).count(), 0);
+        let after = harness.state().session().scene().clone();
+        assert_eq!(after.implant.base_radius_mm, before.implant.base_radius_mm);
+        // One step of the history.
+        harness.get_by_role_and_label(Role::Button, "Undo").click();
+        settle(&mut harness);
+        assert_eq!(harness.state().session().scene(), &before);
+        assert!(!harness.state().session().can_undo());
+    }
+}
+
+#[test]
+fn the_technical_reason_is_folded() {
+    let mut harness = app(WIDE, without_answer);
+    wait(&mut harness);
+    unfold(&mut harness, "Technical details");
+    harness.get_by_label_contains("The solver found no shape");
+}
+
+#[test]
+fn an_edit_ends_the_search() {
+    let mut harness = app(DESKTOP, without_answer);
+    harness.step();
+    type_into(&mut harness, "Volume (ml)", "100");
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+    for text in [TITLE, LOOKING] {
+        assert_eq!(harness.query_all_by_label(text).count(), 0, "{text}");
+    }
+    // Another plan without an answer has a search of its own.
+    type_into(&mut harness, "Volume (ml)", "320");
+    assert!(harness.get_all_by_label_contains("too tight for 320 ml on 12 cm").count() > 0);
+    wait(&mut harness);
+    let (_, volume) = offer(&harness);
+    assert!(volume < 320.0);
+}
+
+#[test]
+fn a_plan_that_is_not_fully_inserted_is_inserted_less() {
+    let mut harness = app(DESKTOP, |scene| {
+        without_answer(scene);
+        scene.implant.projection_mm = 60.0;
+        scene.insertion = 0.9;
+    });
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+    wait(&mut harness);
+    let button = harness
+        .query_all_by_label_contains("Insert to ")
+        .filter_map(|node| node.accesskit_node().label())
+        .find(|label| label.starts_with("Insert to "))
+        .unwrap();
+    harness.get_by_role_and_label(Role::Button, &button).click();
+    settle(&mut harness);
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+    let percent = format!("Insert to {:.0} %", 100.0 * harness.state().session().scene().insertion);
+    assert_eq!(percent, button);
+}
+
+/// The chosen fats.
+fn chosen(harness: &Harness<'static, App>) -> Vec<&'static str> {
+    let is_chosen = |name: &&str| {
+        let chip = harness.get_by_role_and_label(Role::Button, name);
+        chip.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    FATS.into_iter().filter(is_chosen).collect()
+}
+
+#[test]
+fn the_fat_is_chosen_among_what_was_measured_and_the_papers() {
+    let mut harness = app(WIDE, |scene| *scene = opening());
+    let opening = harness.state().session().scene().clone();
+    unfold(&mut harness, "Advanced");
+    assert_eq!(chosen(&harness), ["Usual"]);
+    for (name, curve, poisson_ratio) in [
+        ("Soft", CurveSpec::Fat { variant: Fat::Low }, 0.49),
+        ("Firm", CurveSpec::Fat { variant: Fat::High }, 0.49),
+        ("Nikolaev 2013", CurveSpec::Adipose {}, 0.45),
+    ] {
+        press(&mut harness, name);
+        let fat = harness.state().session().scene().layers[1].clone();
+        assert_eq!((fat.curve, fat.poisson_ratio), (curve.into(), poisson_ratio));
+        assert_eq!(fat.thickness_mm, opening.layers[1].thickness_mm);
+        assert_eq!(chosen(&harness), [name]);
+        assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+    }
+    press(&mut harness, "Usual");
+    assert_eq!(harness.state().session().scene(), &opening);
+    // Another curve is none of the choices.
+    let mut other = opening.clone();
+    other.layers[1].curve = CurveSpec::Linear { modulus_kpa: 4.0 }.into();
+    harness.state_mut().open(other.to_json()).unwrap();
+    settle(&mut harness);
+    assert_eq!(chosen(&harness), [""; 0]);
+    // Without fat there is nothing to choose.
+    other.layers[1].tissue = "muscle".to_owned();
+    harness.state_mut().open(other.to_json()).unwrap();
+    settle(&mut harness);
+    for name in FATS {
+        assert!(harness.query_by_role_and_label(Role::Button, name).is_none(), "{name}");
+    }
+}
+
+#[test]
+fn the_curve_of_the_fat_is_plotted_measured_and_extrapolated() {
+    let mut harness = app(WIDE, |scene| *scene = opening());
+    unfold(&mut harness, "Advanced");
+    let plot = |end: u32| {
+        format!("Curve of adipose. Solid: measured, to {end} % strain. Dashed: extrapolated.")
+    };
+    harness.get_by_role_and_label(Role::Image, &plot(30));
+    harness.get_by_label("Solid: measured, to 30 % strain. Dashed: extrapolated.");
+    // The scale of the strain applies.
+    let mut scaled = harness.state().session().scene().clone();
+    scaled.layers[1].curve.strain_scale = 0.5;
+    harness.state_mut().open(scaled.to_json()).unwrap();
+    settle(&mut harness);
+    harness.get_by_role_and_label(Role::Image, &plot(15));
+    // Every preset has a plot, curves with parameters have none.
+    assert_eq!(harness.query_all_by_role(Role::Image).count(), 2);
+    scaled.layers[1].curve = CurveSpec::Linear { modulus_kpa: 4.0 }.into();
+    harness.state_mut().open(scaled.to_json()).unwrap();
+    settle(&mut harness);
+    assert_eq!(harness.query_all_by_role(Role::Image).count(), 1);
+}
