@@ -114,8 +114,13 @@ fn solved(scene: &Scene, options: Options) -> Solver {
     solver
 }
 
-/// Random scenes within realistic ranges, half of them off centre.
+/// Random scenes of `scene/2` within realistic ranges, half of them off centre.
 fn realistic(count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
+    realistic_of(2, count, nodes, seed)
+}
+
+/// The same of a version of the schema: fat as measured from `scene/3` on.
+fn realistic_of(version: u32, count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut between = move |low: f64, high: f64| low + (high - low) * rng.f64();
     (0..count)
@@ -127,10 +132,15 @@ fn realistic(count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
             let stiffness = between(2.0, 20.0);
             let curve = match k % 3 {
                 0 => json!({ "kind": "linear", "modulus_kpa": stiffness }),
-                _ => json!({ "kind": "adipose" }),
+                _ if version < 3 => json!({ "kind": "adipose" }),
+                _ => {
+                    let variant = ["low", "mid", "high"][k / 3 % 3];
+                    json!({ "kind": "fat", "variant": variant })
+                }
             };
+            let most = if version < 3 { 0.48 } else { 0.495 };
             let scene = json!({
-                "schema": "implant-preview/scene/2",
+                "schema": format!("implant-preview/scene/{version}"),
                 "implant": { "base_radius_mm": radius, "projection_mm": radius * between(0.39, 1.07),
                              "center_mm": [offset * angle.cos(), offset * angle.sin()] },
                 "pocket_radius_mm": pocket.min(200.0),
@@ -138,7 +148,7 @@ fn realistic(count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
                 "layers": [
                     { "thickness_mm": between(1.0, 2.5), "poisson_ratio": between(0.3, 0.48) },
                     { "tissue": "adipose", "thickness_mm": between(5.0, 40.0),
-                      "poisson_ratio": between(0.3, 0.48), "curve": curve } ],
+                      "poisson_ratio": between(0.3, most), "curve": curve } ],
                 "solver": { "nodes_per_side": nodes, "tolerance": 1e-3 },
             });
             Scene::from_json(&scene.to_string()).unwrap()
@@ -148,7 +158,13 @@ fn realistic(count: usize, nodes: usize, seed: u64) -> Vec<Scene> {
 
 #[test]
 fn realistic_scenes_converge_and_the_error_estimate_holds() {
-    let scenes = realistic(48, 33, 3);
+    for version in [2, 3] {
+        realistic_scenes_of_a_version_converge(version);
+    }
+}
+
+fn realistic_scenes_of_a_version_converge(version: u32) {
+    let scenes = realistic_of(version, 48, 33, 3);
     let (mut converged, mut above) = (0, 0);
     for (k, scene) in scenes.iter().enumerate() {
         let rough = solved(scene, Options::default());

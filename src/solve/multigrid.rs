@@ -1,7 +1,7 @@
 //! Full multigrid for either tissue model.
 
 use super::Problem;
-use super::fas::{Ending, FullMultigrid, LAYERED, MEMBRANE, State, Stop};
+use super::fas::{Ending, FullMultigrid, LAYERED, LAYERED_COMPRESSED, MEMBRANE, State, Stop};
 use super::problem::Tissue;
 use super::validity::Invalid;
 use crate::mesh::lanes::Mirrored;
@@ -108,8 +108,9 @@ impl Multigrid {
 
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         if let Self::Layered(scheme) = self {
+            let wrinkles = matches!(problem.tissue, Tissue::Layered { skin_wrinkles: true, .. });
             // An earlier solve may have ended in another attempt.
-            scheme.set_parameters(&LAYERED);
+            scheme.set_parameters(if wrinkles { &LAYERED } else { &LAYERED_COMPRESSED });
         }
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }

@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, MEMBRANE};
+pub(super) use parameters::{LAYERED, LAYERED_COMPRESSED, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.

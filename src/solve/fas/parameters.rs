@@ -155,6 +155,11 @@ const GENTLE_SMOOTHING: Smoothing = Smoothing {
 pub(in crate::solve) const LAYERED: Parameters =
     Parameters { next: Some(&LAYERED_FRESH), ..LAYERED_BASE };
 
+/// The constants for layered tissue whose skin bears compression (`scene/2`), mostly with softening fat: the rate of convergence
+/// grows from cycle to cycle.
+pub(in crate::solve) const LAYERED_COMPRESSED: Parameters =
+    Parameters { min_convergence_factor: 0.6, error_safety: 4.0, max_start_cycles: 2, ..LAYERED };
+
 /// The constants for layered tissue that stiffens too fast for [`LAYERED`], or whose spectrum of D⁻¹H reaches farther: blocks
 /// renewed before every step.
 const LAYERED_FRESH: Parameters = Parameters {
@@ -189,8 +194,8 @@ const LAYERED_GENTLE: Parameters = Parameters {
 /// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5 on the dome, 7 on steep domes
 /// and 10 where four points meet a strain that concentrates in softening tissue: the stiff modes are smooth changes of
 /// thickness, the soft ones checkerboards. The solution of the coarsest grid is several per cent of the base radius away from
-/// the finer one: an error of 3 % is sufficient for a start. Random patients take 76, 51 and 41 force evaluations in the median
-/// at 33, 65 and 129 nodes per side; with 2 + 4 steps on [0.45, 10] 88, 52 and 42, and a greater error at the end.
+/// the finer one: an error of 3 % is sufficient for a start. Random patients take 91, 55 and 44 force evaluations in the median
+/// at 33, 65 and 129 nodes per side; the error is at most 1.3 of its estimate, in 95 % of the patients 0.73.
 const LAYERED_BASE: Parameters = Parameters {
     smoothing: LAYERED_SMOOTHING,
     first_smoothing: LAYERED_SMOOTHING,
@@ -212,13 +217,14 @@ const LAYERED_BASE: Parameters = Parameters {
     next: None,
     least_tolerance: 1e-5,
     max_cycles: 40,
-    max_start_cycles: 2,
+    max_start_cycles: 3,
     start_tolerance: 3e-3,
     coarsest_tolerance: 3e-2,
     max_coarsest_cycles: 60,
-    min_convergence_factor: 0.5,
+    // A low bound and a great safety let the observed rate decide: random patients converge at 0.2 to 0.5 a cycle.
+    min_convergence_factor: 0.3,
     max_convergence_factor: 0.95,
-    error_safety: 2.5,
+    error_safety: 6.0,
     slow_factor: 0.9,
     max_slow_cycles: 6,
     oscillation: -0.25,
