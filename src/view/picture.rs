@@ -6,6 +6,7 @@ use crate::view::body::Body;
 use crate::view::color::{self, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
+use crate::view::strokes;
 use crate::view::subject::Subject;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -134,8 +135,18 @@ impl Picture {
         let scale = quantity.scale(self.greatest, &subject.scene().layers);
         self.scale = scale.filter(|_| is_shown);
         let room = take_unused(&mut self.tissues_before);
-        let vertices = mesh::tissue_vertices(room, &self.body, colors, values);
-        let indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
+        let mut vertices = mesh::tissue_vertices(room, &self.body, colors, values);
+        let mut indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
+        if is_shown && quantity == Quantity::Wrinkles {
+            let directions = subject.fields().wrinkle_directions();
+            let spacing = subject.problem().sheet.spacing_mm() as f32;
+            let (points, triangles) =
+                strokes::along(&self.body, directions, spacing, vertices.len() as u32);
+            if !points.is_empty() {
+                vertices.extend(points);
+                indices = Arc::new(indices.iter().copied().chain(triangles).collect());
+            }
+        }
         self.tissues_before.push(Arc::clone(&self.meshes[0]));
         self.set_mesh(0, Mesh { vertices, indices });
         let table = self.scale.as_ref().map_or(&[[1.0; 3]][..], |s| &s.table);
