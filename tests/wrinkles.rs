@@ -1,5 +1,7 @@
 //! Wrinkles of the skin in results: `result/3`, the share of wrinkled skin, and the warning of visible folds.
 
+#![allow(clippy::float_cmp, reason = "states are whole numbers")]
+
 use implant_preview::measure::{Field, Fields, Outcome};
 use implant_preview::scene::{CheckedScene, Scene};
 use implant_preview::simulate::{Simulation, run, simulate};
@@ -11,10 +13,10 @@ fn scene(fields: &Value) -> Scene {
     let mut scene = json!({ "schema": "implant-preview/scene/3",
                             "implant": { "base_radius_mm": 60, "projection_mm": 45 },
                             "solver": { "nodes_per_side": 33, "tolerance": 1e-3 } });
-    for (name, value) in fields.as_object().unwrap() {
+    for (name, value) in fields.as_object().into_iter().flatten() {
         scene[name] = value.clone();
     }
-    Scene::from_json(&scene.to_string()).unwrap()
+    Scene::from_json(&scene.to_string()).expect("the scene is valid")
 }
 
 /// Fat of 50 mm: the implant moves the fat outwards, and the radii of the skin beyond the pocket shorten by up to a tenth.

@@ -120,6 +120,7 @@ impl Shares {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "states are whole numbers, slack skin has no stress")]
 mod tests {
     use super::*;
     use crate::measure::{Field, Fields, layers};

@@ -22,9 +22,10 @@ pub enum FieldState {
 #[inline]
 #[must_use]
 pub fn state(strain: [f64; 2], poisson_ratio: f64) -> FieldState {
-    if relaxed(strain, poisson_ratio) == strain {
+    let (greater, least) = (strain[0].max(strain[1]), strain[0].min(strain[1]));
+    if least >= -poisson_ratio * greater.max(0.0) {
         FieldState::Taut
-    } else if strain[0].max(strain[1]) > 0.0 {
+    } else if greater > 0.0 {
         FieldState::Wrinkled
     } else {
         FieldState::Slack
@@ -90,14 +91,15 @@ mod tests {
     #[test]
     fn taut_skin_has_the_stress_of_the_coupled_law_and_slack_skin_none() {
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
+        let bits = |stress: [f64; 2]| stress.map(f64::to_bits);
         let taut = [0.2, -0.08];
-        assert_eq!(stress(&curve, 0.45, taut), biot_stress(&curve, 0.45, taut));
-        assert!(wrinkle_strain(taut, 0.45) == 0.0);
+        assert_eq!(bits(stress(&curve, 0.45, taut)), bits(biot_stress(&curve, 0.45, taut)));
+        assert!(wrinkle_strain(taut, 0.45).abs() < 1e-15);
         let [along, across] = stress(&curve, 0.45, [0.2, -0.3]);
-        assert!((along - curve.stress(0.2)).abs() < 1e-12 && across == 0.0);
+        assert!((along - curve.stress(0.2)).abs() < 1e-12 && across.abs() < 1e-12);
         // −0.45 · 0.2 = −0.09 without a fold.
         assert!((wrinkle_strain([0.2, -0.3], 0.45) - 0.21).abs() < 1e-12);
-        assert_eq!(stress(&curve, 0.45, [-0.1, -0.3]), [0.0; 2]);
+        assert!(stress(&curve, 0.45, [-0.1, -0.3]).iter().all(|stress| stress.abs() < 1e-15));
         assert!((wrinkle_strain([-0.1, -0.3], 0.45) - 0.3).abs() < 1e-12);
     }
 }
