@@ -364,6 +364,23 @@ mod tests {
     }
 
     #[test]
+    fn each_state_of_the_skin_has_one_colour_and_its_word() {
+        let scale = wrinkle_scale();
+        let at = |value: f32| {
+            let t = (value - scale.low) / (scale.high - scale.low);
+            scale.table[(t * TABLE_SIZE as f32) as usize]
+        };
+        for (k, word) in ["taut", "wrinkled", "slack"].into_iter().enumerate() {
+            let (value, label) = &scale.ticks[k];
+            assert_eq!(label, word);
+            for off in [-0.4, 0.0, 0.4] {
+                assert_eq!(at(value + off), WRINKLES[k], "{word}");
+            }
+        }
+        assert!(WRINKLES.windows(2).all(|pair| luminance(pair[0]) > luminance(pair[1])));
+    }
+
+    #[test]
     fn pressure_is_labelled_in_mmhg_and_without_contact_has_the_colour_of_skin() {
         let scale = pressure_scale(1.69);
         assert_eq!(scale.ticks.last().map(|(_, label)| label.as_str()), Some("20"));

@@ -182,6 +182,39 @@ mod tests {
     use std::cell::Cell;
 
     #[test]
+    fn strokes_along_the_wrinkles_are_made_only_when_the_wrinkles_are_shown() {
+        // The thick fat moves outwards and shortens the radii of the skin.
+        let scene = Scene::from_json(
+            r#"{ "implant": { "base_radius_mm": 60, "projection_mm": 45 }, "pocket_radius_mm": 65,
+                 "layers": [ {}, { "thickness_mm": 50, "poisson_ratio": 0.49, "curve": { "kind": "fat" } } ],
+                 "solver": { "nodes_per_side": 33, "tolerance": 1e-3 } }"#,
+        );
+        let mut session = Session::new(scene.unwrap()).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        let section = Section {
+            opening: crate::view::section::Opening::Closed,
+            angle: 0.0,
+            axis: glam::Vec2::ZERO,
+        };
+        let mut picture = Picture::default();
+        let mut tissue = |quantity| {
+            picture.update(&session, quantity, section, &|| 0.0);
+            (Arc::clone(&picture.meshes[0]), session.counters().fields)
+        };
+        let (plain, before) = tissue(Quantity::Strain);
+        let (stroked, after) = tissue(Quantity::Wrinkles);
+        let (again, _) = tissue(Quantity::Strain);
+        // States and directions, once each.
+        assert_eq!(after - before, 2);
+        let added = stroked.vertices.len() - plain.vertices.len();
+        assert!(added >= 4 * 20 && added.is_multiple_of(4), "{added}");
+        assert_eq!(stroked.indices.len() - plain.indices.len(), added / 4 * 6);
+        assert_eq!(stroked.indices.iter().max(), Some(&(stroked.vertices.len() as u32 - 1)));
+        assert!(Arc::ptr_eq(&plain.indices, &again.indices));
+        assert_eq!(plain.vertices.len(), again.vertices.len());
+    }
+
+    #[test]
     fn the_picture_takes_a_limited_fraction_of_the_time_during_a_solve() {
         let mut scene = Scene::default();
         scene.solver.nodes_per_side = 33;
