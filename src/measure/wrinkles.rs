@@ -120,8 +120,9 @@ impl Shares {
 }
 
 #[cfg(test)]
-#[allow(clippy::float_cmp, reason = "states are whole numbers, slack skin has no stress")]
 mod tests {
+    #![allow(clippy::float_cmp, reason = "states are whole numbers, slack skin has no stress")]
+
     use super::*;
     use crate::measure::{Field, Fields, layers};
     use crate::mesh::NodeKind;
