@@ -77,7 +77,7 @@ fn simulate_writes_result_mesh_and_profile() {
         assert!(output.stdout.is_empty() && output.stderr.is_empty());
     }
     let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
-    assert_eq!(result["schema"], "implant-preview/result/2");
+    assert_eq!(result["schema"], "implant-preview/result/3");
     assert_eq!(result["status"], "converged");
     assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
     let profile = fs::read_to_string(folder.join("p.csv")).unwrap();
@@ -125,8 +125,12 @@ fn assert_meshes_agree(folder: &Path) {
 #[test]
 fn the_schema_decides_about_the_tissue_model() {
     let folder = folder("schema");
+    // The default layers depend on the schema.
+    let layers = r#"[{},{"tissue":"adipose","thickness_mm":10,"curve":{"kind":"fat"}}]"#;
     let scene = |field: &str| {
-        format!(r#"{{{field}"implant":{{"base_radius_mm":40}},"solver":{{"nodes_per_side":33}}}}"#)
+        format!(
+            r#"{{{field}"implant":{{"base_radius_mm":40}},"layers":{layers},"solver":{{"nodes_per_side":33}}}}"#
+        )
     };
     let fields = [
         "",
@@ -144,7 +148,7 @@ fn the_schema_decides_about_the_tissue_model() {
         let results: Vec<Value> =
             text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         let schemas: Vec<&Value> = results.iter().map(|result| &result["schema"]).collect();
-        let [layered, sheet] = ["implant-preview/result/2", "implant-preview/result/1"];
+        let [layered, sheet] = ["implant-preview/result/3", "implant-preview/result/1"];
         assert_eq!(schemas, [layered, layered, sheet, sheet], "{file}");
         for pair in results.chunks(2) {
             assert_eq!(pair[0]["contact_force_n"], pair[1]["contact_force_n"], "{file}");

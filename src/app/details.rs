@@ -128,6 +128,9 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                     }
                 }
             }
+            if let Some(wrinkled) = outcome.wrinkled {
+                row(ui, error, "Skin wrinkled or slack", Some(100.0 * wrinkled), 1, "%");
+            }
             for (k, layer) in outcome.layers.iter().enumerate() {
                 let name = format!("Greatest stress, {}", layer.tissue);
                 row(ui, error, name, layer.max_stress_kpa, 1, "kPa");

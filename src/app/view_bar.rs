@@ -112,6 +112,7 @@ impl App {
             Quantity::Thickness(k) => format!("Thickness, {}", tissue(k)),
             Quantity::Cover => "Cover over the implant".to_owned(),
             Quantity::Traction => "Pull at the pocket's edge".to_owned(),
+            Quantity::Wrinkles => "Wrinkles of the skin".to_owned(),
         };
         let mut choices = vec![Quantity::Tissue, Quantity::Strain];
         if is_layered {
@@ -119,6 +120,9 @@ impl App {
             choices.push(Quantity::Cover);
             choices.extend((0..layers.len()).map(Quantity::Thickness));
             choices.push(Quantity::Traction);
+        }
+        if Quantity::Wrinkles.is_of(self.session.scene()) {
+            choices.push(Quantity::Wrinkles);
         }
         choices.extend([Quantity::AreaStretch, Quantity::Pressure]);
         choices.extend((0..layers.len()).map(Quantity::Stress));

@@ -3,7 +3,10 @@
 use super::contact::Contact;
 use super::layered::{self, NodalLoads};
 use super::layers;
+use super::wrinkles;
 use crate::solve::Solution;
+use crate::springs::tension_field::FieldState;
+use glam::Vec2;
 use std::cell::{Cell, OnceCell};
 use std::sync::Arc;
 
@@ -26,6 +29,10 @@ pub enum Field {
     Cover,
     /// Layered tissue: pull of the attachment around the pocket \[kPa\].
     Traction,
+    /// Skin that wrinkles: 0 taut, 1 wrinkled, 2 slack \[-\], by the law at the node's strains.
+    WrinkleState,
+    /// Skin that wrinkles: strain that the wrinkles take up \[-\], 0 to 1; 0.05: of 100 mm of skin 5 mm lie in folds.
+    WrinkleStrain,
 }
 
 /// The fields of one solution.
@@ -43,6 +50,9 @@ pub struct Fields {
     thickness_stretch: Vec<OnceCell<Vec<f32>>>,
     cover_mm: OnceCell<Vec<f32>>,
     traction_kpa: OnceCell<Vec<f32>>,
+    wrinkle_state: OnceCell<Vec<f32>>,
+    wrinkle_strain: OnceCell<Vec<f32>>,
+    wrinkle_directions: OnceCell<Vec<Vec2>>,
     /// Greatest strain and stress of each solid layer at the nodes, from the inner face outwards.
     solids: OnceCell<Vec<NodalLoads>>,
     computed: Cell<u64>,
@@ -62,6 +72,9 @@ impl Fields {
             thickness_stretch: vec![OnceCell::new(); solution.problem().materials.len()],
             cover_mm: OnceCell::new(),
             traction_kpa: OnceCell::new(),
+            wrinkle_state: OnceCell::new(),
+            wrinkle_strain: OnceCell::new(),
+            wrinkle_directions: OnceCell::new(),
             solids: OnceCell::new(),
             computed: Cell::new(0),
             solution,
@@ -96,6 +109,8 @@ impl Fields {
             },
             Field::Cover => &self.cover_mm,
             Field::Traction => &self.traction_kpa,
+            Field::WrinkleState => &self.wrinkle_state,
+            Field::WrinkleStrain => &self.wrinkle_strain,
         };
         cell.get_or_init(|| {
             self.computed.set(self.computed.get() + 1);
@@ -109,7 +124,7 @@ impl Fields {
         })
     }
 
-    /// The value of a field at one node; `None` for a missing layer.
+    /// The value of a field at one node; `None` for a missing layer, and of wrinkles where the skin does not wrinkle.
     #[must_use]
     pub fn at(&self, field: Field, node: usize) -> Option<f64> {
         let deformation = self.solution.deformation();
@@ -120,7 +135,12 @@ impl Fields {
                 let material = self.solution.problem().materials.get(layer)?;
                 match self.solid(layer) {
                     Some(solid) => Some(f64::from(solid.stress[node])),
-                    None => Some(layers::stress(material, deformation, node)),
+                    None => Some(layers::stress(
+                        material,
+                        deformation,
+                        node,
+                        self.solution.problem().tissue.skin_wrinkles(),
+                    )),
                 }
             }
             Field::ContactPressure => Some(self.contact().pressure_at(node)),
@@ -135,7 +155,39 @@ impl Fields {
             }
             Field::Cover => Some(layered::cover_at(&self.solution, node)),
             Field::Traction => Some(layered::traction_at(&self.solution, node)),
+            Field::WrinkleState => self.skin_state(node).map(|state| match state {
+                FieldState::Taut => 0.0,
+                FieldState::Wrinkled => 1.0,
+                FieldState::Slack => 2.0,
+            }),
+            Field::WrinkleStrain => wrinkles::strain(&self.solution, node),
         }
+    }
+
+    /// State of the skin at a node; `None` where the skin is compressed instead of wrinkled: a sheet, older scenes.
+    #[must_use]
+    pub fn skin_state(&self, node: usize) -> Option<FieldState> {
+        wrinkles::state(&self.solution, node)
+    }
+
+    /// Directions of the wrinkles' crests at the nodes, along the skin's tension: unit vectors in the plane of the tissue at
+    /// rest \[-\], whose sign has no meaning; zero where the skin is not wrinkled. Shape (nodes_per_side², ).
+    #[must_use]
+    pub fn wrinkle_directions(&self) -> &[Vec2] {
+        self.wrinkle_directions.get_or_init(|| {
+            self.computed.set(self.computed.get() + 1);
+            let deformation = self.solution.deformation();
+            let part = deformation.part();
+            let mut is_inside = vec![false; part.len()];
+            deformation.inside().for_each(|k| is_inside[part.index(k)] = true);
+            // Of mirror images each has its own direction.
+            let at = |k: usize| {
+                let direction =
+                    is_inside[part.index(k)].then(|| wrinkles::direction(&self.solution, k));
+                direction.flatten().unwrap_or_default().as_vec2()
+            };
+            (0..part.nodes_of_grid()).map(at).collect()
+        })
     }
 
     /// The loads of a solid layer; `None` for the skin and in a sheet.

@@ -4,8 +4,9 @@ use crate::curve::Curve;
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::membrane::deformation::Deformation;
 use crate::model::membrane::stack::first_alike;
+use crate::solve::Solution;
 use crate::springs::Material;
-use crate::springs::coupled::{biot_stress, equivalent_strain};
+use crate::springs::coupled::{biot_stress, equivalent_strain, relaxed};
 
 /// Bins of the equivalent strain in the search for the most stressed node.
 const BINS: usize = 256;
@@ -18,18 +19,45 @@ pub(super) struct Load {
     pub(super) is_beyond_data: bool,
 }
 
-/// Greatest principal nominal (Biot) stress of a layer at a node \[kPa\].
-pub(super) fn stress(material: &Material, deformation: &Deformation, node: usize) -> f64 {
-    biot_stress(&material.curve, material.poisson_ratio, deformation.principal(node))[0]
+/// The principal strains at which the law of the membrane is evaluated at a node \[-\]: in a tension field the relaxed ones.
+fn law_strain(
+    deformation: &Deformation,
+    node: usize,
+    poisson_ratio: f64,
+    is_tension_field: bool,
+) -> [f64; 2] {
+    let strain = deformation.principal(node);
+    if is_tension_field { relaxed(strain, poisson_ratio) } else { strain }
+}
+
+/// Greatest principal nominal (Biot) stress of a layer at a node \[kPa\]; of a tension field 0 or more.
+pub(super) fn stress(
+    material: &Material,
+    deformation: &Deformation,
+    node: usize,
+    is_tension_field: bool,
+) -> f64 {
+    let nu = material.poisson_ratio;
+    biot_stress(&material.curve, nu, law_strain(deformation, node, nu, is_tension_field))[0]
+}
+
+/// Compressive stress above which the result warns of wrinkles \[small-strain modulus\].
+const WRINKLING_STRESS: f64 = 0.01;
+
+/// The warning of compression, for a membrane that can be compressed.
+pub(super) fn compression(solution: &Solution) -> Option<String> {
+    let problem = solution.problem();
+    let least = least_stress(problem.membrane(), solution.deformation(), &problem.sheet);
+    (least < -WRINKLING_STRESS).then(|| {
+        "Part of the tissue is under compression and may wrinkle; a model without bending stiffness does not \
+         resolve wrinkles."
+            .to_owned()
+    })
 }
 
 /// Least principal tension of the membrane's free nodes, negative in compression, relative to its small-strain stiffness
 /// Σ h·Ef′(0) \[-\]; zero without compression.
-pub(super) fn least_stress(
-    materials: &[Material],
-    deformation: &Deformation,
-    sheet: &Sheet,
-) -> f64 {
+fn least_stress(materials: &[Material], deformation: &Deformation, sheet: &Sheet) -> f64 {
     let stiffness: f64 =
         materials.iter().map(|m| m.thickness_mm * m.curve.small_strain_modulus()).sum();
     let tension = |node: usize| -> f64 {
@@ -43,18 +71,22 @@ pub(super) fn least_stress(
     deformation.inside().filter(is_wanted).map(tension).fold(0.0, f64::min) / stiffness
 }
 
-/// The load of every layer.
-pub(super) fn loads(materials: &[Material], deformation: &Deformation) -> Vec<Load> {
+/// The load of every layer of the membrane.
+pub(super) fn loads(
+    materials: &[Material],
+    deformation: &Deformation,
+    is_tension_field: bool,
+) -> Vec<Load> {
     let mut sorted: Vec<SortedStrains> = Vec::with_capacity(materials.len());
     let mut loads = Vec::with_capacity(materials.len());
     for (k, first) in first_alike(materials).enumerate() {
         let material = &materials[k];
         sorted.push(if first == k {
-            SortedStrains::new(deformation, material.poisson_ratio)
+            SortedStrains::new(deformation, material.poisson_ratio, is_tension_field)
         } else {
             SortedStrains::default()
         });
-        let stress = |node| stress(material, deformation, node);
+        let stress = |node| stress(material, deformation, node, is_tension_field);
         loads.push(Load {
             max_stress: sorted[first].max_stress(&material.curve, stress),
             is_beyond_data: material.curve.is_beyond_data(sorted[first].greatest),
@@ -81,12 +113,12 @@ struct SortedStrains {
 }
 
 impl SortedStrains {
-    fn new(deformation: &Deformation, poisson_ratio: f64) -> Self {
+    fn new(deformation: &Deformation, poisson_ratio: f64, is_tension_field: bool) -> Self {
         let mut strains = Vec::with_capacity(deformation.part().len());
         let plane = 1.0 - poisson_ratio * poisson_ratio;
         let mut greatest = 0.0_f64;
         for k in deformation.inside() {
-            let strain = deformation.principal(k);
+            let strain = law_strain(deformation, k, poisson_ratio, is_tension_field);
             let equivalent = equivalent_strain(strain, poisson_ratio);
             greatest = greatest.max(equivalent);
             let pull = strain[0] + poisson_ratio * strain[1];
@@ -159,10 +191,16 @@ mod tests {
             });
             let materials = &solver.problem().materials;
             let deformation = Deformation::new(&solver.problem().sheet, solver.positions());
-            for (material, load) in materials.iter().zip(loads(materials, &deformation)) {
-                let all = deformation.inside().map(|node| stress(material, &deformation, node));
-                let greatest = all.fold(f64::MIN, f64::max);
-                assert!((load.max_stress - greatest).abs() <= 1e-14 * greatest.abs());
+            for is_tension_field in [false, true] {
+                for (material, load) in
+                    materials.iter().zip(loads(materials, &deformation, is_tension_field))
+                {
+                    let all = deformation
+                        .inside()
+                        .map(|node| stress(material, &deformation, node, is_tension_field));
+                    let greatest = all.fold(f64::MIN, f64::max);
+                    assert!((load.max_stress - greatest).abs() <= 1e-14 * greatest.abs());
+                }
             }
         }
     }
@@ -173,9 +211,9 @@ mod tests {
         let material = &solver.problem().materials[0];
         let deformation = Deformation::new(&solver.problem().sheet, solver.positions());
         let count = Cell::new(0);
-        SortedStrains::new(&deformation, 0.45).max_stress(&material.curve, |node| {
+        SortedStrains::new(&deformation, 0.45, false).max_stress(&material.curve, |node| {
             count.set(count.get() + 1);
-            stress(material, &deformation, node)
+            stress(material, &deformation, node, false)
         });
         assert!((1..deformation.inside().count() / 8).contains(&count.get()), "{count:?}");
     }

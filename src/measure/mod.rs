@@ -4,7 +4,7 @@
 //! contact edge is located between nodes, from the opening gap. The only input is a [`Solution`].
 //!
 //! `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (nodal fields, computed on demand) |
-//! `selection` (the fields asked for) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
+//! `selection` (the fields asked for) | `wrinkles` (state of skin that wrinkles) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
@@ -16,6 +16,7 @@ mod layers;
 mod profile;
 mod selection;
 mod surface;
+mod wrinkles;
 
 pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
@@ -26,6 +27,7 @@ pub use selection::{Selected, Selection, UnknownField};
 #[cfg(all(test, feature = "command-line"))]
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
+pub use wrinkles::RESULT_SCHEMA_3;
 
 use crate::clinical::PatientValue;
 use crate::model::layered::law::MAX_POISSON_RATIO;
@@ -62,7 +64,7 @@ pub enum Status {
 /// The result of a scene. Fields that do not apply are `None`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Outcome {
-    /// [`RESULT_SCHEMA`], of layered tissue [`RESULT_SCHEMA_2`].
+    /// [`RESULT_SCHEMA`], of layered tissue [`RESULT_SCHEMA_2`], where its skin wrinkles [`RESULT_SCHEMA_3`].
     pub schema: String,
     /// How the solve ended.
     pub status: Status,
@@ -110,6 +112,9 @@ pub struct Outcome {
     /// Layered tissue: greatest pull of the attachment around the pocket \[kPa\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub attachment_traction_kpa: Option<Traction>,
+    /// Skin that wrinkles: fraction of the skin of the whole patch, by area at rest, that is wrinkled or slack \[-\], 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrinkled: Option<f64>,
     /// What the solver did.
     pub solver: SolverOutcome,
     /// Values of the scene that the patient's measurements determine; without a patient empty and absent.
@@ -206,6 +211,13 @@ pub struct SolverOutcome {
     /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium;
     /// `None` where the solve ended without an estimate.
     pub estimated_position_error: Option<f64>,
+    /// Estimated greatest node position error / base radius \[-\], against the equilibrium on ever finer grids; `None` and
+    /// absent without an estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_discretisation_error: Option<f64>,
+    /// Cells through the thickness of all solids together; of skin that wrinkles only, otherwise `None` and absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cells_through: Option<usize>,
 }
 
 /// Strains above which the fraction of the sheet is reported \[-\]: 0.25 and 0.50 bound the clinical
@@ -219,6 +231,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     let solution = fields.solution();
     let (problem, report) = (solution.problem(), solution.report());
     let mut outcome = Outcome::without_shape(problem, report, tissues);
+    outcome.solver.cells_through = problem.tissue.skin_wrinkles().then(|| solution.cells().len());
     if outcome.status == Status::Unstable || report.invalid.is_some() {
         outcome.warnings.push(no_shape(report.invalid).to_owned());
         return outcome;
@@ -241,10 +254,17 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         if matches!(problem.tissue, Tissue::Layered { .. }) {
             outcome.measure_layers(solution, selection);
         }
-        if selection.wants("warnings") {
-            let least_stress =
-                layers::least_stress(problem.membrane(), solution.deformation(), &problem.sheet);
-            outcome.warn(problem, &summary, fields.contact().nodes(), least_stress);
+        let wants_warnings = selection.wants("warnings");
+        let shares = (wants_warnings || selection.wants("wrinkled"))
+            .then(|| wrinkles::Shares::new(solution))
+            .flatten();
+        outcome.wrinkled = shares.map(|shares| shares.wrinkled);
+        if wants_warnings {
+            outcome.warn(problem, &summary, fields.contact().nodes());
+            outcome.warnings.extend(match shares {
+                Some(shares) => shares.warning(),
+                None => layers::compression(solution),
+            });
         }
     }
     if report.is_left_at_rest {
@@ -258,7 +278,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
 }
 
 /// Fields that depend on the membrane's deformation.
-const OF_MEMBRANE: [&str; 12] = [
+const OF_MEMBRANE: [&str; 13] = [
     "apex_stretch",
     "skin_projection_mm",
     "area_after_cm2",
@@ -270,6 +290,7 @@ const OF_MEMBRANE: [&str; 12] = [
     "cover_mm",
     "skin_area",
     "attachment_traction_kpa",
+    "wrinkled",
     "warnings",
 ];
 
@@ -321,7 +342,8 @@ impl Outcome {
         Self {
             schema: match problem.tissue {
                 Tissue::Sheet => RESULT_SCHEMA,
-                Tissue::Layered { .. } => RESULT_SCHEMA_2,
+                Tissue::Layered { skin_wrinkles: false, .. } => RESULT_SCHEMA_2,
+                Tissue::Layered { skin_wrinkles: true, .. } => RESULT_SCHEMA_3,
             }
             .to_owned(),
             status: match report.verdict {
@@ -349,6 +371,7 @@ impl Outcome {
             cover_mm: None,
             skin_area: None,
             attachment_traction_kpa: None,
+            wrinkled: None,
             solver: SolverOutcome {
                 nodes_per_side: problem.sheet.nodes_per_side(),
                 nodes_solved: report.nodes_solved,
@@ -362,6 +385,8 @@ impl Outcome {
                 time_ms: None,
                 relative_residual: report.relative_residual,
                 estimated_position_error: report.estimated_position_error,
+                estimated_discretisation_error: None,
+                cells_through: None,
             },
             patient_values: Vec::new(),
             warnings: Vec::new(),
@@ -401,7 +426,11 @@ impl Outcome {
 
     /// Adds the loads of the membrane's layers.
     fn measure_loads(&mut self, solution: &Solution) {
-        let loads = layers::loads(solution.problem().membrane(), solution.deformation());
+        let loads = layers::loads(
+            solution.problem().membrane(),
+            solution.deformation(),
+            solution.problem().tissue.skin_wrinkles(),
+        );
         for (layer, load) in self.layers.iter_mut().zip(loads) {
             layer.max_stress_kpa = Some(load.max_stress);
             layer.beyond_curve_data = load.is_beyond_data;
@@ -432,7 +461,6 @@ impl Outcome {
         problem: &Problem,
         summary: &Summary<{ STRAIN_BANDS.len() }>,
         contact_nodes: usize,
-        least_stress: f64,
     ) {
         if self.status == Status::NotConverged {
             self.warnings.push(
@@ -472,13 +500,6 @@ impl Outcome {
                     .to_owned(),
             );
         }
-        if least_stress < -WRINKLING_STRESS {
-            self.warnings.push(
-                "Part of the tissue is under compression and may wrinkle; a model without bending \
-                 stiffness does not resolve wrinkles."
-                    .to_owned(),
-            );
-        }
     }
 }
 
@@ -508,9 +529,6 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
         None
     }
 }
-
-/// Compressive stress above which the result warns of wrinkles \[small-strain modulus\].
-const WRINKLING_STRESS: f64 = 0.01;
 
 /// Area of the pocket at rest \[mm²\].
 fn pocket_area(problem: &Problem) -> f64 {

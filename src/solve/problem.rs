@@ -50,6 +50,14 @@ pub enum Tissue {
     },
 }
 
+impl Tissue {
+    /// Is the skin a tension field? Such skin wrinkles instead of being compressed.
+    #[must_use]
+    pub fn skin_wrinkles(self) -> bool {
+        matches!(self, Self::Layered { skin_wrinkles: true, .. })
+    }
+}
+
 /// State of a solve between two slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {

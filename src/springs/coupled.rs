@@ -141,7 +141,7 @@ impl PrincipalResponse {
     /// The response of a tension field at the `given` strains, from that at the relaxed ones: a tension whose strain was
     /// relaxed is zero, and so is its stiffness.
     #[inline]
-    #[allow(clippy::float_cmp, reason = "strains that were not relaxed are the same numbers")]
+    #[expect(clippy::float_cmp, reason = "strains that are not relaxed are the given ones")]
     fn relaxed_from(self, given: [f64; 2], relaxed: [f64; 2]) -> Self {
         if relaxed == given {
             return self;

@@ -9,6 +9,7 @@ mod layer;
 pub mod paper;
 pub mod stability;
 pub mod table;
+pub mod tension_field;
 
 pub use layer::Material;
 

@@ -31,6 +31,8 @@ pub enum Quantity {
     Cover,
     /// Layered tissue: pull of the attachment around the pocket.
     Traction,
+    /// Skin that wrinkles: taut, wrinkled or slack, with strokes along the wrinkles.
+    Wrinkles,
 }
 
 /// The scale of a colour bar.
@@ -68,6 +70,7 @@ impl Quantity {
             Self::Thickness(layer) => Some(Field::ThicknessStretch(layer)),
             Self::Cover => Some(Field::Cover),
             Self::Traction => Some(Field::Traction),
+            Self::Wrinkles => Some(Field::WrinkleState),
         }
     }
 
@@ -81,6 +84,7 @@ impl Quantity {
                 scene.is_layered() && layer < scene.layers.len()
             }
             Self::Cover | Self::Traction => scene.is_layered(),
+            Self::Wrinkles => scene.skin_wrinkles(),
         }
     }
 
@@ -113,6 +117,7 @@ impl Quantity {
                 even(format!("Stress in {}", name(layer)), "kPa", 0.0, high, sequential)
             }
             Self::Pressure => pressure_scale(greatest),
+            Self::Wrinkles => wrinkle_scale(),
         })
     }
 }
@@ -233,6 +238,27 @@ fn strain_scale(greatest: f32) -> Scale {
     }
 }
 
+/// Colours of taut, wrinkled and slack skin; the lightness falls.
+const WRINKLES: [Rgb; 3] = [[0.87, 0.84, 0.78], [0.48, 0.66, 0.74], [0.50, 0.42, 0.58]];
+
+/// The state of the skin: three colours, each with its word in place of a number.
+fn wrinkle_scale() -> Scale {
+    let state = |t: f32| WRINKLES[((3.0 * t) as usize).min(2)];
+    Scale {
+        title: "Wrinkles".to_owned(),
+        unit: "",
+        low: -0.5,
+        high: 2.5,
+        ticks: (0..)
+            .zip(["taut", "wrinkled", "slack"])
+            .map(|(k, s)| (k as f32, s.to_owned()))
+            .collect(),
+        words: Vec::new(),
+        greatest: None,
+        table: table(state),
+    }
+}
+
 /// Contact pressure: field values in kPa, labels in mmHg; without contact the colour of skin.
 fn pressure_scale(greatest: f32) -> Scale {
     // The end is one of 20, 40, 80, 100, 200, … mmHg: equal for similar implants.
@@ -335,6 +361,23 @@ mod tests {
         for (value, word) in scale.words {
             assert_eq!(bands::strain_word(f64::from(value)), word);
         }
+    }
+
+    #[test]
+    fn each_state_of_the_skin_has_one_colour_and_its_word() {
+        let scale = wrinkle_scale();
+        let at = |value: f32| {
+            let t = (value - scale.low) / (scale.high - scale.low);
+            scale.table[(t * TABLE_SIZE as f32) as usize]
+        };
+        for (k, word) in ["taut", "wrinkled", "slack"].into_iter().enumerate() {
+            let (value, label) = &scale.ticks[k];
+            assert_eq!(label, word);
+            for off in [-0.4, 0.0, 0.4] {
+                assert_eq!(at(value + off).map(f32::to_bits), WRINKLES[k].map(f32::to_bits));
+            }
+        }
+        assert!(WRINKLES.windows(2).all(|pair| luminance(pair[0]) > luminance(pair[1])));
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub struct Mesh {
     pub indices: Arc<Vec<u32>>,
 }
 
-fn vertex(position: Vec3, normal: Vec3, grid: [f32; 2], value: f32, c: Rgb) -> Vertex {
+pub(super) fn vertex(position: Vec3, normal: Vec3, grid: [f32; 2], value: f32, c: Rgb) -> Vertex {
     let (p, n) = (position, normal);
     [p.x, p.y, p.z, n.x, n.y, n.z, grid[0], grid[1], value, c[0], c[1], c[2]]
 }

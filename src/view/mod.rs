@@ -12,4 +12,5 @@ pub mod mesh;
 pub mod pick;
 pub mod picture;
 pub mod section;
+pub mod strokes;
 pub mod subject;

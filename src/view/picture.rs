@@ -6,6 +6,7 @@ use crate::view::body::Body;
 use crate::view::color::{self, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
+use crate::view::strokes;
 use crate::view::subject::Subject;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -134,8 +135,18 @@ impl Picture {
         let scale = quantity.scale(self.greatest, &subject.scene().layers);
         self.scale = scale.filter(|_| is_shown);
         let room = take_unused(&mut self.tissues_before);
-        let vertices = mesh::tissue_vertices(room, &self.body, colors, values);
-        let indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
+        let mut vertices = mesh::tissue_vertices(room, &self.body, colors, values);
+        let mut indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
+        if is_shown && quantity == Quantity::Wrinkles {
+            let directions = subject.fields().wrinkle_directions();
+            let spacing = subject.problem().sheet.spacing_mm() as f32;
+            let (points, triangles) =
+                strokes::along(&self.body, directions, spacing, vertices.len() as u32);
+            if !points.is_empty() {
+                vertices.extend(points);
+                indices = Arc::new(indices.iter().copied().chain(triangles).collect());
+            }
+        }
         self.tissues_before.push(Arc::clone(&self.meshes[0]));
         self.set_mesh(0, Mesh { vertices, indices });
         let table = self.scale.as_ref().map_or(&[[1.0; 3]][..], |s| &s.table);
@@ -169,6 +180,39 @@ mod tests {
     use crate::session::{Command, Session};
     use crate::solve::Progress;
     use std::cell::Cell;
+
+    #[test]
+    fn strokes_along_the_wrinkles_are_made_only_when_the_wrinkles_are_shown() {
+        // The thick fat moves outwards and shortens the radii of the skin.
+        let scene = Scene::from_json(
+            r#"{ "implant": { "base_radius_mm": 60, "projection_mm": 45 }, "pocket_radius_mm": 65,
+                 "layers": [ {}, { "thickness_mm": 50, "poisson_ratio": 0.49, "curve": { "kind": "fat" } } ],
+                 "solver": { "nodes_per_side": 33, "tolerance": 1e-3 } }"#,
+        );
+        let mut session = Session::new(scene.unwrap()).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        let section = Section {
+            opening: crate::view::section::Opening::Closed,
+            angle: 0.0,
+            axis: glam::Vec2::ZERO,
+        };
+        let mut picture = Picture::default();
+        let mut tissue = |quantity| {
+            picture.update(&session, quantity, section, &|| 0.0);
+            (Arc::clone(&picture.meshes[0]), session.counters().fields)
+        };
+        let (plain, before) = tissue(Quantity::Strain);
+        let (stroked, after) = tissue(Quantity::Wrinkles);
+        let (again, _) = tissue(Quantity::Strain);
+        // States and directions, once each.
+        assert_eq!(after - before, 2);
+        let added = stroked.vertices.len() - plain.vertices.len();
+        assert!(added >= 4 * 20 && added.is_multiple_of(4), "{added}");
+        assert_eq!(stroked.indices.len() - plain.indices.len(), added / 4 * 6);
+        assert_eq!(stroked.indices.iter().max(), Some(&(stroked.vertices.len() as u32 - 1)));
+        assert!(Arc::ptr_eq(&plain.indices, &again.indices));
+        assert_eq!(plain.vertices.len(), again.vertices.len());
+    }
 
     #[test]
     fn the_picture_takes_a_limited_fraction_of_the_time_during_a_solve() {

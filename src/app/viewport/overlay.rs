@@ -36,6 +36,9 @@ pub(crate) fn legend(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
 const NARROW: f32 = 420.0;
 
 fn title(scale: &Scale) -> String {
+    if scale.unit.is_empty() {
+        return scale.title.clone();
+    }
     format!("{} [{}]", scale.title, scale.unit)
 }
 
@@ -238,6 +241,9 @@ pub(crate) fn caption(ui: &Ui, painter: &Painter, area: Rect, title: &str) {
     painter.galley(at, galley, ui.visuals().strong_text_color());
 }
 
+/// Strain taken up by wrinkles from which the values list it \[-\].
+const LEAST_FOLDED: f32 = 5e-4;
+
 /// The values at a hit, one per line.
 pub(crate) fn readout(hit: &Hit, picture: &Picture, scene: &Scene) -> Vec<String> {
     let layers = &scene.layers;
@@ -259,6 +265,10 @@ pub(crate) fn readout(hit: &Hit, picture: &Picture, scene: &Scene) -> Vec<String
             ];
             if scene.is_layered() {
                 lines.push(format!("Cover {:.1} mm", value(Field::Cover)));
+            }
+            let folded = value(Field::WrinkleStrain);
+            if folded > LEAST_FOLDED {
+                lines.push(format!("Skin in folds: {:.1} %", 100.0 * folded));
             }
             let pressure = value(Field::ContactPressure);
             if pressure > 0.0 {

@@ -52,6 +52,11 @@ impl Stretch {
         [mean + radius - 1.0, mean - radius - 1.0]
     }
 
+    /// Unit vector of the first principal direction, in the rest frame; along x where both stretches are equal.
+    fn first_direction(self) -> DVec2 {
+        DVec2::from_angle(0.5 * (2.0 * self.xy).atan2(self.xx - self.yy))
+    }
+
     /// λ₁λ₂ \[-\].
     pub(crate) fn area_stretch(self) -> f64 {
         self.xx * self.yy - self.xy * self.xy
@@ -227,6 +232,13 @@ impl Deformation {
         self.principal[self.part.index(node)]
     }
 
+    /// Unit vector of the first principal direction at a node, in the rest frame; its sign has no meaning. Along x where
+    /// both strains are equal.
+    #[must_use]
+    pub fn first_direction(&self, node: usize) -> DVec2 {
+        self.stretch(node).first_direction()
+    }
+
     /// Area stretch λ₁λ₂ at a node \[-\].
     #[must_use]
     pub fn area_stretch(&self, node: usize) -> f64 {
@@ -244,6 +256,11 @@ impl Deformation {
     /// Deformed area around a node \[mm²\].
     pub(crate) fn deformed_area(&self, node: usize) -> f64 {
         self.nodes[self.part.index(node)].deformed_area
+    }
+
+    /// Area at rest around a node \[mm²\].
+    pub(crate) fn rest_area(&self, node: usize) -> f64 {
+        self.nodes[self.part.index(node)].rest_area
     }
 
     fn stretch(&self, node: usize) -> Stretch {
@@ -350,6 +367,11 @@ mod tests {
             assert!((first * first + second * second - trace).abs() < 1e-12);
             assert!((deformation.area_stretch(k) - normal.length()).abs() < 1e-12);
             assert!(deformation.normal(k).distance(normal.normalize()) < 1e-12);
+            // U d is λ₁ d for the first direction: tested as |F d| = λ₁, the greatest stretch of all directions.
+            let direction = deformation.first_direction(k);
+            let pushed = DVec3::new(along, 0.0, 0.3) * direction.x
+                + DVec3::new(shear, across, 0.0) * direction.y;
+            assert!((pushed.length() - first).abs() < 1e-12);
         }
         let summary = deformation.summary([0.0, 1.0], |_| 1.0);
         assert!((summary.area_ratio - normal.length()).abs() < 1e-12);

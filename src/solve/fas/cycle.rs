@@ -8,8 +8,7 @@
 //!    node is active, and keeps its gauge, where the weighted fraction of active fine nodes exceeds a threshold; the
 //!    other nodes stay one-sided.
 //! 3. Solve the coarse problem: by steps 1 to 5, on the coarsest grid by smoothing alone.
-//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes. On the grid being solved the augmented pressure of
-//!    nearly incompressible tissue is renewed, here and after the cycle.
+//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes.
 //! 5. Smooth as in step 1.
 //!
 //! A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31, 1977.
@@ -141,10 +140,6 @@ impl<M: ElasticModel> FullMultigrid<M> {
             Step::Correct { grid } => {
                 let (coarse, fine) = self.levels.split_at_mut(grid);
                 fine[0].correct(&coarse[grid - 1], &mut self.row);
-                if grid == self.grid {
-                    // The pressure of nearly incompressible tissue converges as the shape does: once a cycle is too slow.
-                    fine[0].renew(&self.model);
-                }
             }
             Step::CheckConvergence => {}
         }

@@ -1,0 +1,129 @@
+//! Wrinkles of the skin in results: `result/3`, the share of wrinkled skin, and the warning of visible folds.
+
+#![allow(clippy::float_cmp, reason = "states are whole numbers")]
+
+use implant_preview::measure::{Field, Fields, Outcome};
+use implant_preview::scene::{CheckedScene, Scene};
+use implant_preview::simulate::{Simulation, run, simulate};
+use implant_preview::solve::Options;
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+fn scene(fields: &Value) -> Scene {
+    let mut scene = json!({ "schema": "implant-preview/scene/3",
+                            "implant": { "base_radius_mm": 60, "projection_mm": 45 },
+                            "solver": { "nodes_per_side": 33, "tolerance": 1e-3 } });
+    for (name, value) in fields.as_object().into_iter().flatten() {
+        scene[name] = value.clone();
+    }
+    Scene::from_json(&scene.to_string()).expect("the scene is valid")
+}
+
+/// Fat of 50 mm: the implant moves the fat outwards, and the radii of the skin beyond the pocket shorten by up to a tenth.
+fn thick() -> Scene {
+    scene(&json!({ "pocket_radius_mm": 65,
+                   "layers": [ { "tissue": "skin", "curve": { "kind": "skin" } },
+                               { "tissue": "adipose", "thickness_mm": 50, "poisson_ratio": 0.49,
+                                 "curve": { "kind": "fat" } } ] }))
+}
+
+/// An implant off centre in its pocket: skin gathers on the near side, by less than 1 %.
+fn off_centre() -> Scene {
+    scene(&json!({ "implant": { "base_radius_mm": 60, "projection_mm": 45, "center_mm": [15, 0] },
+                   "pocket_radius_mm": 80 }))
+}
+
+fn warns(outcome: &Outcome) -> bool {
+    outcome.warnings.iter().any(|warning| warning.contains("wrinkle"))
+}
+
+#[test]
+fn the_skin_of_the_opening_plan_is_taut_and_its_result_has_no_warning() {
+    let mut opening = Scene::opening();
+    opening.solver.nodes_per_side = 65;
+    let Simulation { outcome, solution } =
+        run(&CheckedScene::new(opening).unwrap(), Options::default(), None);
+    assert_eq!(outcome.wrinkled, Some(0.0));
+    assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+    let fields = Fields::new(Arc::clone(&solution));
+    assert!(fields.values(Field::WrinkleState).iter().all(|state| *state == 0.0));
+    assert!(fields.skin_state(solution.problem().sheet.len() / 2).is_some());
+}
+
+#[test]
+fn visible_folds_beyond_the_pocket_are_a_warning_small_ones_are_none() {
+    let folded = simulate(&thick()).unwrap();
+    println!("{:?} {:?}", folded.wrinkled, folded.warnings);
+    assert!((0.35..0.65).contains(&folded.wrinkled.unwrap()), "{:?}", folded.wrinkled);
+    let warning = folded.warnings.iter().find(|warning| warning.contains("wrinkle")).unwrap();
+    assert!(
+        warning.contains("beyond the pocket") && warning.contains("0 % of the skin"),
+        "{warning}"
+    );
+    let small = simulate(&off_centre()).unwrap();
+    println!("{:?} {:?}", small.wrinkled, small.warnings);
+    assert!((0.01..0.15).contains(&small.wrinkled.unwrap()), "{:?}", small.wrinkled);
+    assert!(!warns(&small), "{:?}", small.warnings);
+}
+
+/// Around a centred implant fat moves outwards and shortens the radii of the skin: the crests are circles.
+#[test]
+fn crests_around_a_centred_implant_under_thick_fat_are_circles() {
+    let solution = run(&CheckedScene::new(thick()).unwrap(), Options::default(), None).solution;
+    let fields = Fields::new(solution);
+    let sheet = &fields.solution().problem().sheet;
+    let mut count = 0;
+    for (rest, crest) in sheet.rest().iter().zip(fields.wrinkle_directions()) {
+        // The border's triangles are less regular.
+        if crest.length() > 0.0 && rest.length() < 110.0 {
+            let off = crest.as_dvec2().dot(rest.normalize()).abs();
+            assert!(off < 0.1, "{crest} at {rest}");
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count}");
+}
+
+#[test]
+fn results_of_wrinkling_skin_are_of_the_third_version() {
+    let third = serde_json::to_value(simulate(&off_centre()).unwrap()).unwrap();
+    assert_eq!(third["schema"], "implant-preview/result/3");
+    assert_eq!(third["solver"]["cells_through"], 2);
+    assert!(third["wrinkled"].is_number());
+    // Without an estimate the field is absent.
+    assert!(third["solver"].get("estimated_discretisation_error").is_none());
+    let mut second = off_centre();
+    second.schema = "implant-preview/scene/2".to_owned();
+    let second = serde_json::to_value(simulate(&second).unwrap()).unwrap();
+    assert_eq!(second["schema"], "implant-preview/result/2");
+    assert!(second.get("wrinkled").is_none() && second["solver"].get("cells_through").is_none());
+    // All fields of result/2, and two more.
+    let names = |result: &Value| -> Vec<String> {
+        let all = result.as_object().unwrap().keys().cloned();
+        let of_solver = result["solver"].as_object().unwrap().keys().map(|k| format!("solver.{k}"));
+        all.chain(of_solver).collect()
+    };
+    let known = names(&second);
+    let added: Vec<String> = names(&third).into_iter().filter(|k| !known.contains(k)).collect();
+    assert_eq!(added, ["wrinkled", "solver.cells_through"]);
+    assert!(known.iter().all(|name| names(&third).contains(name)));
+}
+
+#[test]
+fn each_solid_counts_with_one_cell_at_least() {
+    let mut scene = off_centre();
+    let muscle =
+        implant_preview::scene::Layer { tissue: "muscle".to_owned(), ..scene.layers[1].clone() };
+    scene.layers.push(muscle);
+    scene.solver.cells_through = Some(implant_preview::scene::CellsThrough::Count(1));
+    assert_eq!(simulate(&scene).unwrap().solver.cells_through, Some(2));
+}
+
+#[test]
+fn a_sheet_of_the_third_version_has_a_result_of_the_first() {
+    let mut sheet = off_centre();
+    sheet.set_tissue_model(implant_preview::scene::TissueModel::Sheet);
+    let outcome = simulate(&sheet).unwrap();
+    assert_eq!(outcome.schema, "implant-preview/result/1");
+    assert_eq!((outcome.wrinkled, outcome.solver.cells_through), (None, None));
+}
