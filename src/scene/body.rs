@@ -6,7 +6,7 @@ use super::{
 };
 use crate::curve::number;
 use crate::mesh::{Attachment, Edge, Patch};
-use crate::model::layered::automatic_cells;
+use crate::model::layered::{automatic_cells, balanced_cells};
 use crate::solve::Tissue;
 use crate::springs::{Material, Springs};
 use schemars::JsonSchema;
@@ -53,7 +53,8 @@ impl Default for AttachmentSettings {
 /// Cells through the thickness of the solid layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellsThrough {
-    /// Chosen from the thickness.
+    /// From `scene/3` on chosen so that the error through the thickness is about that of the grid; in `scene/2` from the
+    /// thickness.
     #[default]
     Auto,
     /// This number, 1 to 8 in layered tissue; each solid layer has one at least.
@@ -255,8 +256,15 @@ impl Scene {
 
 impl CellsThrough {
     /// Layered tissue of these materials.
-    pub(super) fn tissue(self, materials: &[Material], skin_wrinkles: bool) -> Tissue {
+    pub(super) fn tissue(
+        self,
+        materials: &[Material],
+        skin_wrinkles: bool,
+        spacing_mm: f64,
+    ) -> Tissue {
         let cells_through = match self {
+            // The versions differ in both, see `Scene::skin_wrinkles`.
+            Self::Auto if skin_wrinkles => balanced_cells(materials, spacing_mm),
             Self::Auto => automatic_cells(materials),
             Self::Count(count) => count,
         };

@@ -77,19 +77,24 @@ impl CheckedScene {
             implant.projection_mm,
             *insertion,
         );
-        let (patch, tissue) = match self.scene.body.filter(|_| self.scene.is_layered()) {
-            None => (Patch::clamped_at_pocket(*pocket_radius_mm), Tissue::Sheet),
-            Some(body) => {
+        let body = self.scene.body.filter(|_| self.scene.is_layered());
+        let patch = match body {
+            None => Patch::clamped_at_pocket(*pocket_radius_mm),
+            Some(body) => body.patch(*pocket_radius_mm),
+        };
+        let nodes_per_side = rounded_nodes_per_side(solver.nodes_per_side);
+        let sheet = Sheet::new(nodes_per_side, patch.radius_mm);
+        let tissue = match body {
+            None => Tissue::Sheet,
+            Some(_) => {
                 let cells = solver.cells_through.unwrap_or_default();
-                (
-                    body.patch(*pocket_radius_mm),
-                    cells.tissue(&self.materials, self.scene.skin_wrinkles()),
-                )
+                let wrinkles = self.scene.skin_wrinkles();
+                cells.tissue(&self.materials, wrinkles, sheet.spacing_mm())
             }
         };
         Problem {
             tissue,
-            sheet: Sheet::new(rounded_nodes_per_side(solver.nodes_per_side), patch.radius_mm),
+            sheet,
             patch,
             obstacle: Obstacle::on_flat_wall(dome),
             materials: self.materials.to_vec(),
