@@ -101,6 +101,10 @@ fn shared_out(heights: &[f64], cells: usize) -> Vec<usize> {
 /// than wide are very stiff.
 const ONE_OR_FOUR_MM: (f64, f64) = (4.0, 15.0);
 
+/// The most cells that [`balanced_cells`] chooses: eight instead of six move 15 mm of fat at 129 nodes per side by 0.02 % of the
+/// base radius and cost a third more.
+const MOST_BALANCED_CELLS: f64 = 6.0;
+
 /// Cells through the thickness of the solids on a grid of a spacing \[mm\]: cells about as high as wide.
 ///
 /// Against the limit of independent elements the greatest position error of the skin is about 0.17 (t/mR)² of the base radius R
@@ -110,7 +114,7 @@ const ONE_OR_FOUR_MM: (f64, f64) = (4.0, 15.0);
 pub(crate) fn balanced_cells(materials: &[Material], spacing_mm: f64) -> usize {
     let thickness = solid_thickness(materials);
     let least = if thickness > ONE_OR_FOUR_MM.0 { 2.0 } else { 1.0 };
-    let cells = (thickness / spacing_mm).round().clamp(least, MAX_CELLS as f64) as usize;
+    let cells = (thickness / spacing_mm).round().clamp(least, MOST_BALANCED_CELLS) as usize;
     cells.max(materials.len().saturating_sub(1)).min(MAX_CELLS)
 }
 
@@ -150,8 +154,8 @@ mod tests {
             (8.5, 4.06, 2),
             (8.5, 2.03, 4),
             (15.0, 3.9, 4),
-            (15.0, 1.95, 8),
-            (40.0, 4.0, 8),
+            (15.0, 1.95, 6),
+            (40.0, 4.0, 6),
             (4.5, 8.0, 2),
             (3.0, 8.0, 1),
         ] {
