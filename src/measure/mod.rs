@@ -198,8 +198,8 @@ pub struct SolverOutcome {
     pub method: SolverMethod,
     /// Multigrid cycles of the finest level.
     pub cycles: u32,
-    /// Did multigrid not converge at first? Then Newton's method replaced it; for layered tissue a second attempt
-    /// of multigrid with smaller steps, and Newton's method after the second attempt (`method`).
+    /// Did multigrid not converge at first? Then Newton's method replaced it; for layered tissue a further attempt
+    /// of multigrid with other constants, and Newton's method after the last attempt (`method`).
     pub fell_back: bool,
     /// Work \[evaluations of all nodal forces on the finest grid\].
     pub work_units: f64,

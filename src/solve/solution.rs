@@ -63,8 +63,8 @@ pub struct Report {
     /// Nodes that one pass over the finest grid visits: [`Self::nodes_solved`], each row filled up to whole
     /// groups of four.
     pub nodes_swept: usize,
-    /// Did full multigrid not converge at first? Then Newton's method replaced it; for layered tissue a second attempt
-    /// of multigrid with smaller steps, and Newton's method after the second attempt ([`Self::method`]).
+    /// Did full multigrid not converge at first? Then Newton's method replaced it; for layered tissue a further attempt
+    /// of multigrid with other constants, and Newton's method after the last attempt ([`Self::method`]).
     pub fell_back: bool,
     /// Did the sheet stay at rest because the insertion is below the tolerance?
     pub is_left_at_rest: bool,
