@@ -317,6 +317,10 @@ mod tests {
     /// Forces of the layered body in lanes of f32 equal those in f64, which are the gradient of the energy.
     #[test]
     fn layered_forces_equal_the_exact_forces_and_the_gradient_of_the_energy() {
+        [false, true].into_iter().for_each(compare_layered_forces);
+    }
+
+    fn compare_layered_forces(skin_wrinkles: bool) {
         let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
             curve: Curve::new(spec).unwrap(),
             poisson_ratio,
@@ -327,7 +331,7 @@ mod tests {
             material(&CurveSpec::Adipose {}, 0.3, 8.0),
             material(&CurveSpec::Linear { modulus_kpa: 12.0 }, 0.45, 5.0),
         ];
-        let law = LayeredLaw::new(&materials, 3, false);
+        let law = LayeredLaw::new(&materials, 3, skin_wrinkles);
         let n = 33;
         let sheet = Sheet::new(n, 80.0);
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
