@@ -228,7 +228,9 @@ const LAYERED_BASE: Parameters = Parameters {
     slow_factor: 0.9,
     max_slow_cycles: 6,
     oscillation: -0.25,
-    residual_bounds: (2e-3, 1e-2),
+    // At 33 nodes per side the residual of some solved scenes stays at 2e-3 to 3e-3: of 2000 random patients four went to Newton's
+    // method with a bound of 2e-3, none with 4e-3, and no error is above the tolerance.
+    residual_bounds: (4e-3, 1e-2),
     error_per_residual: 0.05,
     roundings: 16.0,
     max_stagnations: 3,
