@@ -108,8 +108,8 @@ impl Multigrid {
 
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         if let Self::Layered(scheme) = self {
-            let wrinkles = matches!(problem.tissue, Tissue::Layered { skin_wrinkles: true, .. });
             // An earlier solve may have ended in another attempt.
+            let wrinkles = problem.tissue.skin_wrinkles();
             scheme.set_parameters(if wrinkles { &LAYERED } else { &LAYERED_COMPRESSED });
         }
         delegate!(self, scheme => scheme.start(problem, stop, draft));
