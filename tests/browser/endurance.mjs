@@ -76,10 +76,13 @@ async function memory(page, cdp) {
   };
 }
 
+/** Rounds of drags after which the warm-up ends even if the program's memory still grows. */
+const MAX_WARM_ROUNDS = 6;
+
 /**
- * Drags one slider after the other: each twice, and for as long as is asked, to warm up, then for some
- * seconds more. Gives what there was after the warm-up and after each drag from then on: memory [bytes]
- * and the app's figures.
+ * Drags one slider after the other to warm up: each twice, for as long as is asked, and until a whole round has left the
+ * program's memory as it was; then for some seconds more. Gives what there was after the warm-up and after each
+ * drag from then on: memory [bytes] and the app's figures.
  */
 export async function endure(page, seconds, { warm = 0, report = () => {} } = {}) {
   const cdp = await page.context().newCDPSession(page);
@@ -87,15 +90,21 @@ export async function endure(page, seconds, { warm = 0, report = () => {} } = {}
   const opening = await page.evaluate(() => implantPreview.scene());
   const sliders = await findSliders(page);
   const samples = [];
+  const warmUp = [];
+  const round = sliders.length;
+  const isWarm = () => {
+    const [before, now] = [warmUp.at(-1 - round), warmUp.at(-1)];
+    return warmUp.length >= 2 * round && since() >= warm && (before === now || warmUp.length >= MAX_WARM_ROUNDS * round);
+  };
   const start = Date.now();
   const since = () => (Date.now() - start) / 1000;
   let end = Infinity;
   for (let drags = 0; since() < end; drags += 1) {
-    if (drags % sliders.length === 0) {
+    if (drags % round === 0) {
       await page.evaluate((scene) => implantPreview.setScene(scene), opening);
       await page.waitForFunction(() => implantPreview.stats().converged);
     }
-    const [name, slider] = sliders[drags % sliders.length];
+    const [name, slider] = sliders[drags % round];
     const seen = await drag(page, name, slider);
     if (seen.size < 2) await harness.screenshot(page, "endurance");
     assert.ok(seen.size >= 2, `${name} does not move: ${[...seen]}`);
@@ -106,10 +115,14 @@ export async function endure(page, seconds, { warm = 0, report = () => {} } = {}
       await page.waitForTimeout(20);
     }
     await page.waitForFunction(() => implantPreview.stats().converged);
-    if (drags + 1 < 2 * sliders.length || since() < warm) continue;
-    if (samples.length === 0) end = since() + seconds;
+    const taken = await memory(page, cdp);
+    if (samples.length === 0) {
+      warmUp.push(taken.wasm);
+      if (!isWarm()) continue;
+      end = since() + seconds;
+    }
     const stats = await page.evaluate(() => implantPreview.stats());
-    samples.push({ name, seconds: since(), ...(await memory(page, cdp)), ...stats });
+    samples.push({ name, seconds: since(), ...taken, ...stats });
     report(samples.at(-1));
   }
   await cdp.detach();
