@@ -90,14 +90,14 @@ fn results_of_wrinkling_skin_are_of_the_third_version() {
     assert_eq!(third["schema"], "implant-preview/result/3");
     assert_eq!(third["solver"]["cells_through"], 2);
     assert!(third["wrinkled"].is_number());
-    // Without an estimate the field is absent.
-    assert!(third["solver"].get("estimated_discretisation_error").is_none());
+    let error = third["solver"]["estimated_discretisation_error"].as_f64().unwrap();
+    assert!((1e-3..2e-2).contains(&error), "{error}");
     let mut second = off_centre();
     second.schema = "implant-preview/scene/2".to_owned();
     let second = serde_json::to_value(simulate(&second).unwrap()).unwrap();
     assert_eq!(second["schema"], "implant-preview/result/2");
     assert!(second.get("wrinkled").is_none() && second["solver"].get("cells_through").is_none());
-    // All fields of result/2, and two more.
+    // All fields of result/2, and three more.
     let names = |result: &Value| -> Vec<String> {
         let all = result.as_object().unwrap().keys().cloned();
         let of_solver = result["solver"].as_object().unwrap().keys().map(|k| format!("solver.{k}"));
@@ -105,7 +105,10 @@ fn results_of_wrinkling_skin_are_of_the_third_version() {
     };
     let known = names(&second);
     let added: Vec<String> = names(&third).into_iter().filter(|k| !known.contains(k)).collect();
-    assert_eq!(added, ["wrinkled", "solver.cells_through"]);
+    assert_eq!(
+        added,
+        ["wrinkled", "solver.cells_through", "solver.estimated_discretisation_error"]
+    );
     assert!(known.iter().all(|name| names(&third).contains(name)));
 }
 

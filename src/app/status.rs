@@ -116,7 +116,12 @@ fn status_text(session: &Session) -> StatusText {
                 || "below the tolerance".to_owned(),
                 |error| format!("at most {} of the base radius", percent(error)),
             );
-            let details = format!("Converged: the position error on this grid is {error}.");
+            let of_grid =
+                outcome.solver.estimated_discretisation_error.map_or_else(String::new, |error| {
+                    format!(" A finer grid would move the skin by about {}.", percent(error))
+                });
+            let details =
+                format!("Converged: the position error on this grid is {error}.{of_grid}");
             quiet("Up to date", details)
         }
         Status::NotConverged => {

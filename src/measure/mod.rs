@@ -211,8 +211,11 @@ pub struct SolverOutcome {
     /// Estimated greatest node position error / base radius \[-\], against this grid's own equilibrium;
     /// `None` where the solve ended without an estimate.
     pub estimated_position_error: Option<f64>,
-    /// Estimated greatest node position error / base radius \[-\], against the equilibrium on ever finer grids; `None` and
+    /// Estimated greatest position error of the skin's nodes / base radius \[-\], against the equilibrium on ever finer grids,
+    /// mostly right within a factor of 2 ([`Report::estimated_discretisation_error`]); of skin that wrinkles only, `None` and
     /// absent without an estimate.
+    ///
+    /// [`Report::estimated_discretisation_error`]: crate::solve::Report::estimated_discretisation_error
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated_discretisation_error: Option<f64>,
     /// Cells through the thickness of all solids together; of skin that wrinkles only, otherwise `None` and absent.
@@ -231,7 +234,10 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     let solution = fields.solution();
     let (problem, report) = (solution.problem(), solution.report());
     let mut outcome = Outcome::without_shape(problem, report, tissues);
-    outcome.solver.cells_through = problem.tissue.skin_wrinkles().then(|| solution.cells().len());
+    if problem.tissue.skin_wrinkles() {
+        outcome.solver.cells_through = Some(solution.cells().len());
+        outcome.solver.estimated_discretisation_error = report.estimated_discretisation_error;
+    }
     if outcome.status == Status::Unstable || report.invalid.is_some() {
         outcome.warnings.push(no_shape(report.invalid).to_owned());
         return outcome;

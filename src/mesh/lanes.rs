@@ -60,6 +60,15 @@ impl Field {
         self.z.copy_from_slice(&other.z);
     }
 
+    /// Copies the last plane of each component.
+    pub(crate) fn copy_last_plane_from(&mut self, other: &Self) {
+        let parts = [&other.x, &other.y, &other.z];
+        for (to, from) in [&mut self.x, &mut self.y, &mut self.z].into_iter().zip(parts) {
+            let (to_start, from_start) = (to.len() - self.plane, from.len() - other.plane);
+            to[to_start..].copy_from_slice(&from[from_start..]);
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn load(&self, k: usize) -> [f32x4; 3] {
         [load(&self.x, k), load(&self.y, k), load(&self.z, k)]

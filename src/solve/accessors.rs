@@ -4,7 +4,7 @@ use super::multigrid::Multigrid;
 use super::newton_method::NewtonMethod;
 use super::{
     Displayed, Invalid, Method, Problem, Report, Shape, Solution, Solver, Stage, Verdict,
-    initial_guess,
+    discretisation, initial_guess,
 };
 use crate::model::membrane::assembly;
 use crate::model::membrane::law::SheetLaw;
@@ -68,6 +68,7 @@ impl Solver {
             work_units: self.work_units(),
             relative_residual: finite(self.relative_residual()),
             estimated_position_error: finite(self.estimated_position_error()),
+            estimated_discretisation_error: self.estimated_discretisation_error(),
         }
     }
 
@@ -225,6 +226,20 @@ impl Solver {
             _ => f64::INFINITY,
         };
         error / self.problem.obstacle.dome.base_radius
+    }
+
+    /// See [`Report::estimated_discretisation_error`].
+    #[must_use]
+    pub fn estimated_discretisation_error(&self) -> Option<f64> {
+        if self.stage != Stage::Multigrid || self.verdict != Verdict::Converged {
+            return None;
+        }
+        let Problem { sheet, obstacle, .. } = &*self.problem;
+        let change = self.multigrid.as_ref()?.change_by_refinement()?;
+        Some(
+            discretisation::error(change, &self.law, sheet.spacing_mm())
+                / obstacle.dome.base_radius,
+        )
     }
 
     /// Completed fraction of the solve, 0 to 1: nested grids count for a third, the finest grid's estimated

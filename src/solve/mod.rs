@@ -9,11 +9,12 @@
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_layers` | `newton_method` | `linear` (systems of Newton's method) |
-//! `validity` | `reactions`.
+//! `validity` | `discretisation` | `reactions`.
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
 mod accessors;
+mod discretisation;
 mod fas;
 pub(crate) mod initial_guess;
 pub(crate) mod linear;

@@ -154,6 +154,11 @@ impl Multigrid {
         delegate!(self, scheme => scheme.ending())
     }
 
+    /// See [`FullMultigrid::change_by_refinement`].
+    pub(super) fn change_by_refinement(&self) -> Option<f64> {
+        delegate!(self, scheme => scheme.change_by_refinement())
+    }
+
     pub(super) fn preview(&mut self) -> usize {
         delegate!(self, scheme => scheme.preview())
     }

@@ -84,6 +84,10 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     next_step: usize,
     mode: Mode,
     convergence: Convergence,
+    /// The solution of the second finest grid in its outermost layer of nodes \[its spacings\]; empty with one grid.
+    coarse_solution: Field,
+    /// Has this solve set [`Self::coarse_solution`]?
+    has_coarse_solution: bool,
     /// Scratch of a row.
     row: Vec<f32>,
     work_units: f64,
@@ -126,6 +130,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
                     Field::default()
                 },
             ),
+            coarse_solution: levels
+                .iter()
+                .nth_back(1)
+                .map_or_else(Field::default, |coarse| Field::new(coarse.layout.len(), 1)),
+            has_coarse_solution: false,
             row: vec![0.0; nodes_per_side + 8],
             work_units: 0.0,
             levels,
@@ -178,6 +187,18 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.convergence.ending
     }
 
+    /// Greatest distance between the solutions of the two finest grids at a node of both, on the skin \[mm\]; `None` without a
+    /// solution of both.
+    pub(super) fn change_by_refinement(&self) -> Option<f64> {
+        if !(self.has_coarse_solution && self.is_on_finest()) {
+            return None;
+        }
+        let [.., coarse, fine] = &*self.levels else { return None };
+        let (u, own) = (&fine.u, &self.coarse_solution);
+        let change = transfer::greatest_distance(&coarse.layout, &fine.layout, u, own);
+        Some(2.0 * self.spacing * f64::from(change))
+    }
+
     /// Starts with the constants of the next attempt; false without one.
     pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
         let Some(next) = self.parameters.next else { return false };
@@ -220,6 +241,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.place(obstacle.scaled(1.0 / spacing));
         }
         self.work_units = 0.0;
+        self.has_coarse_solution = false;
         self.mode = Mode::Fast;
         let first = self.parameters.first_grid.min(finest);
         for level in &mut self.levels[..=first] {
@@ -241,6 +263,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Continues on the next finer grid.
     fn refine(&mut self) {
+        if self.grid + 2 == self.levels.len() {
+            self.coarse_solution.copy_last_plane_from(&self.levels[self.grid].u);
+            self.has_coarse_solution = true;
+        }
         self.prolongate(self.grid);
         self.begin_grid(self.grid + 1);
     }

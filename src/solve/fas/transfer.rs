@@ -45,6 +45,23 @@ pub(super) fn inject(coarse: &Layout, fine: &Layout, from: &Field, to: &mut Fiel
     }
 }
 
+/// Greatest distance between the fine grid's displacements and those of the coarse grid's own solution at a node of both, on the
+/// outermost layer of nodes \[spacings of the coarse grid\].
+pub(super) fn greatest_distance(coarse: &Layout, fine: &Layout, u: &Field, own: &Field) -> f32 {
+    let outermost = |field: &Field| field.layers().last().unwrap_or(0);
+    let (of_fine, of_coarse) = (outermost(u), outermost(own));
+    let mut greatest = 0.0_f32;
+    coarse.free_rows(|j, first, last| {
+        let row = of_fine + fine_row(coarse, fine, j);
+        for i in first..last {
+            let (u, own) = (u.at(row + 2 * i), own.at(of_coarse + j * coarse.pitch + i));
+            let square = [0, 1, 2].map(|k: usize| (0.5 * u[k] - own[k]).powi(2));
+            greatest = greatest.max(square[0] + square[1] + square[2]);
+        }
+    });
+    greatest.sqrt()
+}
+
 /// Restricts the active set: a coarse node is active if the weighted fraction of active fine nodes exceeds
 /// `least_weight`.
 pub(super) fn restrict_active_set(
