@@ -76,8 +76,8 @@ pub struct Report {
     /// Estimated greatest node position error against this grid's own equilibrium \[base radius\]; `None` while
     /// there is no estimate.
     pub estimated_position_error: Option<f64>,
-    /// Estimated greatest position error of the membrane's nodes, the skin's of layered tissue, against the equilibrium on ever
-    /// finer grids \[base radius\], of the same order as the error; `None` unless multigrid solved two grids.
+    /// Estimated greatest position error of the skin's nodes of layered tissue against the equilibrium on ever finer grids
+    /// \[base radius\], mostly within a factor of 2; `None` of a sheet and unless multigrid solved two grids.
     #[serde(default)]
     pub estimated_discretisation_error: Option<f64>,
 }

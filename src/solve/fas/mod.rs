@@ -84,7 +84,8 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     next_step: usize,
     mode: Mode,
     convergence: Convergence,
-    /// The solution of the second finest grid in its outermost layer of nodes \[its spacings\]; empty with one grid.
+    /// The solution of the second finest grid in its outermost layer of nodes \[its spacings\]; empty with one grid and of a
+    /// sheet.
     coarse_solution: Field,
     /// Has this solve set [`Self::coarse_solution`]?
     has_coarse_solution: bool,
@@ -133,6 +134,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             coarse_solution: levels
                 .iter()
                 .nth_back(1)
+                .filter(|_| model.layers() > 1)
                 .map_or_else(Field::default, |coarse| Field::new(coarse.layout.len(), 1)),
             has_coarse_solution: false,
             row: vec![0.0; nodes_per_side + 8],
@@ -263,7 +265,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Continues on the next finer grid.
     fn refine(&mut self) {
-        if self.grid + 2 == self.levels.len() {
+        if self.grid + 2 == self.levels.len() && self.model.layers() > 1 {
             self.coarse_solution.copy_last_plane_from(&self.levels[self.grid].u);
             self.has_coarse_solution = true;
         }
