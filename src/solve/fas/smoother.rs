@@ -204,7 +204,10 @@ pub(super) fn residual<S: Stiffness>(
     for plane in f.planes_mut() {
         plane[last..].fill(0.0);
     }
-    squares += outer_residual(layout, tau, f);
+    if let Some(tau) = tau {
+        add_above(layout, tau, f);
+    }
+    squares += outer_squares(layout, None, f);
     layout.mirror(f);
     layout.mirror_marks(active);
     squares
@@ -225,20 +228,13 @@ pub(super) fn outer_squares(layout: &Layout, tau: Option<&Field>, f: &Field) -> 
     squares
 }
 
-/// Adds τ above the inner face; returns the sum of squares there.
-fn outer_residual(layout: &Layout, tau: Option<&Field>, f: &mut Field) -> f64 {
-    let mut squares = 0.0;
+/// Adds τ above the inner face.
+fn add_above(layout: &Layout, tau: &Field, f: &mut Field) {
     for layer in f.layers().skip(1) {
         layout.free_groups(|group| {
             let k = layer + group.first;
-            let mut r = f.load(k);
-            if let Some(tau) = tau {
-                r = add(r, tau.load(k));
-            }
+            let r = add(f.load(k), tau.load(k));
             store_first(f, k, group.count, r);
-            let lanes = dot(r, r).to_array();
-            squares += lanes[..group.count].iter().map(|&r| f64::from(r)).sum::<f64>();
         });
     }
-    squares
 }
