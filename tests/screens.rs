@@ -13,6 +13,7 @@ use implant_preview::measure::{Outcome, Status};
 use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
+use serde_json::json;
 
 #[path = "screens/filling.rs"]
 mod filling;
@@ -1519,6 +1520,20 @@ fn a_second_pin_of_one_scene_is_refused_in_one_line() {
     press(&mut harness, "Pin as B");
     harness.get_by_label("Error: This scene is pinned already, as A.");
     assert_eq!(pins(&harness), ["A "]);
+}
+
+#[test]
+fn pins_of_a_file_are_solved_by_the_frames_that_the_app_requests() {
+    let mut harness = app(WIDE, |_| {});
+    let scene = |insertion| Scene { insertion, ..harness.state().session().scene().clone() };
+    let pinned = |insertion| json!({ "scene": serde_json::to_value(scene(insertion)).unwrap() });
+    let mut file = serde_json::to_value(scene(0.6)).unwrap();
+    file["pins"] = json!([pinned(0.5), pinned(0.7)]);
+    let solves = harness.state().session().counters().solves;
+    harness.state_mut().open(file.to_string()).unwrap();
+    harness.run();
+    assert!(!harness.state().session().is_solving_pins());
+    assert_eq!(harness.state().session().counters().solves, solves + 3);
 }
 
 #[test]

@@ -66,7 +66,8 @@ impl App {
         self.focus.end_frame(&ctx, self.viewport.id());
         self.draft = Some(scene);
         self.was_paused = false;
-        if self.session.is_working() || self.is_playing {
+        // The solve of the scene ends in a frame that solves no pin.
+        if self.session.is_working() || self.session.is_solving_pins() || self.is_playing {
             ctx.request_repaint();
         }
         self.note_pins();
@@ -132,9 +133,7 @@ impl App {
     /// Solves a pin for one slice.
     fn solve_pin(&mut self) {
         let now = Instant::now();
-        if self.session.advance_pins(&mut || now.elapsed() >= SLICE) == Progress::Working {
-            self.request_frame();
-        }
+        self.session.advance_pins(&mut || now.elapsed() >= SLICE);
     }
 
     /// Is a long solve in progress?

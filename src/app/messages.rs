@@ -1,10 +1,16 @@
-//! Messages over or in place of the picture: notices, progress of a long solve, the pages "Stopped" and
-//! "No stable shape".
+//! Messages: notices over the picture, the progress of a long solve in the status line, the pages "Stopped" and "No answer
+//! for this plan".
 
 use super::widgets::set_accessible_name;
 use super::{App, theme};
 use crate::scene::{Scene, Springs};
-use eframe::egui::{self, RichText, Ui};
+use crate::solve::Displayed;
+use eframe::egui::{self, Rect, RichText, Ui};
+
+/// Heading of a scene without a shape.
+const NO_ANSWER: &str = "No answer for this plan";
+/// Greatest width of a box over the picture \[points\].
+const BOX_WIDTH: f32 = 560.0;
 
 /// Severity of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +54,8 @@ impl Notice {
         Self { severity: Severity::Error, ..Self::info(text) }
     }
 
-    fn show(&self, ui: &mut Ui) -> Option<NoticeAction> {
+    /// Shows the notice over the lower edge of an area; nothing moves for it.
+    fn show(&self, ui: &mut Ui, area: Rect) -> Option<NoticeAction> {
         let palette = theme::palette(ui.visuals());
         // A word besides the colour: some users do not see the colour.
         let (color, word) = match self.severity {
@@ -57,7 +64,7 @@ impl Notice {
             Severity::Error => (palette.bad, "Error: "),
         };
         let mut action = None;
-        strip("notice", ui).show(ui, |ui| {
+        over(ui, area, "notice", |ui| {
             ui.horizontal_wrapped(|ui| {
                 let close = ui.button("×");
                 set_accessible_name(&close, egui::Role::Button, "Close message");
@@ -78,35 +85,37 @@ impl Notice {
 }
 
 impl App {
-    /// Shows the last notice until the user closes it.
-    pub(super) fn show_notice(&mut self, ui: &mut Ui) {
+    /// Shows the last notice over an area until the user closes it.
+    pub(super) fn show_notice(&mut self, ui: &mut Ui, area: Rect) {
         if self.shots.is_for_report() {
             return;
         }
-        match self.notice.as_ref().and_then(|notice| notice.show(ui)) {
+        match self.notice.as_ref().and_then(|notice| notice.show(ui, area)) {
             None => {}
             Some(NoticeAction::Close) => self.notice = None,
             Some(NoticeAction::Accept(scene)) => self.accept(scene),
         }
     }
 
-    /// Shows the progress of a long solve with a button to cancel.
-    pub(super) fn progress_bar(&mut self, ui: &mut Ui) {
+    /// Shows the progress of a long solve with a button to cancel, in the status line.
+    pub(super) fn progress(&mut self, ui: &mut Ui) {
         let Some(running) = self.solving else { return };
-        let mut is_cancelled = false;
-        strip("progress", ui).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                is_cancelled = ui.button("Cancel").clicked();
-                let seconds = running.start.elapsed().as_secs();
-                let bar = egui::ProgressBar::new(running.fraction as f32)
-                    .desired_width((ui.available_width() - 270.0).clamp(40.0, 320.0))
-                    .fill(theme::palette(ui.visuals()).accent)
-                    .animate(true);
-                let bar = ui.add(bar);
-                let role = egui::Role::ProgressIndicator;
-                set_accessible_name(&bar, role, "Progress of the solve");
-                ui.label(format!("Computing for {seconds} s; the picture is provisional"));
-            });
+        let is_cancelled = ui.button("Cancel").clicked();
+        let words = match self.session.displayed() {
+            Displayed::Previous => "the picture is that of the previous plan",
+            Displayed::Coarse { .. } | Displayed::Draft | Displayed::Final => {
+                "the picture is provisional"
+            }
+        };
+        let words = format!("Computing for {} s; {words}", running.start.elapsed().as_secs());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(words);
+            let bar = egui::ProgressBar::new(running.fraction as f32)
+                .desired_width(ui.available_width().clamp(40.0, 320.0))
+                .fill(theme::palette(ui.visuals()).accent)
+                .animate(true);
+            let bar = ui.add(bar);
+            set_accessible_name(&bar, egui::Role::ProgressIndicator, "Progress of the solve");
         });
         if is_cancelled || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.cancel();
@@ -125,36 +134,45 @@ impl App {
     }
 }
 
-/// Shows the reason why the scene has no shape, and a remedy: the standard model in place of the paper's springs, and what
-/// `offer` adds.
-pub(super) fn no_shape_page(
-    ui: &mut Ui,
-    words: &str,
-    scene: &mut Scene,
-    offer: impl FnOnce(&mut Ui),
-) {
-    message_page(ui, "No answer for this plan", |ui| {
-        ui.label(words);
-        ui.add_space(theme::SPACE);
-        offer(ui);
-        if scene.springs != Springs::Nikolaev {
-            return;
-        }
-        ui.small(
-            "At these strains and this Poisson ratio the springs of Nikolaev 2013 are unstable: their \
-             energy has no minimum, so no shape can be computed.",
-        );
-        ui.add_space(theme::SPACE);
-        if ui.button("Use the standard model").clicked() {
-            scene.springs = Springs::Coupled;
-        }
+/// The page of a scene without a shape.
+pub(super) fn no_shape_page(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    message_page(ui, NO_ANSWER, add);
+}
+
+/// A box over the picture of the last answer, of a scene without a shape.
+pub(super) fn no_shape_box(ui: &mut Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
+    over(ui, area, NO_ANSWER, |ui| {
+        ui.label(RichText::new(NO_ANSWER).strong());
+        add(ui);
     });
 }
 
-/// A panel of one line above the picture.
-fn strip(name: &'static str, ui: &Ui) -> egui::Panel {
-    let frame = egui::Frame::new().inner_margin(theme::SPACE).fill(ui.visuals().panel_fill);
-    egui::Panel::top(name).frame(frame).resizable(false)
+/// A remedy for a scene without a shape: the standard model in place of the paper's springs.
+pub(super) fn standard_model(ui: &mut Ui, scene: &mut Scene) {
+    if scene.springs != Springs::Nikolaev {
+        return;
+    }
+    ui.small(
+        "At these strains and this Poisson ratio the springs of Nikolaev 2013 are unstable: their \
+         energy has no minimum, so no shape can be computed.",
+    );
+    ui.add_space(theme::SPACE);
+    if ui.button("Use the standard model").clicked() {
+        scene.springs = Springs::Coupled;
+    }
+}
+
+/// A box at the middle of the lower edge of an area.
+fn over(ui: &mut Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) {
+    let inner = area.shrink(2.0 * theme::SPACE);
+    let width = inner.width().min(BOX_WIDTH);
+    let inner = Rect::from_center_size(inner.center(), egui::vec2(width, inner.height()));
+    let layout = egui::Layout::bottom_up(egui::Align::Center);
+    let builder = egui::UiBuilder::new().id_salt(name).max_rect(inner).layout(layout);
+    let frame = egui::Frame::popup(ui.style()).inner_margin(theme::SPACE);
+    frame.show(&mut ui.new_child(builder), |ui| {
+        ui.with_layout(egui::Layout::top_down(egui::Align::Min), add);
+    });
 }
 
 /// A page with a heading in place of the picture.

@@ -9,6 +9,7 @@ use crate::mesh::NodeKind;
 use crate::session::{Pin, Session};
 use crate::solve::{Problem, Solution};
 use crate::study::SectionBand;
+use crate::view::subject::Subject;
 use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{
     FilledArea, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi, Points, uniform_grid_spacer,
@@ -95,9 +96,9 @@ pub(super) fn sampled(curve: &Curve, from: f64, to: f64) -> Polyline {
 /// sampled patients (`band`), if any. Without a stable shape the tissue is missing.
 pub(super) fn section(ui: &mut Ui, session: &Session, compare: &Compare, band: &[SectionBand]) {
     let palette = theme::palette(ui.visuals());
-    let problem = session.problem();
+    let problem = Subject::problem(session);
     let implant = ("implant", palette.accent, dome_outline(problem));
-    let tissue = (!session.has_no_shape()).then(|| {
+    let tissue = (!Subject::has_no_shape(session)).then(|| {
         let [inner, outer] = tissue_faces(session.solution());
         [("skin", palette.curves[0], outer), ("inner face", palette.curves[1], inner)]
     });

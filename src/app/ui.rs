@@ -8,6 +8,7 @@ use super::viewport::Shown;
 use super::{App, advanced, answer, details, messages, no_answer, plan, plots, status, theme};
 use crate::measure::Status;
 use crate::scene::Scene;
+use crate::study::size_in_words;
 use eframe::egui::{self, Rect, RichText, Ui};
 use plan::Hand;
 
@@ -167,8 +168,14 @@ impl App {
     }
 
     /// State of the computation and model; on a narrow screen the words that are always in sight.
-    fn status_row(&self, ui: &mut Ui, layout: Layout) {
+    fn status_row(&mut self, ui: &mut Ui, layout: Layout) {
         ui.horizontal(|ui| {
+            // As high with the button of a long solve as without.
+            ui.set_min_height(ui.spacing().interact_size.y);
+            if self.is_long() {
+                self.progress(ui);
+                return;
+            }
             status::show(ui, &self.session, &self.timing);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| match layout {
                 Layout::Narrow => disclaimer(ui, layout),
@@ -220,15 +227,27 @@ impl App {
         }
     }
 
-    /// The page of a plan without a shape. On a narrow screen the answer with the nearest plan is behind a tab.
-    fn no_shape_page(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
+    /// The page of a plan without a shape, or a box over the picture of the last plan with an answer. On a narrow screen
+    /// the answer with the nearest plan is behind a tab.
+    fn no_shape(&mut self, ui: &mut Ui, area: Rect, scene: &mut Scene, layout: Layout) {
         let words = no_answer::words(&self.session);
+        let last = self.session.last_answer().map(|answer| size_in_words(&answer.scene));
         let mut accepted = None;
-        messages::no_shape_page(ui, &words, scene, |ui| {
+        let add = |ui: &mut Ui| {
+            ui.label(words);
+            if let Some(size) = &last {
+                ui.label(format!("The picture is of the last plan with an answer: {size}."));
+            }
+            ui.add_space(theme::SPACE_SMALL);
             if layout == Layout::Narrow {
                 accepted = self.nearest.offer(ui, &self.session, Hand::Finger);
             }
-        });
+            messages::standard_model(ui, scene);
+        };
+        match last {
+            Some(_) => messages::no_shape_box(ui, area, add),
+            None => messages::no_shape_page(ui, add),
+        }
         if let Some(scene) = accepted {
             self.take_nearest(scene);
         }
@@ -236,20 +255,19 @@ impl App {
 
     /// The 3-D view with its controls and notices, or the page that replaces the view.
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
-        self.show_notice(ui);
+        let area = ui.available_rect_before_wrap();
         if self.session.is_stopped() {
             self.stopped_page(ui);
-        } else if self.session.has_no_shape() {
-            self.no_shape_page(ui, scene, layout);
+        } else if self.session.has_no_shape() && self.session.last_answer().is_none() {
+            self.no_shape(ui, area, scene, layout);
         } else {
-            if self.is_long() {
-                self.progress_bar(ui);
-            }
-            let area = ui.available_rect_before_wrap();
             let envelope = self.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.session, &self.options);
             let shown = Shown { session, options, envelope, bar: self.view_bar_height };
-            if self.compare.is_side_by_side(session) {
+            if session.has_no_shape() {
+                self.viewport.show(ui, shown);
+                self.no_shape(ui, area, scene, layout);
+            } else if self.compare.is_side_by_side(session) {
                 self.viewport.show_side_by_side(ui, shown);
             } else {
                 self.viewport.show(ui, shown);
@@ -261,6 +279,7 @@ impl App {
                 }
             }
         }
+        self.show_notice(ui, area);
     }
 }
 

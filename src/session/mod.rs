@@ -75,6 +75,15 @@ pub struct Record {
     pub date: String,
 }
 
+/// A scene with the fields of its solution.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The scene.
+    pub scene: Scene,
+    /// The fields.
+    pub fields: Rc<Fields>,
+}
+
 /// The current scene, its history and its solve; the pinned scenes.
 pub struct Session {
     scene: Scene,
@@ -86,7 +95,12 @@ pub struct Session {
     is_held: bool,
     working: bool,
     revision: u64,
+    /// The fields of the displayed shape: the previous shape until the solver has a shape of the current scene.
     fields: OnceCell<Rc<Fields>>,
+    /// Has the solver a shape of the current scene, or do the fields hold a previous one?
+    is_shape_known: bool,
+    /// The last scene with an answer, with its fields; absent if nothing displayed its shape.
+    last_answer: Option<Answer>,
     /// Stability limits of the current layers under the paper's springs.
     stability_limits: OnceCell<Limits>,
     outcome: Option<Outcome>,
@@ -127,6 +141,8 @@ impl Session {
             working: true,
             revision: 1,
             fields: OnceCell::new(),
+            is_shape_known: false,
+            last_answer: None,
             stability_limits: OnceCell::new(),
             outcome: None,
             is_outcome_present: false,
@@ -240,9 +256,11 @@ impl Session {
         if let Some(solved) = self.held(checked.scene()) {
             return self.hold(checked.into_scene(), solved);
         }
+        self.note_answer();
         self.is_held = false;
         self.solver.restart(problem);
-        self.reshaped();
+        // The previous shape is displayed, if it ever was, until the solver has another.
+        self.is_shape_known &= self.fields.get().is_some();
         self.working = true;
         self.is_stopped = false;
         self.is_outcome_present = false;
@@ -254,6 +272,8 @@ impl Session {
     fn hold(&mut self, scene: Scene, Solved { outcome, fields }: Solved) -> Scene {
         self.reshaped();
         self.fields = OnceCell::from(fields);
+        self.is_shape_known = true;
+        self.last_answer = None;
         self.outcome = Some(outcome);
         self.is_outcome_present = true;
         self.is_measured = true;
@@ -303,9 +323,27 @@ impl Session {
         }
         if has_moved || !self.working {
             self.reshaped();
+            self.is_shape_known = true;
             self.is_measured = self.working && self.solver.displayed() != Displayed::Draft;
         }
         progress
+    }
+
+    /// Keeps the present solution as the last answer, before another scene.
+    fn note_answer(&mut self) {
+        if let Some(fields) = self.fields.get()
+            && self.result().is_some()
+            && !self.has_no_shape()
+        {
+            self.last_answer =
+                Some(Answer { scene: self.scene.clone(), fields: Rc::clone(fields) });
+        }
+    }
+
+    /// The last scene with an answer before the present one.
+    #[must_use]
+    pub fn last_answer(&self) -> Option<&Answer> {
+        self.last_answer.as_ref()
     }
 
     /// Reverts to the last scene with a valid solution and solves that scene; [`Command::Redo`] restores the reverted
@@ -330,6 +368,7 @@ impl Session {
             self.is_stopped = true;
             self.outcome = None;
             self.reshaped();
+            self.is_shape_known = false;
         }
     }
 
@@ -360,6 +399,9 @@ impl Session {
         }
         if !self.working {
             self.share_solutions();
+            if !self.has_no_shape() {
+                self.last_answer = None;
+            }
         }
     }
 
@@ -386,6 +428,13 @@ impl Session {
     #[must_use]
     pub fn is_working(&self) -> bool {
         self.working
+    }
+
+    /// The problem of the displayed shape: of the previous scene until the solver has a shape of the current scene;
+    /// `None` before the first shape.
+    #[must_use]
+    pub fn displayed_problem(&self) -> Option<&Problem> {
+        self.is_shape_known.then(|| self.fields().solution().problem())
     }
 
     /// The problem being solved: grid, patch, obstacle, layers.

@@ -63,7 +63,7 @@ impl NoAnswer {
     /// The reason in one sentence, of two lines of a panel at most.
     #[must_use]
     pub fn words(self, scene: &Scene) -> String {
-        let size = size(scene);
+        let size = size_in_words(scene);
         match self {
             Self::PaperSprings => "The 2013 model has no answer for this much stretch.".to_owned(),
             Self::SteepDome => {
@@ -99,8 +99,9 @@ fn is_soft(layer: &Layer) -> bool {
     })
 }
 
-/// The implant in a few words, as "300 ml on 12 cm".
-fn size(scene: &Scene) -> String {
+/// The implant of a scene in a few words, as "300 ml on 12 cm".
+#[must_use]
+pub fn size_in_words(scene: &Scene) -> String {
     let implant = &scene.implant;
     let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
     let width = width.trim_end_matches(".0");

@@ -139,6 +139,12 @@ impl Body {
         self.slabs.is_empty()
     }
 
+    /// Height of the highest point of the skin above the wall \[mm\]; 0 without tissue.
+    #[must_use]
+    pub fn height(&self) -> f32 {
+        self.levels.first().map_or(0.0, |skin| skin.iter().map(|p| p.z).fold(0.0, f32::max))
+    }
+
     /// Place at rest of a column on a vertical plane of this normal \[cells\], from the middle of the grid; `None` in the ring.
     pub(super) fn cells_along(&self, column: usize, normal: Vec3) -> Option<f32> {
         let n = self.nodes_per_side;

@@ -1,4 +1,5 @@
-//! An orbit camera: every movement returns whether the view changed; only [`Camera::fit`] is animated.
+//! An orbit camera: every movement returns whether the view changed; only [`Camera::fit`] is animated, and a movement by
+//! nothing leaves the animation running.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -10,6 +11,8 @@ const ORBIT_RATE: f32 = 0.008;
 const ELEVATION: (f32, f32) = (-0.15, 1.55);
 /// Range of the distance \[mm\].
 const DISTANCE_MM: (f32, f32) = (40.0, 3000.0);
+/// Greatest coordinates of the target \[mm\].
+const TARGET_MM: Vec3 = Vec3::splat(400.0);
 /// Duration of [`Camera::fit`] \[s\].
 const EASE_SECONDS: f32 = 0.35;
 
@@ -77,6 +80,9 @@ impl Camera {
 
     /// Orbits by a drag in screen points. Returns whether the view changed.
     pub fn drag(&mut self, delta: Vec2) -> bool {
+        if delta == Vec2::ZERO {
+            return false;
+        }
         let before = *self;
         self.ease = None;
         self.pose.azimuth -= delta.x * ORBIT_RATE;
@@ -88,23 +94,58 @@ impl Camera {
     /// Moves the target with the pointer; `height` is the viewport's height in the delta's units. Returns whether the
     /// view changed.
     pub fn pan(&mut self, delta: Vec2, height: f32) -> bool {
+        if delta == Vec2::ZERO {
+            return false;
+        }
         let before = *self;
         self.ease = None;
         let scale = 2.0 * self.pose.distance * (0.5 * FIELD_OF_VIEW).tan() / height.max(1.0);
         let (right, up) = self.right_and_up();
         self.pose.target += (up * delta.y - right * delta.x) * scale;
-        self.pose.target = self.pose.target.clamp(Vec3::splat(-400.0), Vec3::splat(400.0));
+        self.pose.target = self.pose.target.clamp(-TARGET_MM, TARGET_MM);
         *self != before
     }
 
-    /// Divides the distance by a factor. Returns whether the view changed.
-    pub fn zoom(&mut self, factor: f32) -> bool {
+    /// Divides the distance by a factor; what is seen at the point of the viewport (both coordinates from −1 to 1, y up),
+    /// at the depth of the target, stays there. Returns whether the view changed.
+    pub fn zoom(&mut self, factor: f32, at: Vec2, aspect: f32) -> bool {
+        #[expect(clippy::float_cmp, reason = "exactly one where no device moves")]
+        let is_movement = factor.is_finite() && factor > 0.0 && factor != 1.0;
+        if !is_movement {
+            return false;
+        }
         let before = *self;
         self.ease = None;
-        if factor.is_finite() && factor > 0.0 {
-            self.pose.distance = (self.pose.distance / factor).clamp(DISTANCE_MM.0, DISTANCE_MM.1);
-        }
+        let distance = (self.pose.distance / factor).clamp(DISTANCE_MM.0, DISTANCE_MM.1);
+        let scale = (self.pose.distance - distance) * (0.5 * FIELD_OF_VIEW).tan();
+        let (right, up) = self.right_and_up();
+        self.pose.target += (right * at.x * aspect + up * at.y) * scale;
+        self.pose.target = self.pose.target.clamp(-TARGET_MM, TARGET_MM);
+        self.pose.distance = distance;
         *self != before
+    }
+
+    /// Moves the eye back along the line of sight until the eye is outside of a cylinder that stands on the wall about the
+    /// origin: the tissue. An animation is left alone.
+    pub fn keep_outside(&mut self, radius_mm: f32, height_mm: f32) {
+        if self.ease.is_some() {
+            return;
+        }
+        let eye = self.eye();
+        if eye.z >= height_mm || eye.truncate().length() >= radius_mm {
+            return;
+        }
+        let back = (eye - self.pose.target) / self.pose.distance;
+        // Through the top, or through the side: |eye + t back| = radius in the plane of the wall.
+        let top = if back.z > 0.0 { (height_mm - eye.z) / back.z } else { f32::INFINITY };
+        let (across, along) = (back.truncate(), eye.truncate());
+        let (a, b) = (across.length_squared(), across.dot(along));
+        let c = along.length_squared() - radius_mm * radius_mm;
+        let side = (-b + (b * b - a * c).sqrt()) / a;
+        let step = if side.is_finite() { top.min(side) } else { top };
+        if step.is_finite() {
+            self.pose.distance = (self.pose.distance + step).min(DISTANCE_MM.1);
+        }
     }
 
     /// Starts the animation to a view of a ball of this radius \[mm\].
@@ -236,9 +277,52 @@ mod tests {
         let mut camera = Camera::new(80.0, 1.5);
         assert!(!camera.drag(Vec2::ZERO));
         assert!(!camera.pan(Vec2::ZERO, 600.0));
-        assert!(!camera.zoom(1.0));
+        assert!(!camera.zoom(1.0, Vec2::new(0.5, 0.5), 1.5));
         assert!(!camera.ease(0.1));
         assert!(camera.drag(Vec2::new(10.0, 0.0)));
+    }
+
+    #[test]
+    fn a_movement_by_nothing_leaves_the_animation_running() {
+        let mut camera = Camera::new(80.0, 1.5);
+        assert!(camera.fit(80.0, 1.5, View::Front));
+        while camera.ease(0.02) {
+            assert!(!camera.zoom(1.0, Vec2::ZERO, 1.5));
+            assert!(!camera.drag(Vec2::ZERO) && !camera.pan(Vec2::ZERO, 600.0));
+        }
+        assert!(!camera.fit(80.0, 1.5, View::Front));
+    }
+
+    #[test]
+    fn what_is_under_the_pointer_stays_there_in_a_zoom() {
+        let (mut camera, aspect, at) = (Camera::new(80.0, 1.5), 1.5, Vec2::new(0.4, -0.3));
+        // The point of the target's plane under the pointer.
+        let (before, forward) = (camera.ray(at, aspect), camera.pose().target - camera.eye());
+        let depth = forward.length_squared() / forward.dot(before.direction);
+        let point = before.origin + depth * before.direction;
+        assert!(camera.zoom(1.4, at, aspect));
+        let after = camera.project(point, aspect).expect("in front of the eye");
+        assert!((after - at).length() < 1e-4, "{after}");
+        assert!(camera.zoom(1.0 / 1.4, at, aspect));
+        assert!((camera.pose().target - Camera::new(80.0, 1.5).pose().target).length() < 1e-3);
+    }
+
+    #[test]
+    fn the_eye_stays_outside_of_the_tissue() {
+        let (radius, height) = (90.0, 60.0);
+        for turn in [Vec2::ZERO, Vec2::new(40.0, 200.0), Vec2::new(-90.0, -200.0)] {
+            let mut camera = Camera::new(80.0, 1.5);
+            camera.drag(turn);
+            camera.pan(Vec2::new(30.0, 40.0), 600.0);
+            camera.zoom(20.0, Vec2::new(0.2, 0.1), 1.5);
+            camera.keep_outside(radius, height);
+            let eye = camera.eye();
+            let is_outside = eye.z > height - 0.01 || eye.truncate().length() > radius - 0.01;
+            assert!(is_outside, "{eye} after {turn}");
+            let kept = camera;
+            camera.keep_outside(radius, height);
+            assert!((camera.pose().distance - kept.pose().distance).abs() < 0.01);
+        }
     }
 
     #[test]
@@ -270,8 +354,10 @@ mod tests {
     #[test]
     fn zoom_rejects_invalid_factors() {
         let mut camera = Camera::new(80.0, 1.5);
-        assert!(!camera.zoom(f32::NAN) && !camera.zoom(-1.0) && !camera.zoom(0.0));
-        camera.zoom(1e9);
+        for factor in [f32::NAN, -1.0, 0.0, f32::INFINITY] {
+            assert!(!camera.zoom(factor, Vec2::ZERO, 1.5), "{factor}");
+        }
+        camera.zoom(1e9, Vec2::ZERO, 1.5);
         assert!(camera.pose().distance >= DISTANCE_MM.0);
     }
 }

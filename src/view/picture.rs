@@ -116,9 +116,11 @@ impl Picture {
         } else if self.body.update(subject.fields().solution()) {
             self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body));
         }
-        if self.dome_made != Some(problem.obstacle.dome) {
-            self.dome_made = Some(problem.obstacle.dome);
-            self.set_mesh(2, mesh::implant(&problem.obstacle.dome));
+        // An implant without its tissue would look like an extrusion.
+        let dome = (!self.body.is_empty()).then_some(problem.obstacle.dome);
+        if self.dome_made != dome {
+            self.dome_made = dome;
+            self.set_mesh(2, dome.as_ref().map_or_else(Mesh::default, mesh::implant));
         }
         let wall_radius = self.body.block_radius.max(problem.sheet.radius_mm() as f32);
         if self.wall_made != Some(wall_radius) {
@@ -237,6 +239,8 @@ mod tests {
         let mut edit = |session: &mut Session, insertion| {
             scene.insertion = insertion;
             session.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: 1 }).unwrap();
+            // The first piece of work ends on a coarse grid.
+            session.advance(&mut || true);
             assert!(session.is_working());
         };
         edit(&mut session, 0.5);

@@ -1,8 +1,8 @@
-//! What a picture shows: the current shape of a session, or the shape of a pin.
+//! What a picture shows: the displayed shape of a session, its last answer, or the shape of a pin.
 
 use crate::measure::Fields;
 use crate::scene::Scene;
-use crate::session::{Pin, Session};
+use crate::session::{Answer, Pin, Session};
 use crate::solve::{Displayed, Problem};
 use std::rc::Rc;
 
@@ -10,7 +10,7 @@ use std::rc::Rc;
 pub trait Subject {
     /// The scene.
     fn scene(&self) -> &Scene;
-    /// The problem of the shape.
+    /// The problem of the shape, which may be that of the previous scene.
     fn problem(&self) -> &Problem;
     /// The fields of the shape; the session copies a new shape at the first use.
     fn fields(&self) -> &Rc<Fields>;
@@ -20,7 +20,7 @@ pub trait Subject {
     fn is_unsettled(&self) -> bool;
     /// Is a solve running?
     fn is_working(&self) -> bool;
-    /// Has the solve ended without a stable shape?
+    /// Is there no shape: none yet, or has the solve ended without a stable one?
     fn has_no_shape(&self) -> bool;
 }
 
@@ -30,7 +30,7 @@ impl Subject for Session {
     }
 
     fn problem(&self) -> &Problem {
-        self.problem()
+        self.displayed_problem().unwrap_or_else(|| self.problem())
     }
 
     fn fields(&self) -> &Rc<Fields> {
@@ -50,7 +50,53 @@ impl Subject for Session {
     }
 
     fn has_no_shape(&self) -> bool {
-        self.has_no_shape()
+        self.has_no_shape() || self.displayed_problem().is_none()
+    }
+}
+
+/// The last scene of a session with an answer.
+#[derive(Clone, Copy, Debug)]
+pub struct LastAnswer<'a> {
+    answer: &'a Answer,
+    revision: u64,
+}
+
+impl<'a> LastAnswer<'a> {
+    /// The last answer of a session, if the present scene has none.
+    #[must_use]
+    pub fn of(session: &'a Session) -> Option<Self> {
+        let answer = session.last_answer().filter(|_| session.has_no_shape())?;
+        Some(Self { answer, revision: session.revision() })
+    }
+}
+
+impl Subject for LastAnswer<'_> {
+    fn scene(&self) -> &Scene {
+        &self.answer.scene
+    }
+
+    fn problem(&self) -> &Problem {
+        self.answer.fields.solution().problem()
+    }
+
+    fn fields(&self) -> &Rc<Fields> {
+        &self.answer.fields
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    fn is_unsettled(&self) -> bool {
+        false
+    }
+
+    fn is_working(&self) -> bool {
+        false
+    }
+
+    fn has_no_shape(&self) -> bool {
+        false
     }
 }
 

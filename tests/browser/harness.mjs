@@ -205,7 +205,8 @@ export function difference(page, a, b) {
 export async function settled(page) {
   let frames = -1;
   for (let tries = 0; tries < 60; tries += 1) {
-    const now = await page.evaluate(() => implantPreview.stats().frames);
+    // A frame of the page may take longer than the pause.
+    const now = await drawn(page);
     if (now === frames) return frames;
     frames = now;
     await page.waitForTimeout(700);

@@ -101,6 +101,7 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     const solves = (await stats(page)).solves;
     await page.evaluate((text) => implantPreview.setScene(text), text);
     await pinned(page, "Pinned: A 50 %, B 70 %.");
+    await page.waitForFunction((solves) => implantPreview.stats().solves >= solves, solves + 3);
     await harness.settled(page);
     assert.equal((await stats(page)).solves, solves + 3);
     const refused = await page.evaluate((text) => {

@@ -499,10 +499,7 @@ impl App {
 
     /// The chart with its controls, in place of the picture.
     pub(super) fn range_page(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
-        self.show_notice(ui);
-        if self.is_long() {
-            self.progress_bar(ui);
-        }
+        let area = ui.available_rect_before_wrap();
         let margin = egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8);
         let frame = egui::Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill);
         let top = egui::Panel::top("range controls").frame(frame).resizable(false);
@@ -534,6 +531,7 @@ impl App {
                 taken = chart.show(ui, map, *quantity, *revision).or(taken);
             }
         });
+        self.show_notice(ui, area);
         if let Some((i, j)) = taken {
             self.take(i, j, scene);
         }

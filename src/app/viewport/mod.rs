@@ -18,7 +18,7 @@ use crate::view::color::{Quantity, Rgb};
 use crate::view::pick;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
-use crate::view::subject::Subject;
+use crate::view::subject::{LastAnswer, Subject};
 use eframe::egui::{
     self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
     Ui, WidgetInfo,
@@ -32,6 +32,10 @@ use web_time::Instant;
 
 /// Motion of the camera by an arrow key, as the length of a drag \[points\].
 const KEY_ORBIT: f32 = 14.0;
+/// Opacity of the veil over the last answer of a scene without one \[-\].
+const VEIL: f32 = 0.6;
+/// Least distance of the eye from the tissue \[mm\].
+const CLEARANCE_MM: f32 = 10.0;
 /// Maximum nodes per side for which a running solve still shows values at the pointer.
 const PICK_WHILE_SOLVING: usize = 257;
 
@@ -170,9 +174,21 @@ impl Viewport {
         }
     }
 
-    /// Shows the session in the remaining space.
+    /// Shows the session in the remaining space; for a scene without an answer, the last answer under a veil.
     pub(crate) fn show(&mut self, ui: &mut Ui, shown: Shown<'_>) {
-        let Shown { session, options, envelope, bar } = shown;
+        match LastAnswer::of(shown.session) {
+            Some(answer) => {
+                let area = ui.available_rect_before_wrap();
+                self.show_subject(ui, &answer, Shown { envelope: &[], ..shown });
+                let veil = ui.visuals().panel_fill.gamma_multiply(VEIL);
+                ui.painter_at(area).rect_filled(area, 0.0, veil);
+            }
+            None => self.show_subject(ui, shown.session, shown),
+        }
+    }
+
+    fn show_subject(&mut self, ui: &mut Ui, session: &impl Subject, shown: Shown<'_>) {
+        let Shown { options, envelope, bar, .. } = shown;
         self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
@@ -250,22 +266,30 @@ impl Viewport {
         if let Some(touch) = touch
             && area.contains(touch.center_pos)
         {
-            moved |= self.camera.zoom(touch.zoom_delta);
+            let at = viewport_point(area, touch.center_pos);
+            moved |= self.camera.zoom(touch.zoom_delta, at, self.aspect);
             moved |= self.camera.pan(to_glam(touch.translation_delta), area.height());
         } else if response.dragged_by(PointerButton::Primary) && !shift {
             moved |= self.camera.drag(delta);
         } else if response.dragged() {
             moved |= self.camera.pan(delta, area.height());
         }
-        if response.hovered() {
+        if let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) {
             let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-            moved |= self.camera.zoom((scroll * 0.003).exp() * pinch);
+            let at = viewport_point(area, pointer);
+            moved |= self.camera.zoom((scroll * 0.003).exp() * pinch, at, self.aspect);
         }
         if response.has_focus() {
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
             moved |= self.keys(ui);
         }
         if moved {
+            let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
+            let (radius, height) =
+                pictures.fold((0.0_f32, 0.0_f32), |(radius, height), picture| {
+                    (radius.max(picture.body.block_radius), height.max(picture.body.height()))
+                });
+            self.camera.keep_outside(radius + CLEARANCE_MM, height + CLEARANCE_MM);
             self.fitted = None;
             self.tapped = None;
         }
@@ -289,7 +313,8 @@ impl Viewport {
                 [(Key::Plus, 1.15_f32), (Key::Equals, 1.15), (Key::Minus, 1.0 / 1.15)]
             {
                 let count = input.count_and_consume_key(Modifiers::NONE, key);
-                moved |= count > 0 && self.camera.zoom(factor.powi(count as i32));
+                let factor = factor.powi(count as i32);
+                moved |= self.camera.zoom(factor, Vec2::ZERO, self.aspect);
             }
         });
         moved
@@ -345,7 +370,7 @@ impl Viewport {
     }
 
     /// Places of the words for the directions of the patient, on the rim of the wall.
-    fn directions(&self, session: &Session, area: Rect) -> [(Option<Pos2>, &'static str); 4] {
+    fn directions(&self, session: &impl Subject, area: Rect) -> [(Option<Pos2>, &'static str); 4] {
         let radius =
             1.04 * self.picture.body.block_radius.max(session.problem().sheet.radius_mm() as f32);
         let at = |x: f32, y: f32| self.point(Vec3::new(radius * x, radius * y, 0.0), area);
@@ -366,7 +391,7 @@ impl Viewport {
         ui: &Ui,
         painter: &egui::Painter,
         area: Rect,
-        (session, section): (&Session, Section),
+        (session, section): (&impl Subject, Section),
         band: &[SectionBand],
     ) {
         let azimuth = self.camera.pose().azimuth;
@@ -412,9 +437,7 @@ impl Viewport {
             return;
         }
         let area = response.rect;
-        let x = 2.0 * (pointer.x - area.left()) / area.width() - 1.0;
-        let y = 1.0 - 2.0 * (pointer.y - area.top()) / area.height();
-        let ray = self.camera.ray(Vec2::new(x, y), self.aspect);
+        let ray = self.camera.ray(viewport_point(area, pointer), self.aspect);
         let obstacle = &subject.problem().obstacle;
         let hit = pick::pick(&ray, &picture.body, &section, &picture.caps, obstacle);
         if let Some(hit) = hit {
@@ -429,6 +452,12 @@ impl Viewport {
             pointer_box(ui, &painter, area, pointer, &lines);
         }
     }
+}
+
+/// A position as coordinates of the area, −1 to 1, y up.
+fn viewport_point(area: Rect, at: Pos2) -> Vec2 {
+    let x = 2.0 * (at.x - area.left()) / area.width() - 1.0;
+    Vec2::new(x, 1.0 - 2.0 * (at.y - area.top()) / area.height())
 }
 
 /// The cut of the options through the axis of an implant.

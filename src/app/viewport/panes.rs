@@ -18,7 +18,7 @@ const BEST_ASPECT: f32 = 1.2;
 pub(super) struct Pane {
     /// The pin's number.
     number: u64,
-    picture: Picture,
+    pub(super) picture: Picture,
 }
 
 impl Viewport {
@@ -93,7 +93,7 @@ impl Viewport {
         }
         let painter = ui.painter_at(own_area);
         overlay::background(ui, &painter, own_area);
-        let drawn = drawn(CURRENT, &self.picture, session.problem());
+        let drawn = drawn(CURRENT, &self.picture, Subject::problem(session));
         let section = drawn.section;
         self.draw(ui, &painter, own_area, drawn);
         self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
@@ -151,7 +151,7 @@ impl Viewport {
             let section = section_of(options, shape.problem());
             pane.picture.update(shape, quantity, section, &clock);
         }
-        let section = section_of(options, session.problem());
+        let section = section_of(options, Subject::problem(session));
         self.picture.update(session, options.quantity, section, &clock)
     }
 }
