@@ -6,7 +6,7 @@
 
 use eframe::egui::{self, Role};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use implant_preview::app::App;
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::measure::{Outcome, Status};
@@ -1560,11 +1560,85 @@ fn kept_pins_are_restored_and_an_invalid_text_is_one_notice() {
     assert_eq!(pins(&harness), ["A "]);
     harness.state_mut().report_storage_failure();
     harness.run();
-    harness.get_by_label_contains("Pins cannot be kept here");
+    harness.get_by_label_contains("Plan and pins cannot be kept here");
     press(&mut harness, "Close message");
     harness.state_mut().report_storage_failure();
     harness.run();
-    assert!(harness.query_by_label_contains("Pins cannot be kept here").is_none());
+    assert!(harness.query_by_label_contains("Plan and pins cannot be kept here").is_none());
+}
+
+#[test]
+fn a_kept_plan_is_the_first_plan_of_the_next_start() {
+    let mut first = app(DESKTOP, |scene| *scene = opening());
+    // The plan of the start is nobody's work.
+    assert!(first.state_mut().take_plan_to_store(true).is_none());
+    type_into(&mut first, "Volume (ml)", "340");
+    press(&mut first, "expander");
+    let text = first.state_mut().take_plan_to_store(true).unwrap();
+    assert!(first.state_mut().take_plan_to_store(true).is_none());
+
+    let mut second = app(DESKTOP, |scene| *scene = opening());
+    second.state_mut().restore_plan(&text);
+    settle(&mut second);
+    assert_eq!(second.state().session().scene(), first.state().session().scene());
+    assert_eq!(second.state().session().counters().solves, 1);
+    assert!(!second.state().session().can_undo());
+    second.get_by_role_and_label(Role::SpinButton, "Fill (ml)");
+    assert!(second.state_mut().take_plan_to_store(true).is_none());
+    // A text of nobody is ignored with one line.
+    let kept = second.state().session().scene().clone();
+    for text in [
+        "no plan",
+        "{}",
+        r#"{"scene":{"insertion":7},"choices":{"device":"implant","follows":"volume"}}"#,
+    ] {
+        second.state_mut().restore_plan(text);
+        second.run();
+        second.get_by_label_contains("Note: The kept plan was not read: ");
+        assert_eq!(second.state().session().scene(), &kept);
+    }
+}
+
+#[test]
+fn the_profile_beyond_a_half_sphere_is_no_half_sphere() {
+    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let is_chosen = |harness: &Harness<'static, App>| {
+        let chip = harness.get_by_role_and_label(Role::Button, "Half sphere");
+        chip.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    for (projection, chosen) in [("6.0", true), ("6.2", true), ("7.3", false), ("5.6", false)] {
+        type_into(&mut harness, "Projection (cm)", projection);
+        assert_eq!(is_chosen(&harness), chosen, "{projection}");
+    }
+}
+
+#[test]
+fn undo_and_redo_count_every_press_within_a_frame() {
+    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let volumes = ["310", "320", "330", "340"];
+    for volume in volumes {
+        type_into(&mut harness, "Volume (ml)", volume);
+    }
+    let volume = |harness: &Harness<'static, App>| {
+        harness.state().session().scene().implant.size().unwrap().volume_ml().round()
+    };
+    let press = |harness: &mut Harness<'static, App>, modifiers| {
+        for pressed in [true, false, true, false, true, false] {
+            let event = egui::Event::Key {
+                key: egui::Key::Z,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers,
+            };
+            harness.event_modifiers(event, modifiers);
+        }
+        settle(harness);
+    };
+    press(&mut harness, egui::Modifiers::COMMAND);
+    assert_eq!(volume(&harness), 310.0);
+    press(&mut harness, egui::Modifiers::COMMAND | egui::Modifiers::SHIFT);
+    assert_eq!(volume(&harness), 340.0);
 }
 
 #[test]

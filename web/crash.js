@@ -5,6 +5,8 @@
 // crashes again can be saved, but is not opened again.
 
 const KEY = "implant-preview/kept-scene/1";
+// The app's key of the plan from one start to the next.
+const PLAN = "implant-preview/plan/1";
 
 const element = (id) => document.getElementById(id);
 
@@ -30,6 +32,15 @@ function keep(scene) {
     storage.setItem(KEY, scene);
     return storage.getItem(KEY) === scene;
   }) === true;
+}
+
+/** Removes the kept plan, which may be the cause: only the scene of this tab is opened again. */
+function forgetPlan() {
+  try {
+    localStorage.removeItem(PLAN);
+  } catch {
+    // Without a storage there is no plan.
+  }
 }
 
 function save(scene) {
@@ -70,6 +81,7 @@ globalThis.implantPreviewCrashed = (message) => {
   element("crashed-save").onclick = () => save(scene);
   element("crashed-reload").onclick = () => location.reload();
   element("crashed").hidden = false;
+  forgetPlan();
   element("crashed-reload").focus();
 };
 

@@ -56,6 +56,11 @@ impl Focus {
         self.is_in_page = true;
     }
 
+    /// Marks that the focus moves as by a key: with a ring, into view.
+    pub(super) fn mark_keyboard(&mut self) {
+        self.is_by_keyboard = true;
+    }
+
     /// Moves the focus from outside to the first control or to the last.
     pub(super) fn enter(&mut self, direction: FocusDirection) {
         self.pending_entry = Some(direction);

@@ -50,7 +50,7 @@ impl App {
         self.solve_slice(&ctx);
         self.poll_studies(&ctx);
         self.focus.boundary(ui, Boundary::First);
-        if ui.available_width() < theme::NARROW {
+        if ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW {
             self.narrow(ui, &mut scene);
         } else {
             self.wide(ui, &mut scene);
@@ -70,7 +70,7 @@ impl App {
         if self.session.is_working() || self.session.is_solving_pins() || self.is_playing {
             ctx.request_repaint();
         }
-        self.note_pins();
+        self.note_changes();
         self.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
     }
 

@@ -14,6 +14,7 @@
 mod advanced;
 mod answer;
 mod compare;
+mod controls;
 mod curve_editor;
 mod details;
 mod fat;

@@ -176,7 +176,7 @@ fn skin_band(plot: &mut PlotUi<'_>, color: Color32, band: &[SectionBand]) {
 }
 
 /// Inner and outer face of the tissue on the grid row nearest to y = 0 \[mm\].
-fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
+pub(super) fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
     let sheet = &solution.problem().sheet;
     let n = sheet.nodes_per_side();
     let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);

@@ -17,6 +17,8 @@ pub(super) const FIGURE: f32 = 22.0;
 pub(super) const TOUCH: f32 = 48.0;
 /// Width of the window below which the panels become a bottom sheet \[points\].
 pub(super) const NARROW: f32 = 760.0;
+/// Height of the window below which the screen is that of a turned phone \[points\].
+pub(super) const LOW: f32 = 500.0;
 
 /// Colours of a theme.
 pub(super) struct Palette {

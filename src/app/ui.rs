@@ -5,7 +5,9 @@ use super::curve_editor::CurveWindow;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::{App, advanced, answer, details, messages, no_answer, plan, plots, status, theme};
+use super::{
+    App, advanced, answer, compare, details, messages, no_answer, plan, plots, status, theme,
+};
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::study::size_in_words;
@@ -61,14 +63,19 @@ impl App {
         self.panel_widths.drag(ui, left.response.rect, right.response.rect);
     }
 
-    /// Arranges picture and sheet of a narrow screen.
+    /// Arranges picture and sheet of a narrow or low screen: the sheet is below the picture of an upright phone, beside the
+    /// picture of a turned one.
     pub(super) fn narrow(&mut self, ui: &mut Ui, scene: &mut Scene) {
         let toolbar = egui::Panel::top("toolbar").resizable(false);
         toolbar.show(ui, |ui| self.toolbar(ui, Layout::Narrow));
         // The picture keeps half of the screen.
-        let height = 0.46 * ui.ctx().content_rect().height();
-        let sheet = egui::Panel::bottom("sheet").exact_size(height).resizable(false);
-        sheet.show(ui, |ui| {
+        let screen = ui.ctx().content_rect();
+        let sheet = if screen.width() > screen.height() {
+            egui::Panel::right("sheet beside").exact_size(0.5 * screen.width())
+        } else {
+            egui::Panel::bottom("sheet").exact_size(0.46 * screen.height())
+        };
+        sheet.resizable(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = theme::SPACE_SMALL;
             let findings = self.uncertainty.findings();
             answer::show_short(ui, &self.session, self.previous_results(), findings);
@@ -263,7 +270,9 @@ impl App {
         } else {
             let envelope = self.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.session, &self.options);
-            let shown = Shown { session, options, envelope, bar: self.view_bar_height };
+            let outlines = compare::outlines(session, &self.compare, theme::palette(ui.visuals()));
+            let bar = self.view_bar_height;
+            let shown = Shown { session, options, envelope, outlines: &outlines, bar };
             if session.has_no_shape() {
                 self.viewport.show(ui, shown);
                 self.no_shape(ui, area, scene, layout);

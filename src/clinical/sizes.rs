@@ -12,6 +12,10 @@ const MM3_PER_ML: f64 = 1000.0;
 /// Volumes of all domes within the limits of base width and projection, rounded outwards \[ml\].
 const VOLUME_ML: (f64, f64) = (0.4, 3620.0);
 
+/// Ratio projection / half base width above which a dome is no half sphere any more: as far from 1 as the lower limit of
+/// the class.
+const BEYOND_HALF_SPHERE: f64 = 1.05;
+
 /// Base width, projection and volume of a half-ellipsoid dome; any two give the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
@@ -20,7 +24,8 @@ pub struct Size {
 }
 
 /// One of the three dimensions of a [`Size`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Dimension {
     /// Base width \[mm\].
     BaseWidth,
@@ -138,6 +143,18 @@ impl Size {
     #[must_use]
     pub fn profile(self) -> ProfileClass {
         ProfileClass::of_ratio(self.ratio())
+    }
+
+    /// The profile in words: that of the class, beyond a half sphere with its own.
+    #[must_use]
+    pub fn profile_in_words(self) -> &'static str {
+        if self.is_beyond_half_sphere() { "beyond a half sphere" } else { self.profile().word() }
+    }
+
+    /// Is the dome clearly steeper than a half sphere: projection / half base width above 1.05?
+    #[must_use]
+    pub fn is_beyond_half_sphere(self) -> bool {
+        self.ratio() > BEYOND_HALF_SPHERE
     }
 
     /// Does the size lie within the range of typical round implants: base 78–180 mm, projection 20–75 mm, 95–965 ml,

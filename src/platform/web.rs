@@ -1,7 +1,7 @@
 //! The page: runs the app on the canvas, restores it after the loss of the WebGL context, suspends it
 //! while the tab is hidden, and exports it to JavaScript as `window.implantPreview`.
 //!
-//! The pins are kept in the browser's storage of the page's origin.
+//! The plan and the pins are kept in the browser's storage of the page's origin.
 //!
 //! After a crash of the app only JavaScript remains: `web/crash.js`, which gets every new scene and
 //! every panic message.
@@ -23,8 +23,9 @@ const SUMMARY_REST_S: f64 = 0.6;
 /// Id of the link before the app; in the Tab order it precedes the app's first control.
 const SKIP: &str = "implant-preview-skip";
 
-/// Key of the kept pins in the storage of the page's origin.
+/// Keys of the kept pins and of the kept plan in the storage of the page's origin.
 const PINS: &str = "implant-preview/pins/1";
+const PLAN: &str = "implant-preview/plan/1";
 
 /// Initial size of the heap \[bytes\], above that of a session at 129 nodes per side.
 const HEAP: usize = 26 << 20;
@@ -86,20 +87,28 @@ fn storage() -> Result<web_sys::Storage, JsValue> {
     Ok(window.local_storage()?.ok_or("the browser has no storage")?)
 }
 
-/// Reads the kept pins into a new app.
-fn restore_pins(app: &mut App) {
-    // A missing storage is reported with the first pin.
-    if let Ok(Some(pins)) = storage().and_then(|storage| storage.get_item(PINS)) {
+/// Reads the kept plan and pins into a new app.
+fn restore(app: &mut App) {
+    // A missing storage is reported with the first change.
+    let kept = |key| storage().and_then(|storage| storage.get_item(key)).ok().flatten();
+    if let Some(plan) = kept(PLAN) {
+        app.restore_plan(&plan);
+    }
+    if let Some(pins) = kept(PINS) {
         app.restore_pins(&pins);
     }
 }
 
-/// Stores the pins after a change.
-fn store_pins(app: &mut App, is_closing: bool) {
-    if let Some(pins) = app.take_pins_to_store(is_closing)
-        && storage().and_then(|storage| storage.set_item(PINS, &pins)).is_err()
+/// Stores plan and pins after a change.
+fn store(app: &mut App, is_closing: bool) {
+    for (key, text) in
+        [(PINS, app.take_pins_to_store(is_closing)), (PLAN, app.take_plan_to_store(is_closing))]
     {
-        app.report_storage_failure();
+        if let Some(text) = text
+            && storage().and_then(|storage| storage.set_item(key, &text)).is_err()
+        {
+            app.report_storage_failure();
+        }
     }
 }
 
@@ -199,7 +208,7 @@ impl PageHost {
                          opens the kept pins.",
                     );
                 } else {
-                    restore_pins(new);
+                    restore(new);
                 }
             }
             Ok(Box::new(PageApp {
@@ -271,7 +280,7 @@ impl PageHost {
             {
                 app.mark_paused();
                 // A tab is hidden before a reload or its end.
-                store_pins(app, true);
+                store(app, true);
             }
         }
     }
@@ -339,7 +348,7 @@ impl eframe::App for PageApp {
             call("implantPreviewPlan", &plan);
             self.plan = plan;
         }
-        store_pins(app, false);
+        store(app, false);
         self.update_summary(ui, app.summary());
     }
 
@@ -450,6 +459,22 @@ impl Handle {
             ("width", width.into()),
             ("height", height.into()),
         ]))
+    }
+
+    /// Moves the keyboard focus to the first control of an accessible name, within the next frames; without such a control the
+    /// focus stays.
+    ///
+    /// # Errors
+    /// Throws if the app is not running, or the name is no text.
+    pub fn focus(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "string")] name: &JsValue,
+    ) -> Result<(), JsError> {
+        let name = super::text::text(name, "name")?;
+        self.host.app()?.focus_control(&name);
+        // Without the focus of the page the canvas gets no keys.
+        let _ = self.host.canvas.focus();
+        Ok(())
     }
 
     /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, solver_ms_max,

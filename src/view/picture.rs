@@ -181,6 +181,7 @@ mod tests {
     use crate::scene::Scene;
     use crate::session::{Command, Session};
     use crate::solve::Progress;
+    use glam::Vec3;
     use std::cell::Cell;
 
     #[test]
@@ -214,6 +215,69 @@ mod tests {
         assert_eq!(stroked.indices.iter().max(), Some(&(stroked.vertices.len() as u32 - 1)));
         assert!(Arc::ptr_eq(&plain.indices, &again.indices));
         assert_eq!(plain.vertices.len(), again.vertices.len());
+    }
+
+    /// Greatest height of the drawn implant above the drawn skin \[mm\]; `None` without tissue.
+    fn protrusion(picture: &Picture) -> Option<f32> {
+        let (body, implant) = (&picture.body, &picture.meshes[2]);
+        let skin = body.levels.first()?;
+        // Heights of the skin over the vertices of the implant, from the triangles above them.
+        let height = |at: glam::Vec2| {
+            body.triangles.iter().find_map(|triangle| {
+                let [a, b, c] = triangle.map(|k| skin[k as usize]);
+                let cross = |p: Vec3, q: Vec3| (q - p).truncate().perp_dot(at - p.truncate());
+                let weights = [cross(b, c), cross(c, a), cross(a, b)];
+                let area = weights.iter().sum::<f32>();
+                (area > 0.0 && weights.iter().all(|w| *w >= -1e-4 * area))
+                    .then(|| (weights[0] * a.z + weights[1] * b.z + weights[2] * c.z) / area)
+            })
+        };
+        let above = implant.vertices.iter().step_by(7).filter_map(|vertex| {
+            let [x, y, z, ..] = *vertex;
+            Some(z - height(glam::vec2(x, y))?)
+        });
+        Some(above.fold(f32::MIN, f32::max))
+    }
+
+    #[test]
+    fn the_implant_never_protrudes_through_the_skin_during_a_solve() {
+        for mut scene in [Scene::opening(), Scene::sheet()] {
+            scene.solver.nodes_per_side = 33;
+            let section = Section {
+                opening: crate::view::section::Opening::Closed,
+                angle: 0.0,
+                axis: glam::Vec2::ZERO,
+            };
+            let (mut session, mut picture) =
+                (Session::new(scene.clone()).unwrap(), Picture::default());
+            let (mut pictures, mut gesture) = (0, 0);
+            let mut watch = |session: &mut Session| loop {
+                picture.update(session, Quantity::Strain, section, &|| 1e9);
+                if let Some(mm) = protrusion(&picture) {
+                    pictures += 1;
+                    assert!(mm < 0.0, "{mm} mm, {:?}", session.displayed());
+                } else {
+                    assert!(picture.meshes[2].vertices.is_empty(), "an implant without tissue");
+                }
+                if session.advance(&mut || true) == Progress::Done {
+                    break;
+                }
+            };
+            watch(&mut session);
+            for (projection_mm, thickness_mm, nodes) in
+                [(54.0, 8.0, 33), (25.0, 8.0, 33), (50.0, 14.0, 33), (30.0, 14.0, 49)]
+            {
+                scene.implant.projection_mm = projection_mm;
+                scene.layers.last_mut().unwrap().thickness_mm = thickness_mm;
+                scene.solver.nodes_per_side = nodes;
+                gesture += 1;
+                let edit = Command::Edit { scene: Box::new(scene.clone()), gesture };
+                session.apply(edit).unwrap();
+                watch(&mut session);
+                assert!(!session.has_no_shape());
+            }
+            assert!(pictures > 20, "{pictures}");
+        }
     }
 
     #[test]

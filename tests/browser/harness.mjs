@@ -338,32 +338,14 @@ export async function tab(page, { back = false } = {}) {
   for (let last = -1, now; (now = await drawn(page)) !== last; last = now);
 }
 
-/** The names of a page's controls in the order of the Tab key, as far as they had the focus. */
-const orders = new WeakMap();
-
-/** Stores the name of a control behind the one that had the focus before. */
-function remember(order, before, name) {
-  if (name !== undefined && !order.includes(name)) order.splice(order.indexOf(before) + 1, 0, name);
-}
-
-/**
- * Goes by the Tab key to the control of a name, and gives its place: the app is one canvas. Backwards where the control
- * is known to lie before the present one; of controls of one name (a slider and its number) to the first.
- */
+/** Gives the first control of a name the keyboard focus, and gives its place: the app is one canvas. */
 export async function control(page, name) {
-  if (!orders.has(page)) orders.set(page, []);
-  const order = orders.get(page);
-  let now = await focused(page);
-  const [from, to] = [order.indexOf(now?.name), order.indexOf(name)];
-  let back = to >= 0 && to < from;
-  for (let presses = 0; presses < 200; presses += 1) {
-    if (now?.name === name && !back) return now;
-    const was = now?.name;
-    await tab(page, { back });
-    now = await focused(page);
-    if (!back) remember(order, was, now?.name);
-    // Before the first control of the name, or out of the app: forwards again.
-    if (back && (!now || (was === name && now.name !== name))) back = false;
+  for (let tries = 0; tries < 20; tries += 1) {
+    await page.evaluate((name) => implantPreview.focus(name), name);
+    // The frame of the request, that of the focus, those of a scroll: until nothing more is drawn.
+    for (let last = -1, now; (now = await drawn(page)) !== last; last = now);
+    const now = await focused(page);
+    if (now?.name === name) return now;
   }
   throw new Error(`no control is called ${name}`);
 }

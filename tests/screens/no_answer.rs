@@ -2,7 +2,6 @@
 //! and the plot of its curve.
 
 use super::*;
-use egui_kittest::kittest::NodeT;
 use implant_preview::curve::Fat;
 
 const TITLE: &str = "No answer for this plan";
@@ -75,6 +74,38 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
         settle(&mut harness);
         assert_eq!(harness.state().session().scene(), &before);
         assert!(!harness.state().session().can_undo());
+    }
+}
+
+#[test]
+fn the_picture_of_the_last_answer_stays_with_its_size() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = app(size, |scene| {
+            without_answer(scene);
+            scene.implant.projection_mm = 13.0;
+        });
+        let before = harness.state().session().scene().clone();
+        assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+        let json = |projection: f64| {
+            let mut scene = before.clone();
+            scene.implant.projection_mm = projection;
+            serde_json::to_string(&scene).unwrap()
+        };
+        harness.state_mut().open(json(40.0)).unwrap();
+        settle(&mut harness);
+        assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+        let line = "The picture is of the last plan with an answer: 98 ml on 12 cm.";
+        harness.get_by_label(line);
+        harness.get_by_role_and_label(Role::Canvas, "3-D view");
+        // A plan without an answer is no last answer.
+        harness.state_mut().open(json(46.0)).unwrap();
+        settle(&mut harness);
+        assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+        harness.get_by_label(line);
+        harness.state_mut().open(json(14.0)).unwrap();
+        settle(&mut harness);
+        assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+        assert!(harness.query_by_label_contains("last plan with an answer").is_none());
     }
 }
 

@@ -1,21 +1,36 @@
-//! Pins from one start of the app to the next: the platform stores a text.
+//! Plan and pins from one start of the app to the next: the platform stores two texts.
 
 use crate::app::App;
 use crate::app::messages::Notice;
+use crate::app::plan::Choices;
+use crate::scene::Scene;
 use crate::scene::pins::{pins_from_json, pins_json};
+use crate::session::Session;
+use serde::{Deserialize, Serialize};
 use web_time::{Duration, Instant};
 
-/// Delay between a change of the pins and its text for the storage; changes in between are stored once.
+/// Delay between a change and its text for the storage; changes in between are stored once.
 const DELAY: Duration = Duration::from_millis(400);
 
-/// What of the pins is stored.
+/// What of plan and pins is stored.
 #[derive(Debug, Default)]
 pub(in crate::app) struct Keep {
     /// The session's revision of the stored pins.
     revision: u64,
     /// When the present pins are to be stored.
-    due: Option<Instant>,
+    pins_due: Option<Instant>,
+    /// The stored plan, or that of the start.
+    plan: Option<(Scene, Choices)>,
+    /// When the present plan is to be stored.
+    plan_due: Option<Instant>,
     has_failed: bool,
+}
+
+/// A stored plan.
+#[derive(Serialize, Deserialize)]
+struct KeptPlan {
+    scene: serde_json::Value,
+    choices: Choices,
 }
 
 impl App {
@@ -33,14 +48,38 @@ impl App {
         }
     }
 
+    /// Restores the plan from the text of [`Self::take_plan_to_store`], before the first frame. An invalid text is ignored
+    /// with a notice: the storage may be of another version.
+    pub fn restore_plan(&mut self, text: &str) {
+        let read = serde_json::from_str::<KeptPlan>(text).map_err(|error| error.to_string());
+        let restored = read.and_then(|kept| {
+            let scene = Scene::from_json(&kept.scene.to_string()).map_err(|e| e.to_string())?;
+            self.session = Session::new(scene.clone()).map_err(|e| e.to_string())?;
+            self.plan = kept.choices;
+            Ok((scene, kept.choices))
+        });
+        match restored {
+            Ok(plan) => self.keep.plan = Some(plan),
+            Err(error) => {
+                self.notice = Some(Notice::caution(format!("The kept plan was not read: {error}")));
+            }
+        }
+    }
+
     /// The pins as text for the storage, once after each change: after a short delay, or at once if the app
     /// `is_closing`.
     pub fn take_pins_to_store(&mut self, is_closing: bool) -> Option<String> {
-        let is_due = self.keep.due.is_some_and(|due| is_closing || Instant::now() >= due);
-        is_due.then(|| {
-            self.keep.due = None;
-            pins_json(&self.session.pinned_scenes())
-        })
+        is_due(&mut self.keep.pins_due, is_closing)
+            .then(|| pins_json(&self.session.pinned_scenes()))
+    }
+
+    /// The plan as text for the storage, as [`Self::take_pins_to_store`].
+    pub fn take_plan_to_store(&mut self, is_closing: bool) -> Option<String> {
+        if !is_due(&mut self.keep.plan_due, is_closing) {
+            return None;
+        }
+        let scene = serde_json::to_value(self.session.scene()).ok()?;
+        serde_json::to_string(&KeptPlan { scene, choices: self.plan }).ok()
     }
 
     /// Reports once that the storage does not work, in a private window for example.
@@ -48,20 +87,40 @@ impl App {
         if !self.keep.has_failed {
             self.keep.has_failed = true;
             self.notify(
-                "Pins cannot be kept here for the next start; a saved scene contains them.",
+                "Plan and pins cannot be kept here for the next start; a saved plan contains them.",
             );
             self.request_frame();
         }
     }
 
-    /// Notes a change of the pins, in every frame.
-    pub(in crate::app) fn note_pins(&mut self) {
+    /// Notes a change of the plan or of the pins, in every frame.
+    pub(in crate::app) fn note_changes(&mut self) {
+        let due = Instant::now() + DELAY;
+        let mut is_changed = false;
         let revision = self.session.pins_revision();
         if revision != self.keep.revision {
             self.keep.revision = revision;
-            self.keep.due = Some(Instant::now() + DELAY);
+            self.keep.pins_due = Some(due);
+            is_changed = true;
+        }
+        let is_same = |(scene, choices): &(Scene, Choices)| {
+            scene == self.session.scene() && *choices == self.plan
+        };
+        if !self.keep.plan.as_ref().is_some_and(is_same) {
+            // The plan of the start is not stored.
+            let is_first = self.keep.plan.is_none();
+            self.keep.plan = Some((self.session.scene().clone(), self.plan));
+            self.keep.plan_due = (!is_first).then_some(due);
+            is_changed |= !is_first;
+        }
+        if is_changed {
             // At rest the app draws nothing: a frame after the delay.
             self.ctx.request_repaint_after(DELAY + Duration::from_millis(20));
         }
     }
+}
+
+/// Is a text to be stored now? It is then stored once.
+fn is_due(due: &mut Option<Instant>, is_closing: bool) -> bool {
+    due.take_if(|due| is_closing || Instant::now() >= *due).is_some()
 }

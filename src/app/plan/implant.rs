@@ -99,7 +99,7 @@ fn implant_rows(
     chips(ui, |ui| {
         for class in ProfileClass::ALL {
             let tooltip = "Projection for this width, in the middle of the class";
-            let is_chosen = size.profile() == class;
+            let is_chosen = size.profile() == class && !size.is_beyond_half_sphere();
             if chip(ui, hand, is_chosen, name_of(class), tooltip) {
                 let radius = 0.5 * size.base_width_mm();
                 // A half sphere is exact; other profiles are whole millimetres.

@@ -25,6 +25,7 @@ use crate::clinical::Dimension;
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
+use serde::{Deserialize, Serialize};
 
 /// The plan in words: names and values.
 pub(super) fn rows(scene: &Scene) -> Vec<(&'static str, String)> {
@@ -48,7 +49,7 @@ pub(super) fn rows(scene: &Scene) -> Vec<(&'static str, String)> {
         Some(("Width", centimetres(width))),
         size.map(|size| ("Volume", format!("{:.0} ml", size.volume_ml()))),
         Some(("Projection", centimetres(implant.projection_mm))),
-        size.map(|size| ("Profile", size.profile().word().to_owned())),
+        size.map(|size| ("Profile", size.profile_in_words().to_owned())),
         pinch,
         class,
         pull,
@@ -72,14 +73,15 @@ pub(super) enum Hand {
 }
 
 /// What is implanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub(super) enum Device {
     Implant,
     Expander,
 }
 
 /// Choices of the plan that are not part of the scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Choices {
     pub(super) device: Device,
     /// The dimension that follows the other two.

@@ -1,12 +1,37 @@
-//! Envelopes of the skin of sampled patients as lines in the picture.
+//! The skin of other plans as lines in the picture: envelopes of sampled patients, outlines of pins.
 //!
-//! Around a centred implant the band is one of revolution: its lines lie on the faces of the cut, without a cut on the
-//! outline as the camera sees it. Off centre the band holds along the profile only, from the pocket's centre to +x.
+//! Around a centred implant the skin is one of revolution: its lines lie on the faces of the cut, without a cut on the
+//! outline as the camera sees it. Off centre a line holds along the profile only, from the pocket's centre to +x.
 
+use crate::scene::Letter;
 use crate::study::SectionBand;
 use crate::view::section::{Opening, Section};
-use glam::Vec3;
+use eframe::egui::Color32;
+use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// The outline of a pin's skin.
+pub(crate) struct Outline {
+    /// The pin's letter, and the colour and the gaps of its line.
+    pub(crate) letter: Letter,
+    pub(crate) color: Color32,
+    pub(crate) is_dotted: bool,
+    /// Distance from the pocket's centre and height of the skin's outer surface \[mm\], outwards.
+    pub(crate) points: Vec<Vec2>,
+    /// Position of the implant on the wall \[mm\].
+    pub(crate) center_mm: [f64; 2],
+}
+
+impl Outline {
+    /// The lines of the outline \[mm\].
+    pub(super) fn lines(&self, section: Section, azimuth: f32) -> Vec<Vec<Vec3>> {
+        let at = |direction: f32| {
+            let point = |p: &Vec2| (Vec2::from_angle(direction) * p.x).extend(p.y);
+            self.points.iter().map(point).collect()
+        };
+        directions(self.center_mm, section, azimuth).into_iter().map(at).collect()
+    }
+}
 
 /// A line of an envelope.
 pub(super) struct EnvelopeLine {
@@ -26,13 +51,6 @@ pub(super) fn lines(
     if band.is_empty() {
         return Vec::new();
     }
-    let both = |middle: f32, apart: f32| vec![middle - apart, middle + apart];
-    let directions = match section.opening {
-        _ if center_mm.iter().any(|at| at.abs() > 0.0) => vec![0.0],
-        Opening::Closed => both(azimuth, FRAC_PI_2),
-        Opening::Wedge => both(section.angle, FRAC_PI_4),
-        Opening::Half => both(section.angle, FRAC_PI_2),
-    };
     let line = |direction: f32, is_outer: bool| {
         let point = |point: &SectionBand| {
             let (r, z) = (point.r_mm as f32, point.z_mm[if is_outer { 2 } else { 0 }] as f32);
@@ -40,13 +58,24 @@ pub(super) fn lines(
         };
         EnvelopeLine { points: band.iter().map(point).collect(), is_outer }
     };
-    directions.into_iter().flat_map(|at| [false, true].map(|is_outer| line(at, is_outer))).collect()
+    let directions = directions(center_mm, section, azimuth).into_iter();
+    directions.flat_map(|at| [false, true].map(|is_outer| line(at, is_outer))).collect()
+}
+
+/// Directions \[radians\] in which the skin of an implant at a place is known, and shown.
+fn directions(center_mm: [f64; 2], section: Section, azimuth: f32) -> Vec<f32> {
+    let both = |middle: f32, apart: f32| vec![middle - apart, middle + apart];
+    match section.opening {
+        _ if center_mm.iter().any(|at| at.abs() > 0.0) => vec![0.0],
+        Opening::Closed => both(azimuth, FRAC_PI_2),
+        Opening::Wedge => both(section.angle, FRAC_PI_4),
+        Opening::Half => both(section.angle, FRAC_PI_2),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec2;
 
     #[test]
     fn lines_lie_on_the_faces_of_the_cut_and_off_centre_along_the_profile() {
@@ -67,6 +96,19 @@ mod tests {
                 .concat();
             assert_eq!(of(opening, [0.0; 2]), expected);
             assert_eq!(of(opening, [3.0, 0.0]), [(at(0.0, 10.0), false), (at(0.0, 15.0), true)]);
+            let outline = Outline {
+                letter: Letter::A,
+                color: Color32::RED,
+                is_dotted: false,
+                points: vec![Vec2::new(20.0, 15.0)],
+                center_mm: [0.0; 2],
+            };
+            let section = Section { opening, angle: 0.3, axis: Vec2::ZERO };
+            let points = outline.lines(section, 1.0).concat();
+            for (point, angle) in points.iter().zip([middle - apart, middle + apart]) {
+                assert!((*point - at(angle, 15.0)).length() < 1e-4);
+            }
+            assert_eq!(points.len(), 2);
         }
         let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
         assert!(lines(&[], [0.0; 2], section, 0.0).is_empty());

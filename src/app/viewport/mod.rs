@@ -7,6 +7,7 @@ mod overlay;
 mod panes;
 mod renderer;
 
+pub(crate) use envelope::Outline;
 pub(crate) use overlay::pointer_box;
 
 use super::widgets::{arrow_keys, keep_press};
@@ -73,6 +74,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) options: &'a Options,
     /// Band of the skin whose lines are drawn.
     pub(crate) envelope: &'a [SectionBand],
+    /// Outlines of pins.
+    pub(crate) outlines: &'a [Outline],
     /// Height of the controls over the top of the picture \[points\].
     pub(crate) bar: f32,
 }
@@ -179,7 +182,7 @@ impl Viewport {
         match LastAnswer::of(shown.session) {
             Some(answer) => {
                 let area = ui.available_rect_before_wrap();
-                self.show_subject(ui, &answer, Shown { envelope: &[], ..shown });
+                self.show_subject(ui, &answer, Shown { envelope: &[], outlines: &[], ..shown });
                 let veil = ui.visuals().panel_fill.gamma_multiply(VEIL);
                 ui.painter_at(area).rect_filled(area, 0.0, veil);
             }
@@ -188,7 +191,7 @@ impl Viewport {
     }
 
     fn show_subject(&mut self, ui: &mut Ui, session: &impl Subject, shown: Shown<'_>) {
-        let Shown { options, envelope, bar, .. } = shown;
+        let Shown { options, envelope, outlines, bar, .. } = shown;
         self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
@@ -219,6 +222,12 @@ impl Viewport {
         };
         self.draw(ui, &painter, area, drawn);
         self.draw_envelope(ui, &painter, area, (session, section), envelope);
+        for outline in outlines {
+            for line in outline.lines(section, self.camera.pose().azimuth) {
+                let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
+                overlay::outline(ui, &painter, points, outline);
+            }
+        }
         if let Some(scale) = scale
             && !self.picture.body.is_empty()
         {

@@ -1,5 +1,6 @@
 //! Overlays of the picture: legend, directions, scale bar, values at the pointer.
 
+use super::Outline;
 use crate::measure::{Field, MMHG_PER_KPA};
 use crate::scene::Scene;
 use crate::view::color::{Rgb, Scale};
@@ -207,6 +208,19 @@ pub(crate) fn envelope(ui: &Ui, painter: &Painter, points: Vec<Pos2>, is_outer: 
     } else {
         painter.extend(Shape::dashed_line(&points, stroke, 6.0, 4.0));
     }
+}
+
+/// Draws a line of a pin's outline with the pin's letter, on a light ground over any colour.
+pub(crate) fn outline(ui: &Ui, painter: &Painter, points: Vec<Pos2>, outline: &Outline) {
+    let Some(&end) = points.get(points.len() / 3) else { return };
+    let ground = ui.visuals().panel_fill.gamma_multiply(0.6);
+    let (dash, gap) = if outline.is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
+    painter.add(Shape::line(points.clone(), Stroke::new(4.0, ground)));
+    painter.extend(Shape::dashed_line(&points, Stroke::new(2.0, outline.color), dash, gap));
+    let galley = painter.layout_no_wrap(outline.letter.to_string(), font(ui), outline.color);
+    let place = Align2::CENTER_BOTTOM.anchor_size(end - vec2(0.0, 4.0), galley.size());
+    painter.rect_filled(place.expand(2.0), CornerRadius::same(3), ground);
+    painter.galley(place.min, galley, outline.color);
 }
 
 /// Draws a bar of a round length in mm; the scale holds at the camera's target.

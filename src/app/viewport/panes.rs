@@ -3,6 +3,7 @@
 use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
 use crate::app::widgets::keep_press;
 use crate::session::{Pin, Session};
+use crate::study::size_in_words;
 use crate::view::color::Quantity;
 use crate::view::picture::Picture;
 use crate::view::subject::{PinnedShape, Subject};
@@ -11,8 +12,6 @@ use std::sync::Arc;
 
 /// Space between two pictures \[points\].
 const GAP: f32 = 2.0;
-/// Width over height of an area that suits a picture best.
-const BEST_ASPECT: f32 = 1.2;
 
 /// The picture of a pin.
 pub(super) struct Pane {
@@ -24,7 +23,7 @@ pub(super) struct Pane {
 impl Viewport {
     /// Shows the pins with a shape and the session side by side in the remaining space.
     pub(crate) fn show_side_by_side(&mut self, ui: &mut Ui, shown: Shown<'_>) {
-        let Shown { session, options, envelope, bar } = shown;
+        let Shown { session, options, envelope, bar, .. } = shown;
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let pins: Vec<PinnedShape<'_>> =
             session.pins().iter().filter_map(PinnedShape::of).collect();
@@ -97,7 +96,8 @@ impl Viewport {
         let section = drawn.section;
         self.draw(ui, &painter, own_area, drawn);
         self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
-        overlay::caption(ui, &painter, own_area, "now");
+        let caption = format!("now · {}", size_in_words(session.scene()));
+        overlay::caption(ui, &painter, own_area, &caption);
         if let Some(scale) = &scale {
             overlay::legend(
                 ui,
@@ -167,16 +167,19 @@ fn pane(ui: &Ui, pin: &Pin, area: Rect) -> Response {
     response
 }
 
-/// Letter and name of a pin.
+/// Letter of a pin with its name, or with its size.
 fn title(pin: &Pin) -> String {
-    format!("{}  {}", pin.letter(), pin.name()).trim_end().to_owned()
+    let words =
+        if pin.name().is_empty() { size_in_words(pin.scene()) } else { pin.name().to_owned() };
+    format!("{} · {words}", pin.letter())
 }
 
-/// Divides an area into rows and columns of equal areas, which suit pictures best.
+/// Divides an area into rows and columns of equal areas, as near to squares as possible: two areas are side by side where the
+/// area is wider than high.
 fn divided(area: Rect, count: usize) -> Vec<Rect> {
     let fit = |columns: &usize| {
         let (columns, rows) = (*columns as f32, count.div_ceil(*columns) as f32);
-        (area.width() / columns / BEST_ASPECT).min(area.height() / rows)
+        (area.width() / columns).min(area.height() / rows)
     };
     let columns = (1..=count).max_by(|a, b| fit(a).total_cmp(&fit(b))).unwrap_or(1);
     let rows = count.div_ceil(columns);
@@ -211,6 +214,8 @@ mod tests {
         }
         let side_by_side = divided(Rect::from_min_size(pos2(0.0, 0.0), vec2(700.0, 400.0)), 2);
         assert!((side_by_side[0].top() - side_by_side[1].top()).abs() < 1e-3);
+        let nearly_square = divided(Rect::from_min_size(pos2(0.0, 0.0), vec2(640.0, 600.0)), 2);
+        assert!((nearly_square[0].top() - nearly_square[1].top()).abs() < 1e-3);
         let stacked = divided(Rect::from_min_size(pos2(0.0, 0.0), vec2(390.0, 420.0)), 2);
         assert!((stacked[0].left() - stacked[1].left()).abs() < 1e-3);
     }
