@@ -251,7 +251,11 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     // Stretch and pressure have a word, the cover has none.
     assert_eq!(harness.query_all_by_label("usual").count(), 2);
     harness.get_by_label("no published limit");
-    harness.get_by_label_contains("300 ml, 12 cm: skin stretch usual, cover ");
+    harness.get_by_label_contains("300 ml, 12 cm: usual. Stretch 14 %, cover 8 mm, pressure 1");
+    harness.get_by_label_contains("longer: 6");
+    harness.get_by_label_contains(
+        "Counted from the skin at rest; standing adds up to 60 % in places.",
+    );
     harness.get_by_label("standard model, normal accuracy");
     // The hint is gone after the first edit.
     let hint = "Change width, volume or pinch · drag the picture to turn it";
@@ -1355,8 +1359,9 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     harness.get_by_label("Up to date");
     harness.get_by_label("beyond");
     for source in [
-        "Mean failure strain of excised back skin: 54 ± 17 %.",
-        "Standing, the skin of the breast already carries strains",
+        "54 ± 17 %: mean failure strain of 56 samples of excised back skin (Ní Annaidh and others, ",
+        "Standing alone stretches the skin of the breast by up to 60 % in places (39 women; Norris",
+        "(Tebbetts and Adams, Plast Reconstr Surg 116, 2005, 2005)",
         "30–60 mmHg were measured right after clinical filling of expanders.",
     ] {
         harness.get_by_label_contains(source);

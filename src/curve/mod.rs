@@ -356,6 +356,28 @@ impl Curve {
         self.slope(0.0).max(1e-3 * self.secant(0.01))
     }
 
+    /// Strain at which the curve turns steep \[-\]: its slope is twice the initial slope from there on; `None` for a curve that
+    /// does not stiffen so far.
+    #[must_use]
+    pub fn knee(&self) -> Option<f64> {
+        const STEEP: f64 = 2.0;
+        let is_steep = |strain: f64| self.slope(strain) >= STEEP * self.small_strain_modulus();
+        let end = self.line_start;
+        if !is_steep(end) {
+            return None;
+        }
+        // The last interval of a fine division whose start is not steep, halved.
+        const STEPS: u32 = 200;
+        let at = |k: u32| end * f64::from(k) / f64::from(STEPS);
+        let last = (0..STEPS).rev().find(|&k| !is_steep(at(k)))?;
+        let (mut low, mut high) = (at(last), at(last + 1));
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            *(if is_steep(middle) { &mut high } else { &mut low }) = middle;
+        }
+        Some(high)
+    }
+
     /// Strain at the end of the data \[-\]: the last point or section, 1 for a formula; times the strain scale.
     #[must_use]
     pub fn data_end(&self) -> f64 {

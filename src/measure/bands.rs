@@ -41,20 +41,47 @@ pub const STRAIN: Limits = Limits {
         Band {
             limit: Some(STRAIN_BANDS[0]),
             word: "usual",
-            source: "Strains below 25 % are usual.",
+            source: "Below 25 %: less than half of the failure strain; a convention of this program.",
         },
         Band {
-            limit: Some(STRAIN_BANDS[1]), word: "high", source: "Strains of 25–50 % are high."
+            limit: Some(STRAIN_BANDS[1]),
+            word: "high",
+            source: "25–50 %: up to the failure strain; a convention of this program.",
         },
         Band {
             limit: Some(STRAIN_BANDS[2]),
             word: "very high",
-            source: "Mean failure strain of excised back skin: 54 ± 17 %.",
+            source: "54 ± 17 %: mean failure strain of 56 samples of excised back skin (Ní Annaidh and others, J Mech Behav \
+                Biomed Mater 5, 2012, 139).",
         },
         Band { limit: None, word: "beyond", source: "" },
     ],
-    note: "Strains count from the rest of the model. Standing, the skin of the breast already carries strains of up to \
-        60 % in places (39 women).",
+    note: "The scale counts what the implant adds to the skin at rest. Standing alone stretches the skin of the breast by up to \
+        60 % in places (39 women; Norris and others, BMJ Open Sport Exerc Med 6, 2020, e000770): the limits are those \
+        of skin cut out and at rest, and standing strain is not in them.",
+};
+
+/// Greatest principal strain of the skin / strain at which this skin's curve turns steep \[-\]
+/// ([`Curve::knee`](crate::curve::Curve::knee)).
+pub const RESERVE: Limits = Limits {
+    quantity: "share of the skin's reserve",
+    unit: "",
+    bands: &[
+        Band {
+            limit: Some(0.8),
+            word: "usual",
+            source: "Up to 80 % of the strain at which this skin's curve turns steep: a convention of this program.",
+        },
+        Band {
+            limit: Some(1.0),
+            word: "high",
+            source: "At 100 % the slope of the curve is twice the initial one and grows on: each further millimetre costs \
+                more and more stress (shape of the curve: Hendriks 2005, as in Nikolaev 2013).",
+        },
+        Band { limit: None, word: "very high", source: "" },
+    ],
+    note: "Tight skin turns steep at a smaller stretch than lax skin; the class of the skin sets that stretch within a factor \
+        of 2 (1 standard deviation).",
 };
 
 /// Contact pressure \[mmHg\].
@@ -71,15 +98,23 @@ pub const PRESSURE: Limits = Limits {
             limit: Some(PRESSURE_BANDS_MMHG[1]),
             word: "high",
             source: "Above 80 mmHg blood flow was near zero in one study of pigs; in another it fell only moderately \
-                to 100 mmHg.",
+                to 100 mmHg (pressure and dermal blood flow of expanded skin; Ann Plast Surg 21, 1988, 134).",
         },
         Band { limit: None, word: "very high", source: "" },
     ],
     note: "The pressure directly after filling; relaxation is not modelled.",
 };
 
+/// Least cover below which a plan has the practice's word \[mm\].
+pub const THIN_COVER_MM: f64 = 5.0;
+
+/// What is known about a limit of the cover.
+pub const COVER: &str = "Least thickness of skin and fat over the implant. No published limit was found. Below 5 mm the word is \
+    thin, from practice, no limit: with a pinch below 2 cm at the upper pole, a cover of 10 mm at rest, surgeons go under the \
+    muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005, 2005); half of that is left here.";
+
 /// All limits.
-pub const LIMITS: [&Limits; 2] = [&STRAIN, &PRESSURE];
+pub const LIMITS: [&Limits; 3] = [&STRAIN, &RESERVE, &PRESSURE];
 
 /// Contact pressures measured right after clinical filling of expanders \[mmHg\].
 pub const FILLING_PRESSURE_MMHG: (f64, f64) = (30.0, 60.0);
@@ -105,6 +140,21 @@ impl Limits {
 #[must_use]
 pub fn strain_band(strain: f64) -> usize {
     STRAIN.band(strain)
+}
+
+/// Band and word of the stretch of a skin: the worse of its greatest principal strain \[-\] and of its share of the reserve
+/// \[-\], if the skin has one.
+#[must_use]
+pub fn stretch(strain: f64, reserve: Option<f64>) -> (usize, &'static str) {
+    let of = |limits: &Limits, value: f64| (limits.band(value), limits.word(value));
+    let (by_strain, by_reserve) = (of(&STRAIN, strain), reserve.map(|share| of(&RESERVE, share)));
+    by_reserve.filter(|(band, _)| *band > by_strain.0).unwrap_or(by_strain)
+}
+
+/// Band and word of a thin cover \[mm\]; `None` for any other.
+#[must_use]
+pub fn cover(least_mm: f64) -> Option<(usize, &'static str)> {
+    (least_mm < THIN_COVER_MM).then_some((1, "thin"))
 }
 
 /// Band of a contact pressure \[mmHg\], 0 to 2.

@@ -96,6 +96,12 @@ pub struct Outcome {
     pub area_gain_cm2: Option<f64>,
     /// Strains of the membrane.
     pub strain: Option<Strains>,
+    /// Skin that wrinkles: greatest principal strain / strain at which the skin's curve turns steep ([`Curve::knee`]) \[-\];
+    /// absent for a curve that does not.
+    ///
+    /// [`Curve::knee`]: crate::curve::Curve::knee
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skin_reserve_used: Option<f64>,
     /// One entry a layer, from the skin inwards.
     pub layers: Vec<LayerOutcome>,
     /// 41 points along +x from the pocket's centre, material radius 0 … pocket radius.
@@ -254,6 +260,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     if selection.wants_any(&OF_MEMBRANE) {
         let summary = solution.deformation().summary(STRAIN_BANDS, weight);
         outcome.measure_shape(fields, &summary);
+        outcome.skin_reserve_used = reserve_used(problem, outcome.strain.as_ref());
         if selection.wants_any(&["layers", "warnings"]) {
             outcome.measure_loads(solution);
         }
@@ -283,14 +290,21 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     outcome
 }
 
+/// Greatest strain of a skin that wrinkles, relative to the strain at which its curve turns steep.
+fn reserve_used(problem: &Problem, strain: Option<&Strains>) -> Option<f64> {
+    let skin = problem.materials.first().filter(|_| problem.tissue.skin_wrinkles())?;
+    Some(strain?.max_principal.max(0.0) / skin.curve.knee()?)
+}
+
 /// Fields that depend on the membrane's deformation.
-const OF_MEMBRANE: [&str; 13] = [
+const OF_MEMBRANE: [&str; 14] = [
     "apex_stretch",
     "skin_projection_mm",
     "area_after_cm2",
     "area_ratio",
     "area_gain_cm2",
     "strain",
+    "skin_reserve_used",
     "layers",
     "profile_skin",
     "cover_mm",
@@ -371,6 +385,7 @@ impl Outcome {
             area_ratio: None,
             area_gain_cm2: None,
             strain: None,
+            skin_reserve_used: None,
             layers: tissues.iter().map(layer).collect(),
             profile: Vec::new(),
             profile_skin: Vec::new(),

@@ -1,6 +1,6 @@
 //! The figures of a result that a study compares.
 
-use crate::measure::bands::{Limits, PRESSURE, STRAIN};
+use crate::measure::bands::{Limits, PRESSURE, RESERVE, STRAIN};
 use crate::measure::{MMHG_PER_KPA, Outcome};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -46,6 +46,8 @@ pub enum Quantity {
     AttachmentTractionKpa,
     /// Volume of the implant \[ml\].
     ImplantVolumeMl,
+    /// Skin that wrinkles: greatest strain / strain at which the skin's curve turns steep \[-\].
+    SkinReserveUsed,
 }
 
 /// Name, label, unit in files, factor and unit on display.
@@ -53,7 +55,7 @@ struct Words(&'static str, &'static str, &'static str, f64, &'static str);
 
 impl Quantity {
     /// Number of quantities.
-    pub const COUNT: usize = 16;
+    pub const COUNT: usize = 17;
 
     /// All quantities.
     pub const ALL: [Self; Self::COUNT] = [
@@ -73,6 +75,7 @@ impl Quantity {
         Self::SkinAreaGainCm2,
         Self::AttachmentTractionKpa,
         Self::ImplantVolumeMl,
+        Self::SkinReserveUsed,
     ];
 
     fn words(self) -> Words {
@@ -123,6 +126,9 @@ impl Quantity {
             Self::ImplantVolumeMl => {
                 Words("implant_volume_ml", "volume of the implant", "ml", 1.0, "ml")
             }
+            Self::SkinReserveUsed => {
+                Words("skin_reserve_used", "share of the skin's reserve", "", 100.0, "%")
+            }
         }
     }
 
@@ -168,6 +174,7 @@ impl Quantity {
     pub fn limits(self) -> Option<(&'static Limits, f64)> {
         match self {
             Self::GreatestStrain => Some((&STRAIN, 1.0)),
+            Self::SkinReserveUsed => Some((&RESERVE, 1.0)),
             Self::MeanPressureMmhg | Self::GreatestPressureMmhg => Some((&PRESSURE, 1.0)),
             Self::MeanPressureKpa | Self::GreatestPressureKpa => Some((&PRESSURE, MMHG_PER_KPA)),
             _ => None,
@@ -202,6 +209,7 @@ impl Quantity {
             Self::SkinAreaGainCm2 => outcome.area_gain_cm2?,
             Self::AttachmentTractionKpa => outcome.attachment_traction_kpa?.max,
             Self::ImplantVolumeMl => outcome.implant_volume_ml,
+            Self::SkinReserveUsed => outcome.skin_reserve_used?,
         };
         value.is_finite().then_some(value)
     }

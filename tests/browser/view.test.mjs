@@ -6,7 +6,8 @@ import * as harness from "./harness.mjs";
 
 const fixture = harness.setUp();
 
-const PICTURE = { x: 320, y: 60, width: 640, height: 560 };
+// Below the buttons.
+const PICTURE = { x: 320, y: 130, width: 640, height: 490 };
 
 /** The picture without values at the pointer. */
 async function picture(page) {
@@ -48,7 +49,6 @@ describe("the camera", { timeout: 6 * harness.PATIENCE }, () => {
     assert.ok((await harness.difference(page, opening, near)) > 10_000, "the wheel zooms nothing");
     assert.equal(await harness.difference(page, near, await wheel(5)), 0, "the eye goes on into the tissue");
     await harness.screenshot(page, "zoomed");
-    assert.ok((await harness.colours(page)) > 200, "the picture is blank");
     await finish();
   });
 });

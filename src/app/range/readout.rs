@@ -4,8 +4,9 @@ use super::axes::Words;
 use crate::study::{Map, PointStatus, Quantity};
 
 /// The quantities on offer with a surgeon's words, the usual ones first.
-pub(super) const QUANTITIES: [(Quantity, &str); 14] = [
+pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
     (Quantity::GreatestStrain, "Skin stretch"),
+    (Quantity::SkinReserveUsed, "Skin stretch, of its reserve"),
     (Quantity::GreatestPressureMmhg, "Pressure, greatest"),
     (Quantity::LeastCoverMm, "Least cover"),
     (Quantity::SkinAreaGainCm2, "Skin area gained"),
@@ -29,8 +30,12 @@ pub(super) fn name(quantity: Quantity) -> &'static str {
 
 /// Does a quantity exist in this tissue model?
 pub(super) fn applies(quantity: Quantity, is_layered: bool) -> bool {
-    let of_layers =
-        [Quantity::LeastCoverMm, Quantity::ApexCoverMm, Quantity::AttachmentTractionKpa];
+    let of_layers = [
+        Quantity::LeastCoverMm,
+        Quantity::ApexCoverMm,
+        Quantity::AttachmentTractionKpa,
+        Quantity::SkinReserveUsed,
+    ];
     is_layered || !of_layers.contains(&quantity)
 }
 

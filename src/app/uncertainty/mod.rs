@@ -75,6 +75,23 @@ impl Findings {
         self.count(PointStatus::Converged)
     }
 
+    /// Are there no bands?
+    pub(super) fn is_empty(&self) -> bool {
+        self.bands.is_empty()
+    }
+
+    /// Share of the solved samples without an answer \[-\].
+    pub(super) fn without_answer(&self) -> f64 {
+        let solved = self.solved();
+        (solved - self.answers()) as f64 / solved.max(1) as f64
+    }
+
+    /// The sampled patients without an answer in a sentence, for a card; `None` if all have one.
+    pub(super) fn missing(&self) -> Option<String> {
+        let share = 100.0 * self.without_answer();
+        (share > 0.0).then(|| format!("{share:.0} % of such patients have no answer. "))
+    }
+
     fn solved(&self) -> usize {
         self.counts.values().sum()
     }

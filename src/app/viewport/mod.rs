@@ -36,7 +36,7 @@ const KEY_ORBIT: f32 = 14.0;
 /// Opacity of the veil over the last answer of a scene without one \[-\].
 const VEIL: f32 = 0.6;
 /// Least distance of the eye from the tissue \[mm\].
-const CLEARANCE_MM: f32 = 10.0;
+const CLEARANCE_MM: f32 = 50.0;
 /// Maximum nodes per side for which a running solve still shows values at the pointer.
 const PICK_WHILE_SOLVING: usize = 257;
 

@@ -10,6 +10,8 @@ use crate::view::subject::{PinnedShape, Subject};
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 use std::sync::Arc;
 
+/// Height of a picture's caption \[points\].
+const CAPTION: f32 = 24.0;
 /// Space between two pictures \[points\].
 const GAP: f32 = 2.0;
 
@@ -102,7 +104,7 @@ impl Viewport {
             overlay::legend(
                 ui,
                 &painter,
-                own_area.with_min_y(own_area.top().max(area.top() + bar)),
+                own_area.with_min_y(own_area.top().max(area.top() + bar) + CAPTION),
                 scale,
             );
         }

@@ -1,0 +1,338 @@
+//! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own; the band of sampled
+//! patients stands in brackets, and its worse end decides the word.
+
+use crate::app::uncertainty::Findings;
+use crate::measure::bands::{self, Limits};
+use crate::measure::{Outcome, STRAIN_BANDS};
+use crate::scene::Scene;
+use crate::study::{Band, Quantity};
+
+/// Strain above which the share of the skin is shown \[-\], and its key in the result.
+const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
+/// Greatest values of the bars: strain \[-\], share of the reserve \[-\], pressure \[mmHg\].
+const MOST_STRAIN: f64 = 0.8;
+const MOST_RESERVE: f64 = 1.5;
+const MOST_PRESSURE: f64 = 100.0;
+/// Share of the sampled patients without an answer above which a band is open at its worse end \[-\].
+const OPEN_ABOVE: f64 = 0.05;
+
+/// What the strains of the model leave out.
+const FROM_REST: &str = "Counted from the skin at rest; standing adds up to 60 % in places.";
+
+/// The figures of the answer.
+pub(super) struct Answer {
+    /// Greatest strain of the skin \[-\].
+    pub(super) strain: Option<f64>,
+    /// The strain relative to that at which this skin turns steep \[-\].
+    reserve: Option<f64>,
+    /// Fraction of the skin above [`SHARE_ABOVE`] \[-\].
+    share: f64,
+    /// Least thickness over the implant \[mm\].
+    pub(super) cover: Option<f64>,
+    /// Thickness over the implant's highest point \[mm\].
+    apex: Option<f64>,
+    /// Thickness at rest \[mm\].
+    pub(super) rest: f64,
+    /// Does the tissue have a cover, or is it one sheet?
+    is_layered: bool,
+    /// Mean and greatest contact pressure \[mmHg\].
+    pub(super) pressure: Option<(f64, f64)>,
+}
+
+/// Band, counted from the lowest, and its word.
+type Verdict = (usize, &'static str);
+
+impl Answer {
+    pub(super) fn new(outcome: Option<&Outcome>, scene: &Scene) -> Self {
+        let strain = outcome.and_then(|outcome| outcome.strain.as_ref());
+        let share = strain.and_then(|s| s.fraction_above.get(SHARE_ABOVE.1)).copied();
+        let cover = outcome.and_then(|outcome| outcome.cover_mm);
+        Self {
+            strain: strain.map(|strain| strain.max_principal.max(0.0)),
+            reserve: outcome.and_then(|outcome| outcome.skin_reserve_used),
+            share: share.unwrap_or(0.0),
+            cover: cover.map(|cover| cover.least),
+            apex: cover.map(|cover| cover.apex),
+            is_layered: scene.is_layered(),
+            rest: scene.layers.iter().map(|layer| layer.thickness_mm).sum(),
+            pressure: outcome.and_then(|o| o.contact_pressure_mmhg).map(|p| (p.mean, p.max)),
+        }
+    }
+
+    /// The word of the stretch.
+    pub(super) fn stretch(&self) -> Option<Verdict> {
+        self.strain.map(|strain| bands::stretch(strain, self.reserve))
+    }
+
+    /// The word of the cover; `None` for a cover that is not thin.
+    pub(super) fn cover_word(&self) -> Option<Verdict> {
+        self.cover.and_then(bands::cover)
+    }
+
+    fn pressure_word(&self) -> Option<Verdict> {
+        self.pressure.map(|(_, most)| verdict_of(&bands::PRESSURE, most))
+    }
+
+    /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
+    pub(super) fn in_a_sentence(&self) -> String {
+        let words = [
+            (self.stretch(), "skin stretch"),
+            (self.cover_word(), "cover"),
+            (self.pressure_word(), "pressure"),
+        ];
+        let not_usual = words.into_iter().filter_map(|(verdict, name)| Some((verdict?, name)));
+        // The first of equal ones.
+        let worst =
+            not_usual.rev().max_by_key(|((band, _), _)| *band).filter(|((band, _), _)| *band > 0);
+        let worst =
+            worst.map_or_else(|| "usual".to_owned(), |((_, word), name)| format!("{name} {word}"));
+        let figures = [
+            self.strain.map(|strain| format!("stretch {:.0} %", 100.0 * strain)),
+            self.cover.map(|mm| format!("cover {mm:.0} mm")),
+            self.pressure.map(|(_, most)| format!("pressure {most:.0} mmHg")),
+        ];
+        let figures: Vec<String> = figures.into_iter().flatten().collect();
+        let figures = figures.join(", ");
+        let (first, rest) = figures.split_at(usize::from(!figures.is_empty()));
+        format!("{worst}. {}{rest}.", first.to_uppercase())
+    }
+}
+
+fn verdict_of(limits: &Limits, value: f64) -> Verdict {
+    (limits.band(value), limits.word(value))
+}
+
+/// Words and figures of a card.
+pub(super) struct Card {
+    pub(super) title: &'static str,
+    /// The figure with its unit.
+    pub(super) figure: String,
+    /// Words beside the figure.
+    pub(super) beside: String,
+    /// Short name and figure for the phone's row.
+    pub(super) short: (&'static str, String),
+    /// Band and word; `None` without limits or value.
+    pub(super) verdict: Option<Verdict>,
+    /// What stands in place of a word without limits.
+    pub(super) no_verdict: &'static str,
+    pub(super) line: String,
+    /// The value on the bar.
+    pub(super) value: Option<f64>,
+    /// 10th and 90th percentile on the bar.
+    pub(super) range: Option<[f64; 2]>,
+    /// The median of the band, with its unit.
+    pub(super) median: Option<String>,
+    pub(super) scale: BarScale,
+}
+
+/// The scale of a card's bar.
+#[derive(Clone, Copy)]
+pub(super) enum BarScale {
+    /// Bands of limits, up to a value.
+    Bands { limits: &'static Limits, most: f64, in_percent: bool },
+    /// A part of a whole.
+    Part { whole: f64 },
+}
+
+/// The bands of sampled patients, as far as there are any.
+struct Sampled<'a>(Option<&'a Findings>);
+
+impl Sampled<'_> {
+    fn band(&self, quantity: Quantity) -> Option<&Band> {
+        self.0.and_then(|findings| findings.band(quantity))
+    }
+
+    /// The range in brackets, as "(4–31) "; open at its worse end if more than [`OPEN_ABOVE`] of the patients are missing.
+    fn brackets(&self, quantity: Quantity, is_low_worse: bool) -> String {
+        let Some((band, findings)) = self.band(quantity).zip(self.0) else { return String::new() };
+        let (factor, unit) = quantity.display();
+        let decimals = usize::from(unit == "mm");
+        let [low, high] =
+            [band.p10, band.p90].map(|value| format!("{:.decimals$}", factor * value));
+        match findings.without_answer() > OPEN_ABOVE {
+            true if is_low_worse => format!("(≤ {low}–{high}) "),
+            true => format!("({low}–≥ {high}) "),
+            false => format!("({low}–{high}) "),
+        }
+    }
+
+    /// A figure of a line, as "12 % (4–31)".
+    fn in_line(&self, quantity: Quantity, decimals: usize, own: f64) -> String {
+        let (factor, unit) = quantity.display();
+        let text = format!("{:.decimals$} {unit} {}", factor * own, self.brackets(quantity, false));
+        text.trim_end().to_owned()
+    }
+
+    /// The median with its unit.
+    fn median(&self, quantity: Quantity) -> Option<String> {
+        let text = |band: &Band| band.text.rsplit_once(", ").map(|(median, _)| median.to_owned());
+        self.band(quantity).and_then(text)
+    }
+
+    /// The 10th and the 90th percentile.
+    fn range(&self, quantity: Quantity) -> Option<[f64; 2]> {
+        self.band(quantity).map(|band| [band.p10, band.p90])
+    }
+}
+
+/// The cards of an answer, with the bands of `findings` in brackets.
+pub(super) fn cards(answer: &Answer, findings: Option<&Findings>) -> [Card; 3] {
+    let sampled = Sampled(findings.filter(|findings| !findings.is_empty()));
+    [stretch_card(answer, &sampled), cover_card(answer, &sampled), pressure_card(answer, &sampled)]
+}
+
+/// A value in words, or a dash.
+fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
+    value.map_or_else(|| "–".to_owned(), text)
+}
+
+/// The word of the worse end of a band in place of the plan's own, and both in words if they differ.
+fn worse(
+    own: Option<Verdict>,
+    of_band: Option<Verdict>,
+    line: String,
+) -> (Option<Verdict>, String) {
+    match (own, of_band) {
+        (Some(own), Some(worse)) if worse.0 > own.0 => {
+            (Some(worse), format!("this plan itself: {}. {line}", own.1))
+        }
+        (own, of_band) => (own.or(of_band), line),
+    }
+}
+
+fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
+    let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
+    let range = sampled.range(Quantity::GreatestStrain);
+    let reserve = sampled.range(Quantity::SkinReserveUsed);
+    let of_band = range.map(|[_, high]| bands::stretch(high, reserve.map(|[_, high]| high)));
+    let line = answer.strain.map_or_else(String::new, |_| {
+        let missing = sampled.0.and_then(Findings::missing).unwrap_or_default();
+        let share = match answer.reserve {
+            Some(_) => String::new(),
+            None => format!(
+                "{} of the skin is above {:.0} %. ",
+                sampled.in_line(Quantity::AreaOver25, 0, answer.share),
+                100.0 * SHARE_ABOVE.0
+            ),
+        };
+        format!("{missing}{share}{FROM_REST}")
+    });
+    let (verdict, line) = worse(answer.stretch(), of_band, line);
+    let brackets = sampled.brackets(Quantity::GreatestStrain, false);
+    let (words, scale) = match answer.reserve {
+        Some(share) => (
+            format!("longer: {:.0} % of its reserve", 100.0 * share),
+            BarScale::Bands { limits: &bands::RESERVE, most: MOST_RESERVE, in_percent: true },
+        ),
+        None => (
+            "longer, at most".to_owned(),
+            BarScale::Bands { limits: &bands::STRAIN, most: MOST_STRAIN, in_percent: true },
+        ),
+    };
+    Card {
+        title: "Skin stretch",
+        short: ("Stretch", figure.clone()),
+        figure,
+        beside: format!("{brackets}{words}"),
+        verdict,
+        no_verdict: "",
+        line,
+        value: answer.reserve.or(answer.strain),
+        range: if answer.reserve.is_some() { reserve } else { range },
+        median: sampled.median(Quantity::GreatestStrain),
+        scale,
+    }
+}
+
+fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
+    let line = match answer.apex {
+        Some(apex) => format!("{} at the top", sampled.in_line(Quantity::ApexCoverMm, 1, apex)),
+        None if answer.is_layered => String::new(),
+        None => "needs “Skin on solid layers” (Advanced)".to_owned(),
+    };
+    let range = sampled.range(Quantity::LeastCoverMm);
+    let of_band = range.and_then(|[low, _]| bands::cover(low));
+    let (verdict, line) = match (answer.cover_word(), of_band) {
+        (None, Some(worse)) => (Some(worse), format!("this plan itself is not. {line}")),
+        (own, of_band) => (own.or(of_band), line),
+    };
+    let brackets = sampled.brackets(Quantity::LeastCoverMm, true);
+    Card {
+        title: "Cover over implant",
+        short: ("Cover", text_of(answer.cover, |v| format!("{v:.0} mm"))),
+        figure: text_of(answer.cover, |v| format!("{v:.1} mm")),
+        beside: format!("{brackets}of {:.1} mm, at least", answer.rest),
+        verdict,
+        no_verdict: "no published limit",
+        line,
+        value: answer.cover,
+        range,
+        median: sampled.median(Quantity::LeastCoverMm),
+        scale: BarScale::Part { whole: answer.rest },
+    }
+}
+
+fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
+    let most = answer.pressure.map(|(_, most)| most);
+    let figure = text_of(most, |v| format!("{v:.0} mmHg"));
+    let range = sampled.range(Quantity::GreatestPressureMmhg);
+    let of_band = range.map(|[_, high]| verdict_of(&bands::PRESSURE, high));
+    let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
+        format!("{} on average", sampled.in_line(Quantity::MeanPressureMmhg, 0, mean))
+    });
+    let (verdict, line) = worse(answer.pressure_word(), of_band, line);
+    let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
+    Card {
+        title: "Pressure on the tissue",
+        short: ("Pressure", figure.clone()),
+        figure,
+        beside: format!("{brackets}at most"),
+        verdict,
+        no_verdict: "",
+        line,
+        value: most,
+        range,
+        median: sampled.median(Quantity::GreatestPressureMmhg),
+        scale: BarScale::Bands { limits: &bands::PRESSURE, most: MOST_PRESSURE, in_percent: false },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_begins_with_the_worst_word() {
+        let answer = |strain, reserve, cover, pressure| Answer {
+            strain: Some(strain),
+            reserve: Some(reserve),
+            share: 0.0,
+            cover: Some(cover),
+            apex: None,
+            rest: 10.0,
+            is_layered: true,
+            pressure: Some((0.8 * pressure, pressure)),
+        };
+        for (of, sentence) in [
+            (answer(0.14, 0.65, 7.2, 13.0), "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."),
+            (
+                answer(0.09, 0.9, 7.2, 17.0),
+                "skin stretch high. Stretch 9 %, cover 7 mm, pressure 17 mmHg.",
+            ),
+            (
+                answer(0.09, 0.3, 4.4, 17.0),
+                "cover thin. Stretch 9 %, cover 4 mm, pressure 17 mmHg.",
+            ),
+            (
+                answer(0.09, 0.9, 4.4, 90.0),
+                "pressure very high. Stretch 9 %, cover 4 mm, pressure 90 mmHg.",
+            ),
+            (
+                answer(0.6, 0.9, 7.2, 90.0),
+                "skin stretch beyond. Stretch 60 %, cover 7 mm, pressure 90 mmHg.",
+            ),
+        ] {
+            assert_eq!(of.in_a_sentence(), sentence);
+        }
+    }
+}

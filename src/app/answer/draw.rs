@@ -1,0 +1,148 @@
+//! The cards on the screen: figure, word with its level, bar with limits and mark.
+
+use super::cards::{BarScale, Card};
+use super::text_of;
+use crate::app::theme::{self, SPACE};
+use crate::app::uncertainty::Findings;
+use crate::measure::bands;
+use crate::view::color;
+use eframe::egui::{
+    self, Align2, Color32, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, pos2,
+    vec2,
+};
+
+pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
+    let frame = egui::Frame::group(ui.style()).inner_margin(SPACE).corner_radius(8);
+    let response = frame
+        .show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            ui.spacing_mut().item_spacing.y = 2.0;
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(card.title).strong());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    verdict(ui, card);
+                });
+            });
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(&card.figure).size(theme::FIGURE));
+                let beside = RichText::new(&card.beside).color(ui.visuals().weak_text_color());
+                ui.add(egui::Label::new(beside).truncate());
+            });
+            bar(ui, card);
+            let line = RichText::new(&card.line).small().color(ui.visuals().weak_text_color());
+            ui.add(egui::Label::new(line).wrap());
+        })
+        .response;
+    let mut tooltip = match card.scale {
+        BarScale::Bands { limits, .. } => text_of(limits),
+        BarScale::Part { .. } => bands::COVER.to_owned(),
+    };
+    if let Some(findings) = findings.filter(|_| card.range.is_some()) {
+        let count = findings.answers();
+        tooltip = format!(
+            "In brackets: 10th to 90th percentile of {count} sampled patients{}. The word is that of the worse end; the \
+             bar has a line over the range.\n{tooltip}",
+            card.median.as_ref().map_or_else(String::new, |median| format!(", median {median}"))
+        );
+    }
+    response.on_hover_text(tooltip);
+}
+
+/// Shows the word of a band with its level, as one to four strokes: colour is not the only sign.
+fn verdict(ui: &mut Ui, card: &Card) {
+    let Some((band, word)) = card.verdict else {
+        let words = if card.value.is_some() { card.no_verdict } else { "" };
+        ui.label(RichText::new(words).small().color(ui.visuals().weak_text_color()));
+        return;
+    };
+    let color = band_color(ui, band);
+    ui.label(RichText::new(word).strong().color(color));
+    let (rect, _) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::hover());
+    for k in 0..4 {
+        let at = rect.left() + 5.0 * k as f32;
+        let height = 5.0 + 3.0 * k as f32;
+        let stroke =
+            Rect::from_min_max(pos2(at, rect.bottom() - height), pos2(at + 3.0, rect.bottom()));
+        if k <= band {
+            ui.painter().rect_filled(stroke, 1.0, color);
+        } else {
+            let line = Stroke::new(1.0, theme::palette(ui.visuals()).edge);
+            ui.painter().rect_stroke(stroke, 1.0, line, StrokeKind::Inside);
+        }
+    }
+}
+
+/// Draws the bar of a card: bands in their colours with their limits, or the part of a whole, and the value's mark.
+fn bar(ui: &mut Ui, card: &Card) {
+    let is_banded = matches!(card.scale, BarScale::Bands { .. });
+    let size = vec2(ui.available_width(), if is_banded { 28.0 } else { 17.0 });
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let bar = Rect::from_min_size(rect.min + vec2(0.0, 7.0), vec2(rect.width(), 8.0));
+    let (palette, painter) = (theme::palette(ui.visuals()), ui.painter());
+    let quiet = ui.visuals().weak_text_color();
+    let font = TextStyle::Small.resolve(ui.style());
+    let outline = Stroke::new(1.0, palette.edge);
+    let most = match card.scale {
+        BarScale::Bands { most, .. } => most,
+        BarScale::Part { whole } => whole.max(1e-9),
+    };
+    let at = |value: f64| bar.left() + bar.width() * (value / most).clamp(0.0, 1.0) as f32;
+    match card.scale {
+        BarScale::Bands { limits, most, in_percent } => {
+            let mut from = 0.0;
+            let mut free = f32::NEG_INFINITY;
+            for (k, band) in limits.bands.iter().enumerate() {
+                let to = band.limit.unwrap_or(most);
+                let part = Rect::from_x_y_ranges(at(from)..=at(to), bar.y_range());
+                painter.rect_filled(part, 0.0, rgb(color::band(k)));
+                from = to;
+                let Some(limit) = band.limit else { continue };
+                painter.vline(at(limit), bar.y_range(), Stroke::new(1.0, ui.visuals().panel_fill));
+                let text = if in_percent {
+                    format!("{:.0} %", 100.0 * limit)
+                } else {
+                    format!("{limit:.0}")
+                };
+                let galley = painter.layout_no_wrap(text, font.clone(), quiet);
+                let left = at(limit) - 0.5 * galley.size().x;
+                // The next limit may be too close for its number.
+                if left > free {
+                    free = left + galley.size().x + 4.0;
+                    painter.galley(pos2(left, bar.bottom() + 1.0), galley, quiet);
+                }
+            }
+            if !in_percent {
+                let end = pos2(bar.right(), bar.bottom() + 1.0);
+                painter.text(end, Align2::RIGHT_TOP, limits.unit, font, quiet);
+            }
+        }
+        BarScale::Part { .. } => {
+            painter.rect_filled(bar, 0.0, ui.visuals().extreme_bg_color);
+            if let Some(value) = card.value {
+                painter.rect_filled(bar.with_max_x(at(value)), 0.0, rgb(color::COVER));
+            }
+        }
+    }
+    painter.rect_stroke(bar, 1.0, outline, StrokeKind::Outside);
+    if let Some([low, high]) = card.range {
+        let line = Stroke::new(2.5, palette.text);
+        painter.hline(at(low)..=at(high), bar.top() - 4.0, line);
+    }
+    if let Some(value) = card.value {
+        let (x, top) = (at(value), bar.top());
+        let mark = vec![pos2(x, top + 3.0), pos2(x - 5.0, top - 6.0), pos2(x + 5.0, top - 6.0)];
+        let line = Stroke::new(1.0, ui.visuals().panel_fill);
+        painter.add(Shape::convex_polygon(mark, palette.text, line));
+    }
+}
+
+fn rgb(color: color::Rgb) -> Color32 {
+    let [r, g, b] = color.map(|v| (255.0 * v.clamp(0.0, 1.0)).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// Colour of the words of a band, counted from the lowest.
+pub(in crate::app) fn band_color(ui: &Ui, band: usize) -> Color32 {
+    let palette = theme::palette(ui.visuals());
+    [palette.text, palette.caution, palette.bad, palette.bad][band.min(3)]
+}

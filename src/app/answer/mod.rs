@@ -1,0 +1,207 @@
+//! The answer: what happens to the tissue, as three cards, in one sentence, and in words for screen readers. The words
+//! and limits of all of them are those of [`bands`].
+//!
+//! `cards` (figures and words of the cards) | `draw` (the cards on the screen).
+
+mod cards;
+mod draw;
+
+pub(super) use draw::band_color;
+
+use super::no_answer;
+use super::theme::{self, SPACE, SPACE_SMALL};
+use super::uncertainty::Findings;
+use crate::clinical::Size;
+use crate::measure::bands::{self, Limits};
+use crate::measure::{Outcome, Status};
+use crate::scene::Scene;
+use crate::session::Session;
+use crate::springs::Springs;
+use cards::{Answer, Card, cards};
+use draw::show_card;
+use eframe::egui::{self, RichText, Ui};
+
+/// Results of the previous scene during a solve: shown during a short one, hidden during a long one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PreviousResults {
+    Shown,
+    Hidden,
+}
+
+/// The result to show. During a short solve the previous result stays visible. During a long one (`previous`) only
+/// a provisional result of the present scene close to its equilibrium is shown.
+pub(super) fn visible(session: &Session, previous: PreviousResults) -> Option<&Outcome> {
+    let is_near = session.is_outcome_present() && session.scene().springs == Springs::Coupled;
+    let outcome = session.outcome().filter(|_| is_near || previous == PreviousResults::Shown);
+    outcome.filter(|_| !session.is_stopped())
+}
+
+/// Shows the heading with the state of the computation.
+pub(super) fn heading(ui: &mut Ui, session: &Session) {
+    ui.add_space(SPACE_SMALL);
+    ui.horizontal(|ui| {
+        ui.heading("What happens");
+        if session.is_working() {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.label(RichText::new("Updating…").color(ui.visuals().weak_text_color()));
+            });
+        }
+    });
+    if session.is_stopped() {
+        ui.label(RichText::new("Not computed.").color(ui.visuals().weak_text_color()));
+    }
+}
+
+/// Shows the three cards, with bands if there are `findings`, and warnings. Further sections of the answer (sources,
+/// Uncertainty, Compare) follow below.
+pub(super) fn show(
+    ui: &mut Ui,
+    session: &Session,
+    previous: PreviousResults,
+    findings: Option<&Findings>,
+) {
+    let answer = Answer::new(visible(session, previous), session.scene());
+    for card in cards(&answer, findings) {
+        show_card(ui, &card, findings);
+    }
+    warnings(ui, session.result());
+}
+
+/// Shows the three figures in one row, for a phone.
+pub(super) fn show_short(
+    ui: &mut Ui,
+    session: &Session,
+    previous: PreviousResults,
+    findings: Option<&Findings>,
+) {
+    let answer = Answer::new(visible(session, previous), session.scene());
+    ui.columns_const(|columns: &mut [Ui; 3]| {
+        for (ui, card) in columns.iter_mut().zip(cards(&answer, findings)) {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            let (name, figure) = card.short;
+            let quiet = ui.visuals().weak_text_color();
+            ui.label(RichText::new(name).small().color(quiet));
+            ui.label(RichText::new(figure).strong());
+            let (word, color) = match card.verdict {
+                Some((band, word)) => (word, band_color(ui, band)),
+                None if card.value.is_some() => (card.no_verdict, quiet),
+                None => ("", quiet),
+            };
+            ui.label(RichText::new(word).small().color(color));
+        }
+    });
+}
+
+/// The cards in words: title, figure, word, further line.
+pub(super) fn rows(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
+    let outcome = visible(session, PreviousResults::Shown);
+    let cards = cards(&Answer::new(outcome, session.scene()), findings);
+    let row = |card: Card| {
+        let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
+        [
+            card.title.to_owned(),
+            format!("{} {}", card.figure, card.beside),
+            word.to_owned(),
+            card.line,
+        ]
+    };
+    cards.into_iter().map(row).collect()
+}
+
+/// Shows warnings, which apply to all numbers.
+fn warnings(ui: &mut Ui, outcome: Option<&Outcome>) {
+    let palette = theme::palette(ui.visuals());
+    let Some(outcome) = outcome else { return };
+    if outcome.status == Status::NotConverged {
+        let words = RichText::new("! Not finished: do not use these numbers.").strong();
+        ui.add(egui::Label::new(words.color(palette.bad)).wrap());
+    }
+    for warning in &outcome.warnings {
+        let words = RichText::new(format!("! {warning}")).small().color(palette.caution);
+        ui.add(egui::Label::new(words).wrap());
+    }
+}
+
+/// The limits of a quantity with their sources, one per line, and what a reader must know about them.
+pub(super) fn text_of(limits: &Limits) -> String {
+    let sources = limits.bands.iter().map(|band| band.source).filter(|source| !source.is_empty());
+    sources.chain([limits.note]).collect::<Vec<_>>().join("\n")
+}
+
+/// The fold with the sources of all limits.
+pub(super) fn sources(ui: &mut Ui) {
+    egui::CollapsingHeader::new("Where limits come from").id_salt("sources").show_unindented(
+        ui,
+        |ui| {
+            for limits in bands::LIMITS {
+                ui.label(RichText::new(text_of(limits)).small());
+            }
+            ui.label(RichText::new(bands::COVER).small());
+            ui.label(
+                RichText::new(
+                    "Right after surgery. With tissue expanders about a third of such a gain of skin \
+                     remained.",
+                )
+                .small(),
+            );
+            ui.add_space(SPACE);
+        },
+    );
+}
+
+/// The implant in a few words, as "300 ml, 12 cm".
+fn implant(scene: &Scene) -> (String, String) {
+    let implant = &scene.implant;
+    let volume = implant.size().map_or(0.0, Size::volume_ml);
+    let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
+    let width = width.trim_end_matches(".0").to_owned();
+    (format!("{volume:.0}"), width)
+}
+
+/// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
+pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
+    let (volume, width) = implant(session.scene());
+    let part = match session.scene().insertion {
+        full if full >= 1.0 => String::new(),
+        part => format!(", {:.0} % in place", 100.0 * part),
+    };
+    let answer = Answer::new(visible(session, previous), session.scene());
+    let words = match answer.strain {
+        None if session.is_working() => "updating…".to_owned(),
+        None if no_answer::applies(session) => "no answer.".to_owned(),
+        None => "no result.".to_owned(),
+        Some(_) => answer.in_a_sentence(),
+    };
+    format!("{volume} ml, {width} cm{part}: {words}")
+}
+
+/// The answer in a few sentences, for screen readers.
+pub(super) fn summary(session: &Session) -> String {
+    if session.is_stopped() {
+        return "Stopped: this plan has not been computed.".to_owned();
+    }
+    let Some(outcome) = session.result() else {
+        return "Updating.".to_owned();
+    };
+    let state = match outcome.status {
+        Status::Unstable => return format!("No answer. {}", no_answer::words(session)),
+        Status::NotConverged => "Not finished: do not use these numbers.",
+        Status::Converged => "Up to date.",
+    };
+    let (volume, width) = implant(session.scene());
+    let answer = Answer::new(Some(outcome), session.scene());
+    let strain =
+        answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
+            format!(" Skin stretch {:.0} percent, {word}.", 100.0 * strain)
+        });
+    let thin = answer.cover_word().map_or_else(String::new, |(_, word)| format!(", {word}"));
+    let cover = answer.cover.map_or_else(String::new, |cover| {
+        format!(" Cover {cover:.0} of {:.0} mm{thin}.", answer.rest)
+    });
+    let pressure = answer.pressure.map_or_else(String::new, |(mean, most)| {
+        let word = bands::pressure_word(most);
+        format!(" Pressure {mean:.0}, at most {most:.0} mmHg, {word}.")
+    });
+    let warnings: String = outcome.warnings.iter().map(|warning| format!(" {warning}")).collect();
+    format!("{volume} ml implant, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}")
+}
