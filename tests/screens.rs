@@ -8,7 +8,7 @@ use eframe::egui::{self, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use implant_preview::app::App;
-use implant_preview::curve::{Curve, CurveSpec, Interpolation};
+use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve};
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, Springs, TissueModel};
@@ -839,6 +839,59 @@ fn the_last_point_of_a_measured_curve_can_be_entered() {
     harness.get_by_role_and_label(Role::Button, "Undo").click();
     settle(&mut harness);
     assert_eq!(points(&harness), [[0.0, 0.0], [0.4, 50.0], [0.5, 90.0]]);
+}
+
+#[test]
+fn entered_points_are_those_that_the_plan_uses() {
+    let mut harness = unfolded(|scene| {
+        *scene = opening();
+        let points = vec![[0.0, 0.0], [0.4, 50.0], [1.0, 250.0]];
+        let spec = CurveSpec::Points { points, interpolation: Interpolation::Line };
+        scene.layers[0].curve = ScaledCurve { spec, strain_scale: 0.5, stress_scale: 2.0 };
+    });
+    harness.get_by_role_and_label(Role::Button, "Edit points").click();
+    harness.run();
+    let value = |harness: &Harness<'static, App>, name: &'static str| {
+        harness.get_by_role_and_label(Role::SpinButton, name).value().unwrap()
+    };
+    // The scales are multiplied in; without a change there is nothing to take.
+    assert_eq!(value(&harness, "Strain of point 2"), "0.20");
+    assert_eq!(value(&harness, "Stress of point 3"), "500.0");
+    type_into(&mut harness, "Stress of point 3", "220");
+    harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
+    settle(&mut harness);
+    let curve = |harness: &Harness<'static, App>| {
+        harness.state().session().scene().layers[0].curve.clone()
+    };
+    assert_eq!((curve(&harness).strain_scale, curve(&harness).stress_scale), (1.0, 1.0));
+    let stress = |harness: &Harness<'static, App>, strain| {
+        Curve::scaled(&curve(harness)).unwrap().stress(strain)
+    };
+    assert!((stress(&harness, 0.5) - 220.0).abs() < 1e-9);
+    // The class of the skin does not bend what was measured.
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    press(&mut harness, "lax");
+    settle(&mut harness);
+    assert!((stress(&harness, 0.5) - 220.0).abs() < 1e-9);
+    harness.get_by_label_contains("The pull of the skin has no effect");
+}
+
+#[test]
+fn a_turned_phone_has_the_picture_beside_the_answer() {
+    let screen = egui::vec2(844.0, 390.0);
+    let harness = app(screen, |scene| *scene = opening());
+    let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+    assert!(picture.width() > 380.0 && picture.height() > 280.0, "{picture:?}");
+    let window = egui::Rect::from_min_size(egui::Pos2::ZERO, screen);
+    for name in ["Stretch", "Cover", "Pressure"] {
+        let figure = harness.get_by_label(name).rect();
+        assert!(window.contains_rect(figure) && figure.left() >= picture.right(), "{name}");
+    }
+    for tab in ["Implant", "Patient", "Pocket", "More"] {
+        let tab = harness.query_all_by_role_and_label(Role::Button, tab).next().unwrap().rect();
+        assert!(window.contains_rect(tab) && tab.left() >= picture.right(), "{tab:?}");
+    }
 }
 
 #[test]

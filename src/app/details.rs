@@ -32,7 +32,6 @@ fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, "Height of the breast mound", outcome.skin_projection_mm, 1, "mm");
             band(ui, bands, Quantity::SkinProjectionMm);
             row(ui, error, "Implant volume", Some(outcome.implant_volume_ml), 0, "ml");
-            band(ui, bands, Quantity::ImplantVolumeMl);
             row(ui, error, "Skin area before", Some(outcome.area_before_cm2), 1, "cm²");
             row(ui, error, "Skin area after", outcome.area_after_cm2, 1, "cm²");
             row(ui, error, "Skin area gained", outcome.area_gain_cm2, 1, "cm²");
@@ -117,6 +116,10 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                 let greatest = strain.max_principal;
                 row(ui, error, "Greatest strain", Some(100.0 * greatest), 1, "%");
                 band(ui, bands, Quantity::GreatestStrain);
+                if let Some(share) = outcome.skin_reserve_used {
+                    row(ui, error, "Of the skin's reserve", Some(100.0 * share), 0, "%");
+                    band(ui, bands, Quantity::SkinReserveUsed);
+                }
                 for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
                     let key = format!("{limit:.2}");
                     let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);

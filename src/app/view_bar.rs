@@ -132,6 +132,8 @@ impl App {
         }
         let response = egui::ComboBox::from_id_salt("quantity")
             .width(124.0)
+            // All quantities at once, without a scroll bar.
+            .height(480.0)
             .truncate()
             .selected_text(name(self.options.quantity))
             .show_ui(ui, |ui| {

@@ -1,12 +1,13 @@
 //! Window for the points of a measured curve: a table, typed or pasted, beside the curve through its points. The layer
-//! takes the points on request only, so a table may be incomplete meanwhile.
+//! takes the points on request only, so a table may be incomplete meanwhile. The points are those that the plan uses: a scale
+//! of the layer's curve is multiplied in, and the layer takes them with scale 1.
 
 use super::table;
 use crate::app::plots::fixed_plot;
 use crate::app::range::marks;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{
-    Kind, NumberField, button_if, quantity, rejection_label, remark, set_accessible_name,
+    Kind, NumberField, button_if, quantity, rejection_label, set_accessible_name,
 };
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use crate::scene::{Layer, Scene};
@@ -29,6 +30,8 @@ pub(in crate::app) struct CurveWindow {
     layer: usize,
     points: Vec<[f64; 2]>,
     interpolation: Interpolation,
+    /// The curve of the layer.
+    taken: CurveSpec,
     /// Are strains shown and pasted in percent?
     is_percent: bool,
     /// Text of the table to read.
@@ -40,13 +43,16 @@ pub(in crate::app) struct CurveWindow {
 impl CurveWindow {
     /// Opens the window on a layer's points; `None` for a curve of another kind.
     pub(in crate::app) fn new(scene: &Scene, layer: usize) -> Option<Self> {
-        let CurveSpec::Points { points, interpolation } = &scene.layers.get(layer)?.curve.spec
-        else {
-            return None;
+        let curve = &scene.layers.get(layer)?.curve;
+        let CurveSpec::Points { points, interpolation } = &curve.spec else { return None };
+        let scaled = |[strain, stress]: &[f64; 2]| {
+            [strain * curve.strain_scale, stress * curve.stress_scale].map(quantity::significant)
         };
+        let points: Vec<[f64; 2]> = points.iter().map(scaled).collect();
         Some(Self {
             layer,
-            points: points.clone(),
+            taken: CurveSpec::Points { points: points.clone(), interpolation: *interpolation },
+            points,
             interpolation: *interpolation,
             is_percent: false,
             text: String::new(),
@@ -59,7 +65,7 @@ impl CurveWindow {
         let Some(layer) = scene.layers.get_mut(self.layer) else { return false };
         // Escape ends the edit of a number too: a draft is not lost by Escape.
         let is_escape = ctx.input(|input| input.key_pressed(Key::Escape));
-        let (mut is_open, mut is_closed) = (true, is_escape && self.spec() == layer.curve.spec);
+        let (mut is_open, mut is_closed) = (true, is_escape && self.spec() == self.taken);
         let is_wide = ctx.content_rect().width() >= theme::NARROW;
         egui::Window::new(format!("Curve of layer {}: {}", self.layer + 1, layer.tissue))
             .id(egui::Id::unique("curve window"))
@@ -72,11 +78,11 @@ impl CurveWindow {
                 if is_wide {
                     ui.horizontal_top(|ui| {
                         ui.vertical(|ui| self.table(ui));
-                        ui.vertical(|ui| self.curve(ui, layer));
+                        ui.vertical(|ui| self.curve(ui));
                     });
                 } else {
                     self.table(ui);
-                    self.curve(ui, layer);
+                    self.curve(ui);
                 }
                 ui.separator();
                 is_closed |= self.ending(ui, layer);
@@ -196,7 +202,7 @@ impl CurveWindow {
     }
 
     /// The curve through the points.
-    fn curve(&mut self, ui: &mut Ui, layer: &Layer) {
+    fn curve(&mut self, ui: &mut Ui) {
         ui.set_width(WIDTH);
         ui.horizontal(|ui| {
             ui.label("Between points");
@@ -226,30 +232,21 @@ impl CurveWindow {
                     );
                 }
             });
-        let (strain, stress) = (layer.curve.strain_scale, layer.curve.stress_scale);
-        #[expect(clippy::float_cmp, reason = "1 is the scale of an unscaled curve")]
-        if strain != 1.0 || stress != 1.0 {
-            remark(
-                ui,
-                format!(
-                    "In this plan the strains are {strain:.2}, the stresses {stress:.2} times as great."
-                ),
-            );
-        }
     }
 
     /// Takes the points over or closes the window; returns whether the window is to be closed.
-    fn ending(&self, ui: &mut Ui, layer: &mut Layer) -> bool {
+    fn ending(&mut self, ui: &mut Ui, layer: &mut Layer) -> bool {
         let reason = self.invalid_reason();
         if let Some(reason) = &reason {
             rejection_label(ui, &format!("{reason}. Until then the layer keeps its curve."));
         }
         let spec = self.spec();
         ui.horizontal(|ui| {
-            let is_able = reason.is_none() && spec != layer.curve.spec;
+            let is_able = reason.is_none() && spec != self.taken;
             let tip = "The layer takes this curve; Undo restores the present one";
             if button_if(ui, is_able, "Apply", "Apply the curve", tip) {
-                layer.curve.spec = spec;
+                self.taken = spec.clone();
+                layer.curve = spec.into();
             }
             ui.add(egui::Button::new("Close").min_size(vec2(60.0, ROW))).clicked()
         })

@@ -28,8 +28,8 @@ const NARROW_CHART: f32 = 440.0;
 const TOUCH_TIME: Duration = Duration::from_millis(700);
 /// Least time between two pictures of a chart that fills.
 const REDRAW: Duration = Duration::from_millis(50);
-/// Height of a chart below which the box at the pointer has few values \[points\].
-const LOW_CHART: f32 = 420.0;
+/// Greatest number of values in the box at the pointer: the chart stays in sight.
+const LINES: usize = 5;
 
 /// Lines with the text at their middle.
 type Labelled = Vec<(String, Vec<Vec<(f64, f64)>>)>;
@@ -257,9 +257,7 @@ impl Chart {
         painter.circle_stroke(at, 6.0, Stroke::new(1.5, theme::palette(ui.visuals()).text));
         let mut lines = readout::lines(map, i, j, quantity);
         let area = ui.max_rect();
-        if area.height() < LOW_CHART {
-            lines.truncate(5);
-        }
+        lines.truncate(LINES);
         lines.insert(0, readout::place(map, i, j));
         if hovered.is_some() && by_keys.is_none() {
             lines.push("Click takes this implant".to_owned());

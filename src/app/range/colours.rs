@@ -14,8 +14,10 @@ const UNSOLVED: f32 = 0.55;
 
 /// The colours of a quantity over its values, in its displayed unit.
 pub(super) struct Scale {
-    /// Least and greatest displayed value.
+    /// Least and greatest displayed value; with limits up to the first limit above the values of the map.
     pub(super) ends: (f64, f64),
+    /// The displayed value from which the colours do not change any more.
+    most: f64,
     /// Limits with words, and the factor from a displayed value to their unit.
     pub(super) limits: Option<(&'static Limits, f64)>,
     pub(super) unit: &'static str,
@@ -28,10 +30,16 @@ impl Scale {
         let (factor, unit) = quantity.display();
         let limits = quantity.limits().map(|(limits, to_limits)| (limits, to_limits / factor));
         let ends = match (limits, range) {
-            // As wide as the bars of the answer.
-            (Some((limits, to_limits)), _) => {
-                let last = limits.bands.iter().filter_map(|band| band.limit).next_back();
-                (0.0, 1.25 * last.unwrap_or(1.0) / to_limits)
+            (Some((limits, to_limits)), range) => {
+                let greatest = range.map_or(f64::INFINITY, |(_, most)| factor * most);
+                let shown = limits.bands.iter().filter_map(|band| Some(band.limit? / to_limits));
+                (
+                    0.0,
+                    shown
+                        .clone()
+                        .find(|limit| *limit >= greatest)
+                        .unwrap_or(end(limits) / to_limits),
+                )
             }
             (None, Some((least, most))) => {
                 let (least, most) = (factor * least, factor * most);
@@ -39,7 +47,8 @@ impl Scale {
             }
             (None, None) => (0.0, 1.0),
         };
-        Self { ends, limits, unit, factor }
+        let most = limits.map_or(ends.1, |(limits, to_limits)| end(limits) / to_limits);
+        Self { ends, most, limits, unit, factor }
     }
 
     /// Colour of a value \[unit of the quantity\].
@@ -52,7 +61,7 @@ impl Scale {
         let (least, most) = self.ends;
         rgb(match self.limits {
             Some((limits, to_limits)) => {
-                in_band(limits, to_limits * most, (to_limits * value) as f32)
+                in_band(limits, to_limits * self.most, (to_limits * value) as f32)
             }
             None => sequential(((value - least) / (most - least)) as f32),
         })
@@ -63,7 +72,8 @@ impl Scale {
         match self.limits {
             Some((limits, to_limits)) => {
                 let limits = limits.bands.iter().filter_map(|band| band.limit);
-                limits.map(|limit| limit / to_limits).map(|v| (v, format!("{v:.0}"))).collect()
+                let shown = limits.map(|limit| limit / to_limits).filter(|v| *v <= self.ends.1);
+                shown.map(|v| (v, format!("{v:.0}"))).collect()
             }
             None => {
                 let values = marks(self.ends, 5);
@@ -74,18 +84,23 @@ impl Scale {
         }
     }
 
-    /// Words at the middle of their bands.
+    /// Words at the middle of their bands, as far as these are shown.
     pub(super) fn words(&self) -> Vec<(f64, &'static str)> {
         let Some((limits, to_limits)) = self.limits else { return Vec::new() };
         let mut from = 0.0;
         let word = |band: &crate::measure::bands::Band| {
-            let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits);
-            let middle = 0.5 * (from + to);
+            let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits).min(self.ends.1);
+            let middle = (to > from).then_some(0.5 * (from + to));
             from = to;
-            (middle, band.word)
+            Some((middle?, band.word))
         };
-        limits.bands.iter().map(word).collect()
+        limits.bands.iter().filter_map(word).collect()
     }
+}
+
+/// End of the bars of limits, as in the answer \[unit of the limits\].
+fn end(limits: &Limits) -> f64 {
+    1.25 * limits.bands.iter().filter_map(|band| band.limit).next_back().unwrap_or(1.0)
 }
 
 fn rgb(color: Rgb) -> Color32 {
@@ -173,8 +188,12 @@ mod tests {
         let words = scale.words();
         assert_eq!(words.iter().map(|(_, word)| *word).collect::<Vec<_>>()[0], "usual");
         assert!(words.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        let scale_of = |most| Scale::new(Quantity::GreatestPressureMmhg, Some((1.0, most)));
         let pressure = Scale::new(Quantity::GreatestPressureMmhg, Some((1.0, 2.0)));
-        assert_eq!((pressure.ends, pressure.words().len()), ((0.0, 100.0), 3));
+        assert_eq!((pressure.ends, pressure.words()), ((0.0, 60.0), vec![(30.0, "usual")]));
+        assert_eq!((pressure.marks().len(), pressure.color(59.0)), (1, scale_of(90.0).color(59.0)));
+        assert_eq!((scale_of(90.0).ends, scale_of(90.0).words().len()), ((0.0, 100.0), 3));
+        assert_eq!((scale_of(70.0).ends, scale_of(70.0).words().len()), ((0.0, 80.0), 2));
         let cover = Scale::new(Quantity::LeastCoverMm, Some((3.0, 9.0)));
         assert_eq!((cover.ends, cover.words().len()), ((3.0, 9.0), 0));
         assert_ne!(cover.color(3.0), cover.color(9.0));

@@ -365,7 +365,7 @@ impl Range {
         let missing: usize = counts.iter().filter(|(s, _)| !has_answer(*s)).map(|(_, n)| n).sum();
         if missing > 0 {
             words.push(format!(
-                "{missing} without an answer (striped); a point there has the reason."
+                "Striped: {missing} not computed here; a point there has the reason."
             ));
         }
         if map.pocket_follows() {

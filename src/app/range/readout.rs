@@ -22,6 +22,9 @@ pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
     (Quantity::AttachmentTractionKpa, "Pull at the pocket's edge"),
 ];
 
+/// What a point of layered tissue without an answer is: the chart leaves the last method of the solver out, which takes seconds.
+const NOT_COMPUTED: &str = "Not computed here: the quick method of the chart has no answer. A click computes this plan in full.";
+
 /// A surgeon's word for a quantity.
 pub(super) fn name(quantity: Quantity) -> &'static str {
     let named = QUANTITIES.iter().find(|(known, _)| *known == quantity);
@@ -88,6 +91,9 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
         PointStatus::Converged => None,
         PointStatus::Waiting if lines.is_empty() => Some("Being computed.".to_owned()),
         PointStatus::Waiting => Some("Values between computed points; being computed.".to_owned()),
+        PointStatus::NotConverged | PointStatus::NoShape if map.base().is_layered() => {
+            Some(NOT_COMPUTED.to_owned())
+        }
         PointStatus::NotConverged => {
             Some("No numbers: the solve stopped above its tolerance.".to_owned())
         }
