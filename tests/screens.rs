@@ -8,11 +8,13 @@ use eframe::egui::{self, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use implant_preview::app::App;
+use implant_preview::clinical::Size;
 use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve};
-use implant_preview::measure::{Outcome, Status};
+use implant_preview::measure::{Outcome, Status, bands};
 use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
+use implant_preview::simulate::simulate;
 use serde_json::json;
 
 #[path = "screens/filling.rs"]
@@ -860,9 +862,8 @@ fn entered_points_are_those_that_the_plan_uses() {
     type_into(&mut harness, "Stress of point 3", "220");
     harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
     settle(&mut harness);
-    let curve = |harness: &Harness<'static, App>| {
-        harness.state().session().scene().layers[0].curve.clone()
-    };
+    let curve =
+        |harness: &Harness<'static, App>| harness.state().session().scene().layers[0].curve.clone();
     assert_eq!((curve(&harness).strain_scale, curve(&harness).stress_scale), (1.0, 1.0));
     let stress = |harness: &Harness<'static, App>, strain| {
         Curve::scaled(&curve(harness)).unwrap().stress(strain)
@@ -959,6 +960,37 @@ fn volume_marks(model: TissueModel) -> Vec<f32> {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     marks(&harness)
+}
+
+#[test]
+fn the_largest_volume_that_stays_usual_is_known_after_an_edit() {
+    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let line = |harness: &Harness<'static, App>| {
+        let lines = harness.query_all_by_label_contains(" stays usual on 12 cm.");
+        lines.filter_map(|node| node.accesskit_node().label().or(node.value())).next()
+    };
+    assert_eq!(line(&harness), None);
+    press(&mut harness, "tight");
+    let start = std::time::Instant::now();
+    while line(&harness).is_none() {
+        assert!(start.elapsed().as_secs() < 300, "no largest volume");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let words = line(&harness).unwrap();
+    let largest: f64 =
+        words.strip_prefix("Up to ").unwrap().split(' ').next().unwrap().parse().unwrap();
+    let is_usual = |volume: f64| {
+        let mut scene = harness.state().session().scene().clone();
+        scene.solver.nodes_per_side = 65;
+        let size = Size::of_width_and_volume(120.0, volume).unwrap();
+        scene.implant.projection_mm = size.projection_mm();
+        let outcome = simulate(&scene).unwrap();
+        let strain = outcome.strain.unwrap().max_principal;
+        let (stretch, _) = bands::stretch(strain, outcome.skin_reserve_used);
+        stretch == 0 && bands::pressure_band(outcome.contact_pressure_mmhg.unwrap().max) == 0
+    };
+    assert!(is_usual(largest - 10.0) && !is_usual(largest + 15.0), "{words}");
 }
 
 #[test]

@@ -204,6 +204,7 @@ impl App {
     fn edit(&mut self, scene: &mut Scene) -> Result<(), CommandError> {
         let repair = scene.repair();
         self.is_edited = true;
+        self.volume_marks.want();
         self.request_frame();
         self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture })?;
         if let Some(repair) = repair {

@@ -1,5 +1,6 @@
-//! Where the words of the cards change along the slider of the volume, and where the model has no answer: the implant's
-//! volumes at its width, each one solved scene on a coarse grid. Computed once the slider is used.
+//! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
+//! that stays usual: the implant's volumes at its width, each one solved scene on a coarse grid. Computed once the slider is
+//! used or the plan is edited.
 
 use super::studies::{Driver, Studies};
 use super::volumes::{COUNT, volumes};
@@ -12,8 +13,9 @@ const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 
 /// Projection / half base width of the greatest volume \[-\]: from 1.36 on a scene may have no answer.
 const MOST_RATIO: f64 = 1.3;
 /// The quantities of the cards with limits, and their names there.
-const QUANTITIES: [(Quantity, &Limits, &str); 2] = [
+const QUANTITIES: [(Quantity, &Limits, &str); 3] = [
     (Quantity::GreatestStrain, &bands::STRAIN, "skin stretch"),
+    (Quantity::SkinReserveUsed, &bands::RESERVE, "skin stretch"),
     (Quantity::GreatestPressureMmhg, &bands::PRESSURE, "pressure"),
 ];
 
@@ -39,7 +41,7 @@ struct Mark {
 }
 
 impl VolumeMarks {
-    /// The slider is in use: the marks are computed from now on.
+    /// The slider or the plan is in use: the marks are computed from now on.
     pub(super) fn want(&mut self) {
         self.is_wanted = true;
     }
@@ -86,6 +88,27 @@ impl VolumeMarks {
             first(&|band| band >= Some(2)),
             first(&|band| band.is_none()),
         ]
+    }
+
+    /// The largest volume that stays usual at the width of the plan, in words; empty while it is not known.
+    pub(super) fn largest_usual(&self) -> String {
+        let (Some(_), Some(curve)) = (&self.marks, self.curve.study()) else {
+            return String::new();
+        };
+        let axis = curve.axes()[0];
+        let [high, _, no_answer] = self.ends();
+        let end = [high, no_answer].into_iter().flatten().fold(f64::INFINITY, f64::min);
+        let width = format!("{:.1}", 0.2 * curve.base().implant.base_radius_mm);
+        let width = width.trim_end_matches(".0");
+        // In whole 5 ml, downwards.
+        let whole = |volume: f64| 5.0 * (volume / 5.0).floor();
+        match end {
+            end if end <= axis.from => format!("No volume on {width} cm stays usual."),
+            end if end < axis.to => {
+                format!("Up to {:.0} ml stays usual on {width} cm.", whole(end))
+            }
+            _ => format!("Up to {:.0} ml and more stays usual on {width} cm.", whole(axis.to)),
+        }
     }
 
     /// The marks in words; empty without any.

@@ -119,6 +119,14 @@ fn implant_rows(
         Dimension::Volume => ["Volume", "width", "projection"],
         Dimension::Projection => ["Projection", "width", "volume"],
     };
+    if let Some(marks) = marks {
+        // Always a line, so that nothing moves.
+        let words = Some(marks.largest_usual()).filter(|words| !words.is_empty());
+        remark(ui, words.unwrap_or_else(|| " ".to_owned())).on_hover_text(
+            "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse \
+             grid, between two volumes on a line; in steps of 5 ml, rounded down.",
+        );
+    }
     let unusual = if size.is_typical() { "" } else { " Outside the typical sizes." };
     remark(ui, format!("{a} follows {b} and {c}.{unusual}")).on_hover_text(typical());
     changed
