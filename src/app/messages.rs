@@ -55,7 +55,7 @@ impl Notice {
     }
 
     /// Shows the notice over the lower edge of an area; nothing moves for it.
-    fn show(&self, ui: &mut Ui, area: Rect) -> Option<NoticeAction> {
+    fn show(&self, ui: &Ui, area: Rect) -> Option<NoticeAction> {
         let palette = theme::palette(ui.visuals());
         // A word besides the colour: some users do not see the colour.
         let (color, word) = match self.severity {
@@ -86,7 +86,7 @@ impl Notice {
 
 impl App {
     /// Shows the last notice over an area until the user closes it.
-    pub(super) fn show_notice(&mut self, ui: &mut Ui, area: Rect) {
+    pub(super) fn show_notice(&mut self, ui: &Ui, area: Rect) {
         if self.shots.is_for_report() {
             return;
         }
@@ -140,7 +140,7 @@ pub(super) fn no_shape_page(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 /// A box over the picture of the last answer, of a scene without a shape.
-pub(super) fn no_shape_box(ui: &mut Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
+pub(super) fn no_shape_box(ui: &Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
     over(ui, area, NO_ANSWER, |ui| {
         ui.label(RichText::new(NO_ANSWER).strong());
         add(ui);
@@ -162,17 +162,28 @@ pub(super) fn standard_model(ui: &mut Ui, scene: &mut Scene) {
     }
 }
 
-/// A box at the middle of the lower edge of an area.
-fn over(ui: &mut Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) {
+/// A box at the middle of the lower edge of an area, over what is there.
+fn over(ui: &Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) {
     let inner = area.shrink(2.0 * theme::SPACE);
-    let width = inner.width().min(BOX_WIDTH);
-    let inner = Rect::from_center_size(inner.center(), egui::vec2(width, inner.height()));
-    let layout = egui::Layout::bottom_up(egui::Align::Center);
-    let builder = egui::UiBuilder::new().id_salt(name).max_rect(inner).layout(layout);
-    let frame = egui::Frame::popup(ui.style()).inner_margin(theme::SPACE);
-    frame.show(&mut ui.new_child(builder), |ui| {
-        ui.with_layout(egui::Layout::top_down(egui::Align::Min), add);
-    });
+    let id = egui::Id::unique(name);
+    let before = ui.ctx().memory(|memory| memory.area_rect(id));
+    let shown = egui::Area::new(id)
+        .order(egui::Order::Middle)
+        .pivot(egui::Align2::CENTER_BOTTOM)
+        .fixed_pos(inner.center_bottom())
+        .constrain_to(inner)
+        .show(ui.ctx(), |ui| {
+            let frame = egui::Frame::popup(ui.style()).inner_margin(theme::SPACE);
+            let drawn = frame.show(ui, |ui| {
+                ui.set_width((inner.width() - 2.0 * theme::SPACE).min(BOX_WIDTH));
+                add(ui);
+            });
+            drawn.response.rect
+        });
+    // The place follows from the size of the previous frame.
+    if before.is_none_or(|before| (before.height() - shown.inner.height()).abs() > 0.5) {
+        ui.ctx().request_repaint();
+    }
 }
 
 /// A page with a heading in place of the picture.

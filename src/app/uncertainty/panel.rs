@@ -85,7 +85,7 @@ impl Uncertainty {
     fn bands(&mut self, ui: &mut Ui, session: &Session) {
         remark(
             ui,
-            "In the cards: the median, then the range of 8 in 10 sampled patients (10th to 90th percentile).",
+            "In brackets in the cards: the range of 8 in 10 sampled patients (10th to 90th percentile).",
         );
         let [x, y] = session.scene().implant.center_mm;
         let off_centre = if x.hypot(y) > 0.0 {
