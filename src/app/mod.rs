@@ -7,7 +7,8 @@
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling`, `uncertainty`, `details` and `plots` on the right.
-//! `messages` shows notices and the pages without a picture; `report` saves picture and report.
+//! `messages` shows notices and the pages without a picture; `report` saves picture and report; `controls` finds controls by
+//! name for scripts.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
@@ -126,11 +127,11 @@ impl App {
         theme::install(ctx);
         Ok(Self {
             ctx: ctx.clone(),
+            keep: Keep::new(scene.clone()),
             session: Session::new(scene)?,
             viewport: Viewport::new(gl),
             options: viewport::Options::default(),
             compare: Compare::default(),
-            keep: Keep::default(),
             files: Files::new(),
             shots: Shots::default(),
             timing: Timing::default(),

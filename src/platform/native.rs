@@ -1,4 +1,4 @@
-//! The desktop window, and the file that keeps the pins for the next start.
+//! The desktop window, and the files that keep plan and pins for the next start.
 
 use super::runner;
 use crate::app::App;
@@ -6,7 +6,7 @@ use crate::scene::{MAX_SCENE_BYTES, Scene};
 use eframe::{egui, glow};
 use std::fs;
 use std::io::{self, ErrorKind, Read as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Opens the desktop app; returns after its window is closed.
 ///
@@ -44,19 +44,27 @@ struct Window {
 
 impl Window {
     fn new(mut app: App, store: Option<Store>) -> Self {
-        match store.as_ref().map(Store::read) {
-            Some(Ok(Some(pins))) => app.restore_pins(&pins),
-            Some(Ok(None)) | None => {}
-            Some(Err(_)) => app.report_storage_failure(),
+        for file in [PLAN, PINS] {
+            match store.as_ref().map(|store| store.read(file)) {
+                Some(Ok(Some(text))) if file == PLAN => app.restore_plan(&text),
+                Some(Ok(Some(text))) => app.restore_pins(&text),
+                Some(Ok(None)) | None => {}
+                Some(Err(_)) => app.report_storage_failure(),
+            }
         }
         Self { app, store }
     }
 
-    fn store_pins(&mut self, is_closing: bool) {
-        if let Some(pins) = self.app.take_pins_to_store(is_closing)
-            && self.store.as_ref().is_none_or(|store| store.write(&pins).is_err())
-        {
-            self.app.report_storage_failure();
+    fn keep(&mut self, is_closing: bool) {
+        for (file, text) in [
+            (PLAN, self.app.take_plan_to_store(is_closing)),
+            (PINS, self.app.take_pins_to_store(is_closing)),
+        ] {
+            if let Some(text) = text
+                && self.store.as_ref().is_none_or(|store| store.write(file, &text).is_err())
+            {
+                self.app.report_storage_failure();
+            }
         }
     }
 }
@@ -64,27 +72,31 @@ impl Window {
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.app.ui(ui, frame);
-        self.store_pins(false);
+        self.keep(false);
     }
 
     fn on_exit(&mut self, gl: Option<&glow::Context>) {
-        self.store_pins(true);
+        self.keep(true);
         self.app.on_exit(gl);
     }
 }
 
-/// The file of the kept pins.
+/// Names of the files of the kept plan and of the kept pins.
+const PLAN: &str = "plan.json";
+const PINS: &str = "pins.json";
+
+/// The folder of the kept texts.
 struct Store(PathBuf);
 
 impl Store {
-    /// The file in the user's folder for data of programs, if the system has such a folder.
+    /// The folder in the user's folder for data of programs, if the system has such a folder.
     fn of_user() -> Option<Self> {
-        Some(Self(dirs::data_dir()?.join("implant-preview").join("pins.json")))
+        Some(Self(dirs::data_dir()?.join("implant-preview")))
     }
 
-    /// The stored text; `None` before the first pin.
-    fn read(&self) -> io::Result<Option<String>> {
-        let file = match fs::File::open(&self.0) {
+    /// The stored text of a file; `None` without the file.
+    fn read(&self, file: &str) -> io::Result<Option<String>> {
+        let file = match fs::File::open(self.0.join(file)) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             file => file?,
         };
@@ -94,12 +106,12 @@ impl Store {
         Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
     }
 
-    /// Replaces the text as a whole: another start never reads a part of the text.
-    fn write(&self, text: &str) -> io::Result<()> {
-        fs::create_dir_all(self.0.parent().unwrap_or(Path::new("")))?;
-        let temporary = self.0.with_extension(format!("{}.tmp", std::process::id()));
+    /// Replaces the text of a file as a whole: another start never reads a part of the text.
+    fn write(&self, file: &str, text: &str) -> io::Result<()> {
+        fs::create_dir_all(&self.0)?;
+        let temporary = self.0.join(format!("{file}.{}.tmp", std::process::id()));
         fs::write(&temporary, text)?;
-        fs::rename(&temporary, &self.0)
+        fs::rename(&temporary, self.0.join(file))
     }
 }
 
@@ -112,7 +124,7 @@ mod tests {
         let name = format!("implant-preview-pins-{name}-{}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         let _ = fs::remove_dir_all(&folder);
-        Store(folder.join("data").join("pins.json"))
+        Store(folder.join("data"))
     }
 
     fn window(store: &Store) -> Window {
@@ -127,43 +139,44 @@ mod tests {
         let ctx = egui::Context::default();
         let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
             window.app.show(ui);
-            window.store_pins(false);
+            window.keep(false);
         });
         output.textures_delta.clear();
     }
 
     #[test]
-    fn pins_are_in_the_next_window_and_an_invalid_file_is_not_touched() {
+    fn plan_and_pins_are_in_the_next_window_and_an_invalid_file_is_not_touched() {
         let store = store("next");
         let mut first = window(&store);
-        assert!(first.app.session().pins().is_empty() && store.read().unwrap().is_none());
+        assert!(first.app.session().pins().is_empty() && store.read(PINS).unwrap().is_none());
         let scene = Scene::default();
         let json = serde_json::json!({ "implant": { "base_radius_mm": 50.0 },
             "pins": [{ "name": "before", "scene": scene }] });
         first.app.open(json.to_string()).unwrap();
         frame(&mut first);
-        first.store_pins(true);
+        first.keep(true);
         let second = window(&store);
+        assert_eq!(second.app.session().scene().implant.base_radius_mm.to_bits(), 50f64.to_bits());
         let pins = second.app.session().pins();
         assert_eq!((pins.len(), pins[0].name(), pins[0].scene()), (1, "before", &scene));
 
-        fs::write(&store.0, [0xff; 9]).unwrap();
+        fs::write(store.0.join(PINS), [0xff; 9]).unwrap();
         let mut third = window(&store);
         frame(&mut third);
-        third.store_pins(true);
+        third.keep(true);
         assert!(third.app.session().pins().is_empty());
-        assert_eq!(fs::read(&store.0).unwrap(), [0xff; 9]);
-        fs::remove_dir_all(store.0.parent().unwrap().parent().unwrap()).unwrap();
+        assert_eq!(fs::read(store.0.join(PINS)).unwrap(), [0xff; 9]);
+        fs::remove_dir_all(store.0.parent().unwrap()).unwrap();
     }
 
     #[test]
     fn a_folder_in_place_of_the_file_is_reported_once() {
         let store = store("folder");
-        fs::create_dir_all(&store.0).unwrap();
+        fs::create_dir_all(store.0.join(PINS)).unwrap();
         let mut window = window(&store);
         frame(&mut window);
-        window.store_pins(true);
+        window.keep(true);
         assert!(window.app.session().pins().is_empty());
-        fs::remove_dir_all(store.0.parent().unwrap().parent().unwrap()).unwrap();
+        fs::remove_dir_all(store.0.parent().unwrap()).unwrap();
     }
 }

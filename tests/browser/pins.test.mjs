@@ -1,4 +1,4 @@
-// Pins in the real page: a hand pins, edits and compares; a reload and a saved file keep the pins.
+// Pins and plan in the real page: a hand pins, edits and compares; a reload and a saved file keep the pins, a reload the plan.
 
 import assert from "node:assert/strict";
 import { describe, test } from "node:test";
@@ -116,6 +116,27 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     const alone = await page.evaluate((text) => JSON.parse(implantPreviewApi.simulate(text)), text);
     const native = harness.native(text);
     assert.ok(harness.profileDistance(alone.profile_skin, native.profile_skin) < 0.02);
+    await finish();
+  });
+
+  test("and the plan survive a reload, and start over", async () => {
+    const { page, finish } = await openApp();
+    const volume = () => page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume").text);
+    const opening = await volume();
+    await page.evaluate(() => implantPreview.setPlan("volume", "340 ml"));
+    await page.waitForFunction(() => localStorage.getItem("implant-preview/plan/1")?.includes("projection_mm"));
+    await page.reload();
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.equal(await volume(), "340");
+    assert.equal((await stats(page)).solves, 1);
+    await click(page, "Start over");
+    assert.equal(await volume(), opening);
+    // A text of another program is ignored with a line; the next change replaces it.
+    await page.evaluate(() => localStorage.setItem("implant-preview/plan/1", "{"));
+    await page.reload();
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.equal(await volume(), opening);
+    await click(page, "Close message");
     await finish();
   });
 

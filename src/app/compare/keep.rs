@@ -13,17 +13,25 @@ use web_time::{Duration, Instant};
 const DELAY: Duration = Duration::from_millis(400);
 
 /// What of plan and pins is stored.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(in crate::app) struct Keep {
     /// The session's revision of the stored pins.
     revision: u64,
     /// When the present pins are to be stored.
     pins_due: Option<Instant>,
-    /// The stored plan, or that of the start.
-    plan: Option<(Scene, Choices)>,
+    /// The stored plan, or that of the start, which is not stored.
+    plan: (Scene, Choices),
     /// When the present plan is to be stored.
     plan_due: Option<Instant>,
     has_failed: bool,
+}
+
+impl Keep {
+    /// Nothing to store at the start with a scene.
+    pub(in crate::app) fn new(scene: Scene) -> Self {
+        let plan = (scene, Choices::default());
+        Self { revision: 0, pins_due: None, plan, plan_due: None, has_failed: false }
+    }
 }
 
 /// A stored plan.
@@ -59,7 +67,7 @@ impl App {
             Ok((scene, kept.choices))
         });
         match restored {
-            Ok(plan) => self.keep.plan = Some(plan),
+            Ok(plan) => self.keep.plan = plan,
             Err(error) => {
                 self.notice = Some(Notice::caution(format!("The kept plan was not read: {error}")));
             }
@@ -103,15 +111,11 @@ impl App {
             self.keep.pins_due = Some(due);
             is_changed = true;
         }
-        let is_same = |(scene, choices): &(Scene, Choices)| {
-            scene == self.session.scene() && *choices == self.plan
-        };
-        if !self.keep.plan.as_ref().is_some_and(is_same) {
-            // The plan of the start is not stored.
-            let is_first = self.keep.plan.is_none();
-            self.keep.plan = Some((self.session.scene().clone(), self.plan));
-            self.keep.plan_due = (!is_first).then_some(due);
-            is_changed |= !is_first;
+        let (scene, choices) = &self.keep.plan;
+        if scene != self.session.scene() || *choices != self.plan {
+            self.keep.plan = (self.session.scene().clone(), self.plan);
+            self.keep.plan_due = Some(due);
+            is_changed = true;
         }
         if is_changed {
             // At rest the app draws nothing: a frame after the delay.

@@ -1,7 +1,8 @@
 //! Compare: pins, the table of their results, silhouettes over each other, pictures side by side.
 //!
 //! [`section`] shows pins and table in a panel and returns a command; [`silhouettes`] draws in the plot of the
-//! cross-section, [`outlines`] are drawn on the picture; `viewport::panes` draws the pictures. `keep` passes the pins to the platform, which stores the pins.
+//! cross-section, [`outlines`] are drawn on the picture; `viewport::panes` draws the pictures. `keep` passes plan and pins to the platform, which
+//! stores them.
 //!
 //! Uses `details`, `plots`, `theme`, `viewport`, `widgets`. Used by `ui`, `plots`.
 
