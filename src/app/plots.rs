@@ -1,11 +1,14 @@
-//! The plots: stress–strain curves of the layers with the present strains, and the cross-section.
+//! The plots: stress–strain curves of the layers with the present strains, the cross-section, and the outlines of the pins over
+//! the picture.
 
 use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
-use super::theme;
+use super::theme::{self, Palette};
+use super::viewport::Outline;
 use super::widgets::group;
 use crate::curve::Curve;
 use crate::mesh::NodeKind;
+use crate::scene::Letter;
 use crate::session::{Pin, Session};
 use crate::solve::{Problem, Solution};
 use crate::study::SectionBand;
@@ -14,6 +17,7 @@ use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{
     FilledArea, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi, Points, uniform_grid_spacer,
 };
+use glam::Vec2;
 
 /// Number of intervals of a sampled curve.
 const SAMPLES: i32 = 160;
@@ -176,7 +180,7 @@ fn skin_band(plot: &mut PlotUi<'_>, color: Color32, band: &[SectionBand]) {
 }
 
 /// Inner and outer face of the tissue on the grid row nearest to y = 0 \[mm\].
-pub(super) fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
+fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
     let sheet = &solution.problem().sheet;
     let n = sheet.nodes_per_side();
     let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);
@@ -190,6 +194,23 @@ pub(super) fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
         [x.x + normal.x * thickness, x.z + normal.z * thickness]
     };
     [row.clone().map(|k| [x[k].x, x[k].z]).collect(), row.map(outer).collect()]
+}
+
+/// The outlines of the pins over the picture, but for a pin of the present scene.
+pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) -> Vec<Outline> {
+    let outline = |(pin, color): (&Pin, Color32)| {
+        let [_, skin] = tissue_faces(pin.solution()?);
+        let outwards = skin.into_iter().filter(|[x, _]| *x >= 0.0);
+        Some(Outline {
+            letter: pin.letter(),
+            color,
+            is_dotted: matches!(pin.letter(), Letter::B | Letter::D),
+            points: outwards.map(|[x, z]| Vec2::new(x as f32, z as f32)).collect(),
+            center_mm: pin.scene().implant.center_mm,
+        })
+    };
+    let pins = compare::drawn_pins(session, compare, palette);
+    pins.filter(|(pin, _)| !pin.scene().same_physics(session.scene())).filter_map(outline).collect()
 }
 
 /// Intersection of the dome with the plane y = 0, above the chest wall: an arc of an ellipse \[mm\].

@@ -5,9 +5,7 @@ use super::curve_editor::CurveWindow;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::{
-    App, advanced, answer, compare, details, messages, no_answer, plan, plots, status, theme,
-};
+use super::{App, advanced, answer, details, messages, no_answer, plan, plots, status, theme};
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::study::size_in_words;
@@ -270,7 +268,7 @@ impl App {
         } else {
             let envelope = self.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.session, &self.options);
-            let outlines = compare::outlines(session, &self.compare, theme::palette(ui.visuals()));
+            let outlines = plots::outlines(session, &self.compare, theme::palette(ui.visuals()));
             let bar = self.view_bar_height;
             let shown = Shown { session, options, envelope, outlines: &outlines, bar };
             if session.has_no_shape() {

@@ -121,9 +121,9 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
 
   test("and the plan survive a reload, and start over", async () => {
     const { page, finish } = await openApp();
-    const volume = () => page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume").text);
+    const volume = () => page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume_ml").text);
     const opening = await volume();
-    await page.evaluate(() => implantPreview.setPlan("volume", "340 ml"));
+    await page.evaluate(() => implantPreview.setPlan("volume_ml", "340 ml"));
     await page.waitForFunction(() => localStorage.getItem("implant-preview/plan/1")?.includes("projection_mm"));
     await page.reload();
     await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);

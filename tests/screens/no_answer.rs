@@ -99,8 +99,9 @@ fn the_picture_of_the_last_answer_stays_with_its_size() {
         let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
         assert!(picture.contains_rect(words));
         // The box covers little of the picture.
-        let mut titles = harness.get_all_by_label(TITLE).map(|title| title.rect());
-        let title = titles.find(|title| picture.contains_rect(*title)).unwrap();
+        let titles: Vec<egui::Rect> =
+            harness.get_all_by_label(TITLE).map(|title| title.rect()).collect();
+        let title = titles.iter().find(|title| picture.contains_rect(**title)).unwrap();
         assert!(title.top() > picture.top() + 0.4 * picture.height(), "{title:?} {picture:?}");
         // A plan without an answer is no last answer.
         harness.state_mut().open(json(46.0)).unwrap();

@@ -1,10 +1,10 @@
 //! Compare: pins, the table of their results, silhouettes over each other, pictures side by side.
 //!
 //! [`section`] shows pins and table in a panel and returns a command; [`silhouettes`] draws in the plot of the
-//! cross-section, [`outlines`] are drawn on the picture; `viewport::panes` draws the pictures. `keep` passes plan and pins to the platform, which
+//! cross-section; `viewport::panes` draws the pictures. `keep` passes plan and pins to the platform, which
 //! stores them.
 //!
-//! Uses `details`, `plots`, `theme`, `viewport`, `widgets`. Used by `ui`, `plots`.
+//! Uses `details`, `theme`, `widgets`. Used by `ui`, `plots`.
 
 mod keep;
 mod table;
@@ -12,17 +12,15 @@ mod table;
 pub(super) use keep::Keep;
 pub(super) use table::rows;
 
+use super::App;
 use super::theme::{self, Palette};
-use super::viewport::Outline;
 use super::widgets::{button_if, group, remark, set_accessible_name};
-use super::{App, plots};
 use crate::measure::Status;
 use crate::scene::{Letter, Scene};
 use crate::session::{Command, Pin, Session};
 use crate::study::Samples;
 use eframe::egui::{self, Color32, RichText, Ui};
 use egui_plot::{Line, LineStyle, PlotPoint, PlotUi, Text};
-use glam::Vec2;
 
 /// Greatest length of a name \[characters\]; at most 4 bytes each.
 const NAME_LENGTH: usize = 25;
@@ -192,23 +190,6 @@ pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette
         let text = RichText::new(name.clone()).strong().color(color);
         plot.text(Text::new(name, PlotPoint::new(place[0], place[1] + LETTER_LIFT_MM), text));
     }
-}
-
-/// The outlines of the pins over the picture, but for a pin of the present scene.
-pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) -> Vec<Outline> {
-    let outline = |(pin, color): (&Pin, Color32)| {
-        let [_, skin] = plots::tissue_faces(pin.solution()?);
-        let outwards = skin.into_iter().filter(|[x, _]| *x >= 0.0);
-        Some(Outline {
-            letter: pin.letter(),
-            color,
-            is_dotted: matches!(pin.letter(), Letter::B | Letter::D),
-            points: outwards.map(|[x, z]| Vec2::new(x as f32, z as f32)).collect(),
-            center_mm: pin.scene().implant.center_mm,
-        })
-    };
-    let pins = drawn_pins(session, compare, palette);
-    pins.filter(|(pin, _)| !pin.scene().same_physics(session.scene())).filter_map(outline).collect()
 }
 
 /// The outer skin of a pin in the cross-section.
