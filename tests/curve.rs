@@ -127,6 +127,25 @@ fn analytic_kinds_follow_their_formulas() {
 }
 
 #[test]
+fn the_knee_is_where_the_slope_has_doubled() {
+    let knee = |json: &str| from_json(json).unwrap().knee();
+    // Skin: slope 100 + 900 t with t = (ε − 0.4) / 0.3 beyond ε = 0.4.
+    let skin = 0.4 + 0.3 / 9.0;
+    assert_close(knee(r#"{ "kind": "skin" }"#).unwrap(), skin, 1e-9, "skin");
+    let tight = ScaledCurve { spec: CurveSpec::Skin {}, strain_scale: 0.25, stress_scale: 3.0 };
+    let tight = Curve::scaled(&tight).unwrap().knee();
+    assert_close(tight.unwrap(), 0.25 * skin, 1e-9, "tight skin");
+    let exponential = r#"{ "kind": "exponential", "scale_kpa": 2, "rate": 5 }"#;
+    assert_close(knee(exponential).unwrap(), 2f64.ln() / 5.0, 1e-9, "exponential");
+    for kind in [r#"{ "kind": "linear", "modulus_kpa": 10 }"#, r#"{ "kind": "adipose" }"#] {
+        assert_eq!(knee(kind), None, "{kind}");
+    }
+    // A steep start is no knee: from 0.3 on the slope is 3 times that of the start, between it is less.
+    let points = r#"{ "kind": "points", "points": [[0,0],[0.1,10],[0.2,15],[0.3,20],[0.4,50],[0.5,80]], "interpolation": "line" }"#;
+    assert_close(knee(points).unwrap(), 0.3, 1e-9, "points");
+}
+
+#[test]
 fn compression_is_the_odd_extension() {
     for (name, curve, _) in every_kind() {
         assert_eq!(curve.stress(0.0).abs(), 0.0, "{name}");

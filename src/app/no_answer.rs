@@ -10,7 +10,7 @@ use crate::clinical::Dimension;
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
 use crate::session::{Command, Session};
-use crate::study::{Nearest, NearestPlan, NoAnswer, Search};
+use crate::study::{Nearest, NearestPlan, NoAnswer, Search, size_in_words};
 use eframe::egui::{self, RichText, Ui};
 
 /// The search of the nearest plan with an answer.
@@ -73,8 +73,8 @@ impl NearestSearch {
         card.inner
     }
 
-    /// The button of the nearest plan, or what is known of the search, in a line of constant height; returns the plan of a
-    /// pressed button.
+    /// The buttons of the nearest plan and of the last plan with an answer, or what is known of the search, in a line of constant
+    /// height; returns the plan of a pressed button.
     pub(super) fn offer(&self, ui: &mut Ui, session: &Session, hand: Hand) -> Option<Scene> {
         let height = match hand {
             Hand::Mouse => ui.spacing().interact_size.y,
@@ -101,9 +101,17 @@ impl NearestSearch {
                 )
             });
             remark(ui, words);
-            button.is_some_and(|button| button.clicked())
+            let last = session.last_answer().map(|answer| &answer.scene);
+            let back = last.filter(|scene| {
+                let button = egui::Button::new(format!("Back to {}", size_in_words(scene)));
+                ui.add(button.min_size(egui::vec2(0.0, height)))
+                    .on_hover_text("The last plan with an answer")
+                    .clicked()
+            });
+            let nearest = found.filter(|_| button.is_some_and(|button| button.clicked()));
+            nearest.map(|plan| &plan.scene).or(back)
         });
-        found.filter(|_| line.inner).map(|plan| plan.scene.clone())
+        line.inner.cloned()
     }
 
     /// The found plan in a sentence, for screen readers; empty without one.

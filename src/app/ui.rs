@@ -144,7 +144,12 @@ impl App {
         answer::heading(ui, &self.session);
         if !self.no_answer(ui) {
             let findings = self.uncertainty.findings();
-            answer::show(ui, &self.session, self.previous_results(), findings);
+            let size = self.session.scene().implant.size();
+            let near_end = size.map_or_else(
+                |_| String::new(),
+                |size| self.volume_marks.near_end(size.volume_ml()),
+            );
+            answer::show(ui, &self.session, self.previous_results(), findings, &near_end);
         }
         answer::sources(ui);
         self.filling(ui);

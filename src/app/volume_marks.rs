@@ -12,6 +12,8 @@ use crate::study::{Axis, Map, MapSettings, Quantity};
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
 /// Projection / half base width of the greatest volume \[-\]: from 1.36 on a scene may have no answer.
 const MOST_RATIO: f64 = 1.3;
+/// Share of the greatest volume with an answer from which a plan is near the model's limit \[-\].
+const NEAR_END: f64 = 0.9;
 /// The quantities of the cards with limits, and their names there.
 const QUANTITIES: [(Quantity, &Limits, &str); 3] = [
     (Quantity::GreatestStrain, &bands::STRAIN, "skin stretch"),
@@ -111,6 +113,16 @@ impl VolumeMarks {
         }
     }
 
+    /// That a volume is within a tenth of the greatest one with an answer, in words; empty while that is not known.
+    pub(super) fn near_end(&self, volume_ml: f64) -> String {
+        match self.ends()[2] {
+            Some(end) if volume_ml >= NEAR_END * end => {
+                format!("Near the model's limit: no answer above about {end:.0} ml at this width.")
+            }
+            _ => String::new(),
+        }
+    }
+
     /// The marks in words; empty without any.
     pub(super) fn words(&self) -> String {
         let word = |mark: &Mark| format!("\n{:.0} ml: {}", mark.volume_ml, mark.words.join(" "));
@@ -195,6 +207,15 @@ mod tests {
                 assert_eq!(limits.band(value), expected, "{mark:?}: {value}");
             }
         }
+    }
+
+    #[test]
+    fn a_volume_within_a_tenth_of_the_last_answer_is_near_the_limit() {
+        let end = Mark { volume_ml: 400.0, band: None, words: ["the model has", "no answer"] };
+        let marks = VolumeMarks { marks: Some(vec![end]), ..VolumeMarks::default() };
+        assert_eq!(marks.near_end(359.0), "");
+        assert!(marks.near_end(361.0).contains("above about 400 ml"));
+        assert_eq!(VolumeMarks::default().near_end(361.0), "");
     }
 
     #[test]

@@ -108,6 +108,14 @@ fn the_picture_of_the_last_answer_stays_with_its_size() {
         settle(&mut harness);
         assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
         harness.get_by_label(line);
+        // Back in one step, or any other plan.
+        if size == DESKTOP {
+            wait(&mut harness);
+            harness.get_by_role_and_label(Role::Button, "Back to 98 ml on 12 cm").click();
+            settle(&mut harness);
+            assert_eq!(harness.state().session().scene(), &before);
+            assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);
+        }
         harness.state_mut().open(json(14.0)).unwrap();
         settle(&mut harness);
         assert_eq!(harness.state().outcome().unwrap().status, Status::Converged);

@@ -52,17 +52,22 @@ pub(super) fn heading(ui: &mut Ui, session: &Session) {
     }
 }
 
-/// Shows the three cards, with bands if there are `findings`, and warnings. Further sections of the answer (sources,
-/// Uncertainty, Compare) follow below.
+/// Shows the three cards, with bands if there are `findings`, and warnings, that of the model's end (`near_end`) first. Further
+/// sections of the answer (sources, Uncertainty, Compare) follow below.
 pub(super) fn show(
     ui: &mut Ui,
     session: &Session,
     previous: PreviousResults,
     findings: Option<&Findings>,
+    near_end: &str,
 ) {
     let answer = Answer::new(visible(session, previous), session.scene());
     for card in cards(&answer, findings) {
         show_card(ui, &card, findings);
+    }
+    if !near_end.is_empty() {
+        let words = RichText::new(format!("! {near_end}")).small();
+        ui.add(egui::Label::new(words.color(theme::palette(ui.visuals()).caution)).wrap());
     }
     warnings(ui, session.result());
 }
