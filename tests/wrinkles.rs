@@ -2,6 +2,7 @@
 
 #![allow(clippy::float_cmp, reason = "states are whole numbers")]
 
+use implant_preview::curve::Curve;
 use implant_preview::measure::{Field, Fields, Outcome};
 use implant_preview::scene::{CheckedScene, Scene};
 use implant_preview::simulate::{Simulation, run, simulate};
@@ -97,7 +98,10 @@ fn results_of_wrinkling_skin_are_of_the_third_version() {
     let second = serde_json::to_value(simulate(&second).unwrap()).unwrap();
     assert_eq!(second["schema"], "implant-preview/result/2");
     assert!(second.get("wrinkled").is_none() && second["solver"].get("cells_through").is_none());
-    // All fields of result/2, and three more.
+    let skin = Curve::scaled(&off_centre().layers[0].curve).unwrap();
+    let share = third["strain"]["max_principal"].as_f64().unwrap() / skin.knee().unwrap();
+    assert_eq!(third["skin_reserve_used"].as_f64(), Some(share));
+    // All fields of result/2, and four more.
     let names = |result: &Value| -> Vec<String> {
         let all = result.as_object().unwrap().keys().cloned();
         let of_solver = result["solver"].as_object().unwrap().keys().map(|k| format!("solver.{k}"));
@@ -107,7 +111,12 @@ fn results_of_wrinkling_skin_are_of_the_third_version() {
     let added: Vec<String> = names(&third).into_iter().filter(|k| !known.contains(k)).collect();
     assert_eq!(
         added,
-        ["wrinkled", "solver.cells_through", "solver.estimated_discretisation_error"]
+        [
+            "skin_reserve_used",
+            "wrinkled",
+            "solver.cells_through",
+            "solver.estimated_discretisation_error"
+        ]
     );
     assert!(known.iter().all(|name| names(&third).contains(name)));
 }
