@@ -183,7 +183,7 @@ impl App {
             // As high with the button of a long solve as without.
             ui.set_min_height(ui.spacing().interact_size.y);
             if self.is_long() {
-                self.progress(ui);
+                self.progress(ui, layout);
                 return;
             }
             status::show(ui, &self.session, &self.timing);
