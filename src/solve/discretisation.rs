@@ -11,7 +11,8 @@
 //!
 //! The solution of the coarser grid is a start only, with an error of its own, which adds to e. Against the limit of the
 //! axisymmetric reference the estimate of random patients is 0.6 to 2.5 times the error at 33 nodes per side, 0.7 to 3.5 times
-//! at 65, 0.5 to 2.0 times at 129; with 1, 2 or 4 cells whatever the spacing 0.6 to 2.6 times at 65.
+//! at 65, 0.5 to 2.0 times at 129; with 1, 2 or 4 cells whatever the spacing 0.6 to 2.6 times at 65. Off centre the error of the
+//! start is 3 to 40 times that of the grid at 65 nodes and more: there is no estimate then.
 
 use super::multigrid::Law;
 
