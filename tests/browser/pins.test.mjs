@@ -131,6 +131,8 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     assert.equal((await stats(page)).solves, 1);
     await click(page, "Start over");
     assert.equal(await volume(), opening);
+    // Stored, so that the reload stores nothing.
+    await harness.settled(page);
     // A text of another program is ignored with a line; the next change replaces it.
     await page.evaluate(() => localStorage.setItem("implant-preview/plan/1", "{"));
     await page.reload();

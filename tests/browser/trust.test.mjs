@@ -264,8 +264,7 @@ describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
       implantPreview.setScene(JSON.stringify(scene));
     })()`);
     await tab.waitFor("implantPreview.stats().converged");
-    await tab.evaluate("innerWidth"); // the layout is there
-    await tab.click(400, 200);
+    await tab.evaluate("implantPreview.focus('3-D view')");
     await tab.waitFor("implantPreview.focused()?.name === '3-D view'");
     await tab.press(" ", " ");
     await tab.waitFor("JSON.parse(implantPreview.scene()).insertion > 0.15");
