@@ -276,7 +276,7 @@ impl Viewport {
             && area.contains(touch.center_pos)
         {
             let at = viewport_point(area, touch.center_pos);
-            moved |= self.camera.zoom(touch.zoom_delta, at, self.aspect);
+            moved |= self.zoom(touch.zoom_delta, at);
             moved |= self.camera.pan(to_glam(touch.translation_delta), area.height());
         } else if response.dragged_by(PointerButton::Primary) && !shift {
             moved |= self.camera.drag(delta);
@@ -286,23 +286,45 @@ impl Viewport {
         if let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) {
             let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
             let at = viewport_point(area, pointer);
-            moved |= self.camera.zoom((scroll * 0.003).exp() * pinch, at, self.aspect);
+            moved |= self.zoom((scroll * 0.003).exp() * pinch, at);
         }
         if response.has_focus() {
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
             moved |= self.keys(ui);
         }
         if moved {
-            let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
-            let (radius, height) =
-                pictures.fold((0.0_f32, 0.0_f32), |(radius, height), picture| {
-                    (radius.max(picture.body.block_radius), height.max(picture.body.height()))
-                });
-            self.camera.keep_outside(radius + CLEARANCE_MM, height + CLEARANCE_MM);
+            self.keep_outside();
             self.fitted = None;
             self.tapped = None;
         }
         moved || eased
+    }
+
+    /// Keeps the eye outside of the drawn tissue.
+    fn keep_outside(&mut self) {
+        let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
+        let (radius, height) = pictures.fold((0.0_f32, 0.0_f32), |(radius, height), picture| {
+            (radius.max(picture.body.block_radius), height.max(picture.body.height()))
+        });
+        self.camera.keep_outside(radius + CLEARANCE_MM, height + CLEARANCE_MM);
+    }
+
+    /// Zooms to a point of the viewport, as near as the tissue allows. Returns whether the view changed.
+    fn zoom(&mut self, factor: f32, at: Vec2) -> bool {
+        let before = self.camera;
+        if !self.camera.zoom(factor, at, self.aspect) {
+            return false;
+        }
+        let wanted = self.camera.pose().distance;
+        self.keep_outside();
+        let reached = self.camera.pose().distance;
+        if reached > wanted + 1e-3 {
+            // At the tissue: by the rest of the way only, otherwise the view would go on aside.
+            self.camera = before;
+            let rest = before.pose().distance / reached;
+            return rest > 1.001 && self.camera.zoom(rest, at, self.aspect);
+        }
+        true
     }
 
     /// Shift with arrow keys rotates the camera, plus and minus zoom.
@@ -323,7 +345,7 @@ impl Viewport {
             {
                 let count = input.count_and_consume_key(Modifiers::NONE, key);
                 let factor = factor.powi(count as i32);
-                moved |= self.camera.zoom(factor, Vec2::ZERO, self.aspect);
+                moved |= self.zoom(factor, Vec2::ZERO);
             }
         });
         moved

@@ -19,6 +19,10 @@ use crate::contact::contact_edge;
 use crate::mesh::lanes::Field;
 use crate::model::ElasticModel;
 
+/// Change of a cycle of layered tissue below which slow cycles do not end the attempt \[tolerance\]: of 40 patients at 129 nodes per
+/// side with tolerance 1e-4 four ended above the tolerance without, none with it.
+const NEAR_END: f64 = 0.1;
+
 /// Output of a convergence test.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct Ending {
@@ -147,6 +151,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
             return State::Failed;
         }
         let is_slow = self.convergence.estimate_error(change, self.parameters);
+        // Skin in folds has a slow mode: close to the end further cycles cost less than another attempt.
+        if self.model.layers() > 1 && change <= NEAR_END * self.tolerance * self.base_radius {
+            self.convergence.slow_cycles = 0;
+        }
         let parameters = self.parameters;
         if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.base_radius {
             self.mode = Mode::Robust;

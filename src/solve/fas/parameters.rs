@@ -216,7 +216,7 @@ const LAYERED_BASE: Parameters = Parameters {
     robust_active_weight: 0.15,
     next: None,
     least_tolerance: 1e-5,
-    max_cycles: 40,
+    max_cycles: 80,
     max_start_cycles: 3,
     start_tolerance: 3e-3,
     coarsest_tolerance: 3e-2,
