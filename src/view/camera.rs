@@ -125,6 +125,35 @@ impl Camera {
         *self != before
     }
 
+    /// The part of a zoom factor after which the eye is still outside of the cylinder of [`Self::keep_outside`]; 1 where the eye
+    /// is at the cylinder.
+    #[must_use]
+    pub fn zoom_outside(
+        &self,
+        factor: f32,
+        at: Vec2,
+        aspect: f32,
+        radius_mm: f32,
+        height_mm: f32,
+    ) -> f32 {
+        let is_outside = |factor: f32| {
+            let mut zoomed = *self;
+            zoomed.zoom(factor, at, aspect);
+            let eye = zoomed.eye();
+            eye.z >= height_mm || eye.truncate().length() >= radius_mm
+        };
+        if factor.is_nan() || factor <= 1.0 || is_outside(factor) {
+            return factor;
+        }
+        let (mut outside, mut inside) = (1.0, factor);
+        for _ in 0..24 {
+            let middle = 0.5 * (outside + inside);
+            *(if is_outside(middle) { &mut outside } else { &mut inside }) = middle;
+        }
+        // A view that creeps on is no view at rest.
+        if outside < 1.001 { 1.0 } else { outside }
+    }
+
     /// Moves the eye back along the line of sight until the eye is outside of a cylinder that stands on the wall about the
     /// origin: the tissue. An animation is left alone.
     pub fn keep_outside(&mut self, radius_mm: f32, height_mm: f32) {
@@ -349,6 +378,26 @@ mod tests {
         let ray = camera.ray(at, 1.5);
         let off = (point - ray.origin).cross(ray.direction).length();
         assert!(off < 0.02, "{off} mm");
+    }
+
+    #[test]
+    fn a_zoom_ends_at_the_tissue_and_goes_no_further() {
+        let (radius, height, at) = (90.0, 60.0, Vec2::new(0.3, 0.1));
+        let mut camera = Camera::new(80.0, 1.5);
+        for _ in 0..20 {
+            let factor = camera.zoom_outside(1.4, at, 1.5, radius, height);
+            camera.zoom(factor, at, 1.5);
+        }
+        let kept = camera;
+        for _ in 0..5 {
+            let factor = camera.zoom_outside(30.0, at, 1.5, radius, height);
+            assert!(!camera.zoom(factor, at, 1.5));
+            camera.keep_outside(radius, height);
+        }
+        assert_eq!(camera, kept);
+        assert!(camera.pose().distance < 0.6 * Camera::new(80.0, 1.5).pose().distance);
+        // Away from the tissue nothing holds.
+        assert!((camera.zoom_outside(0.5, at, 1.5, radius, height) - 0.5).abs() < 1e-6);
     }
 
     #[test]

@@ -293,38 +293,28 @@ impl Viewport {
             moved |= self.keys(ui);
         }
         if moved {
-            self.keep_outside();
+            let (radius, height) = self.surroundings();
+            self.camera.keep_outside(radius, height);
             self.fitted = None;
             self.tapped = None;
         }
         moved || eased
     }
 
-    /// Keeps the eye outside of the drawn tissue.
-    fn keep_outside(&mut self) {
+    /// Radius and height of a cylinder around the drawn tissue that the eye does not enter \[mm\].
+    fn surroundings(&self) -> (f32, f32) {
         let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
         let (radius, height) = pictures.fold((0.0_f32, 0.0_f32), |(radius, height), picture| {
             (radius.max(picture.body.block_radius), height.max(picture.body.height()))
         });
-        self.camera.keep_outside(radius + CLEARANCE_MM, height + CLEARANCE_MM);
+        (radius + CLEARANCE_MM, height + CLEARANCE_MM)
     }
 
     /// Zooms to a point of the viewport, as near as the tissue allows. Returns whether the view changed.
     fn zoom(&mut self, factor: f32, at: Vec2) -> bool {
-        let before = self.camera;
-        if !self.camera.zoom(factor, at, self.aspect) {
-            return false;
-        }
-        let wanted = self.camera.pose().distance;
-        self.keep_outside();
-        let reached = self.camera.pose().distance;
-        if reached > wanted + 1e-3 {
-            // At the tissue: by the rest of the way only, otherwise the view would go on aside.
-            self.camera = before;
-            let rest = before.pose().distance / reached;
-            return rest > 1.001 && self.camera.zoom(rest, at, self.aspect);
-        }
-        true
+        let (radius, height) = self.surroundings();
+        let factor = self.camera.zoom_outside(factor, at, self.aspect, radius, height);
+        self.camera.zoom(factor, at, self.aspect)
     }
 
     /// Shift with arrow keys rotates the camera, plus and minus zoom.
