@@ -1,7 +1,6 @@
 //! Messages: notices over the picture, the progress of a long solve in the status line, the pages "Stopped" and "No answer
 //! for this plan".
 
-use super::toolbar::{Layout, disclaimer};
 use super::widgets::set_accessible_name;
 use super::{App, theme};
 use crate::scene::{Scene, Springs};
@@ -98,9 +97,8 @@ impl App {
         }
     }
 
-    /// Shows the progress of a long solve with a button to cancel, in the status line. On a narrow screen the words that are always
-    /// in sight stay.
-    pub(super) fn progress(&mut self, ui: &mut Ui, layout: Layout) {
+    /// Shows the progress of a long solve with a button to cancel, in the status line; `end` adds its words, or others, at the end.
+    pub(super) fn progress(&mut self, ui: &mut Ui, end: impl FnOnce(&mut Ui, String)) {
         let Some(running) = self.solving else { return };
         let is_cancelled = ui.button("Cancel").clicked();
         let words = match self.session.displayed() {
@@ -111,10 +109,7 @@ impl App {
         };
         let words = format!("Computing for {} s; {words}", running.start.elapsed().as_secs());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            match layout {
-                Layout::Wide => drop(ui.label(words)),
-                Layout::Narrow => disclaimer(ui, layout),
-            }
+            end(ui, words);
             let bar = egui::ProgressBar::new(running.fraction as f32)
                 .desired_width(ui.available_width().clamp(40.0, 320.0))
                 .fill(theme::palette(ui.visuals()).accent)

@@ -183,7 +183,11 @@ impl App {
             // As high with the button of a long solve as without.
             ui.set_min_height(ui.spacing().interact_size.y);
             if self.is_long() {
-                self.progress(ui, layout);
+                // On a narrow screen the words that are always in sight stay.
+                self.progress(ui, |ui, words| match layout {
+                    Layout::Wide => drop(ui.label(words)),
+                    Layout::Narrow => disclaimer(ui, layout),
+                });
                 return;
             }
             status::show(ui, &self.session, &self.timing);
