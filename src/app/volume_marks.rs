@@ -6,7 +6,7 @@ use super::studies::{Driver, Studies};
 use super::volumes::{COUNT, volumes};
 use crate::measure::bands::{self, Limits};
 use crate::scene::Scene;
-use crate::study::{Axis, Map, MapSettings, Quantity};
+use crate::study::{Axis, Map, MapSettings, Quantity, volume_and_width};
 
 /// Grid and tolerance of the volumes.
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -100,8 +100,7 @@ impl VolumeMarks {
         let axis = curve.axes()[0];
         let [high, _, no_answer] = self.ends();
         let end = [high, no_answer].into_iter().flatten().fold(f64::INFINITY, f64::min);
-        let width = format!("{:.1}", 0.2 * curve.base().implant.base_radius_mm);
-        let width = width.trim_end_matches(".0");
+        let [_, width] = volume_and_width(curve.base());
         // In whole 5 ml, downwards.
         let whole = |volume: f64| 5.0 * (volume / 5.0).floor();
         match end {

@@ -129,6 +129,12 @@ impl Limits {
         self.bands.iter().filter(|band| band.limit.is_some_and(|limit| value > limit)).count()
     }
 
+    /// Band and word of a value.
+    #[must_use]
+    pub fn verdict(&self, value: f64) -> (usize, &'static str) {
+        (self.band(value), self.word(value))
+    }
+
     /// Word for a value.
     #[must_use]
     pub fn word(&self, value: f64) -> &'static str {
@@ -146,8 +152,8 @@ pub fn strain_band(strain: f64) -> usize {
 /// \[-\], if the skin has one.
 #[must_use]
 pub fn stretch(strain: f64, reserve: Option<f64>) -> (usize, &'static str) {
-    let of = |limits: &Limits, value: f64| (limits.band(value), limits.word(value));
-    let (by_strain, by_reserve) = (of(&STRAIN, strain), reserve.map(|share| of(&RESERVE, share)));
+    let by_strain = STRAIN.verdict(strain);
+    let by_reserve = reserve.map(|share| RESERVE.verdict(share));
     by_reserve.filter(|(band, _)| *band > by_strain.0).unwrap_or(by_strain)
 }
 

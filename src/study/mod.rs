@@ -45,7 +45,7 @@ pub use map::{CHECK, Map, MapSettings, PointStatus};
 pub use map_check::{Difference, MapCheck};
 pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};
 pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
-pub use no_answer::{NoAnswer, size_in_words};
+pub use no_answer::{NoAnswer, size_in_words, volume_and_width};
 pub use parameter::{Parameter, ParameterError, with_values};
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};

@@ -99,14 +99,20 @@ fn is_soft(layer: &Layer) -> bool {
     })
 }
 
+/// Volume \[ml\] and width \[cm\] of the implant of a scene, as "300" and "12".
+#[must_use]
+pub fn volume_and_width(scene: &Scene) -> [String; 2] {
+    let implant = &scene.implant;
+    let volume = implant.size().map_or(0.0, Size::volume_ml);
+    let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
+    [format!("{volume:.0}"), width.trim_end_matches(".0").to_owned()]
+}
+
 /// The implant of a scene in a few words, as "300 ml on 12 cm".
 #[must_use]
 pub fn size_in_words(scene: &Scene) -> String {
-    let implant = &scene.implant;
-    let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
-    let width = width.trim_end_matches(".0");
-    let volume = implant.size().map_or(0.0, Size::volume_ml);
-    format!("{volume:.0} ml on {width} cm")
+    let [volume, width] = volume_and_width(scene);
+    format!("{volume} ml on {width} cm")
 }
 
 #[cfg(test)]

@@ -6,22 +6,30 @@ use crate::session::{Answer, Pin, Session};
 use crate::solve::{Displayed, Problem};
 use std::rc::Rc;
 
-/// A scene with its shape.
+/// A scene with its shape; by default a shape at rest, of a finished solve.
 pub trait Subject {
     /// The scene.
     fn scene(&self) -> &Scene;
     /// The problem of the shape, which may be that of the previous scene.
-    fn problem(&self) -> &Problem;
+    fn problem(&self) -> &Problem {
+        self.fields().solution().problem()
+    }
     /// The fields of the shape; the session copies a new shape at the first use.
     fn fields(&self) -> &Rc<Fields>;
     /// Number that changes with the shape.
     fn revision(&self) -> u64;
     /// Is a solve running whose shape is neither a draft nor final?
-    fn is_unsettled(&self) -> bool;
+    fn is_unsettled(&self) -> bool {
+        false
+    }
     /// Is a solve running?
-    fn is_working(&self) -> bool;
+    fn is_working(&self) -> bool {
+        false
+    }
     /// Is there no shape: none yet, or has the solve ended without a stable one?
-    fn has_no_shape(&self) -> bool;
+    fn has_no_shape(&self) -> bool {
+        false
+    }
 }
 
 impl Subject for Session {
@@ -75,28 +83,12 @@ impl Subject for LastAnswer<'_> {
         &self.answer.scene
     }
 
-    fn problem(&self) -> &Problem {
-        self.answer.fields.solution().problem()
-    }
-
     fn fields(&self) -> &Rc<Fields> {
         &self.answer.fields
     }
 
     fn revision(&self) -> u64 {
         self.revision
-    }
-
-    fn is_unsettled(&self) -> bool {
-        false
-    }
-
-    fn is_working(&self) -> bool {
-        false
-    }
-
-    fn has_no_shape(&self) -> bool {
-        false
     }
 }
 
@@ -121,27 +113,11 @@ impl Subject for PinnedShape<'_> {
         self.pin.scene()
     }
 
-    fn problem(&self) -> &Problem {
-        self.fields.solution().problem()
-    }
-
     fn fields(&self) -> &Rc<Fields> {
         self.fields
     }
 
     fn revision(&self) -> u64 {
         self.pin.number()
-    }
-
-    fn is_unsettled(&self) -> bool {
-        false
-    }
-
-    fn is_working(&self) -> bool {
-        false
-    }
-
-    fn has_no_shape(&self) -> bool {
-        false
     }
 }

@@ -1,7 +1,7 @@
 //! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own; the band of sampled
 //! patients stands in brackets, and its worse end decides the word.
 
-use crate::app::uncertainty::Findings;
+use crate::app::uncertainty::{Findings, figure};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
@@ -70,7 +70,7 @@ impl Answer {
     }
 
     fn pressure_word(&self) -> Option<Verdict> {
-        self.pressure.map(|(_, most)| verdict_of(&bands::PRESSURE, most))
+        self.pressure.map(|(_, most)| bands::PRESSURE.verdict(most))
     }
 
     /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
@@ -96,10 +96,6 @@ impl Answer {
         let (first, rest) = figures.split_at(usize::from(!figures.is_empty()));
         format!("{worst}. {}{rest}.", first.to_uppercase())
     }
-}
-
-fn verdict_of(limits: &Limits, value: f64) -> Verdict {
-    (limits.band(value), limits.word(value))
 }
 
 /// Words and figures of a card.
@@ -157,9 +153,8 @@ impl Sampled<'_> {
     }
 
     /// A figure of a line, as "12 % (4–31)".
-    fn in_line(&self, quantity: Quantity, decimals: usize, own: f64) -> String {
-        let (factor, unit) = quantity.display();
-        let text = format!("{:.decimals$} {unit} {}", factor * own, self.brackets(quantity, false));
+    fn in_line(&self, quantity: Quantity, own: f64) -> String {
+        let text = format!("{} {}", figure(quantity, own), self.brackets(quantity, false));
         text.trim_end().to_owned()
     }
 
@@ -211,7 +206,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
             Some(_) => String::new(),
             None => format!(
                 "{} of the skin is above {:.0} %. ",
-                sampled.in_line(Quantity::AreaOver25, 0, answer.share),
+                sampled.in_line(Quantity::AreaOver25, answer.share),
                 100.0 * SHARE_ABOVE.0
             ),
         };
@@ -246,7 +241,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
 
 fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let line = match answer.apex {
-        Some(apex) => format!("{} at the top", sampled.in_line(Quantity::ApexCoverMm, 1, apex)),
+        Some(apex) => format!("{} at the top", sampled.in_line(Quantity::ApexCoverMm, apex)),
         None if answer.is_layered => String::new(),
         None => "needs “Skin on solid layers” (Advanced)".to_owned(),
     };
@@ -276,9 +271,9 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let most = answer.pressure.map(|(_, most)| most);
     let figure = text_of(most, |v| format!("{v:.0} mmHg"));
     let range = sampled.range(Quantity::GreatestPressureMmhg);
-    let of_band = range.map(|[_, high]| verdict_of(&bands::PRESSURE, high));
+    let of_band = range.map(|[_, high]| bands::PRESSURE.verdict(high));
     let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
-        format!("{} on average", sampled.in_line(Quantity::MeanPressureMmhg, 0, mean))
+        format!("{} on average", sampled.in_line(Quantity::MeanPressureMmhg, mean))
     });
     let (verdict, line) = worse(answer.pressure_word(), of_band, line);
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);

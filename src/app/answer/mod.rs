@@ -11,12 +11,11 @@ pub(super) use draw::band_color;
 use super::no_answer;
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::uncertainty::Findings;
-use crate::clinical::Size;
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, Status};
-use crate::scene::Scene;
 use crate::session::Session;
 use crate::springs::Springs;
+use crate::study::volume_and_width;
 use cards::{Answer, Card, cards};
 use draw::show_card;
 use eframe::egui::{self, RichText, Ui};
@@ -154,18 +153,9 @@ pub(super) fn sources(ui: &mut Ui) {
     );
 }
 
-/// The implant in a few words, as "300 ml, 12 cm".
-fn implant(scene: &Scene) -> (String, String) {
-    let implant = &scene.implant;
-    let volume = implant.size().map_or(0.0, Size::volume_ml);
-    let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
-    let width = width.trim_end_matches(".0").to_owned();
-    (format!("{volume:.0}"), width)
-}
-
 /// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
 pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
-    let (volume, width) = implant(session.scene());
+    let [volume, width] = volume_and_width(session.scene());
     let part = match session.scene().insertion {
         full if full >= 1.0 => String::new(),
         part => format!(", {:.0} % in place", 100.0 * part),
@@ -193,7 +183,7 @@ pub(super) fn summary(session: &Session) -> String {
         Status::NotConverged => "Not finished: do not use these numbers.",
         Status::Converged => "Up to date.",
     };
-    let (volume, width) = implant(session.scene());
+    let [volume, width] = volume_and_width(session.scene());
     let answer = Answer::new(Some(outcome), session.scene());
     let strain =
         answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {

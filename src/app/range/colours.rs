@@ -32,14 +32,10 @@ impl Scale {
         let ends = match (limits, range) {
             (Some((limits, to_limits)), range) => {
                 let greatest = range.map_or(f64::INFINITY, |(_, most)| factor * most);
-                let shown = limits.bands.iter().filter_map(|band| Some(band.limit? / to_limits));
-                (
-                    0.0,
-                    shown
-                        .clone()
-                        .find(|limit| *limit >= greatest)
-                        .unwrap_or(end(limits) / to_limits),
-                )
+                let mut shown =
+                    limits.bands.iter().filter_map(|band| Some(band.limit? / to_limits));
+                let most = shown.find(|limit| *limit >= greatest);
+                (0.0, most.unwrap_or(end(limits) / to_limits))
             }
             (None, Some((least, most))) => {
                 let (least, most) = (factor * least, factor * most);

@@ -9,6 +9,8 @@ mod panel;
 mod pins;
 mod unknowns;
 
+pub(super) use panel::figure;
+
 use super::studies::{Driver, Studies};
 use crate::measure::Status;
 use crate::scene::Scene;

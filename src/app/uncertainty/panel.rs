@@ -156,7 +156,7 @@ fn scenarios(ui: &mut Ui, findings: &Findings) {
 }
 
 /// A value as in the cards.
-pub(super) fn figure(quantity: Quantity, value: f64) -> String {
+pub(in crate::app) fn figure(quantity: Quantity, value: f64) -> String {
     let (factor, unit) = quantity.display();
     let decimals = usize::from(unit == "mm");
     format!("{:.decimals$} {unit}", factor * value)

@@ -312,8 +312,12 @@ impl Viewport {
 
     /// Zooms to a point of the viewport, as near as the tissue allows. Returns whether the view changed.
     fn zoom(&mut self, factor: f32, at: Vec2) -> bool {
-        let (radius, height) = self.surroundings();
-        let factor = self.camera.zoom_outside(factor, at, self.aspect, radius, height);
+        let mut factor = factor;
+        // Every frame under the pointer comes here, most of them with 1.
+        if factor > 1.0 {
+            let (radius, height) = self.surroundings();
+            factor = self.camera.zoom_outside(factor, at, self.aspect, radius, height);
+        }
         self.camera.zoom(factor, at, self.aspect)
     }
 
