@@ -18,11 +18,9 @@ impl App {
         let presses =
             |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
         let shortcut = |modifiers, key| presses(modifiers, key) > 0;
-        let redo = presses(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-            + presses(Modifiers::COMMAND, Key::Y);
-        (0..redo).for_each(|_| self.execute(Command::Redo));
-        let undo = presses(Modifiers::COMMAND, Key::Z);
-        (0..undo).for_each(|_| self.execute(Command::Undo));
+        for command in ctx.input_mut(take_history_keys) {
+            self.execute(command);
+        }
         if shortcut(Modifiers::COMMAND, Key::O) {
             self.files.open(ctx);
         }
@@ -82,5 +80,55 @@ impl App {
             (scene.insertion + seconds / PLAY_SECONDS).min(1.0)
         };
         self.is_playing = scene.insertion < 1.0;
+    }
+}
+
+/// Undo and redo of the keys pressed since the previous frame, in their order.
+fn take_history_keys(input: &mut egui::InputState) -> Vec<Command> {
+    let mut commands = Vec::new();
+    input.events.retain(|event| {
+        let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { return true };
+        let command = match key {
+            Key::Z if modifiers.matches_exact(Modifiers::COMMAND) => Command::Undo,
+            Key::Z if modifiers.matches_exact(Modifiers::COMMAND | Modifiers::SHIFT) => {
+                Command::Redo
+            }
+            Key::Y if modifiers.matches_exact(Modifiers::COMMAND) => Command::Redo,
+            _ => return true,
+        };
+        commands.push(command);
+        false
+    });
+    commands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn undo_and_redo_of_a_frame_keep_their_order() {
+        let press = |modifiers, key| egui::Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers,
+        };
+        let [undo, redo] = [Modifiers::COMMAND, Modifiers::COMMAND | Modifiers::SHIFT];
+        let other = press(undo, Key::S);
+        let mut input = egui::InputState::default();
+        input.events = vec![
+            press(undo, Key::Z),
+            press(redo, Key::Z),
+            other.clone(),
+            press(undo, Key::Z),
+            press(undo, Key::Y),
+            press(undo, Key::Z),
+        ];
+        let is_undo: Vec<bool> =
+            take_history_keys(&mut input).iter().map(|c| matches!(c, Command::Undo)).collect();
+        assert_eq!(is_undo, [true, false, true, false, true]);
+        assert_eq!(input.events, [other]);
     }
 }
