@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from left to right, as in ARCHITECTURE.md.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "number",
     "curve",
     "clinical",
@@ -18,6 +18,7 @@ const ORDER: [&str; 17] = [
     "model",
     "solve",
     "measure",
+    "export",
     "scene",
     "simulate",
     "study",

@@ -37,8 +37,6 @@ impl App {
         let start = Instant::now();
         let ctx = ui.ctx().clone();
         self.poll_files(&ctx);
-        self.save_shots(&ctx);
-        self.shots.take(&ctx);
         self.focus.begin_frame(&ctx);
         self.handle_keys(&ctx);
         let mut scene = self.draft.take().unwrap_or_default();

@@ -87,9 +87,6 @@ impl Notice {
 impl App {
     /// Shows the last notice over an area until the user closes it.
     pub(super) fn show_notice(&mut self, ui: &Ui, area: Rect) {
-        if self.shots.is_for_report() {
-            return;
-        }
         match self.notice.as_ref().and_then(|notice| notice.show(ui, area)) {
             None => {}
             Some(NoticeAction::Close) => self.notice = None,

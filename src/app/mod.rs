@@ -23,6 +23,7 @@ mod files;
 mod filling;
 mod focus;
 mod keys;
+mod link;
 mod logic;
 mod messages;
 mod no_answer;
@@ -61,7 +62,6 @@ use logic::RunningSolve;
 use messages::Notice;
 use no_answer::NearestSearch;
 use range::Range;
-use report::Shots;
 use status::Timing;
 use std::sync::Arc;
 use studies::Studies;
@@ -79,7 +79,6 @@ pub struct App {
     compare: Compare,
     keep: Keep,
     files: Files,
-    shots: Shots,
     timing: Timing,
     studies: Studies,
     range: Range,
@@ -108,6 +107,8 @@ pub struct App {
     panel_widths: PanelWidths,
     show_help: bool,
     curve_window: Option<CurveWindow>,
+    /// Address of the page without its fragment; `None` on the desktop.
+    page_address: Option<String>,
     /// Height of the controls on the picture in the previous frame \[points\].
     view_bar_height: f32,
 }
@@ -133,7 +134,6 @@ impl App {
             options: viewport::Options::default(),
             compare: Compare::default(),
             files: Files::new(),
-            shots: Shots::default(),
             timing: Timing::default(),
             studies: Studies::new(ctx, runner),
             range: Range::default(),
@@ -156,6 +156,7 @@ impl App {
             panel_widths: PanelWidths::default(),
             show_help: false,
             curve_window: None,
+            page_address: None,
             view_bar_height: 40.0,
         })
     }

@@ -1,5 +1,5 @@
-//! A plan without an answer: what that means for the plan, and the nearest plan with an answer as a button. The search runs
-//! beside the app and ends with the plan.
+//! A plan without an answer: what that means for the plan, and the nearest plans with an answer as buttons. The searches run
+//! beside the app and end with the plan.
 
 use super::plan::Hand;
 use super::studies::{Driver, Studies};
@@ -13,10 +13,13 @@ use crate::session::{Command, Session};
 use crate::study::{Nearest, NearestPlan, NoAnswer, Search, size_in_words};
 use eframe::egui::{self, RichText, Ui};
 
-/// The search of the nearest plan with an answer.
+/// The searches of the nearest plans with an answer.
 #[derive(Default)]
 pub(super) struct NearestSearch {
+    /// A smaller volume or less insertion.
     driver: Driver<Nearest>,
+    /// A wider base of the same volume.
+    wider: Driver<Nearest>,
 }
 
 /// Has the solve of the present plan ended without a shape?
@@ -32,30 +35,25 @@ pub(super) fn words(session: &Session) -> String {
 }
 
 impl NearestSearch {
-    /// Starts, continues or cancels the search, once a frame. `is_busy`: the plan is being solved or edited.
+    /// Starts, continues or cancels the searches, once a frame. `is_busy`: the plan is being solved or edited.
     pub(super) fn advance(&mut self, session: &Session, studies: &mut Studies, is_busy: bool) {
-        let is_present = self.of(session).is_some();
-        if !is_present && self.driver.study().is_some() {
-            self.driver.cancel(studies);
+        let new: [fn(&Scene) -> Nearest; 2] = [Nearest::new, Nearest::wider];
+        for (driver, new) in [&mut self.driver, &mut self.wider].into_iter().zip(new) {
+            let is_present = of(driver, session).is_some();
+            if !is_present && driver.study().is_some() {
+                driver.cancel(studies);
+            }
+            if !is_present && !is_busy && applies(session) {
+                driver.start(new(session.scene()), studies);
+            }
+            driver.advance(studies);
         }
-        if !is_present && !is_busy && applies(session) {
-            self.driver.start(Nearest::new(session.scene()), studies);
-        }
-        self.driver.advance(studies);
     }
 
-    /// The search beside the present plan; `None` for a plan with an answer.
-    fn of(&self, session: &Session) -> Option<&Nearest> {
-        let is_present = |search: &&Nearest| search.plan() == session.scene();
-        self.driver.study().filter(is_present).filter(|_| applies(session))
-    }
-
-    /// The nearest plan with an answer, if it is known.
-    fn found(&self, session: &Session) -> Option<&NearestPlan> {
-        match self.of(session)?.search() {
-            Search::Found(plan) => Some(plan),
-            Search::Running | Search::Nothing | Search::Failed => None,
-        }
+    /// The plans found so far.
+    fn found(&self, session: &Session) -> impl Iterator<Item = &NearestPlan> {
+        let searches = [&self.driver, &self.wider];
+        searches.map(|driver| found(driver, session)).into_iter().flatten()
     }
 
     /// The card in place of those of an answer; returns the plan of its button.
@@ -73,33 +71,45 @@ impl NearestSearch {
         card.inner
     }
 
-    /// The buttons of the nearest plan and of the last plan with an answer, or what is known of the search, in a line of constant
+    /// The buttons of the nearest plans and of the last plan with an answer, and what is known of the searches, from a least
     /// height; returns the plan of a pressed button.
     pub(super) fn offer(&self, ui: &mut Ui, session: &Session, hand: Hand) -> Option<Scene> {
         let height = match hand {
             Hand::Mouse => ui.spacing().interact_size.y,
             Hand::Finger => theme::TOUCH,
         };
-        let found = self.found(session);
-        let words = match self.of(session).map(Nearest::search) {
-            Some(Search::Found(_)) => "the nearest plan with an answer",
-            Some(Search::Nothing) => {
-                "No smaller volume at this width and no lesser insertion has an answer."
+        let searches =
+            [&self.driver, &self.wider].map(|driver| of(driver, session).map(Nearest::search));
+        let words = match searches {
+            [None | Some(Search::Running), _] | [_, None | Some(Search::Running)] => SEARCHING,
+            [Some(Search::Failed), _] => {
+                "The search for the nearest plan with an answer has failed."
             }
-            Some(Search::Failed) => "The search for the nearest plan with an answer has failed.",
-            Some(Search::Running) | None => "Searching for the nearest plan with an answer…",
+            [Some(Search::Found(_)), _] | [_, Some(Search::Found(_))] => {
+                "the nearest plan with an answer"
+            }
+            _ => {
+                "No smaller volume, no lesser insertion and no base up to 4 cm wider has an answer."
+            }
         };
         let line = ui.horizontal_wrapped(|ui| {
             ui.set_min_height(height);
-            let button = found.map(|plan| {
-                let palette = theme::palette(ui.visuals());
-                let text = RichText::new(&plan.words).strong().color(palette.on_accent);
-                let button = egui::Button::new(text).fill(palette.accent);
-                ui.add(button.min_size(egui::vec2(0.0, height))).on_hover_text(
-                    "The nearest plan for which a shape was found, in steps of 5 ml at this width or of 5 % in place. \
-                     Undo restores the present plan.",
-                )
-            });
+            let palette = theme::palette(ui.visuals());
+            let mut taken = None;
+            for (k, plan) in self.found(session).enumerate() {
+                let text = RichText::new(&plan.words).strong();
+                let button = match k {
+                    0 => egui::Button::new(text.color(palette.on_accent)).fill(palette.accent),
+                    _ => egui::Button::new(text),
+                };
+                let button = ui.add(button.min_size(egui::vec2(0.0, height))).on_hover_text(
+                    "The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
+                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan.",
+                );
+                if button.clicked() {
+                    taken = Some(&plan.scene);
+                }
+            }
             remark(ui, words);
             let last = session.last_answer().map(|answer| &answer.scene);
             let back = last.filter(|scene| {
@@ -108,17 +118,35 @@ impl NearestSearch {
                     .on_hover_text("The last plan with an answer")
                     .clicked()
             });
-            let nearest = found.filter(|_| button.is_some_and(|button| button.clicked()));
-            nearest.map(|plan| &plan.scene).or(back)
+            taken.or(back)
         });
         line.inner.cloned()
     }
 
-    /// The found plan in a sentence, for screen readers; empty without one.
+    /// The found plans in a sentence, for screen readers; empty without one.
     pub(super) fn summary(&self, session: &Session) -> String {
-        let sentence =
-            |plan: &NearestPlan| format!(" Nearest plan with an answer: {}.", plan.words);
-        self.found(session).map(sentence).unwrap_or_default()
+        let words: Vec<&str> = self.found(session).map(|plan| plan.words.as_str()).collect();
+        match words.as_slice() {
+            [] => String::new(),
+            words => format!(" Nearest plan with an answer: {}.", words.join(", or: ")),
+        }
+    }
+}
+
+/// What is shown during the searches.
+const SEARCHING: &str = "Searching for the nearest plan with an answer…";
+
+/// The search beside the present plan; `None` for a plan with an answer.
+fn of<'a>(driver: &'a Driver<Nearest>, session: &Session) -> Option<&'a Nearest> {
+    let is_present = |search: &&Nearest| search.plan() == session.scene();
+    driver.study().filter(is_present).filter(|_| applies(session))
+}
+
+/// The plan that a search has found.
+fn found<'a>(driver: &'a Driver<Nearest>, session: &Session) -> Option<&'a NearestPlan> {
+    match of(driver, session)?.search() {
+        Search::Found(plan) => Some(plan),
+        Search::Running | Search::Nothing | Search::Failed => None,
     }
 }
 

@@ -99,6 +99,17 @@ pub(super) fn sampled(curve: &Curve, from: f64, to: f64) -> Polyline {
 /// Plots the section in the plane y = 0: implant, inner face and outer skin, the outer skin of the pins, and the skin of
 /// sampled patients (`band`), if any. Without a stable shape the tissue is missing.
 pub(super) fn section(ui: &mut Ui, session: &Session, compare: &Compare, band: &[SectionBand]) {
+    group(ui, "Cross-section", |ui| section_chart(ui, session, compare, band, 170.0));
+}
+
+/// The plot of [`section`] of a height \[points\], with its legend below.
+pub(super) fn section_chart(
+    ui: &mut Ui,
+    session: &Session,
+    compare: &Compare,
+    band: &[SectionBand],
+    height: f32,
+) {
     let palette = theme::palette(ui.visuals());
     let problem = Subject::problem(session);
     let implant = ("implant", palette.accent, dome_outline(problem));
@@ -119,39 +130,37 @@ pub(super) fn section(ui: &mut Ui, session: &Session, compare: &Compare, band: &
         .map(|&(name, color, _)| (name.to_owned(), color))
         .chain(pins.iter().map(|(pin, color)| (format!("skin of {}", pin.letter()), *color)))
         .collect();
-    group(ui, "Cross-section", |ui| {
-        fixed_plot("section", 170.0)
-            .data_aspect(1.0)
-            .x_axis_label("across (mm)")
-            .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
-            .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
-            .y_axis_label("height (mm)")
-            .include_y(0.0)
-            .show(ui, |plot| {
-                skin_band(plot, palette.curves[0], &sampled_skin(session, band));
-                let (name, color, points) = implant;
-                plot.line(Line::new(name, points).color(color).width(1.5));
-                for (name, color, points) in tissue.into_iter().flatten().rev() {
-                    plot.line(Line::new(name, points).color(color).width(2.0));
-                }
-                compare::silhouettes(plot, silhouettes, palette);
-                let (name, color, points) = wall;
-                plot.line(
-                    Line::new(name, points)
-                        .color(color.gamma_multiply(0.6))
-                        .style(LineStyle::dashed_dense())
-                        .width(1.0),
-                );
-            });
-        ui.horizontal_wrapped(|ui| {
-            for (name, color) in names {
-                ui.label(RichText::new(name).small().color(color));
+    fixed_plot("section", height)
+        .data_aspect(1.0)
+        .x_axis_label("across (mm)")
+        .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
+        .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
+        .y_axis_label("height (mm)")
+        .include_y(0.0)
+        .show(ui, |plot| {
+            skin_band(plot, palette.curves[0], &sampled_skin(session, band));
+            let (name, color, points) = implant;
+            plot.line(Line::new(name, points).color(color).width(1.5));
+            for (name, color, points) in tissue.into_iter().flatten().rev() {
+                plot.line(Line::new(name, points).color(color).width(2.0));
             }
-            if !band.is_empty() {
-                let words = "shaded: skin of 8 in 10 sampled patients, dotted: median";
-                ui.label(RichText::new(words).small().color(palette.curves[0]));
-            }
+            compare::silhouettes(plot, silhouettes, palette);
+            let (name, color, points) = wall;
+            plot.line(
+                Line::new(name, points)
+                    .color(color.gamma_multiply(0.6))
+                    .style(LineStyle::dashed_dense())
+                    .width(1.0),
+            );
         });
+    ui.horizontal_wrapped(|ui| {
+        for (name, color) in names {
+            ui.label(RichText::new(name).small().color(color));
+        }
+        if !band.is_empty() {
+            let words = "shaded: skin of 8 in 10 sampled patients, dotted: median";
+            ui.label(RichText::new(words).small().color(palette.curves[0]));
+        }
     });
 }
 

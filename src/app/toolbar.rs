@@ -3,9 +3,12 @@
 use super::report::Purpose;
 use super::widgets::button_if;
 use super::{App, plan, theme};
+use crate::export::{self, Format, Solid};
+use crate::measure::surfaces;
 use crate::scene::Scene;
 use crate::session::Command;
-use eframe::egui::{self, RichText, Ui};
+use crate::solve::Solution;
+use eframe::egui::{self, RichText, Role, Ui, WidgetInfo};
 
 /// Arrangement of the screen, by its width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,19 +75,33 @@ impl App {
                 ui.close();
             }
             for (name, tooltip, purpose) in [
-                ("Save picture (PNG)…", "The window as it is", Purpose::Picture),
+                ("Save picture (PNG)…", PICTURE, Purpose::File),
+                ("Copy picture", PICTURE, Purpose::Clipboard),
                 (
                     "Save report (HTML)…",
-                    "One page with picture, plan, numbers, pins and limits; prints on paper",
+                    "One or two pages with pictures, plan, numbers, pins and limits; prints on paper",
                     Purpose::Report,
                 ),
             ] {
                 let save = ui.add_enabled(has_result, egui::Button::new(name));
                 let save = save.on_disabled_hover_text(NO_RESULT).on_hover_text(tooltip);
                 if save.clicked() {
-                    self.shots.want(purpose, &ctx);
+                    self.take_home(&ctx, purpose);
                     ui.close();
                 }
+            }
+            if let Some(address) = self.page_address.clone()
+                && ui.button("Copy link").on_hover_text(LINK).clicked()
+            {
+                self.copy_link(&ctx, &address);
+                ui.close();
+            }
+            ui.add_enabled_ui(has_result, |ui| self.shape_menu(ui, &ctx));
+            if ui.add_enabled(has_result, egui::Button::new("Save profile (CSV)…")).clicked()
+                && let Some(outcome) = self.session.result()
+            {
+                self.files.save(&ctx, "profile.csv", export::profile(outcome));
+                ui.close();
             }
             ui.separator();
             ui.label(RichText::new("Examples").small().weak());
@@ -109,6 +126,34 @@ impl App {
                     ui.close();
                 }
             }
+        });
+    }
+
+    /// Meshes of the shape in place, for other programs and printers.
+    fn shape_menu(&mut self, ui: &mut Ui, ctx: &egui::Context) {
+        ui.menu_button("Save shape (3-D)", |ui| {
+            ui.small("Closed meshes in mm; GLB in m");
+            egui::Grid::new("shapes").show(ui, |ui| {
+                for (name, solid) in SOLIDS {
+                    ui.label(name);
+                    for format in Format::ALL {
+                        let extension = format.extension();
+                        let button = ui.button(extension.to_uppercase());
+                        let label = format!("{name} as {}", extension.to_uppercase());
+                        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
+                        if button.clicked() {
+                            let file = format!("{}.{extension}", name.to_lowercase());
+                            self.files.save(
+                                ctx,
+                                &file,
+                                format.encode(&solid(self.session.solution())),
+                            );
+                            ui.close();
+                        }
+                    }
+                    ui.end_row();
+                }
+            });
         });
     }
 
@@ -157,6 +202,17 @@ impl App {
             });
     }
 }
+
+/// The meshes to save, by their names.
+const SOLIDS: [(&str, fn(&Solution) -> Solid); 3] = [
+    ("Tissue", |solution| Solid::tissue(&surfaces(solution))),
+    ("Skin", |solution| Solid::skin(&surfaces(solution))),
+    ("Implant", |solution| Solid::implant(&solution.problem().obstacle.dome)),
+];
+
+const PICTURE: &str = "Picture with title, plan, answers, legend, scale and date";
+
+const LINK: &str = "The whole plan as an address; no server gets it";
 
 /// Why a result is not saved.
 const NO_RESULT: &str = "No result yet: the plan is being computed";

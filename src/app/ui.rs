@@ -233,7 +233,6 @@ impl App {
         if layout == Layout::Wide {
             self.middle_switch(ui);
         }
-        self.shots.set_view(ui.available_rect_before_wrap());
         if self.range.is_open {
             self.range_page(ui, scene, layout);
         } else {
@@ -288,11 +287,9 @@ impl App {
             } else {
                 self.viewport.show(ui, shown);
             }
-            if !self.shots.is_for_report() {
-                self.view_bar_height = self.view_bar(ui, area, layout);
-                if !self.is_edited && layout == Layout::Wide {
-                    hint(ui, area);
-                }
+            self.view_bar_height = self.view_bar(ui, area, layout);
+            if !self.is_edited && layout == Layout::Wide {
+                hint(ui, area);
             }
         }
         self.show_notice(ui, area);

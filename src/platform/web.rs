@@ -99,6 +99,18 @@ fn restore(app: &mut App) {
     }
 }
 
+/// Opens the plan of a link, if the page's address has one, and drops it from the address: a reload opens the kept plan.
+fn open_link(app: &mut App) -> Result<(), JsValue> {
+    let window = web_sys::window().ok_or("the page has no window")?;
+    let location = window.location();
+    let page = format!("{}{}", location.pathname()?, location.search()?);
+    app.set_page_address(format!("{}{page}", location.origin()?));
+    if app.open_link(&location.hash()?) {
+        window.history()?.replace_state_with_url(&JsValue::NULL, "", Some(&page))?;
+    }
+    Ok(())
+}
+
 /// Stores plan and pins after a change.
 fn store(app: &mut App, is_closing: bool) {
     for (key, text) in
@@ -169,6 +181,11 @@ impl PageHost {
         // The runner listens on the document. Its handler must run before the app is borrowed, and after
         // the app is returned: the window's handlers run last and first.
         listen(&window, "visibilitychange", |host, _| host.update_pause())?;
+        listen(&window, "hashchange", |host, _| {
+            if let Ok(mut app) = host.app() {
+                let _ = open_link(&mut app);
+            }
+        })?;
         let closure = Closure::<dyn FnMut()>::new(move || drop(host.paused_app.take()));
         let handler = closure.into_js_value();
         window.add_event_listener_with_callback_and_bool(
@@ -209,6 +226,8 @@ impl PageHost {
                     );
                 } else {
                     restore(new);
+                    // Without a location, in some embedded views, there is no link.
+                    let _ = open_link(new);
                 }
             }
             Ok(Box::new(PageApp {

@@ -1,10 +1,10 @@
-//! The nearest plan with an answer to a plan without one: a bisection on the volume at a fixed base width, or on the
-//! insertion.
+//! The nearest plan with an answer to a plan without one: a bisection on the volume at a fixed base width, on the
+//! insertion, or on the base width at a fixed volume.
 //!
 //! The bisection runs on a coarse grid. The found plan is then solved on its own grid; if that grid has no answer, the
 //! bisection is repeated there. A case is computed as those of all studies, without Newton's method on layered tissue.
 
-use super::{Case, Cases, Job, MapSettings, Study};
+use super::{Case, Cases, Job, MapSettings, Parameter, Study, with_values};
 use crate::clinical::Size;
 use crate::scene::{Scene, limits};
 
@@ -14,6 +14,9 @@ const COARSE: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
 pub const VOLUME_STEP_ML: f64 = 5.0;
 /// Step of the insertions \[-\].
 pub const INSERTION_STEP: f64 = 0.05;
+/// Step of the base widths \[mm\], and number of steps to the widest.
+const WIDTH_STEP_MM: f64 = 5.0;
+const WIDTHS: u32 = 8;
 /// Projection / base radius of the least volume \[-\].
 const LEAST_RATIO: f64 = 0.15;
 
@@ -22,6 +25,8 @@ const LEAST_RATIO: f64 = 0.15;
 enum Varied {
     Volume,
     Insertion,
+    /// Steps below the widest base, at the volume of the plan.
+    Narrowing,
 }
 
 /// A bracket of one number in steps: the plan has an answer at `low`, none at `high`.
@@ -78,15 +83,25 @@ impl Nearest {
     /// fully inserted.
     #[must_use]
     pub fn new(plan: &Scene) -> Self {
-        let (first, second) = if plan.insertion < 1.0 {
-            (Varied::Insertion, Varied::Volume)
+        if plan.insertion < 1.0 {
+            Self::over(plan, Varied::Insertion, Some(Varied::Volume))
         } else {
-            (Varied::Volume, Varied::Insertion)
-        };
+            Self::over(plan, Varied::Volume, Some(Varied::Insertion))
+        }
+    }
+
+    /// The search beside a plan without an answer for a wider base of the same volume, up to 4 cm wider. The pocket keeps its
+    /// margin.
+    #[must_use]
+    pub fn wider(plan: &Scene) -> Self {
+        Self::over(plan, Varied::Narrowing, None)
+    }
+
+    fn over(plan: &Scene, first: Varied, next: Option<Varied>) -> Self {
         let mut search = Self {
             plan: plan.clone(),
             bracket: Bracket::new(plan, first),
-            next: Some(second),
+            next,
             search: Search::Running,
             running: None,
             jobs: 0,
@@ -118,6 +133,13 @@ impl Nearest {
                 if let Ok(size) = Size::of_width_and_volume(width, volume) {
                     scene.implant.projection_mm = size.projection_mm();
                 }
+            }
+            Varied::Narrowing => {
+                let width = width_mm(&self.plan, value);
+                let volume = Parameter::Volume.value(&scene).unwrap_or_default();
+                let values = [(Parameter::BaseWidth, width), (Parameter::Volume, volume)];
+                // Beyond the limits of a scene the plan itself stays, which has no answer.
+                scene = with_values(&scene, &values).unwrap_or(scene);
             }
             // Whole percents to the last bit.
             Varied::Insertion => {
@@ -154,6 +176,9 @@ impl Nearest {
                 let words = match self.bracket.varied {
                     Varied::Volume => format!("Use {:.0} ml", VOLUME_STEP_ML * f64::from(low)),
                     Varied::Insertion => format!("Insert to {:.0} %", 100.0 * scene.insertion),
+                    Varied::Narrowing => {
+                        format!("Widen to {} cm", width_mm(&self.plan, low) / 10.0)
+                    }
                 };
                 self.search = Search::Found(Box::new(NearestPlan { scene, words }));
             }
@@ -200,6 +225,7 @@ impl Bracket {
                 (steps(least, VOLUME_STEP_ML), steps(present, VOLUME_STEP_ML))
             }
             Varied::Insertion => (1, steps(plan.insertion, INSERTION_STEP)),
+            Varied::Narrowing => (1, WIDTHS + 1),
         };
         Self { varied, is_fine: false, least: least.max(1), first: None, low: None, high }
     }
@@ -214,6 +240,12 @@ impl Bracket {
             }
         }
     }
+}
+
+/// The base width \[mm\] some steps below the widest: whole steps above the width of the plan.
+fn width_mm(plan: &Scene, narrowing: u32) -> f64 {
+    let present = (2.0 * plan.implant.base_radius_mm / WIDTH_STEP_MM + 1e-9).floor();
+    WIDTH_STEP_MM * (present + f64::from(WIDTHS + 1 - narrowing))
 }
 
 impl Study for Nearest {
@@ -337,6 +369,25 @@ mod tests {
         let mut nearest = Nearest::new(&Scene::opening());
         run(&mut nearest, |scene| scene.insertion < 0.31);
         assert_eq!(found(&nearest).words, "Insert to 30 %");
+    }
+
+    #[test]
+    fn a_wider_base_keeps_volume_and_margin() {
+        let plan = Scene::opening();
+        for (least, expected) in
+            [(121.0, "Widen to 12.5 cm"), (131.0, "Widen to 13.5 cm"), (160.0, "Widen to 16 cm")]
+        {
+            let mut nearest = Nearest::wider(&plan);
+            run(&mut nearest, |scene| 2.0 * scene.implant.base_radius_mm >= least);
+            let NearestPlan { scene, words } = found(&nearest);
+            assert_eq!(words, expected);
+            assert!((volume(scene) - volume(&plan)).abs() < 1e-9);
+            let margin = |scene: &Scene| scene.pocket_radius_mm - scene.implant.base_radius_mm;
+            assert!((margin(scene) - margin(&plan)).abs() < 1e-9);
+        }
+        let mut nearest = Nearest::wider(&plan);
+        run(&mut nearest, |_| false);
+        assert_eq!(nearest.search(), &Search::Nothing);
     }
 
     #[test]

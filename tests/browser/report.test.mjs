@@ -1,62 +1,200 @@
-// Picture and report in the real page: what is saved, and how the report opens without the program.
+// What is taken home from the real page: picture, report, meshes, profile, link. Files are read by programs that did not
+// write them.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { describe, test } from "node:test";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
+import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
+import { STLLoader } from "three/addons/loaders/STLLoader.js";
 import * as harness from "./harness.mjs";
 
 const fixture = harness.setUp();
 
-/** Chooses an item of the menu "File" and reads the file that is downloaded, with its path. */
-async function save(page, item) {
+/** Opens menus one after the other and focuses the last item. */
+async function choose(page, ...items) {
   // The previous file may still be on its way, and frames are slow on a busy machine.
   await harness.settled(page);
-  await harness.control(page, "File");
-  await page.keyboard.press("Enter");
-  await harness.settled(page);
-  for (let presses = 0; presses < 8 && (await harness.focused(page)).name !== item; presses += 1) await harness.tab(page);
-  assert.equal((await harness.focused(page)).name, item);
-  const [file] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
-  return { name: file.suggestedFilename(), path: await file.path() };
+  for (const item of ["File", ...items]) {
+    await harness.control(page, item);
+    if (item !== items.at(-1)) {
+      await page.keyboard.press("Enter");
+      await harness.settled(page);
+    }
+  }
 }
 
+/** Chooses an item of the menu "File" and reads the file that is downloaded. */
+async function save(page, ...items) {
+  await choose(page, ...items);
+  const [file] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
+  return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
+}
+
+/** Number of colours of an image of a page, reduced to 64 × 64 pixels, within a part of it (shares of its size). */
+const colours = (image, part = [0, 0, 1, 1]) =>
+  image.evaluate((img, [x, y, w, h]) => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 64, height: 64 });
+    const context = canvas.getContext("2d");
+    const { naturalWidth: width, naturalHeight: height } = img;
+    context.drawImage(img, x * width, y * height, w * width, h * height, 0, 0, 64, 64);
+    const { data } = context.getImageData(0, 0, 64, 64);
+    return new Set(Array.from({ length: 4096 }, (_, k) => (data[4 * k] << 16) | (data[4 * k + 1] << 8) | data[4 * k + 2])).size;
+  }, part);
+
+/** Volume within the triangles of a geometry; a closed mesh moved far away has the same volume. */
+function volume(geometry) {
+  const { position } = geometry.attributes;
+  const index = geometry.index?.array ?? Array.from({ length: position.count }, (_, k) => k);
+  const of = (shift) => {
+    let sum = 0;
+    for (let k = 0; k < index.length; k += 3) {
+      const [a, b, c] = [0, 1, 2].map((i) => {
+        const at = index[k + i];
+        return [position.getX(at) + shift, position.getY(at) + shift, position.getZ(at) + shift];
+      });
+      const cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+      sum += (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6;
+    }
+    return sum;
+  };
+  const size = Math.cbrt(Math.abs(of(0)));
+  assert.ok(Math.abs(of(size) / of(0) - 1) < 1e-3, "the mesh is not closed");
+  return of(0);
+}
+
+const buffer = (bytes) => bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
+
+/** Volume [ml] of a mesh, by the reader of its format. */
+async function millilitres({ name, bytes }) {
+  const format = name.split(".").at(-1);
+  const all = (group) => {
+    let sum = 0;
+    const parts = [];
+    group.traverse((object) => object.isMesh && parts.push(object.geometry));
+    // The parts of a file are closed together.
+    const positions = parts.flatMap((part) => Array.from((part.index ? part.toNonIndexed() : part).attributes.position.array));
+    sum += volume({ attributes: { position: positionsOf(positions) } });
+    return sum;
+  };
+  if (format === "stl") return volume(new STLLoader().parse(buffer(bytes))) / 1e3;
+  if (format === "ply") return volume(new PLYLoader().parse(buffer(bytes))) / 1e3;
+  if (format === "obj") return all(new OBJLoader().parse(bytes.toString())) / 1e3;
+  const gltf = await new GLTFLoader().parseAsync(buffer(bytes), "");
+  return all(gltf.scene) * 1e6;
+}
+
+const positionsOf = (array) => ({
+  count: array.length / 3,
+  getX: (k) => array[3 * k],
+  getY: (k) => array[3 * k + 1],
+  getZ: (k) => array[3 * k + 2],
+});
+
 describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
-  test("is a picture of the window and a report that loads nothing and runs nothing", async () => {
+  test("is a composed picture and a report that loads nothing and runs nothing", async () => {
     const { page, finish } = await fixture.openApp();
     const picture = await save(page, "Save picture (PNG)…");
     assert.equal(picture.name, "plan.png");
-    const bytes = await readFile(picture.path);
-    assert.equal(bytes.toString("latin1", 1, 4), "PNG");
-    const { width, height } = page.viewportSize();
-    assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [width, height]);
+    assert.equal(picture.bytes.toString("latin1", 1, 4), "PNG");
+    // Of its own size, whatever the window.
+    assert.deepEqual([picture.bytes.readUInt32BE(16), picture.bytes.readUInt32BE(20)], [2000, 1660]);
 
     const report = await save(page, "Save report (HTML)…");
     assert.equal(report.name, "report.html");
-    const text = await readFile(report.path, "utf8");
     const paper = await page.context().newPage();
     const requests = [];
     paper.on("request", (request) => requests.push(request.url().slice(0, 20)));
-    await paper.setContent(text);
+    await paper.setContent(`<img src="data:image/png;base64,${picture.bytes.toString("base64")}">`);
+    await paper.waitForFunction(() => document.images[0].complete);
+    assert.ok((await colours(paper.locator("img"), [0.1, 0.1, 0.8, 0.5])) > 100, "the tissue is missing in the picture");
+    assert.ok((await colours(paper.locator("img"), [0, 0.7, 1, 0.3])) > 10, "the texts are missing in the picture");
+
+    await paper.setContent(report.bytes.toString());
     assert.equal(await paper.locator("h1").textContent(), "Implant preview");
-    assert.match(await paper.locator("body").textContent(), /Not a medical device/);
-    assert.match(await paper.locator("body").textContent(), /12 cm|12\.0 cm/);
-    const image = paper.locator("img");
-    const [shown, part] = await image.evaluate((img) => [img.complete && img.naturalWidth, img.naturalHeight]);
-    assert.ok(shown > 0.3 * width && shown < width && part < height, `${shown} × ${part}`);
-    // The picture is not empty: the tissue has many colours.
-    const colours = await image.evaluate((img) => {
-      const canvas = Object.assign(document.createElement("canvas"), { width: 64, height: 64 });
-      const context = canvas.getContext("2d");
-      context.drawImage(img, 0, 0, 64, 64);
-      const { data } = context.getImageData(0, 0, 64, 64);
-      return new Set(Array.from({ length: 4096 }, (_, k) => (data[4 * k] << 16) | (data[4 * k + 1] << 8) | data[4 * k + 2])).size;
-    });
-    assert.ok(colours > 100, `${colours} colours`);
+    const words = await paper.locator("body").textContent();
+    assert.match(words, /Not a medical device/);
+    assert.match(words, /12 cm|12\.0 cm/);
+    const names = await paper.locator("img").evaluateAll((images) => images.map((image) => image.alt));
+    assert.deepEqual(names, ["Picture of the plan", "Cross-section"]);
+    for (const image of await paper.locator("img").all()) {
+      assert.ok(await image.evaluate((img) => img.complete && img.naturalWidth >= 1600));
+    }
+    assert.ok((await colours(paper.locator("img").first())) > 100);
+    assert.ok((await colours(paper.locator("img").last())) > 10);
     // The plan's file in the report opens as the plan.
     const plan = await paper.locator("details pre").textContent();
     assert.deepEqual(JSON.parse(plan), await harness.scene(page));
     assert.ok(requests.every((address) => address.startsWith("data:image/png")), String(requests));
+    const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
+    assert.ok(pages <= 2, `${pages} pages`);
     await paper.close();
     await finish();
+  });
+
+  test("is a mesh of the tissue, of the skin and of the implant, and a profile", async () => {
+    const { page, finish } = await fixture.openApp();
+    const volumes = {};
+    for (const [what, formats] of [["Implant", ["STL", "OBJ", "PLY", "GLB"]], ["Tissue", ["STL", "GLB"]], ["Skin", ["PLY"]]]) {
+      for (const format of formats) {
+        const file = await save(page, "Save shape (3-D)", `${what} as ${format}`);
+        assert.equal(file.name, `${what.toLowerCase()}.${format.toLowerCase()}`);
+        (volumes[what] ??= []).push(await millilitres(file));
+      }
+    }
+    for (const volume of volumes.Implant) assert.ok(Math.abs(volume - 300) < 1, `${volume} ml`);
+    // Fat of Poisson ratio 0.49 and skin keep their volume nearly: a disc of 12 cm radius, 10 mm thick.
+    const { patch_radius_mm, layers } = await harness.scene(page);
+    const rest = (thickness) => (Math.PI * patch_radius_mm ** 2 * thickness) / 1e3;
+    const [skin, fat] = layers.map((layer) => layer.thickness_mm);
+    for (const volume of volumes.Tissue) assert.ok(Math.abs(volume / rest(skin + fat) - 1) < 0.05, `tissue ${volume} ml`);
+    for (const volume of volumes.Skin) assert.ok(Math.abs(volume / rest(skin) - 1) < 0.08, `skin ${volume} ml`);
+
+    const profile = await save(page, "Save profile (CSV)…");
+    const [head, ...rows] = profile.bytes.toString().trim().split("\n");
+    assert.equal(head, "s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop");
+    const result = JSON.parse(await page.evaluate(() => implantPreview.result()));
+    assert.equal(rows.length, result.profile.length);
+    assert.ok(rows.every((row) => row.split(",").every((value) => Number.isFinite(Number(value)))));
+    await finish();
+  });
+
+  test("is a link that opens to the same result elsewhere", async () => {
+    const { page, finish } = await fixture.openApp();
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+    await page.evaluate(() => implantPreview.setPlan("volume", "345"));
+    await harness.settled(page);
+    await choose(page, "Copy link");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    const link = await page.evaluate(() => navigator.clipboard.readText());
+    assert.match(link, /^http:\/\/[^#]+#plan=[\w-]+$/);
+    assert.ok(link.length < 2000, `${link.length} characters`);
+    const [scene, result] = await page.evaluate(() => [implantPreview.scene(), implantPreview.result()]);
+    await finish();
+
+    const other = await fixture.openApp();
+    const requests = [];
+    other.page.on("request", (request) => requests.push(request.url()));
+    await other.page.evaluate((address) => (location.hash = new URL(address).hash), link);
+    await harness.settled(other.page);
+    assert.equal(await other.page.evaluate(() => implantPreview.scene()), scene);
+    const [here, there] = [JSON.parse(result), JSON.parse(await other.page.evaluate(() => implantPreview.result()))];
+    assert.equal(there.status, "converged");
+    assert.ok(Math.abs(there.contact_force_n / here.contact_force_n - 1) < 5e-3);
+    // The address is as before, no server has got the plan, and a damaged link loses nothing.
+    assert.equal(await other.page.evaluate(() => location.hash), "");
+    await other.page.evaluate(() => (location.hash = "#plan=broken"));
+    await harness.settled(other.page);
+    assert.equal(await other.page.evaluate(() => implantPreview.scene()), scene);
+    assert.ok(requests.every((address) => !address.includes("plan=")), String(requests));
+
+    // At a start, too.
+    await other.page.goto("about:blank");
+    await other.page.goto(link);
+    await other.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.equal(await other.page.evaluate(() => implantPreview.scene()), scene);
+    await other.finish();
   });
 });

@@ -503,16 +503,14 @@ impl App {
         let margin = egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8);
         let frame = egui::Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill);
         let top = egui::Panel::top("range controls").frame(frame).resizable(false);
-        if !self.shots.is_for_report() {
-            top.show_separator_line(false).show(ui, |ui| {
-                for reason in self.range.controls(ui, scene, layout) {
-                    rejection_label(ui, &reason);
-                }
-                if layout == Layout::Narrow && self.range.shows_axes {
-                    self.range_files(ui);
-                }
-            });
-        }
+        top.show_separator_line(false).show(ui, |ui| {
+            for reason in self.range.controls(ui, scene, layout) {
+                rejection_label(ui, &reason);
+            }
+            if layout == Layout::Narrow && self.range.shows_axes {
+                self.range_files(ui);
+            }
+        });
         let bottom = egui::Panel::bottom("range captions").frame(frame).resizable(false);
         let mut taken = None;
         bottom.show_separator_line(false).show(ui, |ui| {

@@ -1,127 +1,125 @@
-//! Picture and report: the window as PNG, or one HTML file with picture, plan, results and the plan's file. The report
-//! loads nothing and runs no script.
+//! Picture and report: the composed picture as PNG or in the clipboard, and one HTML file with pictures, plan, results and
+//! the plan's file. The report loads nothing and runs no script.
 //!
-//! This file takes the picture of the window and saves the files; `page` writes the HTML.
+//! `offscreen` (pictures of contents that are not on the screen) | `figure` (the composed picture), `page` (the HTML).
 
+mod figure;
+mod offscreen;
 mod page;
 
 use super::answer::{self, PreviousResults};
 use super::compare;
 use super::messages::Notice;
-use super::{App, files, plan, status};
+use super::theme::SPACE;
+use super::uncertainty::Findings;
+use super::viewport::Shown;
+use super::{App, files, plan, plots, status};
 use crate::measure::bands;
 use crate::session::Session;
-use eframe::egui::{self, ColorImage, Rect};
-use page::Page;
-use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
+use figure::Figure;
+use page::{Page, Picture};
 
-/// What a picture of the window is for.
+const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
+     alone.";
+/// Sizes of the report's pictures \[points\]: of the plan, of plan and pins side by side, of the cross-section.
+const PLAN: Vec2 = vec2(860.0, 500.0);
+const PINS: Vec2 = vec2(860.0, 430.0);
+const SECTION: Vec2 = vec2(860.0, 260.0);
+
+/// What a picture of the plan is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    Picture,
+    File,
+    Clipboard,
     Report,
 }
 
-impl Purpose {
-    fn file(self) -> &'static str {
-        match self {
-            Self::Picture => "plan.png",
-            Self::Report => "report.html",
-        }
-    }
-}
-
-/// A picture of the window, with the place of the 3-D view in it \[pixels\].
-type Shot = (Purpose, Rect, Arc<ColorImage>);
-
-/// Greatest number of frames between the request of a picture and its pixels: a desktop has those of the next frame.
-const FRAMES_ALONE: u8 = 3;
-
-/// Pictures of the window on their way.
-pub(super) struct Shots {
-    wanted: Option<Purpose>,
-    /// Place of the 3-D view or the chart in the latest frame \[points\].
-    view: Rect,
-    /// Number of frames that show the view alone, for a report.
-    frames_alone: u8,
-    sender: Sender<Shot>,
-    receiver: Receiver<Shot>,
-}
-
-impl Default for Shots {
-    fn default() -> Self {
-        let (sender, receiver) = channel();
-        Self { wanted: None, view: Rect::NOTHING, frames_alone: 0, sender, receiver }
-    }
-}
-
-impl Shots {
-    /// Requests a picture of the next frame: a menu of this frame is then closed.
-    pub(super) fn want(&mut self, purpose: Purpose, ctx: &egui::Context) {
-        self.wanted = Some(purpose);
-        ctx.request_repaint();
-    }
-
-    /// Stores the place of the 3-D view or the chart \[points\].
-    pub(super) fn set_view(&mut self, view: Rect) {
-        self.view = view;
-    }
-
-    /// Is a picture for a report being taken? Controls and notices over the view are then left out.
-    pub(super) fn is_for_report(&self) -> bool {
-        self.frames_alone > 0
-    }
-
-    /// Takes the wanted picture of this frame.
-    pub(super) fn take(&mut self, ctx: &egui::Context) {
-        if self.frames_alone > 0 {
-            self.frames_alone -= 1;
-            ctx.request_repaint();
-        }
-        let Some(purpose) = self.wanted.take() else { return };
-        let (sender, context) = (self.sender.clone(), ctx.clone());
-        let view = self.view * ctx.pixels_per_point();
-        if purpose == Purpose::Report {
-            self.frames_alone = FRAMES_ALONE;
-        }
-        ctx.request_screenshot(move |image| {
-            // Sending fails if the app was closed in the meantime.
-            let _ = sender.send((purpose, view, image));
-            context.request_repaint();
-        });
-    }
-}
-
 impl App {
-    /// Saves the pictures and reports whose pixels have arrived.
-    pub(super) fn save_shots(&mut self, ctx: &egui::Context) {
-        while let Ok((purpose, view, image)) = self.shots.receiver.try_recv() {
-            self.shots.frames_alone = 0;
-            let content = match purpose {
-                Purpose::Picture => png_of(&image),
-                Purpose::Report => png_of(&cropped(&image, view))
-                    .map(|picture| self.report(&picture).html().into_bytes()),
-            };
-            match content {
-                Ok(content) => self.files.save(ctx, purpose.file(), content),
-                Err(error) => {
-                    let text = format!("{} was not saved: {error}", purpose.file());
-                    self.notice = Some(Notice::error(text));
-                }
+    /// Saves or copies a picture or the report. Needs the graphics of a frame.
+    pub(super) fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) {
+        let notice = match purpose {
+            Purpose::File => self.figure().and_then(|image| {
+                self.files.save(ctx, "plan.png", png_of(&image)?);
+                Ok(None)
+            }),
+            Purpose::Clipboard => self.figure().map(|image| {
+                ctx.copy_image(image);
+                Some(Notice::info("The picture is in the clipboard."))
+            }),
+            Purpose::Report => self.pictures().map(|pictures| {
+                self.files.save(ctx, "report.html", self.report(pictures).html());
+                None
+            }),
+        };
+        match notice {
+            Ok(Some(notice)) => self.notice = Some(notice),
+            Ok(None) => {}
+            Err(error) => {
+                self.notice = Some(Notice::error(format!("No picture was made: {error}.")))
             }
         }
     }
 
+    /// The composed picture of the plan.
+    fn figure(&mut self) -> Result<ColorImage, String> {
+        let session = &self.session;
+        let outcome = answer::visible(session, PreviousResults::Shown);
+        let figure = Figure {
+            headline: answer::headline(session, PreviousResults::Shown),
+            plan: plan::rows(session.scene()),
+            cards: answer::rows(session, self.uncertainty.findings()),
+            warnings: outcome.map_or(&[][..], |outcome| &outcome.warnings),
+            origin: format!("{} · {}", origin(), status::model(session.scene())),
+        };
+        let envelope = self.uncertainty.envelope().unwrap_or_default();
+        let shown = Shown { session, options: &self.options, envelope, outlines: &[], bar: 0.0 };
+        self.viewport.aside(|viewport| {
+            let gl = viewport.graphics()?;
+            offscreen::picture(&gl, figure::SIZE, |ui| {
+                figure.show(ui, |ui| viewport.show(ui, shown))
+            })
+        })
+    }
+
+    /// The pictures of the report.
+    fn pictures(&mut self) -> Result<Vec<Picture>, String> {
+        let Self { session, options, compare, uncertainty, viewport, .. } = self;
+        let envelope = uncertainty.envelope().unwrap_or_default();
+        let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0 };
+        let has_pins = session.pins().iter().any(|pin| pin.solution().is_some());
+        let section = uncertainty.findings().map_or(&[][..], Findings::section);
+        viewport.aside(|viewport| {
+            let gl = viewport.graphics()?;
+            let mut pictures = Vec::new();
+            let mut take = |name, size, add: &mut dyn FnMut(&mut Ui)| {
+                let image = offscreen::picture(&gl, size, add)?;
+                pictures.push(Picture { name, address: page::data_address(&png_of(&image)?) });
+                Ok::<(), String>(())
+            };
+            take("Picture of the plan", PLAN, &mut |ui| viewport.show(ui, shown))?;
+            if has_pins {
+                let name = "Pins and plan side by side";
+                take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
+            }
+            take("Cross-section", SECTION, &mut |ui| {
+                egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
+                    plots::section_chart(ui, session, compare, section, SECTION.y - 48.0);
+                });
+            })?;
+            Ok(pictures)
+        })
+    }
+
     /// The content of the report.
-    fn report(&self, picture: &[u8]) -> Page<'_> {
+    fn report(&self, pictures: Vec<Picture>) -> Page<'_> {
         let session: &Session = &self.session;
         let findings = self.uncertainty.findings();
         let sampled = |scene: &_| self.uncertainty.values(scene);
         let outcome = answer::visible(session, PreviousResults::Shown);
         Page {
-            picture: page::data_address(picture),
-            date: date_in_words(&files::date()),
+            pictures,
+            origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown),
             plan: plan::rows(session.scene()),
             model: status::model(session.scene()),
@@ -129,10 +127,19 @@ impl App {
             warnings: outcome.map_or(&[][..], |outcome| &outcome.warnings),
             table: compare::rows(session, &sampled),
             bands: self.uncertainty.about_bands(),
-            limits: bands::LIMITS.map(answer::text_of).to_vec(),
+            limits: bands::LIMITS
+                .map(answer::text_of)
+                .into_iter()
+                .chain([bands::COVER.to_owned()])
+                .collect(),
             plan_json: session.document_json(),
         }
     }
+}
+
+/// Date and version, as "2026-01-31, 12:34 UTC · version 0.1.0".
+fn origin() -> String {
+    format!("{} · version {}", date_in_words(&files::date()), env!("CARGO_PKG_VERSION"))
 }
 
 /// A date (UTC, RFC 3339) in words, as "2026-01-31, 12:34 UTC".
@@ -141,48 +148,28 @@ fn date_in_words(date: &str) -> String {
     minutes.map_or_else(|| date.to_owned(), |minutes| format!("{minutes} UTC"))
 }
 
-/// The part of a picture within a rectangle \[pixels\].
-fn cropped(image: &ColorImage, part: Rect) -> ColorImage {
-    let [width, height] = image.size;
-    let clamp = |value: f32, most: usize| (value.round().max(0.0) as usize).min(most);
-    let (left, right) = (clamp(part.left(), width), clamp(part.right(), width));
-    let (top, bottom) = (clamp(part.top(), height), clamp(part.bottom(), height));
-    let rows = (top..bottom).map(|y| &image.pixels[y * width + left..y * width + right.max(left)]);
-    let size = [right.saturating_sub(left), bottom.saturating_sub(top)];
-    ColorImage::new(size, rows.flatten().copied().collect())
-}
-
 /// A picture as PNG, without transparency.
-fn png_of(image: &ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+fn png_of(image: &ColorImage) -> Result<Vec<u8>, String> {
     let [width, height] = image.size;
     let mut content = Vec::new();
     let mut encoder = png::Encoder::new(&mut content, width as u32, height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let pixels: Vec<u8> = image.pixels.iter().flat_map(|c| [c.r(), c.g(), c.b()]).collect();
-    encoder.write_header()?.write_image_data(&pixels)?;
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels));
+    written.map_err(|error| error.to_string())?;
     Ok(content)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::{Color32, pos2};
+    use eframe::egui::Color32;
 
     #[test]
     fn a_date_has_no_seconds() {
         assert_eq!(date_in_words("2026-01-31T12:34:56.789Z"), "2026-01-31, 12:34 UTC");
         assert_eq!(date_in_words("now"), "now");
-    }
-
-    #[test]
-    fn a_crop_has_the_pixels_of_its_part_and_stays_within_the_picture() {
-        let pixels = (0..12).map(Color32::from_gray).collect();
-        let image = ColorImage::new([4, 3], pixels);
-        let part = cropped(&image, Rect::from_min_max(pos2(1.0, 1.0), pos2(3.0, 9.0)));
-        assert_eq!(part.size, [2, 2]);
-        let grays: Vec<u8> = part.pixels.iter().map(Color32::r).collect();
-        assert_eq!(grays, [5, 6, 9, 10]);
     }
 
     #[test]

@@ -1,15 +1,23 @@
 //! The HTML of a report.
 
+use super::DISCLAIMER;
 use crate::study::NOTES;
 use base64::Engine as _;
 use std::fmt::Write as _;
 
+/// A picture of the report.
+pub(super) struct Picture {
+    /// What the picture shows.
+    pub(super) name: &'static str,
+    /// The picture itself, as an address.
+    pub(super) address: String,
+}
+
 /// The content of a report.
 pub(super) struct Page<'a> {
-    /// Address of the picture.
-    pub(super) picture: String,
-    /// Date and time in words.
-    pub(super) date: String,
+    pub(super) pictures: Vec<Picture>,
+    /// Date, time and version in words.
+    pub(super) origin: String,
     /// The answer in one sentence.
     pub(super) headline: String,
     /// The plan: names and values.
@@ -29,15 +37,15 @@ pub(super) struct Page<'a> {
     pub(super) plan_json: String,
 }
 
-const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
-     alone.";
-
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-width:860px;margin:24px auto;padding:0 16px}\
     h1{font-size:22px;margin:0}h2{font-size:17px;margin:22px 0 6px}img{max-width:100%;border:1px solid #ccc}\
     table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
-    .note{border-left:4px solid #b26a00;padding-left:10px}";
+    .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 40px}\
+    @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
+    h2{font-size:14px;margin:12px 0 3px}p{margin:5px 0}.quiet{font-size:10.5px}th,td{padding:1.5px 12px 1.5px 0}\
+    img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
 
 impl Page<'_> {
     /// The file, without scripts and outside addresses.
@@ -47,24 +55,30 @@ impl Page<'_> {
         put(page, "h1", "Implant preview");
         put(page, "p", &self.headline);
         let _ = write!(page, "<p class=\"note\">{}</p>", escaped(DISCLAIMER));
-        let date = format!("{} · version {}", self.date, env!("CARGO_PKG_VERSION"));
-        let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&date));
-        let _ = write!(page, "<img alt=\"Picture of the plan\" src=\"{}\">", self.picture);
-        put(page, "h2", "Plan");
-        let rows = self.plan.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]);
-        table(page, "", None, rows);
-        let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.model));
+        let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.origin));
+        let mut pictures = self.pictures.iter();
+        pictures.next().into_iter().for_each(|first| picture(page, first));
         put(page, "h2", "What happens");
         table(page, "", None, self.cards.iter().map(|card| card.to_vec()));
         for warning in self.warnings {
             let _ = write!(page, "<p class=\"note\">{}</p>", escaped(warning));
         }
+        page.push_str("<div class=\"pair\"><div>");
+        put(page, "h2", "Plan");
+        let rows = self.plan.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]);
+        table(page, "", None, rows);
+        let _ = write!(page, "<p class=\"quiet\">{}</p></div><div>", escaped(&self.model));
         put(page, "h2", "Numbers");
         let (head, rows) = self.table.split_first().map_or((None, &[][..]), |(h, r)| (Some(h), r));
         table(page, "numbers", head, rows.iter().cloned());
+        page.push_str("</div></div>");
         if let Some(words) = &self.bands {
             let notes = [words.as_str(), NOTES[0], NOTES[1]].map(escaped).join(" ");
             let _ = write!(page, "<p class=\"quiet\">{notes}</p>");
+        }
+        for further in pictures {
+            put(page, "h2", further.name);
+            picture(page, further);
         }
         put(page, "h2", "Where limits come from");
         for limits in &self.limits {
@@ -90,6 +104,10 @@ impl Page<'_> {
 pub(super) fn data_address(png: &[u8]) -> String {
     let text = base64::engine::general_purpose::STANDARD.encode(png);
     format!("data:image/png;base64,{text}")
+}
+
+fn picture(page: &mut String, picture: &Picture) {
+    let _ = write!(page, "<img alt=\"{}\" src=\"{}\">", escaped(picture.name), picture.address);
 }
 
 fn put(page: &mut String, tag: &str, text: &str) {
@@ -143,8 +161,11 @@ mod tests {
     fn a_report_contains_its_texts_as_text_only() {
         let hostile = "<script>alert(1)</script>&\"".to_owned();
         let page = Page {
-            picture: data_address(&[1, 2, 3]),
-            date: "2026-01-01T00:00:00Z".to_owned(),
+            pictures: vec![
+                Picture { name: "Picture of the plan", address: data_address(&[1, 2, 3]) },
+                Picture { name: "Cross-section", address: data_address(&[4]) },
+            ],
+            origin: "2026-01-01, 00:00 UTC".to_owned(),
             headline: hostile.clone(),
             plan: vec![("Width", hostile.clone())],
             model: hostile.clone(),
@@ -160,6 +181,7 @@ mod tests {
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
         assert_eq!(count, 13);
         assert!(html.contains("data:image/png;base64,AQID"));
+        assert!(html.contains("<h2>Cross-section</h2><img alt=\"Cross-section\""));
         assert!(html.contains("Not a medical device") && html.contains("not a prediction"));
         assert!(!html.contains("http://") && !html.contains("https://"));
     }

@@ -82,6 +82,7 @@ pub(crate) struct Shown<'a> {
 
 /// The 3-D view with its camera.
 pub(crate) struct Viewport {
+    gl: Option<Arc<glow::Context>>,
     renderer: Option<Arc<Mutex<Renderer>>>,
     error: Option<String>,
     camera: Camera,
@@ -126,6 +127,7 @@ impl Viewport {
     #[must_use]
     pub(crate) fn new(gl: Option<&Arc<glow::Context>>) -> Self {
         let mut viewport = Self {
+            gl: None,
             renderer: None,
             error: None,
             camera: Camera::new(90.0, 1.4),
@@ -146,11 +148,33 @@ impl Viewport {
 
     /// Moves the view to another graphics context; the resources of the previous one are lost.
     pub(crate) fn move_to(&mut self, gl: Option<&Arc<glow::Context>>) {
+        self.gl = gl.cloned();
         (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
             Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
             Some(Err(error)) => (None, Some(error)),
             None => (None, Some("OpenGL or WebGL 2 is missing".to_owned())),
         };
+    }
+
+    /// The graphics context.
+    ///
+    /// # Errors
+    /// Returns why the view is empty.
+    pub(crate) fn graphics(&self) -> Result<Arc<glow::Context>, String> {
+        match &self.error {
+            Some(error) => Err(error.clone()),
+            None => self.gl.clone().ok_or_else(|| "graphics are missing".to_owned()),
+        }
+    }
+
+    /// Shows the view elsewhere, with its camera. The view in the window stays as it is.
+    pub(crate) fn aside<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
+        let place = (self.camera, self.fitted, self.is_placed, self.aspect, self.id);
+        let tapped = self.tapped.take();
+        let shown = show(self);
+        (self.camera, self.fitted, self.is_placed, self.aspect, self.id) = place;
+        self.tapped = tapped;
+        shown
     }
 
     /// Id of the picture's widget after its first frame.

@@ -1,11 +1,12 @@
 //! `charts`: the paper's charts 1 to 4 for both spring laws, and the errors of the Poisson ratio.
 
-use super::output::{self, File, OutputFolder, number, springs_name};
+use super::output::{self, File, OutputFolder, springs_name};
 use super::tension::{COLUMNS, table_rows};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec};
 use crate::experiment::charts::tension::{Chart, Kind, Series, draw};
 use crate::experiment::tension::{Protocol, Report, Test, run as run_tension};
+use crate::export::number;
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::fmt::Write;

@@ -9,8 +9,6 @@
 mod bench;
 mod charts;
 mod input;
-mod mesh;
-mod mesh_formats;
 mod output;
 mod simulate;
 mod stability;

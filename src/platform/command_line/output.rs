@@ -159,14 +159,6 @@ fn print(content: &[u8]) -> Result<(), InputError> {
     }
 }
 
-/// Formats a number for a table: ten significant digits, no trailing zeros.
-pub(super) fn number(value: f64) -> String {
-    let digits = format!("{value:.9e}");
-    digits
-        .parse::<f64>()
-        .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
-}
-
 /// Name of a spring law in tables and arguments.
 pub(super) fn springs_name(springs: Springs) -> &'static str {
     match springs {
@@ -187,14 +179,6 @@ pub(super) fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_keep_ten_digits_and_drop_the_rest() {
-        assert_eq!(number(0.1 + 0.2), "0.3");
-        assert_eq!(number(-0.0), "0");
-        assert_eq!(number(40.000_000_000_001), "40");
-        assert_eq!(number(1.0 / 3.0), "0.3333333333");
-    }
 
     #[test]
     fn texts_with_commas_are_quoted() {

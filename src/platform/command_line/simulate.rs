@@ -1,9 +1,8 @@
 //! `simulate`: solves scenes and writes their results.
 
-use super::mesh::Surface;
-use super::mesh_formats::Format;
-use super::output::{self, File, number};
+use super::output::{self, File};
 use super::{ExitStatus, InputError, input};
+use crate::export::{Format, Solid, profile};
 use crate::measure::{Outcome, Selection, Status, surfaces};
 use crate::platform::runner::Threads;
 use crate::scene::{CheckedScene, read};
@@ -44,7 +43,7 @@ thread_local! {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let format = arguments.mesh.as_deref().map(Format::of_file).transpose()?;
+    let format = arguments.mesh.as_deref().map(mesh_format).transpose()?;
     check_paths(arguments)?;
     let mut scenes = Vec::new();
     for path in &arguments.scenes {
@@ -73,6 +72,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let all_converged = solved.iter().all(|scene| scene.status == Status::Converged);
     output::write_all(&outputs(arguments, format, solved))?;
     Ok(if all_converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
+}
+
+/// The format of a mesh file, by its extension.
+fn mesh_format(path: &Path) -> Result<Format, InputError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    Format::of_extension(&extension).ok_or_else(|| {
+        output::input_error(
+            path,
+            "--mesh: unknown format; allowed: a file name ending in .stl, .obj, .ply or .glb",
+        )
+    })
 }
 
 /// Checks that all outputs are different files, and none of them an input.
@@ -121,7 +131,7 @@ struct Solved {
     json: String,
     status: Status,
     outcome: Option<Outcome>,
-    surface: Option<Surface>,
+    surface: Option<Solid>,
 }
 
 /// What a solve returns.
@@ -159,7 +169,7 @@ fn solve(scene: &CheckedScene, wanted: &Wanted) -> Result<Solved, InputError> {
     });
     let status = outcome.status;
     let has_shape = status != Status::Unstable;
-    let surface = (surface && has_shape).then(|| Surface::new(&surfaces(&solution)));
+    let surface = (surface && has_shape).then(|| Solid::tissue(&surfaces(&solution)));
     let json = if is_single {
         serde_json::to_string_pretty(&written.of_outcome(&outcome))
     } else {
@@ -194,14 +204,4 @@ fn outputs(arguments: &Arguments, format: Option<Format>, solved: Vec<Solved>) -
     }
     files.insert(0, File::new(&arguments.out, text));
     files
-}
-
-fn profile(outcome: &Outcome) -> String {
-    let mut table = "s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop\n".to_owned();
-    for p in &outcome.profile {
-        let row = [p.s_mm, p.r_mm, p.z_mm, p.stretch_meridional, p.stretch_hoop].map(number);
-        table += &row.join(",");
-        table.push('\n');
-    }
-    table
 }

@@ -1,10 +1,11 @@
 //! `stability`: stability of a uniformly stretched sheet, as a table and a map for each curve.
 
-use super::output::{self, File, OutputFolder, number, springs_name};
+use super::output::{self, File, OutputFolder, springs_name};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
 use crate::experiment::charts::stability_map::{Map, draw};
 use crate::experiment::stability::{Point, row};
+use crate::export::number;
 use crate::scene::limits;
 use crate::springs::Springs;
 use crate::springs::stability::Load;

@@ -3,6 +3,7 @@
 use super::output::{self, File, OutputFolder};
 use super::{ExitStatus, InputError, in_range, input};
 use crate::experiment::charts::scene_map;
+use crate::export::number;
 use crate::platform::runner::{Threads, evaluate};
 use crate::scene::read::{self, Format};
 use crate::scene::{MAX_SCENE_BYTES, Scene, limits};
@@ -156,7 +157,7 @@ pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
                 check.points,
                 check.grid.nodes_per_side,
                 show.label(),
-                output::number((found.difference * factor * 1e3).round() / 1e3)
+                number((found.difference * factor * 1e3).round() / 1e3)
             ),
             None => "No checked point converged on both grids.".to_owned(),
         });

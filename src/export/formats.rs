@@ -2,53 +2,66 @@
 //!
 //! STL, OBJ and PLY have no unit; the lengths are in mm. glTF requires metres and y up.
 
-use super::InputError;
-use super::mesh::Surface;
-use super::output::input_error;
+use super::Solid;
 use std::fmt::Write;
-use std::path::Path;
 
+/// A format of meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
+pub enum Format {
+    /// Binary STL.
     Stl,
+    /// Wavefront OBJ.
     Obj,
+    /// Binary PLY.
     Ply,
+    /// Binary glTF 2.0.
     Glb,
 }
 
 impl Format {
-    /// The format of a file name, by its extension.
-    pub(super) fn of_file(path: &Path) -> Result<Self, InputError> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        match extension.as_str() {
-            "stl" => Ok(Self::Stl),
-            "obj" => Ok(Self::Obj),
-            "ply" => Ok(Self::Ply),
-            "glb" => Ok(Self::Glb),
-            _ => Err(input_error(
-                path,
-                "--mesh: unknown format; allowed: a file name ending in .stl, .obj, .ply or .glb",
-            )),
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Stl, Self::Obj, Self::Ply, Self::Glb];
+
+    /// Extension of the format's files.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Stl => "stl",
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Glb => "glb",
         }
     }
 
-    pub(super) fn encode(self, surface: &Surface) -> Vec<u8> {
+    /// The format of an extension, in capitals or not.
+    #[must_use]
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
+    }
+
+    /// The file of a mesh.
+    #[must_use]
+    pub fn encode(self, solid: &Solid) -> Vec<u8> {
         match self {
-            Self::Stl => stl(surface),
-            Self::Obj => obj(surface).into_bytes(),
-            Self::Ply => ply(surface),
-            Self::Glb => glb(surface),
+            Self::Stl => stl(solid),
+            Self::Obj => obj(solid).into_bytes(),
+            Self::Ply => ply(solid),
+            Self::Glb => glb(solid),
         }
     }
 }
 
-fn stl(surface: &Surface) -> Vec<u8> {
+fn title(solid: &Solid) -> String {
+    format!("implant-preview: {}, mm", solid.name)
+}
+
+fn stl(solid: &Solid) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
-    let title = b"implant-preview: deformed tissue, mm";
-    bytes[..title.len()].copy_from_slice(title);
-    bytes.extend((surface.triangles().count() as u32).to_le_bytes());
-    for triangle in surface.triangles() {
-        let [a, b, c] = triangle.map(|k| surface.vertices[k as usize]);
+    let title = title(solid);
+    bytes[..title.len()].copy_from_slice(title.as_bytes());
+    bytes.extend((solid.triangles().count() as u32).to_le_bytes());
+    for triangle in solid.triangles() {
+        let [a, b, c] = triangle.map(|k| solid.vertices[k as usize]);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         for value in [normal, a, b, c].into_iter().flat_map(|v| v.to_array()) {
             bytes.extend(value.to_le_bytes());
@@ -58,13 +71,13 @@ fn stl(surface: &Surface) -> Vec<u8> {
     bytes
 }
 
-fn obj(surface: &Surface) -> String {
-    let mut text = "# implant-preview: deformed tissue, mm\n".to_owned();
+fn obj(solid: &Solid) -> String {
+    let mut text = format!("# {}\n", title(solid));
     // Writing to a String cannot fail.
-    for v in &surface.vertices {
+    for v in &solid.vertices {
         let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
     }
-    for part in &surface.parts {
+    for part in &solid.parts {
         let _ = writeln!(text, "g {}", part.name);
         for [a, b, c] in part.triangles.iter().map(|t| t.map(|k| k + 1)) {
             let _ = writeln!(text, "f {a} {b} {c}");
@@ -73,19 +86,20 @@ fn obj(surface: &Surface) -> String {
     text
 }
 
-fn ply(surface: &Surface) -> Vec<u8> {
+fn ply(solid: &Solid) -> Vec<u8> {
     let mut bytes = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment implant-preview: deformed tissue, mm\n\
+        "ply\nformat binary_little_endian 1.0\ncomment {}\n\
          element vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        surface.vertices.len(),
-        surface.triangles().count()
+        title(solid),
+        solid.vertices.len(),
+        solid.triangles().count()
     )
     .into_bytes();
-    for value in surface.vertices.iter().flat_map(glam::Vec3::to_array) {
+    for value in solid.vertices.iter().flat_map(glam::Vec3::to_array) {
         bytes.extend(value.to_le_bytes());
     }
-    for triangle in surface.triangles() {
+    for triangle in solid.triangles() {
         bytes.push(3);
         triangle.iter().for_each(|k| bytes.extend(k.to_le_bytes()));
     }
@@ -93,10 +107,10 @@ fn ply(surface: &Surface) -> Vec<u8> {
 }
 
 /// One mesh per part; all meshes share one buffer of positions.
-fn glb(surface: &Surface) -> Vec<u8> {
+fn glb(solid: &Solid) -> Vec<u8> {
     // From mm with z up to m with y up: a rotation, which keeps the orientation of the triangles.
     let turned = |v: glam::Vec3| [v.x, v.z, -v.y];
-    let positions: Vec<[f32; 3]> = surface.vertices.iter().map(|v| turned(*v * 0.001)).collect();
+    let positions: Vec<[f32; 3]> = solid.vertices.iter().map(|v| turned(*v * 0.001)).collect();
     let extreme = |pick: fn(f32, f32) -> f32, start: f32| {
         let mut found = [start; 3];
         for p in &positions {
@@ -117,7 +131,7 @@ fn glb(surface: &Surface) -> Vec<u8> {
           "min": least, "max": most }
     )];
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
-    for (k, part) in surface.parts.iter().enumerate() {
+    for (k, part) in solid.parts.iter().enumerate() {
         let start = buffer.len();
         for index in part.triangles.iter().flatten() {
             buffer.extend(index.to_le_bytes());

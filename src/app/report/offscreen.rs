@@ -1,0 +1,109 @@
+//! Pictures of contents that are not on the screen: drawn by the window's graphics context into memory.
+
+use crate::app::theme;
+use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Theme, Ui, Vec2};
+use eframe::egui_glow::Painter;
+use eframe::glow::{self, HasContext as _};
+use std::sync::Arc;
+
+/// Pixels per point.
+const SCALE: f32 = 2.0;
+/// Samples of a pixel: WebGL 2 has at least four.
+const SAMPLES: i32 = 4;
+
+/// A picture of contents on a light ground of a size \[points\], at [`SCALE`] pixels per point.
+///
+/// # Errors
+/// Returns the message of the graphics driver in one line.
+pub(super) fn picture(
+    gl: &Arc<glow::Context>,
+    size: Vec2,
+    mut add_contents: impl FnMut(&mut Ui),
+) -> Result<ColorImage, String> {
+    // A context of its own: neither focus nor pointer of the window reach the contents.
+    let ctx = egui::Context::default();
+    theme::install(&ctx);
+    ctx.set_theme(Theme::Light);
+    let mut input = egui::RawInput {
+        screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size)),
+        ..egui::RawInput::default()
+    };
+    for viewport in input.viewports.values_mut() {
+        viewport.native_pixels_per_point = Some(SCALE);
+    }
+    let output = ctx.run_ui(input, |ui| {
+        let ground = ui.visuals().panel_fill;
+        ui.painter().rect_filled(ui.max_rect(), 0.0, ground);
+        add_contents(ui);
+    });
+    let primitives = ctx.tessellate(output.shapes, SCALE);
+    let pixels = (SCALE * size).ceil();
+    let size = [pixels.x as u32, pixels.y as u32];
+    let mut painter = Painter::new(Arc::clone(gl), "", None, false).map_err(|e| e.to_string())?;
+    let mut textures = output.textures_delta;
+    let image = target(gl, size, || {
+        painter.paint_and_update_textures(size, SCALE, &primitives, &mut textures);
+    });
+    painter.destroy();
+    image
+}
+
+/// The pixels of what `paint` draws into a target in memory.
+fn target(
+    gl: &glow::Context,
+    [width, height]: [u32; 2],
+    paint: impl FnOnce(),
+) -> Result<ColorImage, String> {
+    let (columns, rows) = (width as i32, height as i32);
+    let mut bytes = vec![0; 4 * (width * height) as usize];
+    // SAFETY: all calls run on the context's thread, with objects created and deleted here; the bytes have the size of the
+    // pixels read. The framebuffer of the window is bound again.
+    unsafe {
+        let (drawn, resolved) = (gl.create_framebuffer()?, gl.create_framebuffer()?);
+        let buffers =
+            [gl.create_renderbuffer()?, gl.create_renderbuffer()?, gl.create_renderbuffer()?];
+        let storage = [
+            (drawn, glow::RGBA8, SAMPLES, glow::COLOR_ATTACHMENT0),
+            (drawn, glow::DEPTH_COMPONENT24, SAMPLES, glow::DEPTH_ATTACHMENT),
+            (resolved, glow::RGBA8, 0, glow::COLOR_ATTACHMENT0),
+        ];
+        for (buffer, (framebuffer, format, samples, attachment)) in buffers.iter().zip(storage) {
+            gl.bind_renderbuffer(glow::RENDERBUFFER, Some(*buffer));
+            gl.renderbuffer_storage_multisample(glow::RENDERBUFFER, samples, format, columns, rows);
+            gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));
+            gl.framebuffer_renderbuffer(
+                glow::FRAMEBUFFER,
+                attachment,
+                glow::RENDERBUFFER,
+                Some(*buffer),
+            );
+        }
+        gl.bind_framebuffer(glow::FRAMEBUFFER, Some(drawn));
+        let is_complete =
+            gl.check_framebuffer_status(glow::FRAMEBUFFER) == glow::FRAMEBUFFER_COMPLETE;
+        if is_complete {
+            paint();
+            gl.disable(glow::SCISSOR_TEST);
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(drawn));
+            gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, Some(resolved));
+            let (mask, filter) = (glow::COLOR_BUFFER_BIT, glow::NEAREST);
+            gl.blit_framebuffer(0, 0, columns, rows, 0, 0, columns, rows, mask, filter);
+            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(resolved));
+            gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
+            let pixels = glow::PixelPackData::Slice(Some(&mut bytes));
+            gl.read_pixels(0, 0, columns, rows, glow::RGBA, glow::UNSIGNED_BYTE, pixels);
+        }
+        gl.bind_renderbuffer(glow::RENDERBUFFER, None);
+        gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+        buffers.into_iter().for_each(|buffer| gl.delete_renderbuffer(buffer));
+        [drawn, resolved].into_iter().for_each(|target| gl.delete_framebuffer(target));
+        if !is_complete {
+            return Err("the graphics have no memory for a picture".to_owned());
+        }
+    }
+    // The first row of the graphics is the lowest one.
+    let row = 4 * width as usize;
+    let pixels = bytes.chunks_exact(row).rev().flat_map(|row| row.chunks_exact(4));
+    let pixels = pixels.map(|p| Color32::from_rgb(p[0], p[1], p[2])).collect();
+    Ok(ColorImage::new([width as usize, height as usize], pixels))
+}

@@ -1,0 +1,184 @@
+//! Closed triangle meshes: deformed tissue and skin with an inner face, an outer face and the lateral face along the
+//! border; the implant.
+
+use crate::contact::Dome;
+use crate::measure::Surfaces;
+use glam::{DVec2, Vec3};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// A part of a mesh; its triangles refer to [`Solid::vertices`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// `sheet`, `skin` or `border`; of an implant `dome` or `base`.
+    pub name: &'static str,
+    /// Vertex indices, counter-clockwise seen from outside the tissue.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A closed triangle mesh \[mm\].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// What the mesh is.
+    pub name: &'static str,
+    /// Positions \[mm\].
+    pub vertices: Vec<Vec3>,
+    /// The parts, which together are closed.
+    pub parts: Vec<Part>,
+}
+
+impl Solid {
+    /// All layers of the deformed tissue. Vertices: those of the sheet, then those of the skin in the same order.
+    #[must_use]
+    pub fn tissue(surfaces: &Surfaces) -> Self {
+        Self::between("deformed tissue", surfaces, 0)
+    }
+
+    /// The outermost layer of the deformed tissue.
+    #[must_use]
+    pub fn skin(surfaces: &Surfaces) -> Self {
+        Self::between("deformed skin", surfaces, surfaces.positions.len() - 2)
+    }
+
+    /// The implant above the chest wall, a dome on a flat base; without vertices where it is not inserted.
+    #[must_use]
+    pub fn implant(dome: &Dome) -> Self {
+        const RINGS: usize = 48;
+        const AROUND: usize = 128;
+        let name = "implant";
+        if dome.apex().z <= 1e-9 {
+            return Self { name, vertices: Vec::new(), parts: Vec::new() };
+        }
+        let mut vertices = vec![dome.apex().as_vec3()];
+        for ring in 1..=RINGS {
+            let meridian = dome.meridian(dome.wall_angle() * ring as f64 / RINGS as f64);
+            vertices.extend((0..AROUND).map(|step| {
+                let (y, x) = (TAU * step as f64 / AROUND as f64).sin_cos();
+                (dome.center + meridian.x * DVec2::new(x, y)).extend(meridian.y).as_vec3()
+            }));
+        }
+        let centre = vertices.len() as u32;
+        vertices.push(dome.center.extend(0.0).as_vec3());
+        let at = |ring: usize, step: usize| (1 + (ring - 1) * AROUND + step % AROUND) as u32;
+        let top = (0..AROUND).map(|k| [0, at(1, k), at(1, k + 1)]);
+        let rings = (1..RINGS).flat_map(|ring| {
+            (0..AROUND).flat_map(move |k| {
+                let (a, b) =
+                    ([at(ring, k), at(ring, k + 1)], [at(ring + 1, k), at(ring + 1, k + 1)]);
+                [[a[0], b[0], b[1]], [a[0], b[1], a[1]]]
+            })
+        });
+        let base = (0..AROUND).map(|k| [centre, at(RINGS, k + 1), at(RINGS, k)]);
+        let parts = vec![
+            Part { name: "dome", triangles: top.chain(rings).collect() },
+            Part { name: "base", triangles: base.collect() },
+        ];
+        Self { name, vertices, parts }
+    }
+
+    /// The layers from a face to the outer skin.
+    fn between(name: &'static str, surfaces: &Surfaces, face: usize) -> Self {
+        let (inner, outer) =
+            (&surfaces.positions[face], &surfaces.positions[surfaces.positions.len() - 1]);
+        // Border nodes without a triangle are omitted.
+        let mut number = BTreeMap::new();
+        for vertex in surfaces.triangles.iter().flatten() {
+            let next = number.len() as u32;
+            number.entry(*vertex).or_insert(next);
+        }
+        let count = number.len() as u32;
+        let mut vertices = vec![Vec3::ZERO; 2 * number.len()];
+        for (&vertex, &k) in &number {
+            vertices[k as usize] = inner[vertex as usize].into();
+            vertices[(k + count) as usize] = outer[vertex as usize].into();
+        }
+        let skin: Vec<[u32; 3]> =
+            surfaces.triangles.iter().map(|t| t.map(|vertex| number[&vertex] + count)).collect();
+        let sheet = skin.iter().map(|[a, b, c]| [a - count, c - count, b - count]).collect();
+        let border = border_edges(&skin)
+            .into_iter()
+            .flat_map(|[a, b]| {
+                let (low_a, low_b) = (a - count, b - count);
+                [[low_a, low_b, b], [low_a, b, a]]
+            })
+            .collect();
+        Self {
+            name,
+            vertices,
+            parts: vec![
+                Part { name: "sheet", triangles: sheet },
+                Part { name: "skin", triangles: skin },
+                Part { name: "border", triangles: border },
+            ],
+        }
+    }
+
+    /// All triangles of all parts.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.parts.iter().flat_map(|part| part.triangles.iter().copied())
+    }
+}
+
+/// Directed edges of exactly one triangle.
+fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut edges = BTreeMap::new();
+    for &[a, b, c] in triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            if edges.remove(&[to, from]).is_none() {
+                edges.insert([from, to], ());
+            }
+        }
+    }
+    edges.into_keys().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::{Stack, of_faces};
+    use crate::mesh::Sheet;
+
+    fn flat(thickness: f32) -> Solid {
+        let sheet = Sheet::new(33, 50.0);
+        let inner = sheet.rest().iter().map(|p| p.extend(0.0).as_vec3()).collect();
+        let stack = Stack {
+            between: Vec::new(),
+            thickness_mm: vec![vec![thickness; sheet.len()]],
+            normal: vec![Vec3::Z; sheet.len()],
+        };
+        let faces = stack.faces(inner);
+        Solid::tissue(&of_faces(&sheet, &stack, &faces))
+    }
+
+    fn volume(solid: &Solid) -> f64 {
+        let of = |t: [u32; 3]| {
+            let [a, b, c] = t.map(|k| solid.vertices[k as usize].as_dvec3());
+            a.dot(b.cross(c)) / 6.0
+        };
+        solid.triangles().map(of).sum()
+    }
+
+    #[test]
+    fn every_edge_belongs_to_two_triangles_that_run_it_in_opposite_directions() {
+        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 0.7);
+        for solid in [flat(3.0), Solid::implant(&dome)] {
+            assert!(border_edges(&solid.triangles().collect::<Vec<_>>()).is_empty());
+        }
+    }
+
+    #[test]
+    fn the_enclosed_volume_is_positive_area_times_thickness() {
+        let disc = std::f64::consts::PI * 50.0 * 50.0 * 3.0;
+        let volume = volume(&flat(3.0));
+        assert!((volume / disc - 1.0).abs() < 0.01, "{volume} instead of nearly {disc}");
+    }
+
+    #[test]
+    fn an_implant_in_place_has_its_volume() {
+        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
+        let ratio = volume(&Solid::implant(&dome)) / dome.volume();
+        assert!(ratio < 1.0 && ratio > 0.998, "{ratio}");
+        let outside = Dome::new(DVec2::ZERO, 60.0, 40.0, 0.0);
+        assert!(Solid::implant(&outside).vertices.is_empty());
+    }
+}
