@@ -19,7 +19,9 @@ async function download(file) {
   if (!response.ok) throw new Error(`${file}: the server answered ${response.status}`);
   // The server may have a newer build by now: its pages and modules name another folder.
   const isNaming = file === "./" || /^[^/]+\.(html|mjs)$/.test(file);
-  if (isNaming && !(await response.clone().text()).includes(BUILD)) throw new Error(`${file} is a file of another build`);
+  if (isNaming && !(await response.clone().text()).includes(BUILD)) {
+    throw new Error(`${file} is a file of another build`);
+  }
   // Browsers refuse a redirected response to a navigation.
   return response.redirected ? new Response(response.body, response) : response;
 }

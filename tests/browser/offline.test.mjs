@@ -1,7 +1,16 @@
 // The page without a network: the service worker, a second build, the manifest.
 
 import assert from "node:assert/strict";
-import { appendFileSync, cpSync, mkdtempSync, readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
+import {
+  appendFileSync,
+  cpSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  renameSync,
+  rmSync,
+  writeFileSync,
+} from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, afterEach, before, describe, test } from "node:test";
@@ -107,7 +116,9 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
       return requests.map(({ url }) => url.slice(document.baseURI.length)).sort();
     });
     const isSent = (file) => /\.\w+$/.test(file) && !/\.(br|gz)$/.test(file) && !file.startsWith(".");
-    const files = readdirSync(first, { recursive: true }).filter((file) => isSent(file) && file !== "service_worker.js");
+    const files = readdirSync(first, { recursive: true }).filter(
+      (file) => isSent(file) && file !== "service_worker.js",
+    );
     assert.deepEqual(stored, files.map((file) => (file === "index.html" ? "" : file)).sort());
     await finish();
   });
@@ -182,7 +193,10 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
     assert.deepEqual(errors, []);
     const { installabilityErrors } = await session.send("Page.getInstallabilityErrors");
     // Contexts of tests are those of private windows.
-    assert.deepEqual(installabilityErrors.filter(({ errorId }) => errorId !== "in-incognito"), []);
+    assert.deepEqual(
+      installabilityErrors.filter(({ errorId }) => errorId !== "in-incognito"),
+      [],
+    );
     const sizes = await page.evaluate(async () => {
       const { icons } = await (await fetch("manifest.webmanifest")).json();
       const load = async ({ src, sizes }) => {

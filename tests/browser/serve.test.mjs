@@ -26,7 +26,8 @@ const TYPES = {
 
 const isCopy = (file) => /\.(br|gz)$/.test(file);
 const isFile = (file) => statSync(join(harness.DIST, file)).isFile();
-const files = () => readdirSync(harness.DIST, { recursive: true }).filter((file) => !file.startsWith(".") && isFile(file));
+const files = () =>
+  readdirSync(harness.DIST, { recursive: true }).filter((file) => !file.startsWith(".") && isFile(file));
 const wasmFile = () => files().find((file) => file.endsWith(".wasm"));
 
 /** Status, headers and body of an answer, as sent. */
@@ -96,7 +97,14 @@ describe("web/serve.py", { timeout: 4 * harness.PATIENCE }, () => {
       return Buffer.concat(await socket.toArray()).toString("latin1");
     };
     assert.match(await raw("/index.html"), /^HTTP\/1\.0 200 /);
-    for (const path of ["/../README.md", "/%2e%2e/README.md", "/..%2fREADME.md", "/build/../../README.md", "//README.md", "/none"]) {
+    for (const path of [
+      "/../README.md",
+      "/%2e%2e/README.md",
+      "/..%2fREADME.md",
+      "/build/../../README.md",
+      "//README.md",
+      "/none",
+    ]) {
       const answer = await raw(path);
       assert.match(answer, /^HTTP\/1\.0 404 /, path);
       assert.doesNotMatch(answer, /content-encoding|implant-preview/i, path);

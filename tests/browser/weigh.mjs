@@ -9,7 +9,9 @@ import { brotliCompressSync, brotliDecompressSync, constants, gzipSync } from "n
 
 const DIST = fileURLToPath(new URL("../../dist", import.meta.url));
 
-const SECTIONS = "custom type import function table memory global export start element code data data-count tag".split(" ");
+const SECTIONS = "custom type import function table memory global export start element code data data-count tag".split(
+  " ",
+);
 
 const gzip = (bytes) => gzipSync(bytes, { level: 9 });
 
@@ -61,7 +63,7 @@ class Reader {
 /** The sections of a program: name and content. */
 function sections(wasm) {
   const found = [];
-  for (const reader = new Reader(wasm, 8); reader.at < wasm.length; ) {
+  for (const reader = new Reader(wasm, 8); reader.at < wasm.length;) {
     const kind = reader.take(1)[0];
     const content = reader.take(reader.number());
     const inner = new Reader(content);
