@@ -37,13 +37,13 @@ function showProgress(received, total) {
     `Loading the preview: ${megabytes(received)}${total ? ` of ${megabytes(total)}` : ""} MB`;
 }
 
-// Fetches a file and counts its bytes.
-async function download(address) {
+// Fetches a file and counts its bytes, of which the page may know the number.
+async function download(address, bytes) {
   const response = await fetch(address);
   if (!response.ok) throw new Error(`${address}: the server answered ${response.status}`);
   // The length header counts compressed bytes, but the stream is decompressed.
   const compressed = response.headers.get("Content-Encoding");
-  const total = compressed ? 0 : Number(response.headers.get("Content-Length"));
+  const total = Number(bytes) || (compressed ? 0 : Number(response.headers.get("Content-Length")));
   let received = 0;
   const counter = new TransformStream({
     transform(chunk, controller) {
@@ -55,6 +55,19 @@ async function download(address) {
   return new Response(response.body.pipeThrough(counter), response);
 }
 
+/** Stores the page for use without a network, once the app has drawn: the start does not wait for that. */
+async function keepOffline() {
+  const isPage = window === window.top && location.protocol.startsWith("http");
+  if (!isPage || !navigator.serviceWorker) return;
+  while (element("loading")) await new Promise(requestAnimationFrame);
+  if (!element("crashed").hidden) return;
+  try {
+    await navigator.serviceWorker.register(new URL("service_worker.js", document.baseURI));
+  } catch {
+    // Private windows may refuse. The page works without.
+  }
+}
+
 /** Starts the app from the files named in the page. */
 async function start() {
   const missing = missingFeature();
@@ -63,15 +76,16 @@ async function start() {
     return;
   }
   try {
-    const { program, wasm } = document.querySelector("script[data-wasm]").dataset;
+    const { program, wasm, wasmBytes } = document.querySelector("script[data-wasm]").dataset;
     const [api, response] = await Promise.all([
       import(new URL(program, document.baseURI)),
-      download(wasm),
+      download(wasm, wasmBytes),
     ]);
     await api.default({ module_or_path: response });
     globalThis.implantPreviewApi = api; // The functions can be called from now on.
     const text = element("loading-text");
     if (text) text.textContent = "Starting…";
+    keepOffline();
   } catch (error) {
     globalThis.implantPreviewCrashed(error?.message ?? error);
   }

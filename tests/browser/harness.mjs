@@ -11,8 +11,8 @@ import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
-const ROOT = fileURLToPath(new URL("../../", import.meta.url));
-const DIST = join(ROOT, "dist");
+export const ROOT = fileURLToPath(new URL("../../", import.meta.url));
+export const DIST = join(ROOT, "dist");
 const OUT = join(ROOT, "tests/browser/out");
 const TARGET = process.env.CARGO_TARGET_DIR ?? join(ROOT, "target");
 const NATIVE = join(TARGET, "debug/implant-preview");
@@ -36,18 +36,21 @@ const TYPES = {
   ".html": "text/html; charset=utf-8",
   ".js": "text/javascript",
   ".mjs": "text/javascript",
+  ".png": "image/png",
   ".svg": "image/svg+xml",
   ".wasm": "application/wasm",
+  ".webmanifest": "application/manifest+json",
 };
 
-/** Serves the built page on 127.0.0.1. */
-export async function serve() {
-  if (!existsSync(join(DIST, "index.html"))) {
+/** Serves the built page, or another folder, on 127.0.0.1. Requests for which `refuses(path)` is true get no answer. */
+export async function serve({ folder = DIST, port = 0, refuses = () => false } = {}) {
+  if (!existsSync(join(folder, "index.html"))) {
     throw new Error("dist/index.html is missing: build the page first (./tests/run.sh does)");
   }
   const server = createServer(async (request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, "http://page").pathname));
-    const file = join(DIST, path.endsWith("/") ? `${path}index.html` : path);
+    const file = join(folder, path.endsWith("/") ? `${path}index.html` : path);
+    if (refuses(path)) return request.destroy();
     try {
       const body = await readFile(file);
       response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" });
@@ -56,10 +59,14 @@ export async function serve() {
       response.writeHead(404).end();
     }
   });
-  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  await new Promise((resolve) => server.listen(port, "127.0.0.1", resolve));
   return {
     address: `http://127.0.0.1:${server.address().port}/`,
-    close: () => new Promise((resolve) => server.close(resolve)),
+    close: () =>
+      new Promise((resolve) => {
+        server.close(resolve);
+        server.closeAllConnections();
+      }),
   };
 }
 
@@ -72,10 +79,11 @@ export function startBrowser({ webgl = true } = {}) {
   });
 }
 
-/** A page that records what it must not do. */
+/** A page that records what it must not do. Only tests of the service worker allow it: requests pass by routes there. */
 export async function openPage(browser, address, { viewport, init, options } = {}) {
   const context = await browser.newContext({
     viewport: viewport ?? { width: 1280, height: 800 },
+    serviceWorkers: "block",
     ...options,
   });
   context.setDefaultTimeout(PATIENCE);
@@ -259,10 +267,10 @@ export async function openTab(browser, { init } = {}) {
     }
     throw new Error(`never true: ${expression}`);
   };
-  if (init) {
-    await send("Page.enable");
-    await send("Page.addScriptToEvaluateOnNewDocument", { source: init });
-  }
+  await send("Page.enable");
+  // As in openPage: no service worker.
+  const source = `delete Navigator.prototype.serviceWorker; ${init ?? ""}`;
+  await send("Page.addScriptToEvaluateOnNewDocument", { source });
   return {
     evaluate,
     waitFor,

@@ -39,7 +39,7 @@ async function open(options) {
     await route.fulfill({ response, body: `${await response.text()}\n${KINDS}` });
   });
   await page.evaluate(async () => {
-    const { Runner } = await import(new URL("runner.js", location.href));
+    const { Runner } = await import(new URL("runner.js", document.querySelector("script").src));
     globalThis.jobs = {
       Runner,
       program: new URL("implant-preview.mjs", location.href),
