@@ -552,6 +552,8 @@ fn a_scene_without_a_shape_has_no_figures() {
     let outcome = simulate(&flat).unwrap();
     assert!((outcome.skin_projection_mm.unwrap() - 11.5).abs() < 1e-3);
     assert!(outcome.cover_mm.is_none());
+    // Written without a sign.
+    assert_eq!(outcome.contact_force_n.unwrap().to_string(), "0");
 }
 
 #[test]

@@ -39,14 +39,22 @@ fn app(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, Ap
     change(&mut scene);
     let ctx = egui::Context::default();
     let app = App::new(&ctx, None, scene, beside_window).unwrap();
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_max_steps(400)
-        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
-    // The harness has a context of its own with the app's theme.
-    drop(App::new(&harness.ctx, None, Scene::default(), beside_window));
+    let mut harness = window(size, 400, app);
     settle(&mut harness);
     harness
+}
+
+/// An app in a window of a size; `steps`: greatest number of frames of `run`.
+fn window(size: egui::Vec2, steps: u64, app: App) -> Harness<'static, App> {
+    let mut is_moved = false;
+    let frame = move |ui: &mut egui::Ui, app: &mut App| {
+        // The harness has a context of its own, without fonts.
+        if !std::mem::replace(&mut is_moved, true) {
+            app.move_to(ui.ctx(), None);
+        }
+        app.show(ui);
+    };
+    Harness::builder().with_size(size).with_max_steps(steps).build_ui_state(frame, app)
 }
 
 /// The app with its folds open: all controls and numbers.
@@ -668,10 +676,7 @@ fn the_papers_springs_are_marked_before_the_solve() {
     let mut scene = Scene { springs: Springs::Nikolaev, ..Scene::sheet() };
     scene.solver.nodes_per_side = 1025;
     let app = App::new(&egui::Context::default(), None, scene, beside_window).unwrap();
-    let mut harness = Harness::builder()
-        .with_size(WIDE)
-        .with_max_steps(1)
-        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    let mut harness = window(WIDE, 1, app);
     harness.get_by_label("Advanced").click();
     (0..8).for_each(|_| harness.step());
     assert!(harness.state().session().is_working(), "solved already: the test shows nothing");
@@ -1491,10 +1496,7 @@ fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
     assert!(harness.state().outcome().is_some() && harness.state().session().can_redo());
     // Without a previous valid scene the solve stops and can be continued.
     let app = App::new(&egui::Context::default(), None, long.clone(), beside_window).unwrap();
-    let mut harness = Harness::builder()
-        .with_size(WIDE)
-        .with_max_steps(1)
-        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    let mut harness = window(WIDE, 1, app);
     edit(&mut harness, &long);
     harness.get_by_role_and_label(Role::Button, "Cancel").click();
     (0..3).for_each(|_| harness.step());

@@ -164,6 +164,7 @@ impl App {
     /// Moves the app to a new window and graphics context after the loss of the previous one.
     /// Scene, history, camera and choices stay.
     pub fn move_to(&mut self, ctx: &egui::Context, gl: Option<&Arc<glow::Context>>) {
+        theme::install(ctx);
         // The memory of egui: theme, widths of panels, scroll positions.
         let memory = self.ctx.memory(Clone::clone);
         ctx.memory_mut(|own| *own = memory);

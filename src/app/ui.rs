@@ -288,7 +288,7 @@ impl App {
                 self.viewport.show(ui, shown);
             }
             self.view_bar_height = self.view_bar(ui, area, layout);
-            if !self.is_edited && layout == Layout::Wide {
+            if !self.is_edited && layout == Layout::Wide && !self.session.has_no_shape() {
                 hint(ui, area);
             }
         }

@@ -466,7 +466,8 @@ impl Outcome {
             return;
         }
         let contact = fields.contact();
-        self.contact_force_n = Some(contact.vertical_force() / 1000.0);
+        // Without contact the sum of the forces is a negative zero.
+        self.contact_force_n = Some(contact.vertical_force() / 1000.0 + 0.0);
         self.contact_pressure_kpa = contact.pressure();
         self.contact_pressure_mmhg = self
             .contact_pressure_kpa

@@ -4,6 +4,7 @@
 use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
 use crate::curve::{Curve, List, ScaledCurve};
 use serde::de::{DeserializeOwned, IgnoredAny};
+use serde_json::error::Category;
 use serde_json::value::RawValue;
 
 /// Greatest size of a scene or a curve \[bytes\].
@@ -130,10 +131,10 @@ pub(crate) fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
             named => named,
         };
         let error = error.into_inner();
-        let text = if error.is_syntax() {
-            format!("{error}; allowed: JSON, numbers as 12.5")
-        } else {
-            error.to_string()
+        let text = match error.classify() {
+            Category::Syntax => format!("{error}; allowed: JSON, numbers as 12.5"),
+            Category::Eof => format!("{error}; allowed: one whole JSON object"),
+            Category::Data | Category::Io => error.to_string(),
         };
         // Names of Rust types mean nothing to a reader.
         let text = text.replace("expected f64", "expected a number");

@@ -99,7 +99,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.equal(picture.name, "plan.png");
     assert.equal(picture.bytes.toString("latin1", 1, 4), "PNG");
     // Of its own size, whatever the window.
-    assert.deepEqual([picture.bytes.readUInt32BE(16), picture.bytes.readUInt32BE(20)], [2000, 1660]);
+    assert.deepEqual([picture.bytes.readUInt32BE(16), picture.bytes.readUInt32BE(20)], [2000, 1680]);
 
     const report = await save(page, "Save report (HTML)…");
     assert.equal(report.name, "report.html");
@@ -163,7 +163,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
   test("is a link that opens to the same result elsewhere", async () => {
     const { page, finish } = await fixture.openApp();
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
-    await page.evaluate(() => implantPreview.setPlan("volume", "345"));
+    await page.evaluate(() => implantPreview.setPlan("volume_ml", "345"));
     await harness.settled(page);
     await choose(page, "Copy link");
     await page.keyboard.press("Enter");

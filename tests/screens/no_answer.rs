@@ -78,6 +78,31 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
 }
 
 #[test]
+fn a_plan_without_an_answer_offers_a_wider_base_of_the_same_volume() {
+    let mut harness = app(DESKTOP, without_answer);
+    let before = harness.state().session().scene().clone();
+    let volume = harness.state().outcome().unwrap().implant_volume_ml;
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+    wait(&mut harness);
+    let button = harness.get_by(|node| {
+        node.role() == Role::Button
+            && node.label().is_some_and(|label| label.starts_with("Widen to "))
+    });
+    let label = button.accesskit_node().label().unwrap();
+    let width: f64 = label["Widen to ".len()..].strip_suffix(" cm").unwrap().parse().unwrap();
+    assert!(harness.state().summary().contains(&label));
+    button.click();
+    settle(&mut harness);
+    let outcome = harness.state().outcome().unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!((outcome.implant_volume_ml - volume).abs() < 1e-6);
+    let after = harness.state().session().scene();
+    assert!((after.implant.base_radius_mm - 5.0 * width).abs() < 1e-9);
+    let margin = |scene: &Scene| scene.pocket_radius_mm - scene.implant.base_radius_mm;
+    assert!((margin(after) - margin(&before)).abs() < 1e-9);
+}
+
+#[test]
 fn the_picture_of_the_last_answer_stays_with_its_size() {
     for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| {

@@ -31,16 +31,21 @@ pub(super) fn picture(
     for viewport in input.viewports.values_mut() {
         viewport.native_pixels_per_point = Some(SCALE);
     }
-    let output = ctx.run_ui(input, |ui| {
-        let ground = ui.visuals().panel_fill;
-        ui.painter().rect_filled(ui.max_rect(), 0.0, ground);
-        add_contents(ui);
-    });
+    let mut run = || {
+        ctx.run_ui(input.clone(), |ui| {
+            let ground = ui.visuals().panel_fill;
+            ui.painter().rect_filled(ui.max_rect(), 0.0, ground);
+            add_contents(ui);
+        })
+    };
+    // The axes of a plot have their place from the second frame on.
+    let mut textures = run().textures_delta;
+    let output = run();
+    textures.append(output.textures_delta);
     let primitives = ctx.tessellate(output.shapes, SCALE);
     let pixels = (SCALE * size).ceil();
     let size = [pixels.x as u32, pixels.y as u32];
     let mut painter = Painter::new(Arc::clone(gl), "", None, false).map_err(|e| e.to_string())?;
-    let mut textures = output.textures_delta;
     let image = target(gl, size, || {
         painter.paint_and_update_textures(size, SCALE, &primitives, &mut textures);
     });
