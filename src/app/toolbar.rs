@@ -203,8 +203,11 @@ impl App {
     }
 }
 
+/// A mesh of a solution.
+type MeshOf = fn(&Solution) -> Solid;
+
 /// The meshes to save, by their names.
-const SOLIDS: [(&str, fn(&Solution) -> Solid); 3] = [
+const SOLIDS: [(&str, MeshOf); 3] = [
     ("Tissue", |solution| Solid::tissue(&surfaces(solution))),
     ("Skin", |solution| Solid::skin(&surfaces(solution))),
     ("Implant", |solution| Solid::implant(&solution.problem().obstacle.dome)),

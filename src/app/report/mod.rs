@@ -56,7 +56,7 @@ impl App {
             Ok(Some(notice)) => self.notice = Some(notice),
             Ok(None) => {}
             Err(error) => {
-                self.notice = Some(Notice::error(format!("No picture was made: {error}.")))
+                self.notice = Some(Notice::error(format!("No picture was made: {error}.")));
             }
         }
     }
@@ -77,7 +77,7 @@ impl App {
         self.viewport.aside(|viewport| {
             let gl = viewport.graphics()?;
             offscreen::picture(&gl, figure::SIZE, |ui| {
-                figure.show(ui, |ui| viewport.show(ui, shown))
+                figure.show(ui, |ui| viewport.show(ui, shown));
             })
         })
     }
