@@ -1,5 +1,6 @@
 //! The toolbar: files, history, examples, theme; the window "Help"; the words "Not a medical device".
 
+use super::messages::Notice;
 use super::report::Purpose;
 use super::widgets::button_if;
 use super::{App, plan, theme};
@@ -96,8 +97,9 @@ impl App {
                 self.copy_link(&ctx, &address);
                 ui.close();
             }
-            ui.add_enabled_ui(has_result, |ui| self.shape_menu(ui, &ctx));
-            if ui.add_enabled(has_result, egui::Button::new("Save profile (CSV)…")).clicked()
+            let has_shape = has_result && !self.session.has_no_shape();
+            ui.add_enabled_ui(has_shape, |ui| self.shape_menu(ui, &ctx));
+            if ui.add_enabled(has_shape, egui::Button::new("Save profile (CSV)…")).clicked()
                 && let Some(outcome) = self.session.result()
             {
                 self.files.save(&ctx, "profile.csv", export::profile(outcome));
@@ -143,11 +145,12 @@ impl App {
                         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
                         if button.clicked() {
                             let file = format!("{}.{extension}", name.to_lowercase());
-                            self.files.save(
-                                ctx,
-                                &file,
-                                format.encode(&solid(self.session.solution())),
-                            );
+                            let solid = solid(self.session.solution());
+                            if solid.vertices.is_empty() {
+                                self.notice = Some(Notice::error(NOT_INSERTED));
+                            } else {
+                                self.files.save(ctx, &file, format.encode(&solid));
+                            }
                             ui.close();
                         }
                     }
@@ -213,9 +216,11 @@ const SOLIDS: [(&str, MeshOf); 3] = [
     ("Implant", |solution| Solid::implant(&solution.problem().obstacle.dome)),
 ];
 
+/// What is saved or copied.
 const PICTURE: &str = "Picture with title, plan, answers, legend, scale and date";
-
 const LINK: &str = "The whole plan as an address; no server gets it";
+
+const NOT_INSERTED: &str = "The implant is not inserted: it has no shape above the chest wall.";
 
 /// Why a result is not saved.
 const NO_RESULT: &str = "No result yet: the plan is being computed";

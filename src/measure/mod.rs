@@ -24,7 +24,7 @@ pub use fields::{Field, Fields};
 pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 pub use profile::skin_surface;
 pub use selection::{Selected, Selection, UnknownField};
-#[cfg(all(test, feature = "command-line"))]
+#[cfg(test)]
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 pub use wrinkles::RESULT_SCHEMA_3;
