@@ -164,10 +164,10 @@ impl App {
     /// Moves the app to a new window and graphics context after the loss of the previous one.
     /// Scene, history, camera and choices stay.
     pub fn move_to(&mut self, ctx: &egui::Context, gl: Option<&Arc<glow::Context>>) {
-        theme::install(ctx);
-        // The memory of egui: theme, widths of panels, scroll positions.
+        // The memory of egui: theme, widths of panels, scroll positions. It has no fonts, and would drop those set before.
         let memory = self.ctx.memory(Clone::clone);
         ctx.memory_mut(|own| *own = memory);
+        theme::install(ctx);
         self.ctx = ctx.clone();
         self.viewport.move_to(gl);
         self.range.forget_texture();
