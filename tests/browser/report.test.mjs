@@ -95,6 +95,9 @@ const positionsOf = (array) => ({
 describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
   test("is a composed picture and a report that loads nothing and runs nothing", async () => {
     const { page, finish } = await fixture.openApp();
+    await harness.control(page, "Pin as A");
+    await page.keyboard.press("Enter");
+    await page.evaluate(() => implantPreview.setPlan("volume_ml", "340"));
     const picture = await save(page, "Save picture (PNG)…");
     assert.equal(picture.name, "plan.png");
     assert.equal(picture.bytes.toString("latin1", 1, 4), "PNG");
@@ -117,19 +120,30 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.match(words, /Not a medical device/);
     assert.match(words, /12 cm|12\.0 cm/);
     const names = await paper.locator("img").evaluateAll((images) => images.map((image) => image.alt));
-    assert.deepEqual(names, ["Picture of the plan", "Cross-section"]);
+    assert.deepEqual(names, ["Picture of the plan", "Pins and plan side by side", "Cross-section"]);
     for (const image of await paper.locator("img").all()) {
       assert.ok(await image.evaluate((img) => img.complete && img.naturalWidth >= 1600));
     }
     assert.ok((await colours(paper.locator("img").first())) > 100);
     assert.ok((await colours(paper.locator("img").last())) > 10);
     // The plan's file in the report opens as the plan.
-    const plan = await paper.locator("details pre").textContent();
-    assert.deepEqual(JSON.parse(plan), await harness.scene(page));
+    const { pins, ...plan } = JSON.parse(await paper.locator("details pre").textContent());
+    assert.equal(pins.length, 1);
+    assert.deepEqual(plan, await harness.scene(page));
     assert.ok(requests.every((address) => address.startsWith("data:image/png")), String(requests));
     const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
     assert.ok(pages <= 2, `${pages} pages`);
     await paper.close();
+
+    // Without an answer both say so, and that the picture is another plan's.
+    await page.evaluate(() => {
+      const scene = JSON.parse(implantPreview.scene());
+      scene.implant.projection_mm = 105;
+      implantPreview.setScene(JSON.stringify(scene));
+    });
+    const none = (await save(page, "Save report (HTML)…")).bytes.toString();
+    assert.match(none, /no answer\./);
+    assert.match(none, /The picture is of the last plan with an answer: 340 ml on 12 cm\./);
     await finish();
   });
 

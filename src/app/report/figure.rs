@@ -12,19 +12,20 @@ const TITLE: f32 = 20.0;
 const NAMES: f32 = 90.0;
 
 /// The texts of the composed picture.
-pub(super) struct Figure<'a> {
+pub(super) struct Figure {
     /// The answer in one sentence.
     pub(super) headline: String,
     /// The plan: names and values.
     pub(super) plan: Vec<(&'static str, String)>,
     /// The cards: title, figure, word, further line.
     pub(super) cards: Vec<[String; 4]>,
-    pub(super) warnings: &'a [String],
+    /// Warnings, or what a missing answer means.
+    pub(super) remarks: Vec<String>,
     /// Date, version and model.
     pub(super) origin: String,
 }
 
-impl Figure<'_> {
+impl Figure {
     /// Arranges the texts around the 3-D view.
     pub(super) fn show(&self, ui: &mut Ui, view: impl FnOnce(&mut Ui)) {
         ui.spacing_mut().item_spacing.y = SPACE_SMALL;
@@ -36,8 +37,9 @@ impl Figure<'_> {
             ui.allocate_ui(vec2(ui.available_width(), VIEW), view);
             ui.add_space(SPACE);
             ui.columns_const(|[left, right]: &mut [Ui; 2]| {
-                self.plan(left);
-                self.answer(right);
+                // A column would justify its texts.
+                left.vertical(|ui| self.plan(ui));
+                right.vertical(|ui| self.answer(ui));
             });
             ui.with_layout(egui::Layout::bottom_up(egui::Align::Min), |ui| {
                 ui.label(RichText::new(&self.origin).small());
@@ -71,8 +73,8 @@ impl Figure<'_> {
             });
             ui.label(RichText::new(line).small());
         }
-        for warning in self.warnings {
-            ui.label(RichText::new(format!("! {warning}")).small());
+        for remark in &self.remarks {
+            ui.label(format!("! {remark}"));
         }
     }
 }

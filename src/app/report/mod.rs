@@ -13,9 +13,10 @@ use super::messages::Notice;
 use super::theme::SPACE;
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::{App, files, plan, plots, status};
+use super::{App, files, no_answer, plan, plots, status};
 use crate::measure::bands;
 use crate::session::Session;
+use crate::study::size_in_words;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
 use page::{Page, Picture};
@@ -64,12 +65,11 @@ impl App {
     /// The composed picture of the plan.
     fn figure(&mut self) -> Result<ColorImage, String> {
         let session = &self.session;
-        let outcome = answer::visible(session, PreviousResults::Shown);
         let figure = Figure {
             headline: answer::headline(session, PreviousResults::Shown),
             plan: plan::rows(session.scene()),
-            cards: answer::rows(session, self.uncertainty.findings()),
-            warnings: outcome.map_or(&[][..], |outcome| &outcome.warnings),
+            cards: cards(session, self.uncertainty.findings()),
+            remarks: remarks(session),
             origin: format!("{} · {}", origin(), status::model(session.scene())),
         };
         let envelope = self.uncertainty.envelope().unwrap_or_default();
@@ -77,7 +77,11 @@ impl App {
         self.viewport.aside(|viewport| {
             let gl = viewport.graphics()?;
             offscreen::picture(&gl, figure::SIZE, |ui| {
-                figure.show(ui, |ui| viewport.show(ui, shown));
+                figure.show(ui, |ui| {
+                    if has_picture(session) {
+                        viewport.show(ui, shown);
+                    }
+                });
             })
         })
     }
@@ -97,7 +101,9 @@ impl App {
                 pictures.push(Picture { name, address: page::data_address(&png_of(&image)?) });
                 Ok::<(), String>(())
             };
-            take("Picture of the plan", PLAN, &mut |ui| viewport.show(ui, shown))?;
+            if has_picture(session) {
+                take("Picture of the plan", PLAN, &mut |ui| viewport.show(ui, shown))?;
+            }
             if has_pins {
                 let name = "Pins and plan side by side";
                 take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
@@ -112,19 +118,18 @@ impl App {
     }
 
     /// The content of the report.
-    fn report(&self, pictures: Vec<Picture>) -> Page<'_> {
+    fn report(&self, pictures: Vec<Picture>) -> Page {
         let session: &Session = &self.session;
         let findings = self.uncertainty.findings();
         let sampled = |scene: &_| self.uncertainty.values(scene);
-        let outcome = answer::visible(session, PreviousResults::Shown);
         Page {
             pictures,
             origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown),
             plan: plan::rows(session.scene()),
             model: status::model(session.scene()),
-            cards: answer::rows(session, findings),
-            warnings: outcome.map_or(&[][..], |outcome| &outcome.warnings),
+            cards: cards(session, findings),
+            remarks: remarks(session),
             table: compare::rows(session, &sampled),
             bands: self.uncertainty.about_bands(),
             limits: bands::LIMITS
@@ -135,6 +140,29 @@ impl App {
             plan_json: session.document_json(),
         }
     }
+}
+
+/// Is there a shape to draw, of this plan or of the last one with an answer?
+fn has_picture(session: &Session) -> bool {
+    !session.has_no_shape() || session.last_answer().is_some()
+}
+
+/// The cards in words; none without an answer.
+fn cards(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
+    if no_answer::applies(session) { Vec::new() } else { answer::rows(session, findings) }
+}
+
+/// The warnings of the result; without an answer what that means, and what the picture is.
+fn remarks(session: &Session) -> Vec<String> {
+    if no_answer::applies(session) {
+        let last = session.last_answer().map(|answer| {
+            let size = size_in_words(&answer.scene);
+            format!("The picture is of the last plan with an answer: {size}.")
+        });
+        return [no_answer::words(session)].into_iter().chain(last).collect();
+    }
+    let outcome = answer::visible(session, PreviousResults::Shown);
+    outcome.map_or_else(Vec::new, |outcome| outcome.warnings.clone())
 }
 
 /// Date and version, as "2026-01-31, 12:34 UTC · version 0.1.0".

@@ -14,7 +14,7 @@ pub(super) struct Picture {
 }
 
 /// The content of a report.
-pub(super) struct Page<'a> {
+pub(super) struct Page {
     pub(super) pictures: Vec<Picture>,
     /// Date, time and version in words.
     pub(super) origin: String,
@@ -26,7 +26,8 @@ pub(super) struct Page<'a> {
     pub(super) model: String,
     /// The cards: title, figure, word, further line.
     pub(super) cards: Vec<[String; 4]>,
-    pub(super) warnings: &'a [String],
+    /// Warnings, or what a missing answer means.
+    pub(super) remarks: Vec<String>,
     /// The results of the plan and of the pins; the first row contains the heads of the columns.
     pub(super) table: Vec<Vec<String>>,
     /// What the bands are, if the results have bands.
@@ -42,12 +43,12 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
-    .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 40px}\
+    .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 40px}.pair>div{flex:1 1 300px}\
     @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:12px 0 3px}p{margin:5px 0}.quiet{font-size:10.5px}th,td{padding:1.5px 12px 1.5px 0}\
-    img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
+    img{max-height:76mm}img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
 
-impl Page<'_> {
+impl Page {
     /// The file, without scripts and outside addresses.
     pub(super) fn html(&self) -> String {
         let mut body = String::new();
@@ -60,8 +61,8 @@ impl Page<'_> {
         pictures.next().into_iter().for_each(|first| picture(page, first));
         put(page, "h2", "What happens");
         table(page, "", None, self.cards.iter().map(|card| card.to_vec()));
-        for warning in self.warnings {
-            let _ = write!(page, "<p class=\"note\">{}</p>", escaped(warning));
+        for remark in &self.remarks {
+            let _ = write!(page, "<p class=\"note\">{}</p>", escaped(remark));
         }
         page.push_str("<div class=\"pair\"><div>");
         put(page, "h2", "Plan");
@@ -170,7 +171,7 @@ mod tests {
             plan: vec![("Width", hostile.clone())],
             model: hostile.clone(),
             cards: vec![[(); 4].map(|()| hostile.clone())],
-            warnings: std::slice::from_ref(&hostile),
+            remarks: vec![hostile.clone()],
             table: vec![vec![hostile.clone()], vec![hostile.clone()]],
             bands: Some(hostile.clone()),
             limits: vec![hostile.clone()],
