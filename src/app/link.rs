@@ -4,7 +4,6 @@
 use super::App;
 use super::messages::Notice;
 use crate::scene::MAX_SCENE_BYTES;
-use crate::view::camera::View;
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use eframe::egui;
@@ -24,13 +23,8 @@ impl App {
     pub fn open_link(&mut self, fragment: &str) -> bool {
         let Some(text) = fragment.strip_prefix(START) else { return false };
         let opened = plan(text).and_then(|json| self.open(json).map_err(|e| e.to_string()));
-        self.notice = Some(match opened {
-            Ok(()) => Notice::info("Opened the plan of the link. Undo restores the present one."),
-            Err(error) => {
-                Notice::error(format!("The link was not opened; the plan is unchanged. {error}"))
-            }
-        });
-        self.viewport.fit(&self.session, View::All);
+        let done = "Opened the plan of the link. Undo restores the present one.".to_owned();
+        self.notice = Some(self.show_opened(opened, "The link", done));
         self.request_frame();
         true
     }

@@ -235,18 +235,31 @@ impl App {
         }
         while let Some(event) = self.files.next() {
             self.notice = Some(match event {
-                FileEvent::Opened { name, text } => match self.open(text) {
-                    Ok(()) => {
-                        self.viewport.fit(&self.session, View::All);
-                        Notice::info(format!("Opened {name}."))
-                    }
-                    Err(error) => Notice::error(format!(
-                        "{name} was not opened; the plan is unchanged. {error}"
-                    )),
-                },
+                FileEvent::Opened { name, text } => {
+                    let opened = self.open(text).map_err(|error| error.to_string());
+                    self.show_opened(opened, &name, format!("Opened {name}."))
+                }
                 FileEvent::Saved(name) => Notice::info(format!("Saved {name}.")),
                 FileEvent::Failed(error) => Notice::error(error),
             });
+        }
+    }
+
+    /// Shows all of an opened plan. Returns the notice: `done`, or why what has the `name` was not opened.
+    pub(super) fn show_opened(
+        &mut self,
+        opened: Result<(), String>,
+        name: &str,
+        done: String,
+    ) -> Notice {
+        match opened {
+            Ok(()) => {
+                self.viewport.fit(&self.session, View::All);
+                Notice::info(done)
+            }
+            Err(error) => {
+                Notice::error(format!("{name} was not opened; the plan is unchanged. {error}"))
+            }
         }
     }
 

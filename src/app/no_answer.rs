@@ -34,6 +34,17 @@ pub(super) fn words(session: &Session) -> String {
     NoAnswer::of(session.scene(), session.invalid()).words(session.scene())
 }
 
+/// Is there a shape to draw, of this plan or of the last one with an answer?
+pub(super) fn has_picture(session: &Session) -> bool {
+    !session.has_no_shape() || session.last_answer().is_some()
+}
+
+/// Of which plan the picture is, without an answer to the present one; `None` without such a plan.
+pub(super) fn about_picture(session: &Session) -> Option<String> {
+    let size = size_in_words(&session.last_answer()?.scene);
+    Some(format!("The picture is of the last plan with an answer: {size}."))
+}
+
 impl NearestSearch {
     /// Starts, continues or cancels the searches, once a frame. `is_busy`: the plan is being solved or edited.
     pub(super) fn advance(&mut self, session: &Session, studies: &mut Studies, is_busy: bool) {

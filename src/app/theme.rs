@@ -96,7 +96,7 @@ pub(super) fn install(ctx: &Context) {
     ctx.options_mut(|options| options.fallback_theme = Theme::Light);
 }
 
-/// One font of text and numbers: its digits have equal width. egui's others are a quarter of the page's download.
+/// One font of text and numbers: its digits have equal width. egui's font of equal widths would be downloaded for nothing.
 fn fonts() -> FontDefinitions {
     const NAME: &str = "Ubuntu-Light";
     let mut fonts = FontDefinitions::empty();

@@ -8,7 +8,6 @@ use super::viewport::Shown;
 use super::{App, advanced, answer, details, messages, no_answer, plan, plots, status, theme};
 use crate::measure::Status;
 use crate::scene::Scene;
-use crate::study::size_in_words;
 use eframe::egui::{self, Rect, RichText, Ui};
 use plan::Hand;
 
@@ -244,12 +243,12 @@ impl App {
     /// the answer with the nearest plan is behind a tab.
     fn no_shape(&mut self, ui: &mut Ui, area: Rect, scene: &mut Scene, layout: Layout) {
         let words = no_answer::words(&self.session);
-        let last = self.session.last_answer().map(|answer| size_in_words(&answer.scene));
+        let about_picture = no_answer::about_picture(&self.session);
         let mut accepted = None;
         let add = |ui: &mut Ui| {
             ui.label(words);
-            if let Some(size) = &last {
-                ui.label(format!("The picture is of the last plan with an answer: {size}."));
+            if let Some(words) = &about_picture {
+                ui.label(words);
             }
             ui.add_space(theme::SPACE_SMALL);
             if layout == Layout::Narrow {
@@ -257,7 +256,7 @@ impl App {
             }
             messages::standard_model(ui, scene);
         };
-        match last {
+        match about_picture {
             Some(_) => messages::no_shape_box(ui, area, add),
             None => messages::no_shape_page(ui, add),
         }
@@ -271,7 +270,7 @@ impl App {
         let area = ui.available_rect_before_wrap();
         if self.session.is_stopped() {
             self.stopped_page(ui);
-        } else if self.session.has_no_shape() && self.session.last_answer().is_none() {
+        } else if !no_answer::has_picture(&self.session) {
             self.no_shape(ui, area, scene, layout);
         } else {
             let envelope = self.uncertainty.envelope().unwrap_or_default();

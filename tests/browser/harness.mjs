@@ -31,7 +31,8 @@ const QUIET = [
 const WEBGL2 = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
 const NO_WEBGL = ["--disable-gpu", "--disable-3d-apis"];
 
-const TYPES = {
+/** Types of files by their extensions. */
+export const TYPES = {
   ".css": "text/css",
   ".html": "text/html; charset=utf-8",
   ".js": "text/javascript",

@@ -13,16 +13,6 @@ import * as harness from "./harness.mjs";
 
 const DECODE = { br: brotliDecompressSync, gzip: gunzipSync, undefined: (bytes) => bytes };
 const SUFFIX = { br: ".br", gzip: ".gz", undefined: "" };
-const TYPES = {
-  ".css": "text/css",
-  ".html": "text/html",
-  ".js": "text/javascript",
-  ".mjs": "text/javascript",
-  ".png": "image/png",
-  ".svg": "image/svg+xml",
-  ".wasm": "application/wasm",
-  ".webmanifest": "application/manifest+json",
-};
 
 const isCopy = (file) => /\.(br|gz)$/.test(file);
 const isFile = (file) => statSync(join(harness.DIST, file)).isFile();
@@ -52,7 +42,7 @@ describe("web/serve.py", { timeout: 4 * harness.PATIENCE }, () => {
     assert.ok(existsSync(join(harness.DIST, `${wasmFile()}.br`)), "the build has no compressed copies");
     for (const file of files().filter((file) => !isCopy(file))) {
       const bytes = readFileSync(join(harness.DIST, file));
-      const type = TYPES[file.match(/\.\w+$/)[0]];
+      const [type] = harness.TYPES[file.match(/\.\w+$/)[0]].split(";");
       for (const [encodings, preferred] of [
         ["gzip, deflate, br, zstd", ["br", "gzip"]],
         ["gzip, deflate", ["gzip"]],

@@ -16,7 +16,6 @@ use super::viewport::Shown;
 use super::{App, files, no_answer, plan, plots, status};
 use crate::measure::bands;
 use crate::session::Session;
-use crate::study::size_in_words;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
 use page::{Page, Picture};
@@ -39,26 +38,21 @@ pub(super) enum Purpose {
 impl App {
     /// Saves or copies a picture or the report. Needs the graphics of a frame.
     pub(super) fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) {
-        let notice = match purpose {
+        let done = match purpose {
             Purpose::File => self.figure().and_then(|image| {
                 self.files.save(ctx, "plan.png", png_of(&image)?);
-                Ok(None)
+                Ok(())
             }),
             Purpose::Clipboard => self.figure().map(|image| {
                 ctx.copy_image(image);
-                Some(Notice::info("The picture is in the clipboard."))
+                self.notice = Some(Notice::info("The picture is in the clipboard."));
             }),
             Purpose::Report => self.pictures().map(|pictures| {
                 self.files.save(ctx, "report.html", self.report(pictures).html());
-                None
             }),
         };
-        match notice {
-            Ok(Some(notice)) => self.notice = Some(notice),
-            Ok(None) => {}
-            Err(error) => {
-                self.notice = Some(Notice::error(format!("No picture was made: {error}.")));
-            }
+        if let Err(error) = done {
+            self.notice = Some(Notice::error(format!("No picture was made: {error}.")));
         }
     }
 
@@ -78,7 +72,7 @@ impl App {
             let gl = viewport.graphics()?;
             offscreen::picture(&gl, figure::SIZE, |ui| {
                 figure.show(ui, |ui| {
-                    if has_picture(session) {
+                    if no_answer::has_picture(session) {
                         viewport.show(ui, shown);
                     }
                 });
@@ -101,7 +95,7 @@ impl App {
                 pictures.push(Picture { name, address: page::data_address(&png_of(&image)?) });
                 Ok::<(), String>(())
             };
-            if has_picture(session) {
+            if no_answer::has_picture(session) {
                 take("Picture of the plan", PLAN, &mut |ui| viewport.show(ui, shown))?;
             }
             if has_pins {
@@ -142,11 +136,6 @@ impl App {
     }
 }
 
-/// Is there a shape to draw, of this plan or of the last one with an answer?
-fn has_picture(session: &Session) -> bool {
-    !session.has_no_shape() || session.last_answer().is_some()
-}
-
 /// The cards in words; none without an answer.
 fn cards(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
     if no_answer::applies(session) { Vec::new() } else { answer::rows(session, findings) }
@@ -155,11 +144,8 @@ fn cards(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
 /// The warnings of the result; without an answer what that means, and what the picture is.
 fn remarks(session: &Session) -> Vec<String> {
     if no_answer::applies(session) {
-        let last = session.last_answer().map(|answer| {
-            let size = size_in_words(&answer.scene);
-            format!("The picture is of the last plan with an answer: {size}.")
-        });
-        return [no_answer::words(session)].into_iter().chain(last).collect();
+        let about_picture = no_answer::about_picture(session);
+        return [no_answer::words(session)].into_iter().chain(about_picture).collect();
     }
     let outcome = answer::visible(session, PreviousResults::Shown);
     outcome.map_or_else(Vec::new, |outcome| outcome.warnings.clone())
