@@ -306,6 +306,12 @@ impl Curve {
         Self::from_pieces(pieces, end, end)
     }
 
+    /// Does the tissue give way: is the slope at twice the length below that at rest?
+    #[must_use]
+    pub fn softens(&self) -> bool {
+        self.slope(1.0) < self.small_strain_modulus()
+    }
+
     /// Nominal stress \[kPa\] at an engineering strain. Finite for every finite strain.
     #[must_use]
     pub fn stress(&self, strain: f64) -> f64 {

@@ -3,7 +3,7 @@
 //! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
 //! on half of the patch, for either tissue model (`multigrid`). Newton's method on nested grids in f64 is the fallback
 //! and refines solutions below the resolution of f32 (`newton_method`: `newton` for a sheet, `newton_layers` for layered
-//! tissue, after two more attempts of multigrid with other constants). For a sheet Newton's method also resolves configurations with
+//! tissue, after a second attempt of multigrid with other constants). For a sheet Newton's method also resolves configurations with
 //! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
 //! saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
 //!
@@ -384,6 +384,7 @@ impl Solver {
                 self.attempts += 1;
                 let stop = self.stop();
                 if let Some(multigrid) = &mut self.multigrid
+                    && self.attempts == 2
                     && multigrid.start_again(&self.problem, stop)
                 {
                     return state;

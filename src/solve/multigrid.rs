@@ -1,7 +1,10 @@
 //! Full multigrid for either tissue model.
 
 use super::Problem;
-use super::fas::{Ending, FullMultigrid, LAYERED, LAYERED_COMPRESSED, MEMBRANE, State, Stop};
+use super::fas::{
+    Ending, FullMultigrid, LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE, MEMBRANE,
+    State, Stop,
+};
 use super::problem::Tissue;
 use super::validity::Invalid;
 use crate::mesh::lanes::Mirrored;
@@ -115,9 +118,13 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts the next attempt, by other constants; false without one.
+    /// Starts the second attempt of layered tissue, by other constants; false for a sheet, which has one attempt.
     pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
-        delegate!(self, scheme => scheme.start_again(problem, stop))
+        let Self::Layered(scheme) = self else { return false };
+        let softens = problem.solids().iter().any(|solid| solid.curve.softens());
+        let parameters = if softens { &LAYERED_GENTLE } else { &LAYERED_FRESH };
+        scheme.start_again(parameters, problem, stop);
+        true
     }
 
     pub(super) fn step(&mut self) -> State {

@@ -33,6 +33,12 @@ impl Problem {
             Tissue::Layered { .. } => &self.materials[..1],
         }
     }
+
+    /// The layers that are solids: none of a sheet, all layers under the skin of layered tissue.
+    #[must_use]
+    pub fn solids(&self) -> &[Material] {
+        &self.materials[self.membrane().len()..]
+    }
 }
 
 /// The tissue model.

@@ -26,7 +26,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
     tissue_model: TissueModel,
     /// Random patients under round implants instead, each solved once: the clinical population.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["tissue_model", "most_nodes"])]
     clinical: bool,
     /// Clinical population: nodes per side.
     #[arg(long, value_name = "N", default_value_t = 65, value_parser = most_nodes, requires = "clinical")]

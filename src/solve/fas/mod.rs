@@ -30,7 +30,7 @@ pub(super) use convergence::Ending;
 use cycle::Step;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_COMPRESSED, MEMBRANE};
+pub(super) use parameters::{LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -201,14 +201,17 @@ impl<M: ElasticModel> FullMultigrid<M> {
         Some(2.0 * self.spacing * f64::from(change))
     }
 
-    /// Starts with the constants of the next attempt; false without one.
-    pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
-        let Some(next) = self.parameters.next else { return false };
+    /// Starts again with other constants; the work of the attempt before counts.
+    pub(super) fn start_again(
+        &mut self,
+        parameters: &'static Parameters,
+        problem: &Problem,
+        stop: Stop,
+    ) {
         let work_units = self.work_units;
-        self.parameters = next;
+        self.parameters = parameters;
         self.start(problem, stop, None);
         self.work_units = work_units;
-        true
     }
 
     /// See [`Parameters::least_tolerance`].

@@ -47,8 +47,6 @@ pub(in crate::solve) struct Parameters {
     /// sheet off a small contact. Fixed by `penetration-between-nodes`, `lost-contact-on-narrow-dome`.
     pub(super) robust_active_weight: f32,
 
-    /// The constants of the next attempt where the scheme fails.
-    pub(super) next: Option<&'static Parameters>,
     /// The least tolerance of node positions that f32 resolves \[base radius\].
     pub(in crate::solve) least_tolerance: f64,
     /// The most V-cycles of the finest grid.
@@ -114,7 +112,6 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     block_growth: f64::INFINITY,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
-    next: None,
     least_tolerance: 2e-6,
     max_cycles: 16,
     max_start_cycles: 4,
@@ -151,29 +148,25 @@ const GENTLE_SMOOTHING: Smoothing = Smoothing {
     after: &[0.0512, 0.0623, 0.0962, 0.2102, 0.7875],
 };
 
-/// The constants for layered tissue: [`LAYERED_BASE`], with further attempts.
-pub(in crate::solve) const LAYERED: Parameters =
-    Parameters { next: Some(&LAYERED_FRESH), ..LAYERED_BASE };
-
 /// The constants for layered tissue whose skin bears compression (`scene/2`), mostly with softening fat: the rate of convergence
 /// grows from cycle to cycle.
 pub(in crate::solve) const LAYERED_COMPRESSED: Parameters =
     Parameters { min_convergence_factor: 0.6, error_safety: 4.0, max_start_cycles: 2, ..LAYERED };
 
-/// The constants for layered tissue that stiffens too fast for [`LAYERED`], or whose spectrum of D⁻¹H reaches farther: blocks
-/// renewed before every step.
-const LAYERED_FRESH: Parameters = Parameters {
+/// The constants of the second attempt for layered tissue that stiffens too fast for [`LAYERED`], or whose spectrum of D⁻¹H
+/// reaches farther: blocks renewed before every step.
+pub(in crate::solve) const LAYERED_FRESH: Parameters = Parameters {
     smoothing: FRESH_SMOOTHING,
     first_smoothing: FRESH_SMOOTHING,
     block_growth: 0.0,
     min_convergence_factor: 0.6,
     error_safety: 8.0,
-    next: Some(&LAYERED_GENTLE),
-    ..LAYERED_BASE
+    ..LAYERED
 };
 
-/// The constants for layered tissue where [`LAYERED`] and [`LAYERED_FRESH`] fail: smaller steps, blocks renewed in every cycle.
-const LAYERED_GENTLE: Parameters = Parameters {
+/// The constants of the second attempt for layered tissue with a solid that softens: smaller steps, blocks renewed in every
+/// cycle.
+pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     coarsest_tolerance: 3e-3,
     smoothing: GENTLE_SMOOTHING,
     first_smoothing: GENTLE_SMOOTHING,
@@ -181,14 +174,12 @@ const LAYERED_GENTLE: Parameters = Parameters {
     coarsest_start: &[0.2; 24],
     first_grid: 1,
     block_cycles: u32::MAX,
-    next: None,
-    max_cycles: 80,
     max_start_cycles: 4,
     max_slow_cycles: 16,
     max_stagnations: 6,
     min_convergence_factor: 0.6,
     error_safety: 8.0,
-    ..LAYERED_BASE
+    ..LAYERED
 };
 
 /// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5 on the dome, 7 on steep domes
@@ -196,7 +187,7 @@ const LAYERED_GENTLE: Parameters = Parameters {
 /// thickness, the soft ones checkerboards. The solution of the coarsest grid is several per cent of the base radius away from
 /// the finer one: an error of 3 % is sufficient for a start. Random patients take 79, 54 and 40 force evaluations in the median
 /// at 33, 65 and 129 nodes per side; the error is at most 1.6 of its estimate, in 95 % of the patients 0.75.
-const LAYERED_BASE: Parameters = Parameters {
+pub(in crate::solve) const LAYERED: Parameters = Parameters {
     smoothing: LAYERED_SMOOTHING,
     first_smoothing: LAYERED_SMOOTHING,
     mixes: true,
@@ -214,7 +205,6 @@ const LAYERED_BASE: Parameters = Parameters {
     block_growth: 1.5,
     coarse_active_weight: 0.45,
     robust_active_weight: 0.15,
-    next: None,
     least_tolerance: 1e-5,
     max_cycles: 80,
     max_start_cycles: 3,
