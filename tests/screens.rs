@@ -25,6 +25,8 @@ mod form;
 mod no_answer;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
+#[path = "screens/visit.rs"]
+mod visit;
 
 /// Tall enough for all folds.
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);

@@ -1,5 +1,5 @@
 //! A link with the whole plan and its pins: the plan's file, compressed (deflate, RFC 1951), as base64 of addresses
-//! (RFC 4648 §5), in the fragment of the page's address. Browsers send no fragment to a server.
+//! (RFC 4648 §5), in the fragment of the page's address. Browsers send no fragment to a server. The link leaves out the visit.
 
 use super::App;
 use super::messages::Notice;
@@ -31,11 +31,16 @@ impl App {
 
     /// Copies the link of the plan, in a page.
     pub(super) fn copy_link(&mut self, ctx: &egui::Context, address: &str) {
-        let link = format!("{address}{START}{}", text(&self.session.document_json()));
+        let link = format!("{address}{START}{}", text(&self.session.shared_document_json()));
         let length = link.len();
         ctx.copy_text(link);
+        let left_out = match self.session.scene().visit {
+            Some(_) => ", without the entries for the file",
+            None => "",
+        };
         self.notice = Some(Notice::info(format!(
-            "The link is in the clipboard: {length} characters, which hold the whole plan. Nothing is stored elsewhere."
+            "The link is in the clipboard: {length} characters, which hold the whole plan{left_out}. Nothing is stored \
+             elsewhere."
         )));
     }
 }

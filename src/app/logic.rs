@@ -186,7 +186,11 @@ impl App {
             let pointer = &input.pointer;
             pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
         });
-        if is_new {
+        // The typing in one field of text is one gesture.
+        let typing = self.typing.0.take();
+        let is_typing_on = typing.is_some() && typing == self.typing.1;
+        self.typing.1 = typing;
+        if is_new && !is_typing_on {
             // From press to release is one gesture; each key is its own.
             self.gesture += u64::from(!self.is_playing);
         }
@@ -202,7 +206,9 @@ impl App {
     fn edit(&mut self, scene: &mut Scene) -> Result<(), CommandError> {
         let repair = scene.repair();
         self.is_edited = true;
-        self.volume_marks.want();
+        if !scene.is_same_plan(self.session.scene()) {
+            self.volume_marks.want();
+        }
         self.request_frame();
         self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture })?;
         if let Some(repair) = repair {

@@ -7,7 +7,7 @@
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling`, `uncertainty`, `details` and `plots` on the right.
-//! `messages` shows notices and the pages without a picture; `report` saves picture and report; `controls` finds controls by
+//! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `controls` finds controls by
 //! name for scripts.
 //!
 //! Uses all modules to its left. Used by `platform`.
@@ -27,6 +27,7 @@ mod link;
 mod logic;
 mod messages;
 mod no_answer;
+mod numbers;
 mod plan;
 mod plots;
 mod range;
@@ -103,6 +104,8 @@ pub struct App {
     was_paused: bool,
     /// Number of the present gesture; edits of one gesture are one step of the history.
     gesture: u64,
+    /// The text field of the visit with the focus, in this frame and in the previous one.
+    typing: (Option<egui::Id>, Option<egui::Id>),
     narrow_tab: NarrowTab,
     panel_widths: PanelWidths,
     show_help: bool,
@@ -152,6 +155,7 @@ impl App {
             is_playing: false,
             was_paused: false,
             gesture: 0,
+            typing: (None, None),
             narrow_tab: NarrowTab::Implant,
             panel_widths: PanelWidths::default(),
             show_help: false,
@@ -227,13 +231,13 @@ impl App {
         Some(outcome)
     }
 
-    /// The result as it is saved (JSON text), with its scene, the program's version and the date;
+    /// The result as it is saved (JSON text), with its scene without the visit, the program's version and the date;
     /// `None` during a solve.
     #[must_use]
     pub fn result_json(&self) -> Option<String> {
         let record = Record {
             outcome: self.outcome()?,
-            scene: self.session.scene().clone(),
+            scene: self.session.scene().without_visit(),
             program_version: env!("CARGO_PKG_VERSION"),
             date: files::date(),
         };

@@ -149,7 +149,7 @@ const SEARCHING: &str = "Searching for the nearest plan with an answer…";
 
 /// The search beside the present plan; `None` for a plan with an answer.
 fn of<'a>(driver: &'a Driver<Nearest>, session: &Session) -> Option<&'a Nearest> {
-    let is_present = |search: &&Nearest| search.plan() == session.scene();
+    let is_present = |search: &&Nearest| search.plan().is_same_plan(session.scene());
     driver.study().filter(is_present).filter(|_| applies(session))
 }
 
@@ -182,7 +182,9 @@ impl App {
     }
 
     /// Takes an offered plan, as one step of the history.
-    pub(super) fn accept(&mut self, scene: Box<Scene>) {
+    pub(super) fn accept(&mut self, mut scene: Box<Scene>) {
+        // The visit may be newer than the offer.
+        scene.visit.clone_from(&self.session.scene().visit);
         self.gesture += 1;
         self.is_edited = true;
         self.execute(Command::Edit { scene, gesture: self.gesture });

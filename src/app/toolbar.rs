@@ -75,6 +75,14 @@ impl App {
                 self.save_result(&ctx);
                 ui.close();
             }
+            let save = ui.add_enabled(has_result, egui::Button::new("Save numbers (CSV)…"));
+            let save = save.on_disabled_hover_text(NO_RESULT).on_hover_text(
+                "All results of plan and pins, with percentiles where bands are on, for a spreadsheet",
+            );
+            if save.clicked() {
+                self.save_numbers(&ctx);
+                ui.close();
+            }
             for (name, tooltip, purpose) in [
                 ("Save picture (PNG)…", PICTURE, Purpose::File),
                 ("Copy picture", PICTURE, Purpose::Clipboard),
@@ -218,7 +226,8 @@ const SOLIDS: [(&str, MeshOf); 3] = [
 
 /// What is saved or copied.
 const PICTURE: &str = "Picture with title, plan, answers, legend, scale and date";
-const LINK: &str = "The whole plan as an address; no server gets it";
+const LINK: &str =
+    "The whole plan as an address, without the entries for the file; no server gets it";
 
 const NOT_INSERTED: &str = "The implant is not inserted: it has no shape above the chest wall.";
 

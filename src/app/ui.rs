@@ -92,7 +92,7 @@ impl App {
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
         plan::implant(ui, scene, &mut self.plan, Some(&mut self.volume_marks), Hand::Mouse);
-        plan::patient(ui, scene, Hand::Mouse);
+        self.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.position_notice = plan::position(ui, scene, Hand::Mouse);
         ui.add_space(theme::SPACE);
@@ -126,7 +126,7 @@ impl App {
                 plan::implant(ui, scene, &mut self.plan, None, Hand::Finger);
                 self.insertion_row(ui, scene);
             }
-            NarrowTab::Patient => plan::patient(ui, scene, Hand::Finger),
+            NarrowTab::Patient => self.typing.0 = plan::patient(ui, scene, Hand::Finger),
             NarrowTab::Pocket => {
                 plan::pocket(ui, scene, Hand::Finger);
                 self.position_notice = plan::position(ui, scene, Hand::Finger);

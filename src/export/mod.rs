@@ -1,8 +1,8 @@
-//! Results as files of other programs: closed meshes of tissue, skin and implant, the profile as a table.
+//! Results as files of other programs: closed meshes of tissue, skin and implant, tables.
 //!
 //! Uses `measure` and all to its left. Used by `app` and `platform`.
 //!
-//! `solid` (closed triangle meshes) | `formats` (STL, OBJ, PLY, glTF), `table` (numbers and the profile as CSV).
+//! `solid` (closed triangle meshes) | `formats` (STL, OBJ, PLY, glTF), `table` (rows, numbers and the profile as CSV).
 
 mod formats;
 mod solid;
@@ -10,4 +10,6 @@ mod table;
 
 pub use formats::Format;
 pub use solid::{Part, Solid};
-pub use table::{number, profile};
+#[cfg(test)]
+pub(crate) use table::read_csv;
+pub use table::{csv, number, profile};

@@ -11,6 +11,54 @@ pub fn number(value: f64) -> String {
         .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
 }
 
+/// Rows of cells as a table by RFC 4180: lines end with CR LF, a cell with a comma, a quote or a line break is quoted.
+#[must_use]
+pub fn csv(rows: &[Vec<String>]) -> String {
+    let cell = |text: &String| {
+        if text.contains([',', '"', '\r', '\n']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text.clone()
+        }
+    };
+    let line = |row: &Vec<String>| row.iter().map(cell).collect::<Vec<_>>().join(",") + "\r\n";
+    rows.iter().map(line).collect()
+}
+
+/// Reads a table by the grammar of RFC 4180; panics at the first sign against the grammar.
+#[cfg(test)]
+pub(crate) fn read_csv(text: &str) -> Vec<Vec<String>> {
+    let mut rows = vec![vec![]];
+    let mut signs = text.chars().peekable();
+    while signs.peek().is_some() {
+        let mut cell = String::new();
+        if signs.next_if_eq(&'"').is_some() {
+            loop {
+                match signs.next().expect("an open quote") {
+                    '"' if signs.next_if_eq(&'"').is_none() => break,
+                    c => cell.push(c),
+                }
+            }
+        } else {
+            while let Some(c) = signs.next_if(|c| !",\r\n".contains(*c)) {
+                assert_ne!(c, '"', "a quote within a cell");
+                cell.push(c);
+            }
+        }
+        rows.last_mut().unwrap().push(cell);
+        match signs.next() {
+            Some(',') => assert!(signs.peek().is_some(), "a comma at the end"),
+            Some('\r') => {
+                assert_eq!(signs.next(), Some('\n'));
+                rows.push(vec![]);
+            }
+            other => panic!("{other:?} after a cell"),
+        }
+    }
+    assert_eq!(rows.pop(), Some(vec![]), "a last line without its end");
+    rows
+}
+
 /// The profile of a result as a table: arc length `s_mm`, distance from the axis `r_mm`, height `z_mm`, stretches \[-\].
 #[must_use]
 pub fn profile(outcome: &Outcome) -> String {
@@ -26,6 +74,16 @@ pub fn profile(outcome: &Outcome) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_is_read_back_cell_by_cell() {
+        let rows: Vec<Vec<String>> =
+            [["a", "b, c", "d \"e\""], ["", "f\r\ng", "1.5"], ["é", "\"", ","]]
+                .map(|row| row.map(str::to_owned).to_vec())
+                .to_vec();
+        assert_eq!(read_csv(&csv(&rows)), rows);
+        assert_eq!(csv(&rows[..1]), "a,\"b, c\",\"d \"\"e\"\"\"\r\n");
+    }
 
     #[test]
     fn numbers_keep_ten_digits_and_drop_the_rest() {

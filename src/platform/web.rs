@@ -359,7 +359,8 @@ impl eframe::App for PageApp {
         // After the frame: a scene that crashes the app in its first frame is not kept.
         let scene = app.session().scene();
         if self.scene.as_ref() != Some(scene) {
-            call("implantPreviewKeep", &scene.to_json());
+            // For a start after a crash, in the browser's storage: the visit is in the plan's file only.
+            call("implantPreviewKeep", &scene.without_visit().to_json());
             self.scene = Some(scene.clone());
         }
         let plan = app.plan_json();

@@ -205,6 +205,7 @@ impl Scene {
                 }
                 Some(_) => Err(in_first("solver.cells_through")),
                 None if self.patient.is_some() => Err(in_first("patient")),
+                None if self.visit.is_some() => Err(in_first("visit")),
                 None => match scaled {
                     Some(field) => Err(in_first(&field)),
                     None => Ok(()),

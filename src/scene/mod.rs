@@ -6,7 +6,7 @@
 //!
 //! `body` (tissue model, patch) | `checked` (a scene with its curves) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid).
+//! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -17,6 +17,7 @@ mod patient;
 pub mod pins;
 pub mod read;
 mod repair;
+pub mod visit;
 
 use crate::clinical::{ClinicalError, Size};
 use crate::curve::{CurveError, List, Pair, number, object};
@@ -33,6 +34,7 @@ pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
+pub use visit::{Side, Visit};
 
 /// The schema of a sheet.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
@@ -109,6 +111,9 @@ pub struct Scene {
     /// Measurements of a person, and the fields that were derived from them; `None` in `scene/1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patient: Option<Patient>,
+    /// Patient and visit in words; no result depends on the visit. `None` in `scene/1`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visit: Option<Visit>,
     /// The spring law.
     pub springs: Springs,
     /// Grid and tolerance.
@@ -183,6 +188,9 @@ struct SceneFile {
     /// From `scene/2` on: what was measured on a person.
     #[serde(default, deserialize_with = "some_object")]
     patient: Option<PatientFile>,
+    /// From `scene/2` on: reference, side, date of the visit, surgeon, remarks; a computation ignores them.
+    #[serde(default, deserialize_with = "some_object")]
+    visit: Option<Visit>,
     #[serde(default)]
     springs: Springs,
     #[serde(default, deserialize_with = "object")]
@@ -306,6 +314,7 @@ impl SceneFile {
                 ("attachment", file.attachment.is_some()),
                 ("solver.cells_through", file.solver.cells_through.is_some()),
                 ("patient", file.patient.is_some()),
+                ("visit", file.visit.is_some()),
             ] {
                 if is_given {
                     return Err(body::in_first(field));
@@ -349,6 +358,7 @@ impl SceneFile {
             insertion: file.insertion,
             layers,
             patient: None,
+            visit: file.visit,
             springs: file.springs,
             solver: file.solver,
         };
@@ -371,6 +381,7 @@ impl Default for Scene {
             insertion: full_insertion(),
             layers: default_layers(Version::Third),
             patient: None,
+            visit: None,
             springs: Springs::default(),
             solver: SolverSettings::default(),
         }
@@ -478,6 +489,7 @@ impl Scene {
         }
         self.check_body()?;
         self.check_patient()?;
+        self.check_visit()?;
         within("insertion", self.insertion, (0.0, 1.0), "")?;
         let (least, most) = limits::LAYERS;
         if !(least..=most).contains(&self.layers.len()) {
@@ -514,7 +526,7 @@ impl Scene {
         Ok(CheckedScene::new(self.clone())?.problem())
     }
 
-    /// Do two scenes have the same equilibrium? The names of their tissues and the patients may differ.
+    /// Do two scenes have the same equilibrium? The names of their tissues, the patients and the visits may differ.
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
         let of = |scene: &Self| {
@@ -526,6 +538,7 @@ impl Scene {
                 insertion,
                 layers: _,
                 patient: _,
+                visit: _,
                 springs,
                 solver,
             } = scene;

@@ -49,7 +49,7 @@ pub struct PinnedScene {
     /// The user's name; may be empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// The scene.
+    /// The scene, without a visit.
     pub scene: Scene,
 }
 
@@ -72,7 +72,7 @@ pub(super) struct PinFile {
     /// Up to 100 bytes. Default: no name.
     #[serde(default)]
     name: String,
-    /// A scene without pins.
+    /// A scene without pins and without a visit.
     #[serde(deserialize_with = "boxed")]
     scene: Box<SceneFile>,
 }
@@ -109,6 +109,10 @@ fn checked(files: Vec<PinFile>) -> Result<Vec<PinnedScene>, SceneError> {
         if scene.pins.is_some() {
             let allowed = "a scene without pins in a pin";
             return Err(at_pin(out_of_range("pins", "a list".to_owned(), allowed)));
+        }
+        if scene.visit.is_some() {
+            let allowed = "a visit beside the scene of the file only, not in a pin";
+            return Err(at_pin(out_of_range("visit", "an object".to_owned(), allowed)));
         }
         let scene = CheckedScene::new(scene.filled().map_err(at_pin)?).map_err(at_pin)?;
         // At most as many pins as letters: a letter is left.

@@ -24,7 +24,7 @@ pub enum Command {
     Unpin(Letter),
     /// Changes the name of a pin.
     Rename(Letter, String),
-    /// Opens the scene of a pin in place of the current scene, as one undo step. The pin stays.
+    /// Opens the scene of a pin in place of the current scene, as one undo step. The pin and the visit stay.
     OpenPin(Letter),
 }
 

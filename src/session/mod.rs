@@ -200,7 +200,8 @@ impl Session {
             Command::Rename(letter, name) => self.rename_pin(letter, name)?,
             Command::OpenPin(letter) => {
                 let pin = self.pin(letter).ok_or(CommandError::NoPin(letter))?;
-                self.replace(CheckedScene::new(pin.scene().clone())?, false);
+                let scene = Scene { visit: self.scene.visit.clone(), ..pin.scene().clone() };
+                self.replace(CheckedScene::new(scene)?, false);
                 self.last_gesture = None;
             }
         }
@@ -211,6 +212,12 @@ impl Session {
     #[must_use]
     pub fn document_json(&self) -> String {
         document_json(&self.scene, &self.pinned_scenes())
+    }
+
+    /// [`Self::document_json`] without the visit, for a link.
+    #[must_use]
+    pub fn shared_document_json(&self) -> String {
+        document_json(&self.scene.without_visit(), &self.pinned_scenes())
     }
 
     /// Does the history contain a step for [`Command::Undo`]?
@@ -349,10 +356,12 @@ impl Session {
     /// Reverts to the last scene with a valid solution and solves that scene; [`Command::Redo`] restores the reverted
     /// scene. False if the current scene is the last valid scene.
     fn take_back(&mut self) -> bool {
-        if self.valid == self.scene {
+        if self.valid.is_same_plan(&self.scene) {
             return false;
         }
-        let Ok(valid) = CheckedScene::new(self.valid.clone()) else { return false };
+        // The visit is none of the solve's: an edit of the visit stays.
+        let valid = Scene { visit: self.scene.visit.clone(), ..self.valid.clone() };
+        let Ok(valid) = CheckedScene::new(valid) else { return false };
         let faulty = self.show(valid);
         self.undo.pop_if(|scene| *scene == self.scene);
         self.redo.push(faulty);

@@ -118,7 +118,7 @@ impl Session {
 
     /// Pins the current scene. During its solve the pin has no result yet.
     pub(super) fn pin_scene(&mut self) -> Result<(), CommandError> {
-        if let Some(pin) = self.pins.iter().find(|pin| *pin.scene() == self.scene) {
+        if let Some(pin) = self.pins.iter().find(|pin| pin.scene().is_same_plan(&self.scene)) {
             return Err(CommandError::Pinned(pin.letter()));
         }
         let is_converged = || self.result().is_some_and(|o| o.status == Status::Converged);
@@ -203,8 +203,10 @@ impl Session {
         place.ok_or(CommandError::NoPin(letter))
     }
 
-    fn add_pin(&mut self, pinned: PinnedScene) {
+    /// Adds a pin. A pin has no visit: pins are kept in the browser and compared with other plans.
+    fn add_pin(&mut self, mut pinned: PinnedScene) {
         self.pins_added += 1;
+        pinned.scene.visit = None;
         let at = self.pins.partition_point(|pin| pin.letter() < pinned.letter);
         self.pins.insert(at, Pin { pinned, solved: None, number: self.pins_added });
     }

@@ -5,7 +5,7 @@ use crate::curve::{CurveSpec, ScaledCurve};
 use crate::scene::{Layer, Scene};
 use std::collections::{HashMap, VecDeque};
 
-/// Everything of a scene that changes its case; the names of the tissues and the patient do not.
+/// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Key(Box<[u64]>);
 
@@ -36,6 +36,7 @@ impl Cases {
             insertion,
             layers,
             patient: _,
+            visit: _,
             springs,
             solver,
         } = scene;

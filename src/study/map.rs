@@ -35,7 +35,8 @@ pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-
 
 /// The scene of a study: a sheet of `scene/1` becomes the same sheet of `scene/2`, which has all fields; no patient.
 pub(super) fn base_scene(scene: &Scene) -> Scene {
-    let mut base = scene.clone();
+    // The visit stays in the plan's file, and another visit is no other map.
+    let mut base = scene.without_visit();
     if base.body.is_none() {
         base.set_tissue_model(TissueModel::Sheet);
     }

@@ -64,6 +64,22 @@ function volume(geometry) {
   return of(0);
 }
 
+/** Rows of a table by the grammar of RFC 4180. */
+function readCsv(text) {
+  const rows = [];
+  const sign = /(?:"((?:[^"]|"")*)"|([^",\r\n]*))(,|\r\n)/y;
+  for (let row = []; sign.lastIndex < text.length; ) {
+    const found = sign.exec(text);
+    assert.ok(found, "a sign against the grammar");
+    row.push(found[1]?.replaceAll('""', '"') ?? found[2]);
+    if (found[3] !== ",") {
+      rows.push(row);
+      row = [];
+    }
+  }
+  return rows;
+}
+
 const buffer = (bytes) => bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
 
 /** Volume [ml] of a mesh, by the reader of its format. */
@@ -135,6 +151,18 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.ok(pages <= 2, `${pages} pages`);
     await paper.close();
 
+    // All numbers of plan and pin as a table.
+    const table = await save(page, "Save numbers (CSV)…");
+    assert.equal(table.name, "results.csv");
+    const [head, ...rows] = readCsv(table.bytes.toString());
+    assert.deepEqual(head, ["quantity", "unit", "this plan", "A"]);
+    assert.ok(rows.length > 35 && rows.every((row) => row.length === 4));
+    const result = JSON.parse(await page.evaluate(() => implantPreview.result()));
+    const row = (name, unit) => rows.find(([a, b]) => a === name && b === unit).slice(2).map(Number);
+    assert.ok(Math.abs(row("Skin stretch", "%")[0] / (100 * result.strain.max_principal) - 1) < 1e-8);
+    assert.ok(Math.abs(row("Pressure, greatest", "mmHg")[0] / result.contact_pressure_mmhg.max - 1) < 1e-8);
+    assert.ok(Math.abs(row("Implant volume", "ml")[0] - 340) < 1e-6 && Math.abs(row("Implant volume", "ml")[1] - 300) < 1e-6);
+
     // Without an answer both say so, and that the picture is another plan's.
     await page.evaluate(() => {
       const scene = JSON.parse(implantPreview.scene());
@@ -144,6 +172,68 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const none = (await save(page, "Save report (HTML)…")).bytes.toString();
     assert.match(none, /no answer\./);
     assert.match(none, /The picture is of the last plan with an answer: 340 ml on 12 cm\./);
+    await finish();
+  });
+
+  test("has patient and visit in file, report and picture, and nowhere else", async () => {
+    const { page, finish } = await fixture.openApp();
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+    for (const letter of ["A", "B", "C", "D"]) {
+      await harness.control(page, `Pin as ${letter}`);
+      await page.keyboard.press("Enter");
+      await page.evaluate((volume) => implantPreview.setPlan("volume_ml", String(volume)), 310 + letter.charCodeAt(0));
+      await harness.settled(page);
+    }
+    const { solves } = await harness.stats(page);
+    await harness.control(page, "For the file");
+    await page.keyboard.press("Enter");
+    const remarks = Array.from({ length: 12 }, (_, k) => `line ${k + 1}: <b>forty characters of remarks</b>`).join("\n").slice(0, 500);
+    for (const [name, text] of [["Reference", "K. M. 4711"], ["Date of the visit", "2026-01-31"], ["Surgeon", "Dr Å"], ["Remarks", remarks]]) {
+      await harness.control(page, name);
+      await page.keyboard.type(text);
+    }
+    await harness.control(page, "left");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    await harness.screenshot(page, "visit");
+    const visit = { reference: "K. M. 4711", side: "left", date: "2026-01-31", surgeon: "Dr Å", remarks };
+    assert.deepEqual((await harness.scene(page)).visit, visit);
+    assert.equal((await harness.stats(page)).solves, solves, "a solve for words");
+
+    const file = await save(page, "Save plan…");
+    assert.deepEqual(JSON.parse(file.bytes.toString()).visit, visit);
+    const report = await save(page, "Save report (HTML)…");
+    const paper = await page.context().newPage();
+    await paper.setContent(report.bytes.toString());
+    assert.equal(await paper.locator(".visit").first().textContent(), "K. M. 4711 · left side · visit of 2026-01-31 · surgeon Dr Å");
+    assert.equal(await paper.locator(".visit").last().textContent(), remarks);
+    assert.equal(await paper.locator(".visit b").count(), 0);
+    const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
+    assert.ok(pages <= 2, `${pages} pages`);
+    await paper.emulateMedia({ media: "print" });
+    await paper.setViewportSize({ width: 700, height: 1000 });
+    await harness.screenshot(paper, "visit-report");
+    const picture = await save(page, "Save picture (PNG)…");
+    await paper.setContent(`<img width="1000" src="data:image/png;base64,${picture.bytes.toString("base64")}">`);
+    await paper.waitForFunction(() => document.images[0].complete);
+    await harness.screenshot(paper, "visit-picture");
+    await paper.close();
+
+    // Neither in numbers nor in a link, nor in what the browser keeps.
+    const numbers = await save(page, "Save numbers (JSON)…");
+    assert.doesNotMatch(numbers.bytes.toString(), /4711|"visit"/);
+    await choose(page, "Copy link");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    const link = await page.evaluate(() => navigator.clipboard.readText());
+    await page.waitForTimeout(1000);
+    const kept = await page.evaluate(() => JSON.stringify([{ ...localStorage }, { ...sessionStorage }]));
+    assert.match(kept, /implant-preview\/plan\/1/);
+    assert.doesNotMatch(kept, /4711|visit/);
+    const { visit: _, ...plan } = await harness.scene(page);
+    await page.evaluate((address) => (location.hash = new URL(address).hash), link);
+    await harness.settled(page);
+    assert.deepEqual(await harness.scene(page), plan);
     await finish();
   });
 

@@ -81,12 +81,13 @@ impl App {
             .then(|| pins_json(&self.session.pinned_scenes()))
     }
 
-    /// The plan as text for the storage, as [`Self::take_pins_to_store`].
+    /// The plan without its visit as text for the storage, as [`Self::take_pins_to_store`]. The visit is kept in the plan's
+    /// file only.
     pub fn take_plan_to_store(&mut self, is_closing: bool) -> Option<String> {
         if !is_due(&mut self.keep.plan_due, is_closing) {
             return None;
         }
-        let scene = serde_json::to_value(self.session.scene()).ok()?;
+        let scene = serde_json::to_value(self.session.scene().without_visit()).ok()?;
         serde_json::to_string(&KeptPlan { scene, choices: self.plan }).ok()
     }
 
@@ -112,7 +113,7 @@ impl App {
             is_changed = true;
         }
         let (scene, choices) = &self.keep.plan;
-        if scene != self.session.scene() || *choices != self.plan {
+        if !scene.is_same_plan(self.session.scene()) || *choices != self.plan {
             self.keep.plan = (self.session.scene().clone(), self.plan);
             self.keep.plan_due = Some(due);
             is_changed = true;

@@ -114,7 +114,7 @@ fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> 
         let style = Style::of(letter, theme::palette(ui.visuals()));
         ui.label(RichText::new(letter.to_string()).strong().color(style.color));
         command = name_field(ui, pin, compare);
-        let is_present = session.scene() == pin.scene();
+        let is_present = session.scene().is_same_plan(pin.scene());
         let tip = "Open this scene in place of the present one; Undo restores the present one";
         if button_if(ui, !is_present, "Open", &format!("Open {letter}"), tip) {
             command = Some(Command::OpenPin(letter));

@@ -2,7 +2,8 @@
 //! turns the difference into a command.
 //!
 //! `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
-//! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts).
+//! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts) | `visit`
+//! (patient and visit in words).
 
 mod form;
 mod implant;
@@ -10,6 +11,7 @@ mod insertion;
 mod patient;
 mod pocket;
 mod position;
+mod visit;
 
 pub(super) use form::{fields, set};
 pub(super) use implant::implant;
@@ -17,6 +19,7 @@ pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::position;
+pub(super) use visit::{patient_in_words, visit_in_words};
 
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};

@@ -1,17 +1,17 @@
 //! What was measured on the patient, pinch and skin, and what the measurements become.
 
-use super::{Hand, centimetres, chip, chips, cm, mm, row, title};
+use super::{Hand, centimetres, chip, chips, cm, mm, row, title, visit};
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Scene, TissueModel};
-use eframe::egui::Ui;
+use eframe::egui::{Id, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
 const USUAL_PULL_MM: f64 = 25.0;
 
-/// Shows pinch and skin.
-pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
-    title(ui, "Patient", |_| {});
+/// Shows pinch and skin, and the entries for the file. Returns the text field with the focus.
+pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
+    title(ui, "Patient", |ui| visit::switch(ui, hand));
     let before = measured(scene);
     let mut now = before;
     pinch(ui, scene, &mut now, hand);
@@ -20,6 +20,7 @@ pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if now != before {
         measure(scene, now);
     }
+    visit::visit(ui, scene, hand)
 }
 
 /// The measurements of the scene's patient.

@@ -11,6 +11,7 @@ mod plane;
 mod readout;
 
 pub(super) use plane::marks;
+pub(super) use readout::name as quantity_name;
 
 use super::messages::Notice;
 use super::plan::{Hand, chip};

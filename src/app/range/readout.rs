@@ -26,7 +26,7 @@ pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
 const NOT_COMPUTED: &str = "Not computed here: the quick method of the chart has no answer. A click computes this plan in full.";
 
 /// A surgeon's word for a quantity.
-pub(super) fn name(quantity: Quantity) -> &'static str {
+pub(in crate::app) fn name(quantity: Quantity) -> &'static str {
     let named = QUANTITIES.iter().find(|(known, _)| *known == quantity);
     named.map_or(quantity.label(), |(_, name)| name)
 }

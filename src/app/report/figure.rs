@@ -15,6 +15,8 @@ const NAMES: f32 = 90.0;
 pub(super) struct Figure {
     /// The answer in one sentence.
     pub(super) headline: String,
+    /// Reference and side; may be empty.
+    pub(super) patient: String,
     /// The plan: names and values.
     pub(super) plan: Vec<(&'static str, String)>,
     /// The cards: title, figure, word, further line.
@@ -32,7 +34,12 @@ impl Figure {
         // Lines of text only: none is as high as a button.
         ui.spacing_mut().interact_size.y = 0.0;
         egui::Frame::new().inner_margin(Margin::same(24)).show(ui, |ui| {
-            ui.label(RichText::new(&self.headline).size(TITLE).strong());
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(&self.headline).size(TITLE).strong());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.add(egui::Label::new(&self.patient).truncate());
+                });
+            });
             ui.add_space(SPACE);
             ui.allocate_ui(vec2(ui.available_width(), VIEW), view);
             ui.add_space(SPACE);

@@ -64,6 +64,7 @@ impl App {
             plan: plan::rows(session.scene()),
             cards: cards(session, self.uncertainty.findings()),
             remarks: remarks(session),
+            patient: plan::patient_in_words(session.scene()),
             origin: format!("{} · {}", origin(), status::model(session.scene())),
         };
         let envelope = self.uncertainty.envelope().unwrap_or_default();
@@ -118,6 +119,7 @@ impl App {
         let sampled = |scene: &_| self.uncertainty.values(scene);
         Page {
             pictures,
+            visit: plan::visit_in_words(session.scene()),
             origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown),
             plan: plan::rows(session.scene()),

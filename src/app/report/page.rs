@@ -16,6 +16,8 @@ pub(super) struct Picture {
 /// The content of a report.
 pub(super) struct Page {
     pub(super) pictures: Vec<Picture>,
+    /// The visit in one line, and the remarks; each may be empty.
+    pub(super) visit: [String; 2],
     /// Date, time and version in words.
     pub(super) origin: String,
     /// The answer in one sentence.
@@ -44,6 +46,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 40px}.pair>div{flex:1 1 300px}\
+    .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line}\
     @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:12px 0 3px}p{margin:5px 0}.quiet{font-size:10.5px}th,td{padding:1.5px 12px 1.5px 0}\
     img{max-height:76mm}img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
@@ -54,6 +57,12 @@ impl Page {
         let mut body = String::new();
         let page = &mut body;
         put(page, "h1", "Implant preview");
+        let [visit, words] = &self.visit;
+        for (class, text) in [("visit", visit), ("visit words", words)] {
+            if !text.is_empty() {
+                let _ = write!(page, "<p class=\"{class}\">{}</p>", escaped(text));
+            }
+        }
         put(page, "p", &self.headline);
         let _ = write!(page, "<p class=\"note\">{}</p>", escaped(DISCLAIMER));
         let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.origin));
@@ -166,6 +175,7 @@ mod tests {
                 Picture { name: "Picture of the plan", address: data_address(&[1, 2, 3]) },
                 Picture { name: "Cross-section", address: data_address(&[4]) },
             ],
+            visit: [hostile.clone(), hostile.clone()],
             origin: "2026-01-01, 00:00 UTC".to_owned(),
             headline: hostile.clone(),
             plan: vec![("Width", hostile.clone())],
@@ -180,7 +190,7 @@ mod tests {
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 13);
+        assert_eq!(count, 15);
         assert!(html.contains("data:image/png;base64,AQID"));
         assert!(html.contains("<h2>Cross-section</h2><img alt=\"Cross-section\""));
         assert!(html.contains("Not a medical device") && html.contains("not a prediction"));

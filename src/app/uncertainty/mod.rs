@@ -138,7 +138,7 @@ impl Uncertainty {
         }
         let (scene, settings) = (session.scene(), self.choices.settings(session.scene()));
         let now = ctx.input(|input| input.time);
-        if self.subject.as_ref().is_none_or(|(of, by)| of != scene || *by != settings) {
+        if self.subject.as_ref().is_none_or(|(of, by)| !of.is_same_plan(scene) || *by != settings) {
             self.stop(studies);
             self.subject = Some((scene.clone(), settings));
             self.waits_since = Some(now);
@@ -223,7 +223,7 @@ impl Uncertainty {
     /// The sampled values of a plan that is the present one or a pin; `None` before its samples.
     pub(super) fn values(&self, scene: &Scene) -> Option<&Samples> {
         let (subject, _) = self.subject.as_ref()?;
-        if subject == scene {
+        if subject.is_same_plan(scene) {
             return self.findings().map(|findings| &findings.values);
         }
         self.pins.values(scene)

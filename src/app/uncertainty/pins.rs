@@ -64,6 +64,9 @@ impl PinSamples {
 
     /// The values of a pinned scene.
     pub(super) fn values(&self, scene: &Scene) -> Option<&Samples> {
-        self.done.iter().find(|((pinned, _), _)| pinned == scene).map(|(_, values)| values)
+        self.done
+            .iter()
+            .find(|((pinned, _), _)| pinned.is_same_plan(scene))
+            .map(|(_, values)| values)
     }
 }

@@ -59,6 +59,7 @@ fn start() -> Scene {
         insertion: 1.0,
         layers: vec![Layer::skin(), Layer::adipose()],
         patient: None,
+        visit: None,
         springs: Springs::Coupled,
         solver: SolverSettings {
             nodes_per_side: 33,

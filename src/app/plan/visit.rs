@@ -1,0 +1,245 @@
+//! Patient and visit in words, for the plan's file and the report: reference, side, date, surgeon, remarks.
+
+use super::{Hand, chip, chips};
+use crate::app::theme::{self, SPACE};
+use crate::app::widgets::{rejection_label, remark};
+use crate::scene::visit::{
+    DATE, MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON, is_date,
+};
+use crate::scene::{Scene, Side, TissueModel, Visit};
+use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
+
+/// Width of the names of the fields \[points\].
+const NAMES: f32 = 68.0;
+
+const KEPT: &str = "Kept in this plan's file and in the report only; reference and side also stand on the picture. Not in links \
+                    or pins, and gone at the next start. Nothing is sent.";
+
+/// Memory key of the switch.
+fn key() -> Id {
+    Id::unique("for the file")
+}
+
+fn is_open(ui: &Ui) -> bool {
+    ui.data(|data| data.get_temp(key())).unwrap_or_default()
+}
+
+/// The switch that shows the fields, off at first.
+pub(super) fn switch(ui: &mut Ui, hand: Hand) {
+    let is_open = is_open(ui);
+    let height = match hand {
+        Hand::Mouse => 24.0,
+        Hand::Finger => theme::TOUCH - 8.0,
+    };
+    let switch = egui::Button::selectable(is_open, "For the file")
+        .frame(true)
+        .frame_when_inactive(true)
+        .min_size(vec2(0.0, height));
+    let tooltip =
+        "Reference, side, date of the visit, surgeon, remarks: for the plan's file and the report";
+    if ui.add(switch).on_hover_text(tooltip).clicked() {
+        ui.data_mut(|data| data.insert_temp(key(), !is_open));
+    }
+}
+
+/// Shows the fields while the switch is on. Returns the text field with the focus.
+pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
+    if !is_open(ui) {
+        return None;
+    }
+    let before = scene.visit.clone().unwrap_or_default();
+    let mut now = before.clone();
+    let focused = fields(ui, &mut now, hand);
+    if now != before {
+        if scene.body.is_none() {
+            // A sheet of `scene/1` becomes the equal sheet of a version that may have a visit.
+            scene.set_tissue_model(TissueModel::Sheet);
+        }
+        scene.visit = (!now.is_empty()).then_some(now);
+    }
+    focused
+}
+
+/// Reference and side in words; empty if none is stated.
+pub(in crate::app) fn patient_in_words(scene: &Scene) -> String {
+    let Some(visit) = &scene.visit else { return String::new() };
+    let side = visit.side.map_or("", Side::words);
+    joined([visit.reference.trim(), side].map(str::to_owned))
+}
+
+/// The visit in one line, and the remarks; empty if nothing is stated.
+pub(in crate::app) fn visit_in_words(scene: &Scene) -> [String; 2] {
+    let Some(visit) = &scene.visit else { return Default::default() };
+    let named = |name: &str, text: &str| {
+        if text.is_empty() { String::new() } else { format!("{name} {text}") }
+    };
+    let date = named("visit of", &visit.date);
+    let surgeon = named("surgeon", visit.surgeon.trim());
+    let line = joined([patient_in_words(scene), date, surgeon]);
+    [line, visit.remarks.trim().to_owned()]
+}
+
+fn joined<const N: usize>(parts: [String; N]) -> String {
+    let stated: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    stated.join(" · ")
+}
+
+fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
+    let mut focused = None;
+    let mut note = |response: Response| {
+        if response.has_focus() {
+            focused = Some(response.id);
+        }
+    };
+    note(line(ui, "Reference", "number or initials", &mut visit.reference, MAX_REFERENCE));
+    named(ui, "Side", |ui| {
+        chips(ui, |ui| {
+            let choices = Side::ALL.map(|side| (Some(side), side.word()));
+            for (side, word) in choices.into_iter().chain([(None, "not said")]) {
+                if chip(ui, hand, visit.side == side, word, "") {
+                    visit.side = side;
+                }
+            }
+        });
+    });
+    note(date(ui, &mut visit.date));
+    note(line(ui, "Surgeon", "", &mut visit.surgeon, MAX_SURGEON));
+    note(remarks(ui, &mut visit.remarks));
+    remark(ui, KEPT);
+    focused
+}
+
+/// A field behind its name.
+fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let row = ui.horizontal(|ui| {
+        let place = vec2(NAMES, ui.spacing().interact_size.y);
+        let middle = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(place, middle, |ui| {
+            ui.set_min_width(NAMES);
+            ui.label(RichText::new(name).color(ui.visuals().weak_text_color()));
+        });
+        add(ui)
+    });
+    row.inner
+}
+
+fn line(ui: &mut Ui, name: &str, hint: &str, text: &mut String, most: usize) -> Response {
+    named(ui, name, |ui| {
+        let mut typed = text.clone();
+        let field = TextEdit::singleline(&mut typed).hint_text(hint).char_limit(most);
+        let response = add(ui, name, field, text);
+        if response.changed() {
+            *text = cleaned(&typed, 1);
+        }
+        response
+    })
+}
+
+fn remarks(ui: &mut Ui, text: &mut String) -> Response {
+    ui.label(RichText::new("Remarks").color(ui.visuals().weak_text_color()));
+    let mut typed = text.clone();
+    let field = TextEdit::multiline(&mut typed).desired_rows(3).char_limit(MAX_REMARKS);
+    let response = add(ui, "Remarks", field, text);
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_role(egui::accesskit::Role::MultilineTextInput);
+    });
+    if response.changed() {
+        *text = cleaned(&typed, MAX_REMARK_LINES);
+    }
+    response
+}
+
+/// The date; a text that is no date stays in the field with the reason, and the date of the plan stays unchanged.
+fn date(ui: &mut Ui, date: &mut String) -> Response {
+    let key = ui.make_persistent_id("date being typed");
+    let kept = ui.data(|data| data.get_temp::<(String, String)>(key));
+    // A draft belongs to the date that it is to replace.
+    let draft = kept.filter(|(of, _)| of == date).map(|(_, draft)| draft);
+    let mut typed = draft.unwrap_or_else(|| date.clone());
+    let response = named(ui, "Date", |ui| {
+        let field = TextEdit::singleline(&mut typed).hint_text("2026-01-31").char_limit(20);
+        add(ui, "Date of the visit", field, date)
+    });
+    let text = typed.trim();
+    let is_allowed = text.is_empty() || is_date(text);
+    if response.changed() {
+        if is_allowed {
+            text.clone_into(date);
+            ui.data_mut(|data| data.remove::<(String, String)>(key));
+        } else {
+            ui.data_mut(|data| data.insert_temp(key, (date.clone(), typed.clone())));
+        }
+    } else if !is_allowed && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+        ui.data_mut(|data| data.remove::<(String, String)>(key));
+    }
+    if !is_allowed && !response.has_focus() {
+        rejection_label(
+            ui,
+            &format!("{text:?} is no date; allowed: {DATE}. The date is unchanged."),
+        );
+    }
+    response
+}
+
+/// Adds a text field of the free width with its name for screen readers.
+fn add(ui: &mut Ui, name: &str, field: TextEdit<'_>, text: &str) -> Response {
+    let width = ui.available_width() - SPACE;
+    let palette = theme::palette(ui.visuals());
+    let frame = egui::Frame::new()
+        .fill(ui.visuals().extreme_bg_color)
+        .stroke(egui::Stroke::new(1.0, palette.edge))
+        .corner_radius(ui.visuals().widgets.inactive.corner_radius)
+        .inner_margin(egui::Margin::symmetric(5, 2));
+    let response = ui.add(field.id_salt(name).frame(frame).desired_width(width));
+    response.widget_info(|| egui::WidgetInfo {
+        label: Some(name.to_owned()),
+        ..egui::WidgetInfo::text_edit(true, "", text, "")
+    });
+    response
+}
+
+/// A text without control characters and with so many lines; further lines follow in the last one.
+fn cleaned(text: &str, most_lines: usize) -> String {
+    let mut lines = 1;
+    let clean = |c: char| match c {
+        '\n' if lines < most_lines => {
+            lines += 1;
+            c
+        }
+        c if c.is_control() => ' ',
+        c => c,
+    };
+    text.chars().map(clean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cleaned_text_is_allowed_and_as_long_as_before() {
+        assert_eq!(cleaned("a\tb\u{7}c\nd", 1), "a b c d");
+        let text = "x\n".repeat(20);
+        let clean = cleaned(&text, MAX_REMARK_LINES);
+        assert_eq!((clean.split('\n').count(), clean.len()), (MAX_REMARK_LINES, text.len()));
+    }
+
+    #[test]
+    fn a_visit_in_words_names_what_is_stated() {
+        let mut scene = Scene::opening();
+        assert_eq!(visit_in_words(&scene), ["", ""]);
+        scene.visit = Some(Visit {
+            reference: "K. M.".to_owned(),
+            side: Some(Side::Left),
+            date: "2026-01-31".to_owned(),
+            surgeon: "Dr A".to_owned(),
+            remarks: "one\ntwo\n".to_owned(),
+        });
+        let [line, remarks] = visit_in_words(&scene);
+        assert_eq!(line, "K. M. · left side · visit of 2026-01-31 · surgeon Dr A");
+        assert_eq!(remarks, "one\ntwo");
+        assert_eq!(patient_in_words(&scene), "K. M. · left side");
+        scene.visit = Some(Visit { side: Some(Side::Both), ..Visit::default() });
+        assert_eq!(visit_in_words(&scene), ["both sides", ""]);
+    }
+}

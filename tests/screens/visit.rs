@@ -1,0 +1,129 @@
+//! The fold "For the file": patient and visit in words, in the plan's file only, without a solve.
+
+use super::*;
+use egui::accesskit::Toggled;
+use implant_preview::scene::{Side, Visit};
+
+/// Focuses a field of text and types.
+fn write(harness: &mut Harness<'static, App>, role: Role, field: &str, text: &str) {
+    harness.get_by_role_and_label(role, field).focus();
+    harness.run();
+    for sign in text.chars() {
+        // The Enter key of a field of several lines.
+        if sign == '\n' {
+            harness.key_press(egui::Key::Enter);
+        } else {
+            harness.event(egui::Event::Text(sign.to_string()));
+        }
+        harness.run();
+    }
+}
+
+fn visit(harness: &Harness<'static, App>) -> Visit {
+    harness.state().session().scene().visit.clone().unwrap_or_default()
+}
+
+/// An app with a filled visit.
+fn filled(size: egui::Vec2) -> Harness<'static, App> {
+    let mut harness = app(size, |scene| {
+        *scene = opening();
+        scene.solver.nodes_per_side = 33;
+    });
+    if size == PHONE {
+        press(&mut harness, "Patient");
+    }
+    unfold(&mut harness, "For the file");
+    write(&mut harness, Role::TextInput, "Reference", "K. M. 4711");
+    press(&mut harness, "left");
+    write(&mut harness, Role::TextInput, "Date of the visit", "2026-01-31");
+    write(&mut harness, Role::TextInput, "Surgeon", "Dr A");
+    write(&mut harness, Role::MultilineTextInput, "Remarks", "one\ntwo");
+    settle(&mut harness);
+    harness
+}
+
+fn known() -> Visit {
+    Visit {
+        reference: "K. M. 4711".to_owned(),
+        side: Some(Side::Left),
+        date: "2026-01-31".to_owned(),
+        surgeon: "Dr A".to_owned(),
+        remarks: "one\ntwo".to_owned(),
+    }
+}
+
+#[test]
+fn a_visit_is_written_without_a_solve_and_a_field_is_one_step_of_the_history() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = filled(size);
+        assert_eq!(visit(&harness), known());
+        assert_eq!(harness.state().session().counters().solves, 1);
+        assert!(harness.state().session().result().is_some());
+        let chip = harness.get_by_role_and_label(Role::Button, "left");
+        assert_eq!(chip.accesskit_node().toggled(), Some(Toggled::True));
+        harness.get_by_label_contains("Kept in this plan's file and in the report only");
+        press(&mut harness, "Undo");
+        assert_eq!(visit(&harness), Visit { remarks: String::new(), ..known() });
+        for _ in 0..4 {
+            press(&mut harness, "Undo");
+        }
+        assert!(harness.state().session().scene().visit.is_none());
+        assert!(!harness.state().session().can_undo());
+        for _ in 0..5 {
+            press(&mut harness, "Redo");
+        }
+        assert_eq!(visit(&harness), known());
+        assert_eq!(harness.state().session().counters().solves, 1);
+    }
+}
+
+#[test]
+fn a_text_that_is_no_date_stays_with_its_reason_and_the_date_is_unchanged() {
+    let mut harness = filled(DESKTOP);
+    write(&mut harness, Role::TextInput, "Date of the visit", "9");
+    // No reason while it is being typed.
+    assert!(harness.query_by_label_contains("is no date").is_none());
+    write(&mut harness, Role::TextInput, "Reference", "x");
+    let reason = harness
+        .get_by_label_contains("Not accepted: \"2026-01-319\" is no date; allowed: a date as");
+    assert!(reason.value().unwrap().ends_with("The date is unchanged."));
+    assert_eq!(visit(&harness).date, "2026-01-31");
+}
+
+#[test]
+fn a_visit_is_in_the_plans_file_only() {
+    let mut harness = filled(DESKTOP);
+    press(&mut harness, "Pin as A");
+    type_into(&mut harness, "Volume (ml)", "340");
+    press(&mut harness, "Pin as B");
+    let is_in = |text: &str| text.contains("4711") || text.contains("visit");
+    let state = harness.state_mut();
+    assert!(is_in(&state.session().document_json()));
+    assert!(!is_in(&state.session().shared_document_json()));
+    assert!(!is_in(&state.take_plan_to_store(true).unwrap()), "kept for the next start");
+    assert!(!is_in(&state.take_pins_to_store(true).unwrap()), "kept with the pins");
+    assert!(!is_in(&state.result_json().unwrap()), "in the numbers");
+
+    // A change of the visit is no other plan: nothing to store, nothing to pin.
+    write(&mut harness, Role::TextInput, "Surgeon", "B");
+    assert_eq!(visit(&harness).surgeon, "Dr AB");
+    assert!(harness.state_mut().take_plan_to_store(true).is_none());
+    press(&mut harness, "Open A");
+    assert_eq!(visit(&harness).surgeon, "Dr AB");
+    // The file brings the visit back, a link's text does not.
+    let json = harness.state().session().document_json();
+    press(&mut harness, "Start over");
+    assert!(harness.state().session().scene().visit.is_none());
+    harness.state_mut().open(json).unwrap();
+    settle(&mut harness);
+    assert_eq!(visit(&harness), Visit { surgeon: "Dr AB".to_owned(), ..known() });
+}
+
+#[test]
+fn the_link_says_that_it_leaves_out_the_visit() {
+    let mut harness = filled(DESKTOP);
+    harness.state_mut().set_page_address("https://a.example/".to_owned());
+    press(&mut harness, "File");
+    press(&mut harness, "Copy link");
+    harness.get_by_label_contains("the whole plan, without the entries for the file.");
+}
