@@ -17,6 +17,8 @@ use implant_preview::session::Counters;
 use implant_preview::simulate::simulate;
 use serde_json::json;
 
+#[path = "screens/device.rs"]
+mod device;
 #[path = "screens/filling.rs"]
 mod filling;
 #[path = "screens/form.rs"]

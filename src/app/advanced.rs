@@ -95,7 +95,7 @@ fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
                     (
                         "Move inward",
                         "Move inward",
-                        "Move this layer inward, towards the implant",
+                        "Move this layer inward, towards the pocket",
                         k + 1 < count,
                         Action::Up(k + 1),
                     ),
@@ -205,7 +205,7 @@ fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
         }
     });
     response.on_hover_text(
-        "Skin on solid layers: the fat thins over the implant, and the skin over the pocket draws on the \
+        "Skin on solid layers: the fat thins over the dome, and the skin over the pocket draws on the \
          skin beyond the pocket. One sheet: all layers stretch alike and are held at the pocket's edge; \
          force and strain are then too high.",
     );

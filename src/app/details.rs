@@ -1,6 +1,7 @@
 //! Details of the answer: all numbers with units.
 
 use super::answer::band_color;
+use super::device::Device;
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, remark};
@@ -27,11 +28,13 @@ pub(super) fn position_error(outcome: &Outcome) -> f64 {
 fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
     group(ui, "Shape", |ui| {
+        let device = Device::of(ui.ctx());
+        let words = |text: &str| device.words(text);
         rows(ui, |ui| {
-            row(ui, error, "Projection of the implant", outcome.projection_mm, 1, "mm");
+            row(ui, error, words("Projection of the implant"), outcome.projection_mm, 1, "mm");
             row(ui, error, "Height of the breast mound", outcome.skin_projection_mm, 1, "mm");
             band(ui, bands, Quantity::SkinProjectionMm);
-            row(ui, error, "Implant volume", Some(outcome.implant_volume_ml), 0, "ml");
+            row(ui, error, words("Implant volume"), Some(outcome.implant_volume_ml), 0, "ml");
             row(ui, error, "Skin area before", Some(outcome.area_before_cm2), 1, "cm²");
             row(ui, error, "Skin area after", outcome.area_after_cm2, 1, "cm²");
             row(ui, error, "Skin area gained", outcome.area_gain_cm2, 1, "cm²");
@@ -98,10 +101,10 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
         if let Some(radius) = outcome.contact_material_radius_mm {
             remark(
                 ui,
-                format!(
+                Device::of(ui.ctx()).words(&format!(
                     "The tissue rests on the implant out to {:.1} cm from its centre, measured at rest.",
                     0.1 * radius
-                ),
+                )),
             );
         }
     });
@@ -144,7 +147,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
         });
         remark(
             ui,
-            "These stresses are for biaxial stretch, as over an implant. They are higher than the \
+            "These stresses are for biaxial stretch, as over a dome. They are higher than the \
              curve's at the same strain, because the curve is measured under uniaxial stretch.",
         );
     });

@@ -38,6 +38,7 @@ impl App {
         let ctx = ui.ctx().clone();
         self.poll_files(&ctx);
         self.focus.begin_frame(&ctx);
+        self.plan.device.note(&ctx);
         self.handle_keys(&ctx);
         let mut scene = self.draft.take().unwrap_or_default();
         if scene != *self.session.scene() {
@@ -212,7 +213,7 @@ impl App {
         self.request_frame();
         self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture })?;
         if let Some(repair) = repair {
-            self.notice = Some(Notice::caution(repair.to_string()));
+            self.notice = Some(Notice::caution(self.plan.device.words(&repair.to_string())));
         }
         Ok(())
     }

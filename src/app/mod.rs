@@ -18,6 +18,7 @@ mod compare;
 mod controls;
 mod curve_editor;
 mod details;
+mod device;
 mod fat;
 mod files;
 mod filling;

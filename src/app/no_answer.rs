@@ -1,7 +1,7 @@
 //! A plan without an answer: what that means for the plan, and the nearest plans with an answer as buttons. The searches run
 //! beside the app and end with the plan.
 
-use super::plan::Hand;
+use super::plan::{Device, Hand};
 use super::studies::{Driver, Studies};
 use super::theme::SPACE;
 use super::widgets::remark;
@@ -73,7 +73,8 @@ impl NearestSearch {
         let card = frame.show(ui, |ui| {
             ui.set_width(ui.available_width());
             ui.label(RichText::new("No answer for this plan").strong());
-            ui.add(egui::Label::new(words(session)).wrap());
+            let words = Device::of(ui.ctx()).words(&words(session));
+            ui.add(egui::Label::new(words).wrap());
             let pressed = self.offer(ui, session, Hand::Mouse);
             let header = egui::CollapsingHeader::new("Technical details").id_salt("no answer");
             header.show_unindented(ui, |ui| remark(ui, no_shape(session.invalid())));

@@ -214,7 +214,7 @@ mod tests {
                 "%",
                 (|o| 100.0 * o.strain.as_ref().unwrap().max_principal) as fn(&Outcome) -> f64,
             ),
-            ("Implant volume", "ml", |o| o.implant_volume_ml),
+            ("Volume", "ml", |o| o.implant_volume_ml),
             ("Pressure, greatest", "mmHg", |o| o.contact_pressure_mmhg.unwrap().max),
             ("Pressure, greatest", "kPa", |o| o.contact_pressure_kpa.unwrap().max),
             ("Least cover", "mm", |o| o.cover_mm.unwrap().least),

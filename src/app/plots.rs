@@ -3,6 +3,7 @@
 
 use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
+use super::device::Device;
 use super::theme::{self, Palette};
 use super::viewport::Outline;
 use super::widgets::group;
@@ -49,7 +50,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
                 format!(
                     "Dashed: extrapolated. Thick: how far this plan stretches it, up to {:.0} %. Dot: stress at that strain under \
                      uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \
-                     implant, where the stretch is biaxial.",
+                     plan's dome, where the stretch is biaxial.",
                     100.0 * strain
                 )
             },
@@ -112,6 +113,7 @@ pub(super) fn section_chart(
 ) {
     let palette = theme::palette(ui.visuals());
     let problem = Subject::problem(session);
+    let device = Device::of(ui.ctx());
     let implant = ("implant", palette.accent, dome_outline(problem));
     let tissue = (!Subject::has_no_shape(session)).then(|| {
         let [inner, outer] = tissue_faces(session.solution());
@@ -127,7 +129,7 @@ pub(super) fn section_chart(
     let silhouettes: Vec<Silhouette> = pins.iter().filter_map(silhouette).collect();
     let own = tissue.iter().flatten().chain([&implant, &wall]);
     let names: Vec<(String, Color32)> = own
-        .map(|&(name, color, _)| (name.to_owned(), color))
+        .map(|&(name, color, _)| (device.words(name), color))
         .chain(pins.iter().map(|(pin, color)| (format!("skin of {}", pin.letter()), *color)))
         .collect();
     fixed_plot("section", height)

@@ -73,7 +73,7 @@ impl App {
     /// The answer in a few sentences, for screen readers; before it the chosen point of the range of implants.
     #[must_use]
     pub fn summary(&self) -> String {
-        let answer = answer::summary(&self.session)
+        let answer = answer::summary(&self.session, self.plan.device)
             + &self.nearest.summary(&self.session)
             + &self.uncertainty.summary()
             + &self.pinned();

@@ -145,7 +145,8 @@ impl App {
             ui.small("Closed meshes in mm; GLB in m");
             egui::Grid::new("shapes").show(ui, |ui| {
                 for (name, solid) in SOLIDS {
-                    ui.label(name);
+                    let name = self.plan.device.words(name);
+                    ui.label(&name);
                     for format in Format::ALL {
                         let extension = format.extension();
                         let button = ui.button(extension.to_uppercase());
@@ -155,7 +156,8 @@ impl App {
                             let file = format!("{}.{extension}", name.to_lowercase());
                             let solid = solid(self.session.solution());
                             if solid.vertices.is_empty() {
-                                self.notice = Some(Notice::error(NOT_INSERTED));
+                                self.notice =
+                                    Some(Notice::error(self.plan.device.words(NOT_INSERTED)));
                             } else {
                                 self.files.save(ctx, &file, format.encode(&solid));
                             }

@@ -110,6 +110,7 @@ impl App {
     fn tabs(&mut self, ui: &mut Ui) {
         ui.columns_const(|columns: &mut [Ui; 4]| {
             for (ui, (tab, name)) in columns.iter_mut().zip(TABS) {
+                let name = self.plan.device.words(name);
                 let size = egui::vec2(ui.available_width(), theme::TOUCH);
                 let button = egui::Button::selectable(self.narrow_tab == tab, name)
                     .frame_when_inactive(true);
@@ -242,7 +243,7 @@ impl App {
     /// The page of a plan without a shape, or a box over the picture of the last plan with an answer. On a narrow screen
     /// the answer with the nearest plan is behind a tab.
     fn no_shape(&mut self, ui: &mut Ui, area: Rect, scene: &mut Scene, layout: Layout) {
-        let words = no_answer::words(&self.session);
+        let words = self.plan.device.words(&no_answer::words(&self.session));
         let about_picture = no_answer::about_picture(&self.session);
         let mut accepted = None;
         let add = |ui: &mut Ui| {

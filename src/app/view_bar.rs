@@ -49,7 +49,8 @@ impl App {
             self.quantity_box(ui);
             if layout == Layout::Narrow {
                 let tooltip = "A chart of many plans: width by projection, or any two numbers";
-                if ui.button(range::RANGE).on_hover_text(tooltip).clicked() {
+                if ui.button(self.plan.device.words(range::RANGE)).on_hover_text(tooltip).clicked()
+                {
                     self.range.is_open = true;
                 }
             }
@@ -110,7 +111,7 @@ impl App {
             Quantity::Pressure => "Pressure".to_owned(),
             Quantity::LayerStrain(k) => format!("Stretch, {}", tissue(k)),
             Quantity::Thickness(k) => format!("Thickness, {}", tissue(k)),
-            Quantity::Cover => "Cover over the implant".to_owned(),
+            Quantity::Cover => self.plan.device.words("Cover over the implant"),
             Quantity::Traction => "Pull at the pocket's edge".to_owned(),
             Quantity::Wrinkles => "Wrinkles of the skin".to_owned(),
         };

@@ -161,7 +161,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const row = (name, unit) => rows.find(([a, b]) => a === name && b === unit).slice(2).map(Number);
     assert.ok(Math.abs(row("Skin stretch", "%")[0] / (100 * result.strain.max_principal) - 1) < 1e-8);
     assert.ok(Math.abs(row("Pressure, greatest", "mmHg")[0] / result.contact_pressure_mmhg.max - 1) < 1e-8);
-    assert.ok(Math.abs(row("Implant volume", "ml")[0] - 340) < 1e-6 && Math.abs(row("Implant volume", "ml")[1] - 300) < 1e-6);
+    assert.ok(Math.abs(row("Volume", "ml")[0] - 340) < 1e-6 && Math.abs(row("Volume", "ml")[1] - 300) < 1e-6);
 
     // Without an answer both say so, and that the picture is another plan's.
     await page.evaluate(() => {

@@ -2,6 +2,7 @@
 
 use super::cards::{BarScale, Card};
 use super::text_of;
+use crate::app::device::Device;
 use crate::app::theme::{self, SPACE};
 use crate::app::uncertainty::Findings;
 use crate::measure::bands;
@@ -18,7 +19,7 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
             ui.set_width(ui.available_width());
             ui.spacing_mut().item_spacing.y = 2.0;
             ui.horizontal(|ui| {
-                ui.label(RichText::new(card.title).strong());
+                ui.label(RichText::new(Device::of(ui.ctx()).words(card.title)).strong());
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     verdict(ui, card);
                 });
@@ -45,7 +46,7 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
             card.median.as_ref().map_or_else(String::new, |median| format!(", median {median}"))
         );
     }
-    response.on_hover_text(tooltip);
+    response.on_hover_text(Device::of(ui.ctx()).words(&tooltip));
 }
 
 /// Shows the word of a band with its level, as one to four strokes: colour is not the only sign.

@@ -8,6 +8,7 @@ mod draw;
 
 pub(super) use draw::band_color;
 
+use super::device::Device;
 use super::no_answer;
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::uncertainty::Findings;
@@ -96,14 +97,18 @@ pub(super) fn show_short(
     });
 }
 
-/// The cards in words: title, figure, word, further line.
-pub(super) fn rows(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
+/// The cards of a device in words: title, figure, word, further line.
+pub(super) fn rows(
+    session: &Session,
+    device: Device,
+    findings: Option<&Findings>,
+) -> Vec<[String; 4]> {
     let outcome = visible(session, PreviousResults::Shown);
     let cards = cards(&Answer::new(outcome, session.scene()), findings);
     let row = |card: Card| {
         let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
         [
-            card.title.to_owned(),
+            device.words(card.title),
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
             card.line,
@@ -121,15 +126,22 @@ fn warnings(ui: &mut Ui, outcome: Option<&Outcome>) {
         ui.add(egui::Label::new(words.color(palette.bad)).wrap());
     }
     for warning in &outcome.warnings {
+        let warning = Device::of(ui.ctx()).warning(warning);
         let words = RichText::new(format!("! {warning}")).small().color(palette.caution);
         ui.add(egui::Label::new(words).wrap());
     }
 }
 
 /// The limits of a quantity with their sources, one per line, and what a reader must know about them.
-pub(super) fn text_of(limits: &Limits) -> String {
+fn text_of(limits: &Limits) -> String {
     let sources = limits.bands.iter().map(|band| band.source).filter(|source| !source.is_empty());
     sources.chain([limits.note]).collect::<Vec<_>>().join("\n")
+}
+
+/// All limits with their sources, for the plan of a device.
+pub(super) fn limits_in_words(device: Device) -> Vec<String> {
+    let texts = bands::LIMITS.map(text_of).into_iter().chain([bands::COVER.to_owned()]);
+    texts.map(|text| device.words(&text)).collect()
 }
 
 /// The fold with the sources of all limits.
@@ -137,10 +149,9 @@ pub(super) fn sources(ui: &mut Ui) {
     egui::CollapsingHeader::new("Where limits come from").id_salt("sources").show_unindented(
         ui,
         |ui| {
-            for limits in bands::LIMITS {
-                ui.label(RichText::new(text_of(limits)).small());
+            for text in limits_in_words(Device::of(ui.ctx())) {
+                ui.label(RichText::new(text).small());
             }
-            ui.label(RichText::new(bands::COVER).small());
             ui.label(
                 RichText::new(
                     "Right after surgery. With tissue expanders about a third of such a gain of skin \
@@ -170,8 +181,8 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     format!("{volume} ml, {width} cm{part}: {words}")
 }
 
-/// The answer in a few sentences, for screen readers.
-pub(super) fn summary(session: &Session) -> String {
+/// The answer of a device in a few sentences, for screen readers.
+pub(super) fn summary(session: &Session, device: Device) -> String {
     if session.is_stopped() {
         return "Stopped: this plan has not been computed.".to_owned();
     }
@@ -179,7 +190,9 @@ pub(super) fn summary(session: &Session) -> String {
         return "Updating.".to_owned();
     };
     let state = match outcome.status {
-        Status::Unstable => return format!("No answer. {}", no_answer::words(session)),
+        Status::Unstable => {
+            return format!("No answer. {}", device.words(&no_answer::words(session)));
+        }
         Status::NotConverged => "Not finished: do not use these numbers.",
         Status::Converged => "Up to date.",
     };
@@ -197,6 +210,8 @@ pub(super) fn summary(session: &Session) -> String {
         let word = bands::pressure_word(most);
         format!(" Pressure {mean:.0}, at most {most:.0} mmHg, {word}.")
     });
-    let warnings: String = outcome.warnings.iter().map(|warning| format!(" {warning}")).collect();
-    format!("{volume} ml implant, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}")
+    let warnings = outcome.warnings.iter().map(|warning| format!(" {}", device.warning(warning)));
+    let warnings: String = warnings.collect();
+    let name = device.words("implant");
+    format!("{volume} ml {name}, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}")
 }

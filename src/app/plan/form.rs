@@ -16,7 +16,7 @@ pub(in crate::app) struct Field {
     /// The value as the screen shows it; empty: none of the choices.
     text: String,
     /// What the field means.
-    hint: &'static str,
+    hint: String,
     #[serde(flatten)]
     values: Values,
 }
@@ -69,7 +69,7 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
                 label: control.label,
                 unit: control.unit,
                 text,
-                hint: control.tooltip,
+                hint: choices.device.words(control.tooltip),
                 values,
             }
         }));
@@ -88,7 +88,8 @@ fn skin(scene: &Scene) -> Field {
         unit: "",
         text: patient::measured(scene).skin_class.map_or("", SkinClass::word).to_owned(),
         hint: "Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
-               very lax more than 4 cm.",
+               very lax more than 4 cm."
+            .to_owned(),
         values: Values::Words { choices: SkinClass::ALL.map(SkinClass::word).to_vec() },
     }
 }

@@ -24,7 +24,7 @@ pub(in crate::app) fn implant(
 ) {
     // The limits of a scene are those of a size.
     let Ok(size) = scene.implant.size() else { return };
-    title(ui, "Implant", |ui| device(ui, choices, hand));
+    title(ui, &choices.device.words("Implant"), |ui| device(ui, choices, hand));
     let changed = match choices.device {
         Device::Implant => implant_rows(ui, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),

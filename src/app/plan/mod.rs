@@ -21,6 +21,7 @@ pub(super) use pocket::pocket;
 pub(super) use position::position;
 pub(super) use visit::{patient_in_words, visit_in_words};
 
+pub(super) use super::device::Device;
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
 use super::widgets::{Control, ControlResponse, Kind};
@@ -30,8 +31,8 @@ use crate::scene::{Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
 use serde::{Deserialize, Serialize};
 
-/// The plan in words: names and values.
-pub(super) fn rows(scene: &Scene) -> Vec<(&'static str, String)> {
+/// The plan of a device in words: names and values.
+pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)> {
     let implant = &scene.implant;
     let width = 2.0 * implant.base_radius_mm;
     let size = implant.size().ok();
@@ -48,16 +49,17 @@ pub(super) fn rows(scene: &Scene) -> Vec<(&'static str, String)> {
     let [x, y] = implant.center_mm;
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
     let margin = scene.pocket_radius_mm - implant.base_radius_mm;
+    let volume = if device == Device::Expander { "Fill" } else { "Volume" };
     [
         Some(("Width", centimetres(width))),
-        size.map(|size| ("Volume", format!("{:.0} ml", size.volume_ml()))),
+        size.map(|size| (volume, format!("{:.0} ml", size.volume_ml()))),
         Some(("Projection", centimetres(implant.projection_mm))),
         size.map(|size| ("Profile", size.profile_in_words().to_owned())),
         pinch,
         class,
         pull,
         Some(("Tissue", layers.join(", "))),
-        Some(("Pocket", format!("implant + {}", centimetres(margin)))),
+        Some(("Pocket", format!("{} + {}", device.words("implant"), centimetres(margin)))),
         Some(("Position", format!("{} to the side, {} up", centimetres(x), centimetres(y)))),
         Some(("In place", format!("{:.0} %", 100.0 * scene.insertion))),
     ]
@@ -73,14 +75,6 @@ pub(super) enum Hand {
     Mouse,
     /// A finger: steppers, because a swipe over a slider should scroll.
     Finger,
-}
-
-/// What is implanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Device {
-    Implant,
-    Expander,
 }
 
 /// Choices of the plan that are not part of the scene.

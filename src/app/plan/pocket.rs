@@ -30,7 +30,7 @@ pub(super) fn margin(scene: &Scene) -> (Control<'static>, f64) {
         range: 0.0..=4.0_f64.max(least),
         allowed: Some(least.min(margin)..=most),
         limit_reason: format!(
-            "{} to {} cm around this implant at this position",
+            "{} to {} cm at this position",
             quantity::format(least, 1),
             quantity::format(most, 1)
         ),

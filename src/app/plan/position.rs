@@ -1,6 +1,7 @@
 //! Position of the implant in its pocket: a pad and two numbers. The implant stays in its pocket, because a larger
 //! pocket would reduce the strain.
 
+use super::Device;
 use super::{Hand, centimetres, cm, mm, title};
 use crate::app::messages::{Notice, Offer};
 use crate::app::theme;
@@ -90,13 +91,15 @@ fn pad(ui: &mut Ui, scene: &mut Scene) {
     if response.double_clicked() {
         scene.implant.center_mm = [0.0, 0.0];
     }
-    set_accessible_name(&response, egui::Role::Canvas, "Position of the implant");
+    let device = Device::of(ui.ctx());
+    let name = device.words("Position of the implant");
+    set_accessible_name(&response, egui::Role::Canvas, &name);
     if ui.is_rect_visible(rect) {
         paint(ui, rect, centre, scene);
     }
-    response.on_hover_text(
+    response.on_hover_text(device.words(
         "Drag the implant in its pocket, or use the arrow keys (1 mm). A double-click centres the implant.",
-    );
+    ));
 }
 
 fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {

@@ -5,6 +5,7 @@ use super::axes::Words;
 use super::colours::{Scale, picture};
 use super::plane::{Plane, marks, nearest};
 use super::readout;
+use crate::app::device::Device;
 use crate::app::theme::{self, SPACE};
 use crate::app::viewport::pointer_box;
 use crate::app::widgets::{arrow_keys, set_accessible_name};
@@ -236,9 +237,10 @@ impl Chart {
         let is_still = ui.input(|input| input.pointer.delta() == egui::Vec2::ZERO);
         let by_keys = chosen.filter(|_| is_still && response.has_focus());
         let shown = by_keys.or(hovered).or(chosen);
-        set_accessible_name(response, egui::Role::Canvas, NAME);
+        let device = Device::of(ui.ctx());
+        set_accessible_name(response, egui::Role::Canvas, &device.words(NAME));
         let sentence = shown.map_or_else(
-            || "Arrow keys choose an implant, Enter takes the implant.".to_owned(),
+            || device.words("Arrow keys choose an implant, Enter takes the implant."),
             |(i, j)| readout::sentence(map, i, j, quantity),
         );
         response.ctx.accesskit_node_builder(response.id, |node| node.set_value(sentence));
@@ -260,7 +262,7 @@ impl Chart {
         lines.truncate(LINES);
         lines.insert(0, readout::place(map, i, j));
         if hovered.is_some() && by_keys.is_none() {
-            lines.push("Click takes this implant".to_owned());
+            lines.push(device.words("Click takes this implant"));
         }
         pointer_box(ui, painter, area, at, &lines);
     }

@@ -370,7 +370,7 @@ impl Range {
             ));
         }
         if map.pocket_follows() {
-            words.push("The pocket keeps its margin around the implant.".to_owned());
+            words.push("The pocket keeps its margin.".to_owned());
         }
         if map.present().is_none() {
             words.push("The present plan is not on this chart.".to_owned());
@@ -447,7 +447,7 @@ impl App {
                     self.range.is_open = false;
                 }
                 let tooltip = "A chart of many plans: width by projection, or any two numbers";
-                if chip(ui, Hand::Mouse, is_open, RANGE, tooltip) {
+                if chip(ui, Hand::Mouse, is_open, &self.plan.device.words(RANGE), tooltip) {
                     self.range.is_open = true;
                 }
                 if is_open {
@@ -516,7 +516,7 @@ impl App {
         let mut taken = None;
         bottom.show_separator_line(false).show(ui, |ui| {
             if layout == Layout::Narrow && self.range.chart.cursor().is_some() {
-                let button = Button::new("Take this implant");
+                let button = Button::new(self.plan.device.words("Take this implant"));
                 let size = egui::vec2(ui.available_width(), theme::TOUCH - 8.0);
                 if ui.add_sized(size, button).clicked() {
                     taken = self.range.chart.cursor();

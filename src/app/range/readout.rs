@@ -11,7 +11,7 @@ pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
     (Quantity::LeastCoverMm, "Least cover"),
     (Quantity::SkinAreaGainCm2, "Skin area gained"),
     (Quantity::SkinProjectionMm, "Height of the breast mound"),
-    (Quantity::ImplantVolumeMl, "Implant volume"),
+    (Quantity::ImplantVolumeMl, "Volume"),
     (Quantity::MeanPressureMmhg, "Pressure, mean"),
     (Quantity::ApexCoverMm, "Cover over the apex"),
     (Quantity::SkinAreaGain, "Skin area gained, of the pocket"),

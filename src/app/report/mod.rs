@@ -9,12 +9,12 @@ mod page;
 
 use super::answer::{self, PreviousResults};
 use super::compare;
+use super::device::Device;
 use super::messages::Notice;
 use super::theme::SPACE;
 use super::uncertainty::Findings;
 use super::viewport::Shown;
 use super::{App, files, no_answer, plan, plots, status};
-use crate::measure::bands;
 use crate::session::Session;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
@@ -58,12 +58,12 @@ impl App {
 
     /// The composed picture of the plan.
     fn figure(&mut self) -> Result<ColorImage, String> {
-        let session = &self.session;
+        let (session, device) = (&self.session, self.plan.device);
         let figure = Figure {
             headline: answer::headline(session, PreviousResults::Shown),
-            plan: plan::rows(session.scene()),
-            cards: cards(session, self.uncertainty.findings()),
-            remarks: remarks(session),
+            plan: plan::rows(session.scene(), device),
+            cards: cards(session, device, self.uncertainty.findings()),
+            remarks: remarks(session, device),
             patient: plan::patient_in_words(session.scene()),
             origin: format!("{} · {}", origin(), status::model(session.scene())),
         };
@@ -71,7 +71,7 @@ impl App {
         let shown = Shown { session, options: &self.options, envelope, outlines: &[], bar: 0.0 };
         self.viewport.aside(|viewport| {
             let gl = viewport.graphics()?;
-            offscreen::picture(&gl, figure::SIZE, |ui| {
+            offscreen::picture(&gl, device, figure::SIZE, |ui| {
                 figure.show(ui, |ui| {
                     if no_answer::has_picture(session) {
                         viewport.show(ui, shown);
@@ -83,7 +83,8 @@ impl App {
 
     /// The pictures of the report.
     fn pictures(&mut self) -> Result<Vec<Picture>, String> {
-        let Self { session, options, compare, uncertainty, viewport, .. } = self;
+        let Self { session, options, compare, uncertainty, viewport, plan, .. } = self;
+        let device = plan.device;
         let envelope = uncertainty.envelope().unwrap_or_default();
         let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0 };
         let has_pins = session.pins().iter().any(|pin| pin.solution().is_some());
@@ -92,7 +93,7 @@ impl App {
             let gl = viewport.graphics()?;
             let mut pictures = Vec::new();
             let mut take = |name, size, add: &mut dyn FnMut(&mut Ui)| {
-                let image = offscreen::picture(&gl, size, add)?;
+                let image = offscreen::picture(&gl, device, size, add)?;
                 pictures.push(Picture { name, address: page::data_address(&png_of(&image)?) });
                 Ok::<(), String>(())
             };
@@ -114,7 +115,7 @@ impl App {
 
     /// The content of the report.
     fn report(&self, pictures: Vec<Picture>) -> Page {
-        let session: &Session = &self.session;
+        let (session, device) = (&self.session, self.plan.device);
         let findings = self.uncertainty.findings();
         let sampled = |scene: &_| self.uncertainty.values(scene);
         Page {
@@ -122,35 +123,33 @@ impl App {
             visit: plan::visit_in_words(session.scene()),
             origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown),
-            plan: plan::rows(session.scene()),
+            plan: plan::rows(session.scene(), device),
             model: status::model(session.scene()),
-            cards: cards(session, findings),
-            remarks: remarks(session),
+            cards: cards(session, device, findings),
+            remarks: remarks(session, device),
             table: compare::rows(session, &sampled),
             bands: self.uncertainty.about_bands(),
-            limits: bands::LIMITS
-                .map(answer::text_of)
-                .into_iter()
-                .chain([bands::COVER.to_owned()])
-                .collect(),
+            limits: answer::limits_in_words(device),
             plan_json: session.document_json(),
         }
     }
 }
 
 /// The cards in words; none without an answer.
-fn cards(session: &Session, findings: Option<&Findings>) -> Vec<[String; 4]> {
-    if no_answer::applies(session) { Vec::new() } else { answer::rows(session, findings) }
+fn cards(session: &Session, device: Device, findings: Option<&Findings>) -> Vec<[String; 4]> {
+    if no_answer::applies(session) { Vec::new() } else { answer::rows(session, device, findings) }
 }
 
 /// The warnings of the result; without an answer what that means, and what the picture is.
-fn remarks(session: &Session) -> Vec<String> {
+fn remarks(session: &Session, device: Device) -> Vec<String> {
     if no_answer::applies(session) {
         let about_picture = no_answer::about_picture(session);
-        return [no_answer::words(session)].into_iter().chain(about_picture).collect();
+        let words = device.words(&no_answer::words(session));
+        return [words].into_iter().chain(about_picture).collect();
     }
     let outcome = answer::visible(session, PreviousResults::Shown);
-    outcome.map_or_else(Vec::new, |outcome| outcome.warnings.clone())
+    let warning = |warning: &String| device.warning(warning);
+    outcome.map_or_else(Vec::new, |outcome| outcome.warnings.iter().map(warning).collect())
 }
 
 /// Date and version, as "2026-01-31, 12:34 UTC · version 0.1.0".

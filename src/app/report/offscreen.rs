@@ -1,5 +1,6 @@
 //! Pictures of contents that are not on the screen: drawn by the window's graphics context into memory.
 
+use crate::app::device::Device;
 use crate::app::theme;
 use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Theme, Ui, Vec2};
 use eframe::egui_glow::Painter;
@@ -11,12 +12,13 @@ const SCALE: f32 = 2.0;
 /// Samples of a pixel: WebGL 2 has at least four.
 const SAMPLES: i32 = 4;
 
-/// A picture of contents on a light ground of a size \[points\], at [`SCALE`] pixels per point.
+/// A picture of contents about a device on a light ground of a size \[points\], at [`SCALE`] pixels per point.
 ///
 /// # Errors
 /// Returns the message of the graphics driver in one line.
 pub(super) fn picture(
     gl: &Arc<glow::Context>,
+    device: Device,
     size: Vec2,
     mut add_contents: impl FnMut(&mut Ui),
 ) -> Result<ColorImage, String> {
@@ -24,6 +26,7 @@ pub(super) fn picture(
     let ctx = egui::Context::default();
     theme::install(&ctx);
     ctx.set_theme(Theme::Light);
+    device.note(&ctx);
     let mut input = egui::RawInput {
         screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size)),
         ..egui::RawInput::default()

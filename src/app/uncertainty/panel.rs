@@ -89,7 +89,7 @@ impl Uncertainty {
         );
         let [x, y] = session.scene().implant.center_mm;
         let off_centre = if x.hypot(y) > 0.0 {
-            " The implant is off centre: the lines run from the centre of the pocket to the side only."
+            " The dome is off centre: the lines run from the centre of the pocket to the side only."
         } else {
             ""
         };

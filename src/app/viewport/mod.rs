@@ -10,6 +10,7 @@ mod renderer;
 pub(crate) use envelope::Outline;
 pub(crate) use overlay::pointer_box;
 
+use super::device::Device;
 use super::widgets::{arrow_keys, keep_press};
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
@@ -497,7 +498,7 @@ impl Viewport {
                 Color32::TRANSPARENT,
                 egui::Stroke::new(1.5, ui.visuals().strong_text_color()),
             );
-            let lines = overlay::readout(&hit, picture, subject.scene());
+            let lines = overlay::readout(&hit, picture, subject.scene(), Device::of(ui.ctx()));
             pointer_box(ui, &painter, area, pointer, &lines);
         }
     }

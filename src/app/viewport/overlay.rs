@@ -1,6 +1,7 @@
 //! Overlays of the picture: legend, directions, scale bar, values at the pointer.
 
 use super::Outline;
+use crate::app::device::Device;
 use crate::measure::{Field, MMHG_PER_KPA};
 use crate::scene::Scene;
 use crate::view::color::{Rgb, Scale};
@@ -259,11 +260,19 @@ pub(crate) fn caption(ui: &Ui, painter: &Painter, area: Rect, title: &str) {
 const LEAST_FOLDED: f32 = 5e-4;
 
 /// The values at a hit, one per line.
-pub(crate) fn readout(hit: &Hit, picture: &Picture, scene: &Scene) -> Vec<String> {
+pub(in crate::app) fn readout(
+    hit: &Hit,
+    picture: &Picture,
+    scene: &Scene,
+    device: Device,
+) -> Vec<String> {
     let layers = &scene.layers;
     let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
     match &hit.target {
-        Target::Implant => vec![format!("Implant, {:.1} mm above the chest wall", hit.point.z)],
+        Target::Implant => {
+            let name = device.words("Implant");
+            vec![format!("{name}, {:.1} mm above the chest wall", hit.point.z)]
+        }
         Target::Ring => vec!["Outside the pocket (not computed)".to_owned()],
         Target::Cut(layer) => vec![format!("Cut through {}", name(*layer))],
         Target::Sheet(nodes) => {

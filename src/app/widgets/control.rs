@@ -4,6 +4,7 @@ use super::number_field::NumberField;
 use super::quantity::{self, Kind};
 use super::rail::Rail;
 use super::set_accessible_name;
+use crate::app::device::Device;
 use crate::app::theme;
 use eframe::egui::{self, Response, RichText, Sense, Ui, vec2};
 use std::ops::RangeInclusive;
@@ -215,7 +216,7 @@ impl Control<'_> {
     fn label(&self, ui: &mut Ui, text: &str) -> Response {
         let label = ui.label(RichText::new(text).color(ui.visuals().weak_text_color()));
         // Skipped by the Tab key.
-        label.interact(Sense::CLICK).on_hover_text(self.tooltip())
+        label.interact(Sense::CLICK).on_hover_text(Device::of(ui.ctx()).words(&self.tooltip()))
     }
 
     /// Shows a rejection and resets the value after a double-click on the label.
@@ -265,7 +266,7 @@ impl<'c, 'a> Line<'c, 'a> {
             width,
         };
         let moved = rail.show(ui, value);
-        moved.response.on_hover_text(self.control.tooltip());
+        moved.response.on_hover_text(Device::of(ui.ctx()).words(&self.control.tooltip()));
         self.change.is_changed |= moved.is_changed;
         self.change.out_of_range = self.change.out_of_range.or(moved.out_of_range);
     }

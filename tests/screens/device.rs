@@ -1,0 +1,64 @@
+//! A tissue expander is called an expander in every text of the screen.
+
+use super::*;
+use egui_kittest::kittest::By;
+
+/// Texts that name the implant, by label or value, without the name of the program and the switch to an implant.
+fn about_implants(harness: &Harness<'static, App>) -> Vec<String> {
+    let everything = By::new().predicate(|_| true).recursive(true);
+    let mut found = Vec::new();
+    for node in harness.query_all(everything) {
+        let node = node.accesskit_node();
+        for text in [node.label(), node.value()].into_iter().flatten() {
+            if text.to_lowercase().contains("implant") {
+                found.push(text);
+            }
+        }
+    }
+    found.retain(|text| !["implant", "Implant preview"].contains(&text.as_str()));
+    found
+}
+
+#[test]
+fn an_expander_is_called_an_expander_throughout() {
+    let mut harness = unfolded(|scene| *scene = opening());
+    assert!(about_implants(&harness).len() > 5, "{:?}", about_implants(&harness));
+    press(&mut harness, "expander");
+    harness.run();
+    for text in [
+        "Cover over expander",
+        "Projection of the expander",
+        "Expander volume",
+        "Position of the expander",
+        "Range of expanders",
+        "Expander",
+    ] {
+        assert!(harness.query_all_by_label(text).count() > 0, "{text}");
+    }
+    assert_eq!(about_implants(&harness), Vec::<String>::new());
+    assert!(harness.state().summary().starts_with("300 ml expander, 12 cm wide."));
+    press(&mut harness, "File");
+    press(&mut harness, "Save shape (3-D)");
+    harness.get_by_role_and_label(Role::Button, "Expander as STL");
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    // The chart and its captions too.
+    press(&mut harness, "Range of expanders");
+    harness.run();
+    harness.get_by_role_and_label(Role::Canvas, "Range of expanders, chart");
+    assert_eq!(about_implants(&harness), Vec::<String>::new());
+    press(&mut harness, "Picture");
+    press(&mut harness, "implant");
+    harness.run();
+    assert!(harness.query_by_label("Cover over expander").is_none());
+    harness.get_by_label("Cover over implant");
+}
+
+#[test]
+fn the_tab_of_a_phone_names_the_device() {
+    let mut harness = app(PHONE, |scene| *scene = opening());
+    press(&mut harness, "expander");
+    harness.run();
+    assert!(harness.query_by_role_and_label(Role::Button, "Implant").is_none());
+    harness.get_by_role_and_label(Role::Button, "Expander");
+}
