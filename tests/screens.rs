@@ -156,6 +156,7 @@ fn every_control_and_reading_has_its_name() {
         "Top",
         "All",
         "Grid",
+        "Areola",
         "Show insertion",
         "Fast",
         "Normal",
@@ -638,6 +639,7 @@ fn a_colour_the_section_and_the_theme_solve_nothing() {
     harness.get_by_label("No cut").click();
     harness.run();
     harness.get_by_label("Grid").click();
+    harness.get_by_label("Areola").click();
     harness.get_by_label("Front").click();
     harness.run();
     // Drawing computes fields; all other counters are unchanged.

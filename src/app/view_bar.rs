@@ -46,6 +46,15 @@ impl App {
                 self.options.net = !self.options.net;
             }
             grid.on_hover_text("Lines show how the skin is pulled");
+            let areola = self.options.areola_mut();
+            let button = egui::Button::selectable(*areola, "Areola").frame_when_inactive(true);
+            let response = ui.add(button);
+            if response.clicked() {
+                *areola = !*areola;
+            }
+            response.on_hover_text(
+                "A circle of 4 cm on the skin at rest, over the middle of the pocket; the circle stretches with the skin",
+            );
             self.quantity_box(ui);
             if layout == Layout::Narrow {
                 let tooltip = "A chart of many plans: width by projection, or any two numbers";

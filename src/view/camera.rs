@@ -13,6 +13,10 @@ const ELEVATION: (f32, f32) = (-0.15, 1.55);
 const DISTANCE_MM: (f32, f32) = (40.0, 3000.0);
 /// Greatest coordinates of the target \[mm\].
 const TARGET_MM: Vec3 = Vec3::splat(400.0);
+/// Heights of the target above the wall \[radius of the body\]: obliquely the body is in the middle of the view, slightly below,
+/// because of the buttons above; along the wall the dome is.
+const OBLIQUE_HEIGHT: f32 = 0.03;
+const LEVEL_HEIGHT: f32 = 0.22;
 /// Duration of [`Camera::fit`] \[s\].
 const EASE_SECONDS: f32 = 0.35;
 
@@ -181,10 +185,12 @@ impl Camera {
     pub fn fit(&mut self, radius_mm: f32, aspect: f32, view: View) -> bool {
         let quarter = std::f32::consts::FRAC_PI_2;
         let fitted = fitted(radius_mm, aspect);
+        let target = Vec3::new(0.0, 0.0, LEVEL_HEIGHT * radius_mm);
+        let level = Pose { target, elevation: 0.0, ..fitted };
         let to = match view {
             View::Front => Pose { azimuth: -quarter, elevation: ELEVATION.1, ..fitted },
-            View::Side => Pose { azimuth: 0.0, elevation: 0.0, ..fitted },
-            View::Top => Pose { azimuth: quarter, elevation: 0.0, ..fitted },
+            View::Side => Pose { azimuth: 0.0, ..level },
+            View::Top => Pose { azimuth: quarter, ..level },
             View::All => fitted,
         };
         if self.pose == to {
@@ -268,7 +274,7 @@ impl Camera {
 fn fitted(radius_mm: f32, aspect: f32) -> Pose {
     let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(0.2, 1.15);
     Pose {
-        target: Vec3::new(0.0, 0.0, 0.22 * radius_mm),
+        target: Vec3::new(0.0, 0.0, OBLIQUE_HEIGHT * radius_mm),
         azimuth: -1.05,
         elevation: 0.5,
         distance: (1.14 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
@@ -367,6 +373,22 @@ mod tests {
         assert!(steps > 3 && !camera.is_easing());
         assert_eq!(camera.pose(), Camera::new(80.0, 1.5).pose());
         assert!(!camera.fit(80.0, 1.5, View::All));
+    }
+
+    #[test]
+    fn the_body_is_in_the_middle_of_the_opening_view() {
+        // A disc with a dome of two fifths of its radius.
+        let radius = 110.0;
+        for aspect in [0.7, 1.1, 1.6] {
+            let camera = Camera::new(radius, aspect);
+            let rim = (0..72).map(|k| Vec2::from_angle(5.0_f32.to_radians() * k as f32) * radius);
+            let points = rim.map(|p| p.extend(0.0)).chain([Vec3::new(0.0, 0.0, 0.4 * radius)]);
+            let heights = points.filter_map(|p| camera.project(p, aspect)).map(|p| p.y);
+            let (low, high) = heights.fold((f32::MAX, f32::MIN), |(a, b), y| (a.min(y), b.max(y)));
+            // Slightly below, because of the buttons above.
+            let middle = 0.5 * (low + high);
+            assert!((-0.15..=0.0).contains(&middle), "{low} to {high} at {aspect}");
+        }
     }
 
     #[test]

@@ -148,8 +148,30 @@ pub fn tissue(name: &str, index: usize) -> Rgb {
     }
 }
 
-/// The implant: pearl.
-pub const IMPLANT: Rgb = [0.80, 0.82, 0.85];
+/// Pattern of a tissue on a cut face.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pattern {
+    /// One colour.
+    #[default]
+    Plain,
+    /// The epidermis as a line along the outer surface.
+    Skin,
+    /// Lobules.
+    Fat,
+}
+
+/// The pattern of a tissue.
+#[must_use]
+pub fn pattern(name: &str) -> Pattern {
+    match name.trim().to_lowercase().as_str() {
+        "skin" => Pattern::Skin,
+        "adipose" | "fat" => Pattern::Fat,
+        _ => Pattern::Plain,
+    }
+}
+
+/// The implant: gel in a shell.
+pub const IMPLANT: Rgb = [0.70, 0.73, 0.77];
 /// The chest wall: muscle, muted.
 pub const WALL: Rgb = [0.62, 0.43, 0.42];
 

@@ -2,17 +2,21 @@
 
 use crate::contact::Dome;
 use crate::view::body::Body;
-use crate::view::color::{IMPLANT, Rgb, WALL};
+use crate::view::color::{IMPLANT, Pattern, Rgb, WALL};
 use crate::view::section::{CapTriangle, Corner};
 use glam::Vec3;
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
-/// skin those of the grid, on a cut face those of [`crate::view::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]), colour (3).
+/// skin those of the grid, on a cut face those of [`crate::view::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]; on a cut face the depth at rest \[mm\]
+/// plus 1000 for skin or 2000 for fat), colour (3).
 pub type Vertex = [f32; 12];
 
 /// The value of a vertex without quantity, drawn in the vertex's colour.
 pub const NO_VALUE: f32 = -1.0e9;
+
+/// Step between the values of two patterns on cut faces \[mm\]; greater than every depth.
+const PATTERN_STEP: f32 = 1000.0;
 
 /// Neighbours on either side in the smoothing of normals on the seam.
 const SEAM_REACH: usize = 4;
@@ -138,15 +142,17 @@ fn normals(body: &Body, points: &[Vec3]) -> Vec<Vec3> {
     sums.iter().map(|sum| sum.normalize_or(Vec3::Z)).collect()
 }
 
-/// The cut faces in the colours of the layers.
+/// The cut faces in the colours and patterns of the layers.
 #[must_use]
-pub fn caps(caps: &[CapTriangle], colors: &[Rgb]) -> Mesh {
+pub fn caps(caps: &[CapTriangle], colors: &[Rgb], patterns: &[Pattern]) -> Mesh {
     let vertices: Vec<Vertex> = caps
         .iter()
         .flat_map(|cap| {
             let color = colors.get(cap.layer).copied().unwrap_or(IMPLANT);
-            cap.corners.map(|Corner { position, net }| {
-                vertex(position, cap.normal, net.to_array(), NO_VALUE, color)
+            let pattern = patterns.get(cap.layer).copied().unwrap_or_default();
+            let first = PATTERN_STEP * f32::from(pattern as u8);
+            cap.corners.map(|Corner { position, net, depth_mm }| {
+                vertex(position, cap.normal, net.to_array(), first + depth_mm, color)
             })
         })
         .collect();
@@ -240,10 +246,26 @@ mod tests {
             check(&tissue(&body, &colors, Some(strain)));
             check(&tissue(&body, &colors, None));
             let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
-            check(&caps(&section.caps(&body), &colors));
+            check(&caps(&section.caps(&body), &colors, &[Pattern::Skin, Pattern::Fat]));
             check(&implant(&session.problem().obstacle.dome));
             check(&wall(80.0));
         }
+    }
+
+    #[test]
+    fn a_cut_face_has_the_pattern_of_its_layer() {
+        let (_, body) = &both()[0];
+        let section = Section { opening: Opening::Half, angle: 0.7, axis: Vec2::ZERO };
+        let faces = section.caps(body);
+        let mesh = caps(&faces, &[[0.5; 3]; 2], &[Pattern::Skin, Pattern::Fat]);
+        for (face, corners) in faces.iter().zip(mesh.vertices.chunks_exact(3)) {
+            let first = [1000.0, 2000.0][face.layer];
+            for (corner, vertex) in face.corners.iter().zip(corners) {
+                assert!((vertex[8] - first - corner.depth_mm).abs() < 1e-3);
+            }
+        }
+        let plain = caps(&faces, &[[0.5; 3]; 2], &[]);
+        assert!(plain.vertices.iter().all(|vertex| vertex[8] < 1000.0));
     }
 
     #[test]

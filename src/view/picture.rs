@@ -3,7 +3,7 @@
 use crate::contact::Dome;
 use crate::measure::Fields;
 use crate::view::body::Body;
-use crate::view::color::{self, Quantity, Rgb, Scale};
+use crate::view::color::{self, Pattern, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
 use crate::view::strokes;
@@ -92,7 +92,9 @@ impl Picture {
             self.section_made = Some(section);
         }
         if reshape || recut || rename {
-            self.set_mesh(1, mesh::caps(&self.caps, &colors));
+            let patterns: Vec<Pattern> =
+                layers.iter().map(|layer| color::pattern(&layer.tissue)).collect();
+            self.set_mesh(1, mesh::caps(&self.caps, &colors, &patterns));
         }
         if rename {
             self.tissues_made = tissues.cloned().collect();

@@ -37,6 +37,8 @@ pub struct Corner {
     /// Place at rest \[cells\]: along the cut from the middle of the grid, and inwards from the outermost cells' outer face.
     /// The second is negative where the tissue has no cells.
     pub net: Vec2,
+    /// Depth at rest below the outer surface \[mm\].
+    pub depth_mm: f32,
 }
 
 impl Corner {
@@ -44,6 +46,7 @@ impl Corner {
         Self {
             position: self.position.lerp(other.position, fraction),
             net: self.net.lerp(other.net, fraction),
+            depth_mm: self.depth_mm + (other.depth_mm - self.depth_mm) * fraction,
         }
     }
 }
@@ -130,6 +133,7 @@ fn cut(body: &Body, face: Face, caps: &mut Vec<CapTriangle>) {
             }
         }
     }
+    let depths = depths_mm(body);
     let first_cells = body.slabs.iter().take_while(|slab| !slab.has_cells).count();
     for &triangle in &body.triangles {
         let [a, b, c] = triangle.map(|c| columns[c as usize]);
@@ -150,11 +154,22 @@ fn cut(body: &Body, face: Face, caps: &mut Vec<CapTriangle>) {
                         Some(u) if slab.has_cells => Vec2::new(u, (level - first_cells) as f32),
                         _ => NO_NET,
                     },
+                    depth_mm: depths[level],
                 })
             };
             cut_prism(corners(k), corners(k + 1), slab.layer, face, caps);
         }
     }
+}
+
+/// Depths at rest of the levels below the outer surface \[mm\].
+fn depths_mm(body: &Body) -> Vec<f32> {
+    let mut depth = 0.0;
+    let below = body.slabs.iter().map(|slab| {
+        depth += slab.height_mm;
+        depth
+    });
+    std::iter::once(0.0).chain(below).collect()
 }
 
 /// Place of a corner without cells.
@@ -297,6 +312,26 @@ mod tests {
                 assert!(half[layer] > 100.0);
                 assert!((turned[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {turned:?}");
                 assert!((wedge[layer] / half[layer] - 1.0).abs() < 0.02, "{half:?} {wedge:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_depth_on_a_cut_face_is_that_of_the_layer_at_rest() {
+        for (session, body) in both() {
+            let section = Section { opening: Opening::Wedge, angle: 0.4, axis: Vec2::ZERO };
+            let caps = section.caps(&body);
+            let mut from = 0.0;
+            for (layer, thickness) in
+                session.scene().layers.iter().map(|l| l.thickness_mm as f32).enumerate()
+            {
+                let corners = caps.iter().filter(|c| c.layer == layer).flat_map(|c| c.corners);
+                let (least, most) = corners.fold((f32::MAX, f32::MIN), |(least, most), corner| {
+                    (least.min(corner.depth_mm), most.max(corner.depth_mm))
+                });
+                assert!((least - from).abs() < 1e-3, "{layer}: {least}");
+                from += thickness;
+                assert!((most - from).abs() < 1e-3, "{layer}: {most}");
             }
         }
     }

@@ -3,11 +3,13 @@
 //! Without GL (in tests, without WebGL 2) only the picture itself is missing.
 
 mod envelope;
+mod options;
 mod overlay;
 mod panes;
 mod renderer;
 
 pub(crate) use envelope::Outline;
+pub(crate) use options::Options;
 pub(crate) use overlay::pointer_box;
 
 use super::device::Device;
@@ -16,7 +18,7 @@ use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::camera::{Camera, View};
-use crate::view::color::{Quantity, Rgb};
+use crate::view::color::Rgb;
 use crate::view::pick;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
@@ -28,7 +30,7 @@ use eframe::egui::{
 use eframe::{egui_glow, glow};
 use glam::{Vec2, Vec3};
 use panes::Pane;
-use renderer::{Frame, Renderer};
+use renderer::{Areola, Frame, Renderer};
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
 
@@ -40,33 +42,6 @@ const VEIL: f32 = 0.6;
 const CLEARANCE_MM: f32 = 50.0;
 /// Maximum nodes per side for which a running solve still shows values at the pointer.
 const PICK_WHILE_SOLVING: usize = 257;
-
-/// Display options; changes cause no solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Options {
-    /// Quantity shown by the colours of the skin.
-    pub(crate) quantity: Quantity,
-    /// Is the tissue cut open?
-    pub(crate) section: bool,
-    /// Azimuth of the opening \[degrees\], from +x counter-clockwise.
-    pub(crate) section_azimuth_deg: f32,
-    /// Remove half of the tissue instead of a quarter?
-    pub(crate) half: bool,
-    /// Draw the springs?
-    pub(crate) net: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            quantity: Quantity::Strain,
-            section: true,
-            section_azimuth_deg: -50.0,
-            half: false,
-            net: true,
-        }
-    }
-}
 
 /// What the 3-D view shows.
 #[derive(Clone, Copy)]
@@ -121,6 +96,7 @@ struct Drawn<'a> {
     section: Section,
     /// The springs?
     net: bool,
+    areola: Areola,
 }
 
 impl Viewport {
@@ -244,6 +220,7 @@ impl Viewport {
             problem: session.problem(),
             section,
             net: options.net,
+            areola: options.areola(),
         };
         self.draw(ui, &painter, area, drawn);
         self.draw_envelope(ui, &painter, area, (session, section), envelope);
@@ -371,7 +348,7 @@ impl Viewport {
     }
 
     fn draw(&self, ui: &Ui, painter: &egui::Painter, area: Rect, drawn: Drawn<'_>) {
-        let Drawn { number, numbers, picture, table, range, problem, section, net } = drawn;
+        let Drawn { number, numbers, picture, table, range, problem, section, net, areola } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
             let text = format!("The 3-D view is not available: {why}.\nControls and results work.");
@@ -399,6 +376,8 @@ impl Viewport {
             planes: section.planes(),
             axis: section.axis,
             net,
+            areola,
+            cell_mm: problem.sheet.spacing_mm() as f32,
             grid_centre: 0.5 * picture.body.nodes_per_side.saturating_sub(1) as f32,
             foot_radius: problem.obstacle.dome.wall_radius() as f32,
             pocket: pocket as f32,

@@ -75,6 +75,7 @@ impl Viewport {
             problem,
             section: section_of(options, problem),
             net: options.net,
+            areola: options.areola(),
         };
         for (((pane, shape), response), pointer) in
             self.panes.iter().zip(&pins).zip(&responses).zip(&pointers)

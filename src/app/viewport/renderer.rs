@@ -27,6 +27,17 @@ pub(crate) enum Material {
 const MATERIALS: [Material; 4] =
     [Material::Tissue, Material::Cap, Material::Implant, Material::Wall];
 
+/// How the areola is drawn; the number is the shader's `u_areola`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Areola {
+    /// Not drawn.
+    Hidden = 0,
+    /// A disc in its own colour.
+    Disc = 1,
+    /// Its edge, on the colours of a quantity.
+    Edge = 2,
+}
+
 /// Content of a frame.
 #[derive(Clone)]
 pub(crate) struct Frame {
@@ -50,6 +61,10 @@ pub(crate) struct Frame {
     pub(crate) axis: Vec2,
     /// Draw the springs?
     pub(crate) net: bool,
+    /// How the areola is drawn.
+    pub(crate) areola: Areola,
+    /// Width of a cell of the grid at rest \[mm\].
+    pub(crate) cell_mm: f32,
     /// Middle of the grid \[cells\].
     pub(crate) grid_centre: f32,
     /// Radius of the pocket's edge, drawn as a line \[cells\]; 0: no line.
@@ -124,6 +139,9 @@ impl Renderer {
             gl.depth_mask(true);
             gl.disable(glow::BLEND);
             gl.disable(glow::CULL_FACE);
+            // The edges of the cut are smooth; the window stays opaque.
+            gl.enable(glow::SAMPLE_ALPHA_TO_COVERAGE);
+            gl.color_mask(true, true, true, false);
             gl.clear_depth_f32(1.0);
             gl.clear(glow::DEPTH_BUFFER_BIT);
             gl.use_program(Some(self.program));
@@ -139,6 +157,8 @@ impl Renderer {
             gl.bind_vertex_array(None);
             gl.use_program(None);
             gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::SAMPLE_ALPHA_TO_COVERAGE);
+            gl.color_mask(true, true, true, true);
         }
     }
 
@@ -204,6 +224,8 @@ impl Renderer {
             gl.uniform_2_f32(self.uniform(gl, "u_grid_centre").as_ref(), centre, centre);
             gl.uniform_1_f32(self.uniform(gl, "u_pocket").as_ref(), frame.pocket);
             gl.uniform_1_i32(self.uniform(gl, "u_net").as_ref(), i32::from(frame.net));
+            gl.uniform_1_i32(self.uniform(gl, "u_areola").as_ref(), frame.areola as i32);
+            gl.uniform_1_f32(self.uniform(gl, "u_cell").as_ref(), frame.cell_mm);
             gl.uniform_1_i32(self.uniform(gl, "u_table").as_ref(), 0);
             gl.active_texture(glow::TEXTURE0);
             gl.bind_texture(glow::TEXTURE_2D, Some(self.table));
