@@ -56,6 +56,16 @@ globalThis.implantPreviewKeep = (scene) => {
 };
 globalThis.implantPreviewKept = () => reopened;
 
+// Called by the loader: will the app open the opening plan, rather than a kept plan or that of a link?
+globalThis.implantPreviewOpens = () => {
+  if (reopened !== null || location.hash !== "") return false;
+  try {
+    return localStorage.getItem(PLAN) === null;
+  } catch {
+    return true;
+  }
+};
+
 function reloadMessage(scene) {
   if (scene === null) return "";
   if (scene === reopened) {
@@ -72,6 +82,7 @@ globalThis.implantPreviewCrashed = (message) => {
   if (!element("crashed").hidden) return;
   const scene = newest ?? reopened;
   element("loading")?.remove();
+  element("still")?.remove();
   element("lost").hidden = true;
   element("crashed-scene").textContent = reloadMessage(scene);
   element("crashed-text").textContent = String(message);

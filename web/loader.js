@@ -1,5 +1,5 @@
 // Starts the app: checks the browser's features, downloads the program with progress, shows errors.
-// The app removes #loading after its first frame.
+// The app removes #loading after its first frame, and #still with its first shape.
 
 import "./crash.js";
 import "./form.js";
@@ -21,8 +21,16 @@ function missingFeature() {
   return null;
 }
 
+/** Shows the still picture of the opening plan in the place of the app's picture, if the app will open that plan. */
+function showStill() {
+  if (!element("still") || !globalThis.implantPreviewOpens()) return;
+  element("still").hidden = false;
+  element("loading")?.classList.add("below-still");
+}
+
 function showMissing(text) {
   element("loading")?.remove();
+  element("still")?.remove();
   element("missing-text").textContent = text;
   element("missing").hidden = false;
 }
@@ -75,6 +83,7 @@ async function start() {
     showMissing(missing);
     return;
   }
+  showStill();
   try {
     const { program, wasm, wasmBytes } = document.querySelector("script[data-wasm]").dataset;
     const [api, response] = await Promise.all([

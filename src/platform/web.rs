@@ -237,6 +237,7 @@ impl PageHost {
                 scene: None,
                 plan: String::new(),
                 is_loading: true,
+                has_still: true,
                 is_decimal_keyboard: false,
             }))
         });
@@ -327,6 +328,8 @@ struct PageApp {
     /// The fields of the plan last passed to the page's form.
     plan: String,
     is_loading: bool,
+    /// Does the page show the still picture of the opening plan?
+    has_still: bool,
     /// Does the touch screen show a numeric keyboard?
     is_decimal_keyboard: bool,
 }
@@ -339,11 +342,16 @@ impl eframe::App for PageApp {
         // A second frame shows that the first frame was painted.
         if self.is_loading && app.stats().frames > 1 {
             self.is_loading = false;
-            if let Some(loading) = document().ok().and_then(|d| d.get_element_by_id("loading")) {
-                loading.remove();
-            }
+            remove_element("loading");
         } else if self.is_loading {
             ui.ctx().request_repaint();
+        }
+        // The still picture stays until the app has drawn a shape, or draws none.
+        let session = app.session();
+        let has_picture = session.displayed_problem().is_some() || !session.is_working();
+        if self.has_still && !self.is_loading && has_picture {
+            self.has_still = false;
+            remove_element("still");
         }
         if app.has_number_focus() != self.is_decimal_keyboard
             && let Some(field) = self.host.key_field()
@@ -374,6 +382,13 @@ impl eframe::App for PageApp {
 
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
         Some(self)
+    }
+}
+
+/// Removes an element of the page, if present.
+fn remove_element(id: &str) {
+    if let Some(element) = document().ok().and_then(|d| d.get_element_by_id(id)) {
+        element.remove();
     }
 }
 

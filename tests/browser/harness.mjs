@@ -40,6 +40,7 @@ export const TYPES = {
   ".png": "image/png",
   ".svg": "image/svg+xml",
   ".wasm": "application/wasm",
+  ".webp": "image/webp",
   ".webmanifest": "application/manifest+json",
 };
 
@@ -164,15 +165,17 @@ async function withPixels(page, pictures, look) {
   await blank.exposeFunction("pictures", () => pictures.map((picture) => picture.toString("base64")));
   const seen = await blank.evaluate(async (source) => {
     const pixels = [];
+    let width = 0;
     for (const data of await globalThis.pictures()) {
       const image = new Image();
       image.src = `data:image/png;base64,${data}`;
       await image.decode();
+      width = image.width;
       const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
       context.drawImage(image, 0, 0);
       pixels.push(context.getImageData(0, 0, image.width, image.height).data);
     }
-    return new Function(`return (${source})`)()(...pixels);
+    return new Function(`return (${source})`)()(...pixels, width);
   }, look.toString());
   await blank.close();
   return seen;
@@ -207,6 +210,20 @@ export function difference(page, a, b) {
       if ([0, 1, 2].some((channel) => Math.abs(x[k + channel] - y[k + channel]) > 4)) count += 1;
     }
     return count;
+  });
+}
+
+/** The box around the coloured pixels of a picture: left, top, right and bottom [pixels]. Letters and grounds are grey. */
+export function colouredBox(page, picture) {
+  return withPixels(page, [picture], (bytes, width) => {
+    const box = [Infinity, Infinity, -1, -1];
+    for (let k = 0; k < bytes.length; k += 4) {
+      const pixel = [bytes[k], bytes[k + 1], bytes[k + 2]];
+      if (Math.max(...pixel) - Math.min(...pixel) < 20) continue;
+      const [x, y] = [(k / 4) % width, Math.floor(k / 4 / width)];
+      box.splice(0, 4, Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y));
+    }
+    return box;
   });
 }
 
