@@ -43,7 +43,9 @@ float springs(vec2 grid, vec2 width, float spacing) {
     return max(edges, 0.35 * diagonals);
 }
 
-vec3 linear_of(vec3 srgb) { return pow(srgb, vec3(2.2)); }
+// Powers of 2.2 and 1 / 2.2 within 2 % of the full scale, at a fraction of the time.
+vec3 linear_of(vec3 srgb) { return srgb * srgb * (0.8 + 0.2 * srgb); }
+vec3 srgb_of(vec3 linear) { vec3 root = sqrt(linear); return root * (1.13 - 0.13 * root); }
 
 vec2 scattered(vec2 cell) {
     return fract(sin(vec2(dot(cell, vec2(127.1, 311.7)), dot(cell, vec2(269.5, 183.3)))) * 43758.5453);
@@ -89,7 +91,6 @@ void main() {
     // Derivatives are computed before any branch that differs between neighbouring pixels.
     vec2 width = fwidth(v_grid);
     bool has_net = v_grid.y > -0.5;
-    float pixel = length(fwidth(v_position)) * 0.7;
 
     vec3 view = normalize(u_eye - v_position);
     vec3 normal = normalize(v_normal);
@@ -97,7 +98,7 @@ void main() {
     float facing = clamp(dot(normal, view), 0.0, 1.0);
     // Distance from the silhouette of a round surface [pixels]; large on flat surfaces.
     float square = facing * facing;
-    float from_silhouette = square / max(fwidth(square), 1e-5);
+    float from_silhouette = u_material == 1 ? 0.0 : square / max(fwidth(square), 1e-5);
 
     vec3 from_axis = v_position - u_axis;
     float in_front = min(dot(u_planes[0], from_axis), dot(u_planes[1], from_axis));
@@ -111,7 +112,7 @@ void main() {
         base = texture(u_table, vec2(t, 0.5)).rgb;
     }
     base = linear_of(base);
-    if (u_material == 1) base = patterned(base, pixel);
+    if (u_material == 1) base = patterned(base, 0.7 * length(fwidth(v_position)));
 
     float from_middle = has_net && u_material == 0 ? length(v_grid - u_grid_centre) : 1.0e6;
     float grid_pixel = max(max(width.x, width.y), 1e-6);
@@ -148,15 +149,19 @@ void main() {
     if (u_material == 3) light *= 1.0 - 0.55 * exp(-abs(beside) / 13.0);
     if (u_material == 0) {
         float crease = (beside - 0.10 * u_foot) / (0.16 * u_foot + 1.0);
-        light *= 1.0 - (has_value ? 0.07 : 0.14) * exp(-crease * crease);
+        float near = 1.0 / (1.0 + crease * crease);
+        light *= 1.0 - (has_value ? 0.07 : 0.14) * near * near;
     }
     vec3 color = base * light;
 
     vec3 halfway = normalize(key + view);
     float glance = clamp(dot(normal, halfway), 0.0, 1.0);
-    float rim = pow(1.0 - facing, 3.0) * clamp(dot(normal, behind) + 0.2, 0.0, 1.0);
+    float aside = 1.0 - facing;
+    float rim = aside * aside * aside * clamp(dot(normal, behind) + 0.2, 0.0, 1.0);
     if (u_material == 0) {
-        color += vec3(0.07) * pow(glance, 16.0) * (1.0 - 0.5 * areola) + vec3(0.16, 0.145, 0.14) * rim;
+        float glance2 = glance * glance;
+        float glance8 = glance2 * glance2 * glance2 * glance2;
+        color += vec3(0.07) * glance8 * glance8 * (1.0 - 0.5 * areola) + vec3(0.16, 0.145, 0.14) * rim;
     } else if (u_material == 2) {
         // Matt gel, deeper in the middle; the shell is paler where the eye looks along it.
         color *= mix(1.0, 0.90, facing) * vec3(1.0, 0.99, 0.965);
@@ -201,5 +206,5 @@ void main() {
         color = mix(color, vec3(0.05, 0.05, 0.09), 0.6 * edge);
     }
 
-    out_color = vec4(pow(clamp(color, 0.0, 1.0), vec3(1.0 / 2.2)), coverage);
+    out_color = vec4(srgb_of(clamp(color, 0.0, 1.0)), coverage);
 }
