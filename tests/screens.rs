@@ -23,6 +23,8 @@ mod device;
 mod filling;
 #[path = "screens/form.rs"]
 mod form;
+#[path = "screens/hands.rs"]
+mod hands;
 #[path = "screens/no_answer.rs"]
 mod no_answer;
 #[path = "screens/uncertainty.rs"]

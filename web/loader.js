@@ -4,6 +4,12 @@
 import "./crash.js";
 import "./form.js";
 
+// Ctrl+K (Cmd+K) opens the list of commands; some browsers would take the key for their search.
+document.addEventListener("keydown", (event) => {
+  const isList = event.key.toLowerCase() === "k" && (event.ctrlKey || event.metaKey);
+  if (isList && !event.shiftKey && !event.altKey) event.preventDefault();
+});
+
 const element = (id) => document.getElementById(id);
 
 // The smallest module with a SIMD instruction: (func (drop (v128.const i32x4 0 0 0 0))).

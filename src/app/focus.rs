@@ -164,6 +164,16 @@ impl Focus {
         Some((&self.name, self.rect?))
     }
 
+    /// Had nothing the focus in the previous frame?
+    pub(super) fn is_nowhere(&self) -> bool {
+        self.previous.is_none()
+    }
+
+    /// Had a widget the focus in the previous frame?
+    pub(super) fn is_on(&self, widget: Option<Id>) -> bool {
+        widget.is_some() && self.previous == widget
+    }
+
     /// Ends a frame; called after its last widget. `picture`: the widget that gets its focus by a click,
     /// without an event.
     pub(super) fn end_frame(&mut self, ctx: &Context, picture: Option<Id>) {

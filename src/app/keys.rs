@@ -1,9 +1,8 @@
 //! Keyboard shortcuts, and playback of the insertion.
 
-use super::{App, view_bar};
+use super::App;
 use crate::scene::Scene;
 use crate::session::Command;
-use crate::view::camera::View;
 use eframe::egui::{self, Key, Modifiers};
 
 /// Duration of the playback from flat to full height \[s\].
@@ -14,24 +13,19 @@ const INSERTION_STEP: f64 = 0.02;
 impl App {
     /// Executes the shortcuts pressed since the previous frame.
     pub(super) fn handle_keys(&mut self, ctx: &egui::Context) {
-        // A slow frame may contain several presses of a key.
-        let presses =
-            |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
-        let shortcut = |modifiers, key| presses(modifiers, key) > 0;
         for command in ctx.input_mut(take_history_keys) {
             self.execute(command);
         }
-        if shortcut(Modifiers::COMMAND, Key::O) {
-            self.files.open(ctx);
-        }
-        if shortcut(Modifiers::COMMAND, Key::S) {
-            self.save_scene(ctx);
-        }
+        self.run_keys(ctx, false);
+        self.escape(ctx);
         // Single keys act on the picture while it has the focus. Elsewhere they are text.
         let focused = ctx.memory(egui::Memory::focused);
         if focused.is_none() || focused != self.viewport.id() {
             return;
         }
+        // A slow frame may contain several presses of a key.
+        let presses =
+            |modifiers, key| ctx.input_mut(|input| input.count_and_consume_key(modifiers, key));
         for (key, step) in [
             (Key::OpenBracket, -INSERTION_STEP),
             (Key::CloseBracket, INSERTION_STEP),
@@ -48,17 +42,27 @@ impl App {
                 self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
             }
         }
-        (0..presses(Modifiers::NONE, Key::Space)).for_each(|_| self.toggle_playback());
-        if shortcut(Modifiers::NONE, Key::F) {
-            self.viewport.fit(&self.session, View::All);
+        self.run_keys(ctx, true);
+    }
+
+    /// Escape cancels a drag on the picture, or removes a mark of the picture, unless Escape belongs to another control.
+    fn escape(&mut self, ctx: &egui::Context) {
+        let is_pressed = ctx.input(|input| input.key_pressed(Key::Escape));
+        let is_elsewhere = self.show_help || self.curve_window.is_some() || self.palette.is_open();
+        if !is_pressed || is_elsewhere || egui::Popup::is_any_open(ctx) {
+            return;
         }
-        for (key, quantity) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5]
-            .into_iter()
-            .zip(view_bar::QUANTITIES)
-        {
-            if shortcut(Modifiers::NONE, key) {
-                self.options.quantity = quantity;
+        let picture = self.viewport.id();
+        let has_focus = self.focus.is_on(picture);
+        let is_free = has_focus || self.focus.is_nowhere();
+        let is_taken =
+            self.cancel_drag() || (is_free && !self.is_long() && self.viewport.remove_mark());
+        if is_taken {
+            // Escape has removed the focus; the next key is one for the picture too.
+            if let Some(picture) = picture.filter(|_| has_focus) {
+                ctx.memory_mut(|memory| memory.request_focus(picture));
             }
+            ctx.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, Key::Escape));
         }
     }
 

@@ -55,6 +55,7 @@ impl App {
             self.wide(ui, &mut scene);
         }
         self.help_window(&ctx);
+        self.palette_window(&ctx);
         if self.curve_window.as_mut().is_some_and(|window| !window.show(&ctx, &mut scene)) {
             self.curve_window = None;
         }

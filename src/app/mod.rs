@@ -7,6 +7,8 @@
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling`, `uncertainty`, `details` and `plots` on the right.
+//! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
+//! implant on it.
 //! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `controls` finds controls by
 //! name for scripts.
 //!
@@ -14,6 +16,7 @@
 
 mod advanced;
 mod answer;
+mod commands;
 mod compare;
 mod controls;
 mod curve_editor;
@@ -23,12 +26,14 @@ mod fat;
 mod files;
 mod filling;
 mod focus;
+mod handles;
 mod keys;
 mod link;
 mod logic;
 mod messages;
 mod no_answer;
 mod numbers;
+mod palette;
 mod plan;
 mod plots;
 mod range;
@@ -36,6 +41,7 @@ mod report;
 mod stability;
 mod stats;
 mod status;
+mod strip;
 mod studies;
 mod theme;
 mod toolbar;
@@ -63,6 +69,7 @@ use focus::Focus;
 use logic::RunningSolve;
 use messages::Notice;
 use no_answer::NearestSearch;
+use palette::Palette;
 use range::Range;
 use status::Timing;
 use std::sync::Arc;
@@ -92,6 +99,8 @@ pub struct App {
     /// Notice about a position requested in this frame that does not fit the pocket.
     position_notice: Option<Notice>,
     focus: Focus,
+    /// The running drag of a handle on the picture.
+    drag: Option<handles::Drag>,
     solving: Option<RunningSolve>,
     /// Copy of the scene that the panels edit, kept between frames.
     draft: Option<Scene>,
@@ -110,6 +119,9 @@ pub struct App {
     narrow_tab: NarrowTab,
     panel_widths: PanelWidths,
     show_help: bool,
+    palette: Palette,
+    /// Is the cross-section shown under the picture where there is room?
+    show_strip: bool,
     curve_window: Option<CurveWindow>,
     /// Address of the page without its fragment; `None` on the desktop.
     page_address: Option<String>,
@@ -148,6 +160,7 @@ impl App {
             notice: None,
             position_notice: None,
             focus: Focus::default(),
+            drag: None,
             solving: None,
             draft: None,
             is_scene_replaced: false,
@@ -160,6 +173,8 @@ impl App {
             narrow_tab: NarrowTab::Implant,
             panel_widths: PanelWidths::default(),
             show_help: false,
+            palette: Palette::default(),
+            show_strip: true,
             curve_window: None,
             page_address: None,
             view_bar_height: 40.0,

@@ -122,11 +122,7 @@ pub(super) fn section_chart(
     let radius = problem.sheet.radius_mm();
     let wall = ("chest wall", palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
     let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
-    let silhouette = |(pin, _): &(&Pin, Color32)| {
-        let [_, points] = tissue_faces(pin.solution()?);
-        Some(Silhouette { letter: pin.letter(), points })
-    };
-    let silhouettes: Vec<Silhouette> = pins.iter().filter_map(silhouette).collect();
+    let silhouettes = drawn_silhouettes(session, compare, palette);
     let own = tissue.iter().flatten().chain([&implant, &wall]);
     let names: Vec<(String, Color32)> = own
         .map(|&(name, color, _)| (device.words(name), color))
@@ -167,7 +163,7 @@ pub(super) fn section_chart(
 }
 
 /// The skin's band across the plot: on both sides of a centred implant, otherwise on the side of the profile.
-fn sampled_skin(session: &Session, band: &[SectionBand]) -> Vec<SectionBand> {
+pub(super) fn sampled_skin(session: &Session, band: &[SectionBand]) -> Vec<SectionBand> {
     let [x, y] = session.scene().implant.center_mm;
     let is_centred = x == 0.0 && y == 0.0;
     let mirrored = |point: &SectionBand| SectionBand { r_mm: -point.r_mm, ..*point };
@@ -207,6 +203,19 @@ fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
     [row.clone().map(|k| [x[k].x, x[k].z]).collect(), row.map(outer).collect()]
 }
 
+/// The skin of the pins in the cross-section, as far as the comparison draws it.
+pub(super) fn drawn_silhouettes(
+    session: &Session,
+    compare: &Compare,
+    palette: &Palette,
+) -> Vec<Silhouette> {
+    let silhouette = |(pin, _): (&Pin, Color32)| {
+        let [_, points] = tissue_faces(pin.solution()?);
+        Some(Silhouette { letter: pin.letter(), points })
+    };
+    compare::drawn_pins(session, compare, palette).filter_map(silhouette).collect()
+}
+
 /// The outlines of the pins over the picture, but for a pin of the present scene.
 pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) -> Vec<Outline> {
     let outline = |(pin, color): (&Pin, Color32)| {
@@ -225,7 +234,7 @@ pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) 
 }
 
 /// Intersection of the dome with the plane y = 0, above the chest wall: an arc of an ellipse \[mm\].
-fn dome_outline(problem: &Problem) -> Polyline {
+pub(super) fn dome_outline(problem: &Problem) -> Polyline {
     let dome = problem.obstacle.dome;
     (0..=SAMPLES)
         .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))

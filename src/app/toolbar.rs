@@ -1,14 +1,15 @@
 //! The toolbar: files, history, examples, theme; the window "Help"; the words "Not a medical device".
 
+use super::commands::{Action, COMMANDS, Keyed};
 use super::messages::Notice;
 use super::report::Purpose;
 use super::widgets::button_if;
-use super::{App, plan, theme};
-use crate::export::{self, Format, Solid};
+use super::{App, theme};
+use crate::export::{Format, Solid};
 use crate::measure::surfaces;
-use crate::scene::Scene;
 use crate::session::Command;
 use crate::solve::Solution;
+use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, RichText, Role, Ui, WidgetInfo};
 
 /// Arrangement of the screen, by its width.
@@ -32,6 +33,9 @@ impl App {
                 spacing.button_padding.x = theme::SPACE_SMALL + 2.0;
             }
             self.file_menu(ui);
+            if layout == Layout::Wide {
+                self.view_menu(ui, layout);
+            }
             for (name, enabled, command) in [
                 ("Undo", self.session.can_undo(), Command::Undo),
                 ("Redo", self.session.can_redo(), Command::Redo),
@@ -40,10 +44,7 @@ impl App {
                     self.execute(command);
                 }
             }
-            let tooltip = "Open the opening plan; Undo restores the present one";
-            if ui.button("Start over").on_hover_text(tooltip).clicked() {
-                self.open_example(Scene::opening());
-            }
+            self.item(ui, Action::StartOver);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button("Help").clicked() {
                     self.show_help = !self.show_help;
@@ -60,82 +61,39 @@ impl App {
     fn file_menu(&mut self, ui: &mut Ui) {
         ui.menu_button("File", |ui| {
             let ctx = ui.ctx().clone();
-            if ui.button("Open plan…").clicked() {
-                self.files.open(&ctx);
-                ui.close();
-            }
-            if ui.button("Save plan…").clicked() {
-                self.save_scene(&ctx);
-                ui.close();
-            }
-            // The result of another scene is never saved.
-            let has_result = self.session.result().is_some();
-            let save = ui.add_enabled(has_result, egui::Button::new("Save numbers (JSON)…"));
-            if save.on_disabled_hover_text(NO_RESULT).clicked() {
-                self.save_result(&ctx);
-                ui.close();
-            }
-            let save = ui.add_enabled(has_result, egui::Button::new("Save numbers (CSV)…"));
-            let save = save.on_disabled_hover_text(NO_RESULT).on_hover_text(
-                "All results of plan and pins, with percentiles where bands are on, for a spreadsheet",
-            );
-            if save.clicked() {
-                self.save_numbers(&ctx);
-                ui.close();
-            }
-            for (name, tooltip, purpose) in [
-                ("Save picture (PNG)…", PICTURE, Purpose::File),
-                ("Copy picture", PICTURE, Purpose::Clipboard),
-                (
-                    "Save report (HTML)…",
-                    "One or two pages with pictures, plan, numbers, pins and limits; prints on paper",
-                    Purpose::Report,
-                ),
+            for action in [
+                Action::OpenPlan,
+                Action::SavePlan,
+                Action::SaveNumbers,
+                Action::SaveTable,
+                Action::TakeHome(Purpose::File),
+                Action::TakeHome(Purpose::Clipboard),
+                Action::TakeHome(Purpose::Report),
             ] {
-                let save = ui.add_enabled(has_result, egui::Button::new(name));
-                let save = save.on_disabled_hover_text(NO_RESULT).on_hover_text(tooltip);
-                if save.clicked() {
-                    self.take_home(&ctx, purpose);
-                    ui.close();
-                }
+                self.menu_item(ui, action);
             }
-            if let Some(address) = self.page_address.clone()
-                && ui.button("Copy link").on_hover_text(LINK).clicked()
-            {
-                self.copy_link(&ctx, &address);
-                ui.close();
+            if self.page_address.is_some() {
+                self.menu_item(ui, Action::CopyLink);
             }
-            let has_shape = has_result && !self.session.has_no_shape();
+            let has_shape = self.has_shape();
             ui.add_enabled_ui(has_shape, |ui| self.shape_menu(ui, &ctx));
-            if ui.add_enabled(has_shape, egui::Button::new("Save profile (CSV)…")).clicked()
-                && let Some(outcome) = self.session.result()
-            {
-                self.files.save(&ctx, "profile.csv", export::profile(outcome));
-                ui.close();
-            }
+            self.menu_item(ui, Action::SaveProfile);
             ui.separator();
             ui.label(RichText::new("Examples").small().weak());
-            for (name, tooltip, scene) in [
-                (
-                    "Usual implant",
-                    "12 cm, 300 ml, pinch 2 cm, normal skin",
-                    Scene::opening as fn() -> Scene,
-                ),
-                (
-                    "Half sphere of 11 cm",
-                    "The scene of the defaults of a file: much projection, lax skin, cover 11.5 mm",
-                    Scene::default,
-                ),
-            ] {
-                let button = ui.button(name);
-                if button
-                    .on_hover_text(format!("{tooltip}. Undo restores the present plan"))
-                    .clicked()
-                {
-                    self.open_example(scene());
-                    ui.close();
-                }
+            self.menu_item(ui, Action::UsualImplant);
+            self.menu_item(ui, Action::HalfSphere);
+        });
+    }
+
+    /// The menu of the picture's switches, with the list of all commands.
+    pub(super) fn view_menu(&mut self, ui: &mut Ui, layout: Layout) {
+        ui.menu_button("View", |ui| {
+            if layout == Layout::Wide {
+                self.menu_item(ui, Action::CrossSection);
             }
+            self.menu_item(ui, Action::Ruler);
+            ui.separator();
+            self.menu_item(ui, Action::List);
         });
     }
 
@@ -170,12 +128,6 @@ impl App {
         });
     }
 
-    fn open_example(&mut self, scene: Scene) {
-        self.gesture += 1;
-        self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
-        self.plan = plan::Choices::default();
-    }
-
     pub(super) fn help_window(&mut self, ctx: &egui::Context) {
         if self.show_help && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.show_help = false;
@@ -200,7 +152,8 @@ impl App {
                 ui.label("All computation runs on this machine; no data leaves it.");
                 ui.separator();
                 egui::Grid::new("keys").num_columns(2).spacing([2.0 * theme::SPACE, 2.0]).show(ui, |ui| {
-                    for (keys, effect) in KEYS {
+                    let fixed = KEYS.map(|(keys, effect)| (keys.to_owned(), effect.to_owned()));
+                    for (keys, effect) in fixed.into_iter().chain(command_keys(ui.ctx().os())) {
                         ui.label(RichText::new(keys).strong());
                         ui.label(effect);
                         ui.end_row();
@@ -226,29 +179,31 @@ const SOLIDS: [(&str, MeshOf); 3] = [
     ("Implant", |solution| Solid::implant(&solution.problem().obstacle.dome)),
 ];
 
-/// What is saved or copied.
-const PICTURE: &str = "Picture with title, plan, answers, legend, scale and date";
-const LINK: &str =
-    "The whole plan as an address, without the entries for the file; no server gets it";
-
 const NOT_INSERTED: &str = "The implant is not inserted: it has no shape above the chest wall.";
 
-/// Why a result is not saved.
-const NO_RESULT: &str = "No result yet: the plan is being computed";
-
-/// Keys and their effects, for the help.
-const KEYS: [(&str, &str); 10] = [
+/// Keys beside those of commands and their effects, for the help.
+const KEYS: [(&str, &str); 7] = [
     ("Tab, Shift+Tab", "next, previous control"),
-    ("Ctrl+Z, Ctrl+Shift+Z", "undo, redo"),
-    ("Ctrl+O, Ctrl+S", "open, save the plan"),
     ("Arrows, Page Up/Down", "on a slider or number: 1 step, 10 steps"),
-    ("Esc", "close, cancel a long solve"),
+    ("Esc", "close, cancel a long solve, a drag, a mark on the picture"),
     ("Drag, wheel", "on the picture: turn, zoom; Shift or right button: move"),
+    ("Click", "on the picture: keep the values of a point there; again: remove them"),
     ("[ ]", "on the picture: implant in place −2 %, +2 %"),
-    ("Space", "on the picture: show the insertion"),
     ("1 … 5", "on the picture: colours"),
-    ("F", "on the picture: show everything"),
 ];
+
+/// Keys and effects of the commands, but for the colours, which have one line together.
+fn command_keys(system: OperatingSystem) -> impl Iterator<Item = (String, String)> {
+    COMMANDS.iter().filter(|entry| !matches!(entry.action, Action::Colour(_))).filter_map(
+        move |entry| {
+            let keys = entry.keys(system);
+            let place =
+                if matches!(entry.keyed, Keyed::OnPicture(_)) { "on the picture: " } else { "" };
+            let name = entry.name.trim_end_matches('…').to_lowercase();
+            (!keys.is_empty()).then(|| (keys, format!("{place}{name}")))
+        },
+    )
+}
 
 /// The words that are always in sight.
 pub(super) fn disclaimer(ui: &mut Ui, layout: Layout) {

@@ -47,7 +47,7 @@ impl App {
         });
         let right = side_panel(egui::Panel::right("answer"), answer).show(ui, |ui| {
             column("answer").show(ui, |ui| {
-                self.answer(ui);
+                self.answer(ui, Layout::Wide);
                 self.focus.scroll_into_view(ui);
             });
         });
@@ -133,14 +133,14 @@ impl App {
                 self.position_notice = plan::position(ui, scene, Hand::Finger);
             }
             NarrowTab::More => {
-                self.answer(ui);
+                self.answer(ui, Layout::Narrow);
                 self.advanced(ui, scene, Hand::Finger);
             }
         }
     }
 
     /// The cards or the missing answer in words, the filling of an expander, what is not known, the comparison and the details.
-    fn answer(&mut self, ui: &mut Ui) {
+    fn answer(&mut self, ui: &mut Ui, layout: Layout) {
         answer::heading(ui, &self.session);
         if !self.no_answer(ui) {
             let findings = self.uncertainty.findings();
@@ -155,11 +155,11 @@ impl App {
         self.filling(ui);
         self.uncertainty.show(ui, &self.session);
         self.compare(ui);
-        self.details(ui);
+        self.details(ui, layout);
     }
 
     /// The fold with numbers, cross-section and curves.
-    fn details(&self, ui: &mut Ui) {
+    fn details(&self, ui: &mut Ui, layout: Layout) {
         let (previous, findings) = (self.previous_results(), self.uncertainty.findings());
         egui::CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
             let outcome = answer::visible(&self.session, previous);
@@ -172,7 +172,10 @@ impl App {
                 }
             }
             let band = findings.map_or(&[][..], Findings::section);
-            plots::section(ui, &self.session, &self.compare, band);
+            // In sight under the picture where there is room.
+            if !self.has_strip(ui.ctx(), layout == Layout::Wide) {
+                plots::section(ui, &self.session, &self.compare, band);
+            }
             plots::curves(ui, &self.session, previous);
         });
     }
@@ -268,7 +271,12 @@ impl App {
 
     /// The 3-D view with its controls and notices, or the page that replaces the view.
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
-        let area = ui.available_rect_before_wrap();
+        let whole = ui.available_rect_before_wrap();
+        let has_page = self.session.is_stopped() || !no_answer::has_picture(&self.session);
+        let strip = self.strip_area(ui.ctx(), whole, layout == Layout::Wide).filter(|_| !has_page);
+        let area = strip.map_or(whole, |strip| whole.with_max_y(strip.top()));
+        let builder = egui::UiBuilder::new().id_salt("picture").max_rect(area);
+        let ui = &mut ui.new_child(builder);
         if self.session.is_stopped() {
             self.stopped_page(ui);
         } else if !no_answer::has_picture(&self.session) {
@@ -287,10 +295,16 @@ impl App {
             } else {
                 self.viewport.show(ui, shown);
             }
+            if !self.session.has_no_shape() {
+                self.handles(ui, scene);
+            }
             self.view_bar_height = self.view_bar(ui, area, layout);
             if !self.is_edited && layout == Layout::Wide && !self.session.has_no_shape() {
                 hint(ui, area);
             }
+        }
+        if let Some(strip) = strip {
+            self.strip(ui, strip);
         }
         self.show_notice(ui, area);
     }

@@ -1,20 +1,12 @@
 //! The controls of the picture, on the picture: standard views, cut, grid, colours.
 
+use super::commands::{AREOLA, Action, RANGE};
 use super::toolbar::Layout;
 use super::widgets::{Kind, NumberField, choice, set_accessible_name};
-use super::{App, range, theme};
+use super::{App, theme};
 use crate::view::camera::View;
 use crate::view::color::Quantity;
 use eframe::egui::{self, Rect, Ui, UiBuilder};
-
-/// Quantities of the keys 1 to 5.
-pub(super) const QUANTITIES: [Quantity; 5] = [
-    Quantity::Tissue,
-    Quantity::Strain,
-    Quantity::AreaStretch,
-    Quantity::Stress(0),
-    Quantity::Pressure,
-];
 
 /// How the tissue is cut open.
 const CUTS: [(&str, bool, bool); 3] =
@@ -29,15 +21,8 @@ impl App {
         let row = ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
             ui.spacing_mut().button_padding.x = 6.0;
-            for (name, view, tooltip) in [
-                ("Front", View::Front, "From the front, the head up"),
-                ("Side", View::Side, "From the patient's side"),
-                ("Top", View::Top, "From the head"),
-                ("All", View::All, "Three-quarter view of everything (F)"),
-            ] {
-                if ui.button(name).on_hover_text(tooltip).clicked() {
-                    self.viewport.fit(&self.session, view);
-                }
+            for view in [View::Front, View::Side, View::Top, View::All] {
+                self.item(ui, Action::Look(view));
             }
             self.cut_box(ui, layout);
             let grid = egui::Button::selectable(self.options.net, "Grid").frame_when_inactive(true);
@@ -52,16 +37,14 @@ impl App {
             if response.clicked() {
                 *areola = !*areola;
             }
-            response.on_hover_text(
-                "A circle of 4 cm on the skin at rest, over the middle of the pocket; the circle stretches with the skin",
-            );
+            response.on_hover_text(AREOLA);
             self.quantity_box(ui);
             if layout == Layout::Narrow {
                 let tooltip = "A chart of many plans: width by projection, or any two numbers";
-                if ui.button(self.plan.device.words(range::RANGE)).on_hover_text(tooltip).clicked()
-                {
+                if ui.button(self.plan.device.words(RANGE)).on_hover_text(tooltip).clicked() {
                     self.range.is_open = true;
                 }
+                self.view_menu(ui, layout);
             }
         });
         row.response.rect.bottom() - area.top()

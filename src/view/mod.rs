@@ -8,9 +8,11 @@
 pub mod body;
 pub mod camera;
 pub mod color;
+pub mod cross_section;
 pub mod mesh;
 pub mod pick;
 pub mod picture;
+pub mod place;
 pub mod section;
 pub mod strokes;
 pub mod subject;

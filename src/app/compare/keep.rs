@@ -19,8 +19,8 @@ pub(in crate::app) struct Keep {
     revision: u64,
     /// When the present pins are to be stored.
     pins_due: Option<Instant>,
-    /// The stored plan, or that of the start, which is not stored.
-    plan: (Scene, Choices),
+    /// The stored plan with its choices and the switch of the cross-section, or that of the start, which is not stored.
+    plan: (Scene, Choices, bool),
     /// When the present plan is to be stored.
     plan_due: Option<Instant>,
     has_failed: bool,
@@ -29,7 +29,7 @@ pub(in crate::app) struct Keep {
 impl Keep {
     /// Nothing to store at the start with a scene.
     pub(in crate::app) fn new(scene: Scene) -> Self {
-        let plan = (scene, Choices::default());
+        let plan = (scene, Choices::default(), true);
         Self { revision: 0, pins_due: None, plan, plan_due: None, has_failed: false }
     }
 }
@@ -39,6 +39,13 @@ impl Keep {
 struct KeptPlan {
     scene: serde_json::Value,
     choices: Choices,
+    /// Is the cross-section under the picture?
+    #[serde(default = "is_shown")]
+    cross_section: bool,
+}
+
+fn is_shown() -> bool {
+    true
 }
 
 impl App {
@@ -63,8 +70,8 @@ impl App {
         let restored = read.and_then(|kept| {
             let scene = Scene::from_json(&kept.scene.to_string()).map_err(|e| e.to_string())?;
             self.session = Session::new(scene.clone()).map_err(|e| e.to_string())?;
-            self.plan = kept.choices;
-            Ok((scene, kept.choices))
+            (self.plan, self.show_strip) = (kept.choices, kept.cross_section);
+            Ok((scene, kept.choices, kept.cross_section))
         });
         match restored {
             Ok(plan) => self.keep.plan = plan,
@@ -88,7 +95,8 @@ impl App {
             return None;
         }
         let scene = serde_json::to_value(self.session.scene().without_visit()).ok()?;
-        serde_json::to_string(&KeptPlan { scene, choices: self.plan }).ok()
+        let (choices, cross_section) = (self.plan, self.show_strip);
+        serde_json::to_string(&KeptPlan { scene, choices, cross_section }).ok()
     }
 
     /// Reports once that the storage does not work, in a private window for example.
@@ -112,9 +120,10 @@ impl App {
             self.keep.pins_due = Some(due);
             is_changed = true;
         }
-        let (scene, choices) = &self.keep.plan;
-        if !scene.is_same_plan(self.session.scene()) || *choices != self.plan {
-            self.keep.plan = (self.session.scene().clone(), self.plan);
+        let (scene, choices, strip) = &self.keep.plan;
+        let is_same = *choices == self.plan && *strip == self.show_strip;
+        if !scene.is_same_plan(self.session.scene()) || !is_same {
+            self.keep.plan = (self.session.scene().clone(), self.plan, self.show_strip);
             self.keep.plan_due = Some(due);
             is_changed = true;
         }

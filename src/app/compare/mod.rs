@@ -192,6 +192,13 @@ pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette
     }
 }
 
+/// Colour of a pin's line, and length of its dashes and of the gaps between them \[points\].
+pub(super) fn stroke_of(letter: Letter, palette: &Palette) -> (Color32, f32, f32) {
+    let is_dotted = matches!(letter, Letter::B | Letter::D);
+    let (dash, gap) = if is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
+    (Style::of(letter, palette).color, dash, gap)
+}
+
 /// The outer skin of a pin in the cross-section.
 pub(super) struct Silhouette {
     pub(super) letter: Letter,

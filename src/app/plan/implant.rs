@@ -270,6 +270,32 @@ pub(super) fn resized(
     Some(size)
 }
 
+/// Sets the projection \[mm\], to whole millimetres in the limits; the other dimensions follow their marks. Returns whether the
+/// plan is another one.
+pub(in crate::app) fn set_projection(scene: &mut Scene, choices: &mut Choices, mm: f64) -> bool {
+    let Ok(size) = scene.implant.size() else { return false };
+    let dimension = Dimension::Projection;
+    let allowed = allowed(size, dimension, held(dimension, choices.follows));
+    let value = cm(mm.round()).clamp(*allowed.start(), *allowed.end());
+    let Some(size) = resized(size, choices, dimension, value) else { return false };
+    let before = scene.implant;
+    set_size(scene, size);
+    scene.implant != before
+}
+
+/// Projection and volume, and the limits of the projection at one of them.
+pub(in crate::app) fn projection_in_words(scene: &Scene, choices: &Choices) -> Vec<String> {
+    let Ok(size) = scene.implant.size() else { return Vec::new() };
+    let (cm, ml) = (size.projection_cm(), size.volume_ml());
+    let allowed =
+        allowed(size, Dimension::Projection, held(Dimension::Projection, choices.follows));
+    let is_at_end = cm <= allowed.start() + 1e-6 || cm >= allowed.end() - 1e-6;
+    let limits =
+        || format!("Projection: {:.1} to {:.1} cm for this width", allowed.start(), allowed.end());
+    let reached = format!("Projection {cm:.1} cm, {ml:.0} ml");
+    [reached].into_iter().chain(is_at_end.then(limits)).collect()
+}
+
 /// The dimension that keeps its value while another one is changed. The one that follows may be changed too: then
 /// the width is held.
 fn held(changed: Dimension, follows: Dimension) -> Dimension {

@@ -14,11 +14,11 @@ mod position;
 mod visit;
 
 pub(super) use form::{fields, set};
-pub(super) use implant::implant;
+pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
-pub(super) use position::position;
+pub(super) use position::{move_to, position, position_in_words};
 pub(super) use visit::{patient_in_words, visit_in_words};
 
 pub(super) use super::device::Device;

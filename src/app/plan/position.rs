@@ -42,6 +42,28 @@ fn inside(scene: &Scene, [x, y]: [f64; 2]) -> [f64; 2] {
     [tidy(x), tidy(y)]
 }
 
+/// Moves the centre to a place \[mm\], in tenths of a millimetre, as far as the pocket allows.
+pub(in crate::app) fn move_to(scene: &mut Scene, place: [f64; 2]) {
+    // Tenths of a millimetre follow the hand closely enough.
+    scene.implant.center_mm = inside(scene, place.map(|v| (10.0 * v).round() / 10.0));
+}
+
+/// Where the implant is, and at the pocket's edge why the implant goes no further.
+pub(in crate::app) fn position_in_words(scene: &Scene) -> Vec<String> {
+    let [x, y] = scene.implant.center_mm;
+    let room = scene.room_mm();
+    let words = |mm: f64| quantity::format_at_most(cm((10.0 * mm).round() / 10.0), 1, 2);
+    let place = format!("{} cm to the side, {} cm up", words(x), words(y));
+    let is_at_edge = x.hypot(y) >= room * (1.0 - 1e-9);
+    let edge = is_at_edge.then(|| {
+        format!(
+            "At the pocket's edge, {} cm from the centre: a wider pocket has more room",
+            words(room)
+        )
+    });
+    [place].into_iter().chain(edge).collect()
+}
+
 /// The pad: pocket and implant from the front; the implant follows pointer and arrow keys.
 fn pad(ui: &mut Ui, scene: &mut Scene) {
     let (rect, response) = ui.allocate_exact_size(PAD, Sense::click_and_drag());
@@ -50,8 +72,6 @@ fn pad(ui: &mut Ui, scene: &mut Scene) {
     let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
     let before = scene.implant.center_mm;
     if response.dragged() {
-        // Tenths of a millimetre follow the hand closely enough.
-        let tenth = |v: f64| (10.0 * v).round() / 10.0;
         // The implant moves with the pointer from where the pointer took it.
         let grab = response.id.with("grab");
         let at = |point: Pos2| {
@@ -65,8 +85,7 @@ fn pad(ui: &mut Ui, scene: &mut Scene) {
             let [dx, dy] = offset.unwrap_or([before[0] - x, before[1] - y]);
             ui.data_mut(|data| data.insert_temp(grab, [dx, dy]));
             if response.drag_delta() != egui::Vec2::ZERO {
-                let now = inside(scene, [tenth(x + dx), tenth(y + dy)]);
-                scene.implant.center_mm = now;
+                move_to(scene, [x + dx, y + dy]);
             }
         }
     }
@@ -197,6 +216,9 @@ mod tests {
         let mut scene = Scene::opening();
         assert_eq!(inside(&scene, [3.0, -4.0]), [3.0, -4.0]);
         scene.implant.center_mm = inside(&scene, [60.0, 80.0]);
+        let words = position_in_words(&scene);
+        assert_eq!(words[0], "0.6 cm to the side, 0.8 cm up");
+        assert!(words[1].starts_with("At the pocket's edge, 1.0 cm"), "{words:?}");
         let [x, y] = scene.implant.center_mm;
         assert!((x - 6.0).abs() < 1e-9 && (y - 8.0).abs() < 1e-9);
         assert_eq!((scene.repair(), scene.validate()), (None, Ok(())));

@@ -13,6 +13,7 @@ mod readout;
 pub(super) use plane::marks;
 pub(super) use readout::name as quantity_name;
 
+use super::commands::{PICTURE, RANGE};
 use super::messages::Notice;
 use super::plan::{Hand, chip};
 use super::studies::{Driver, Studies};
@@ -29,9 +30,6 @@ use chart::Chart;
 use eframe::egui::{self, Button, RichText, Ui};
 use web_time::{Duration, Instant};
 
-/// Names of the switch in the middle of the screen.
-pub(super) const PICTURE: &str = "Picture";
-pub(super) const RANGE: &str = "Range of implants";
 /// Numbers of values of an axis: coarse, medium, fine; and of a curve.
 const FINENESS: [(&str, usize); 3] = [("Coarse", 20), ("Medium", 40), ("Fine", 60)];
 const CURVE_POINTS: usize = 41;

@@ -3,32 +3,36 @@
 //! Without GL (in tests, without WebGL 2) only the picture itself is missing.
 
 mod envelope;
+mod marks;
 mod options;
 mod overlay;
 mod panes;
+mod readout;
 mod renderer;
 
 pub(crate) use envelope::Outline;
+pub(crate) use marks::labelled_box;
 pub(crate) use options::Options;
-pub(crate) use overlay::pointer_box;
+pub(crate) use overlay::{pointer_box, scale_bar};
 
-use super::device::Device;
 use super::widgets::{arrow_keys, keep_press};
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
+use crate::view::body::Body;
 use crate::view::camera::{Camera, View};
 use crate::view::color::Rgb;
-use crate::view::pick;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{LastAnswer, Subject};
 use eframe::egui::{
-    self, Align2, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle,
-    Ui, WidgetInfo,
+    self, Align2, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui,
+    WidgetInfo,
 };
 use eframe::{egui_glow, glow};
+use egui::layers::ShapeIdx;
 use glam::{Vec2, Vec3};
+use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
 use std::sync::{Arc, Mutex};
@@ -40,8 +44,6 @@ const KEY_ORBIT: f32 = 14.0;
 const VEIL: f32 = 0.6;
 /// Least distance of the eye from the tissue \[mm\].
 const CLEARANCE_MM: f32 = 50.0;
-/// Maximum nodes per side for which a running solve still shows values at the pointer.
-const PICK_WHILE_SOLVING: usize = 257;
 
 /// What the 3-D view shows.
 #[derive(Clone, Copy)]
@@ -68,10 +70,11 @@ pub(crate) struct Viewport {
     is_placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
-    /// Position of the last tap: its values stay visible, because a finger cannot hover.
-    tapped: Option<Pos2>,
-    /// Position of the last touch.
-    touched: Option<Pos2>,
+    /// Where the current scene's picture was drawn last.
+    area: Option<Rect>,
+    /// Place for handles in the order of drawing: over the picture, under the marks.
+    handles: Option<ShapeIdx>,
+    marks: Marks,
     picture: Picture,
     /// The pins' pictures beside the picture.
     panes: Vec<Pane>,
@@ -112,8 +115,9 @@ impl Viewport {
             is_placed: false,
             aspect: 1.4,
             id: None,
-            tapped: None,
-            touched: None,
+            area: None,
+            handles: None,
+            marks: Marks::default(),
             picture: Picture::default(),
             panes: Vec::new(),
             common_table: Arc::default(),
@@ -147,10 +151,10 @@ impl Viewport {
     /// Shows the view elsewhere, with its camera. The view in the window stays as it is.
     pub(crate) fn aside<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
         let place = (self.camera, self.fitted, self.is_placed, self.aspect, self.id);
-        let tapped = self.tapped.take();
+        let (area, marks) = (self.area, std::mem::take(&mut self.marks));
         let shown = show(self);
         (self.camera, self.fitted, self.is_placed, self.aspect, self.id) = place;
-        self.tapped = tapped;
+        (self.area, self.marks) = (area, marks);
         shown
     }
 
@@ -159,13 +163,29 @@ impl Viewport {
         self.id
     }
 
+    /// The tissue as the picture of the current scene shows it.
+    pub(crate) fn body(&self) -> &Body {
+        &self.picture.body
+    }
+
+    /// Draws handles over the picture, under its marks.
+    pub(crate) fn paint_handles(&mut self, ui: &Ui, shapes: Vec<egui::Shape>) {
+        if let Some((place, area)) = self.handles.take().zip(self.area) {
+            ui.painter_at(area).set(place, egui::Shape::Vec(shapes));
+        }
+    }
+
+    /// Where the current scene's picture was drawn last.
+    pub(crate) fn area(&self) -> Option<Rect> {
+        self.area
+    }
+
     /// Moves the camera smoothly to a standard view of the whole body.
     pub(crate) fn fit(&mut self, session: &Session, view: View) {
         let radius = self.radius_to_fit(session);
         self.camera.fit(radius, self.aspect, view);
         // A new aspect ratio restores the three-quarter view only.
         self.fitted = (view == View::All).then_some(radius);
-        self.tapped = None;
     }
 
     /// Frees the resources on the graphics card.
@@ -236,9 +256,11 @@ impl Viewport {
             overlay::legend(ui, &painter, area.with_min_y(area.top() + bar), scale);
         }
         overlay::directions(ui, &painter, self.directions(session, area));
-        overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));
-        let pointer = self.pointer(ui, &response);
-        self.show_values(ui, &response, &self.picture, session, section, pointer);
+        scale_bar(ui, &painter, area, self.points_per_mm(area));
+        self.handles = Some(painter.add(egui::Shape::Noop));
+        let marked = Marked { picture: &self.picture, subject: session, section };
+        let click = self.show_marks(ui, &response, &marked);
+        self.click(click);
     }
 
     /// The widget of the current scene's picture.
@@ -248,7 +270,7 @@ impl Viewport {
         let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
         keep_press(&response);
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
-        self.id = Some(response.id);
+        (self.id, self.area) = (Some(response.id), Some(area));
         response
     }
 
@@ -298,7 +320,6 @@ impl Viewport {
             let (radius, height) = self.surroundings();
             self.camera.keep_outside(radius, height);
             self.fitted = None;
-            self.tapped = None;
         }
         moved || eased
     }
@@ -409,7 +430,7 @@ impl Viewport {
     }
 
     /// The place of a point \[mm\] in the area; `None` behind the eye.
-    fn point(&self, point: Vec3, area: Rect) -> Option<Pos2> {
+    pub(crate) fn point(&self, point: Vec3, area: Rect) -> Option<Pos2> {
         let at = self.camera.project(point, self.aspect)?;
         Some(area.lerp_inside(egui::vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y)))
     }
@@ -427,58 +448,6 @@ impl Viewport {
         for line in envelope::lines(band, session.scene().implant.center_mm, section, azimuth) {
             let points = line.points.iter().filter_map(|point| self.point(*point, area)).collect();
             overlay::envelope(ui, painter, points, line.is_outer);
-        }
-    }
-
-    /// The position whose values are shown: under the pointer, or of the last tap.
-    fn pointer(&mut self, ui: &Ui, response: &Response) -> Option<Pos2> {
-        // A short touch starts and ends within one frame.
-        ui.input(|input| {
-            for event in &input.events {
-                if let egui::Event::Touch { phase: egui::TouchPhase::Start, pos, .. } = event {
-                    self.touched = Some(*pos);
-                }
-            }
-        });
-        if response.clicked() {
-            let at = self.touched.take();
-            // A second tap at the same position hides the values.
-            let is_same = |a: Pos2, b: Pos2| a.distance(b) < 24.0;
-            let is_again = self.tapped.zip(at).is_some_and(|(a, b)| is_same(a, b));
-            self.tapped = at.filter(|_| !is_again);
-        }
-        response.hover_pos().or(self.tapped.filter(|at| response.rect.contains(*at)))
-    }
-
-    /// Shows the values of a picture at a position.
-    fn show_values(
-        &self,
-        ui: &Ui,
-        response: &Response,
-        picture: &Picture,
-        subject: &impl Subject,
-        section: Section,
-        pointer: Option<Pos2>,
-    ) {
-        let Some(pointer) = pointer else { return };
-        let busy = subject.is_working() && picture.body.nodes_per_side > PICK_WHILE_SOLVING;
-        if busy || response.dragged() {
-            return;
-        }
-        let area = response.rect;
-        let ray = self.camera.ray(viewport_point(area, pointer), self.aspect);
-        let obstacle = &subject.problem().obstacle;
-        let hit = pick::pick(&ray, &picture.body, &section, &picture.caps, obstacle);
-        if let Some(hit) = hit {
-            let painter = ui.painter_at(area);
-            painter.circle(
-                pointer,
-                3.0,
-                Color32::TRANSPARENT,
-                egui::Stroke::new(1.5, ui.visuals().strong_text_color()),
-            );
-            let lines = overlay::readout(&hit, picture, subject.scene(), Device::of(ui.ctx()));
-            pointer_box(ui, &painter, area, pointer, &lines);
         }
     }
 }

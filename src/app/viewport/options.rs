@@ -31,6 +31,11 @@ impl Options {
         }
     }
 
+    /// Is the areola drawn in the present colours?
+    pub(crate) fn has_areola(&self) -> bool {
+        self.areola() != Areola::Hidden
+    }
+
     /// How the areola is drawn in the present colours.
     pub(super) fn areola(&self) -> Areola {
         match self.quantity {

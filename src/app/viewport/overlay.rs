@@ -1,12 +1,7 @@
-//! Overlays of the picture: legend, directions, scale bar, values at the pointer.
+//! Overlays of the picture: legend, directions, scale bar, box at the pointer.
 
 use super::Outline;
-use crate::app::device::Device;
-use crate::measure::{Field, MMHG_PER_KPA};
-use crate::scene::Scene;
 use crate::view::color::{Rgb, Scale};
-use crate::view::pick::{Hit, Target};
-use crate::view::picture::Picture;
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, pos2, vec2,
@@ -256,69 +251,14 @@ pub(crate) fn caption(ui: &Ui, painter: &Painter, area: Rect, title: &str) {
     painter.galley(at, galley, ui.visuals().strong_text_color());
 }
 
-/// Strain taken up by wrinkles from which the values list it \[-\].
-const LEAST_FOLDED: f32 = 5e-4;
-
-/// The values at a hit, one per line.
-pub(in crate::app) fn readout(
-    hit: &Hit,
-    picture: &Picture,
-    scene: &Scene,
-    device: Device,
-) -> Vec<String> {
-    let layers = &scene.layers;
-    let name = |k: usize| layers.get(k).map_or("tissue", |l| l.tissue.as_str());
-    match &hit.target {
-        Target::Implant => {
-            let name = device.words("Implant");
-            vec![format!("{name}, {:.1} mm above the chest wall", hit.point.z)]
-        }
-        Target::Ring => vec!["Outside the pocket (not computed)".to_owned()],
-        Target::Cut(layer) => vec![format!("Cut through {}", name(*layer))],
-        Target::Sheet(nodes) => {
-            let Some(fields) = &picture.fields else { return Vec::new() };
-            // Interpolated between three nodes; fields that are not displayed are not computed.
-            let value = |field: Field| -> f32 {
-                let at = |&(node, weight)| fields.at(field, node).map(|v| v as f32 * weight);
-                nodes.iter().map(at).sum::<Option<f32>>().unwrap_or(0.0)
-            };
-            let mut lines = vec![
-                format!("Skin stretch {:.0} %", 100.0 * value(Field::PrincipalStrain)),
-                format!("Skin area +{:.0} %", 100.0 * (value(Field::AreaStretch) - 1.0)),
-            ];
-            if scene.is_layered() {
-                lines.push(format!("Cover {:.1} mm", value(Field::Cover)));
-            }
-            let folded = value(Field::WrinkleStrain);
-            if folded > LEAST_FOLDED {
-                lines.push(format!("Skin in folds: {:.1} %", 100.0 * folded));
-            }
-            let pressure = value(Field::ContactPressure);
-            if pressure > 0.0 {
-                let mmhg = pressure * MMHG_PER_KPA as f32;
-                lines.push(format!("Pressure {} mmHg", three_figures(mmhg)));
-            }
-            for (k, thickness) in fields.solution().stack().thickness_mm.iter().enumerate() {
-                let thickness = hit.target.value(thickness).unwrap_or(0.0);
-                let stress = three_figures(value(Field::Stress(k)));
-                lines.push(format!("{}: {stress} kPa, {thickness:.1} mm thick", name(k)));
-            }
-            lines
-        }
-    }
-}
-
-/// Formats a value with at most three digits.
-fn three_figures(value: f32) -> String {
-    match value.abs() {
-        v if v >= 100.0 => format!("{value:.0}"),
-        v if v >= 10.0 => format!("{value:.1}"),
-        _ => format!("{value:.2}"),
-    }
-}
-
-/// Draws a small box beside the pointer, inside the area.
-pub(crate) fn pointer_box(ui: &Ui, painter: &Painter, area: Rect, pointer: Pos2, lines: &[String]) {
+/// Draws a small box beside the pointer, inside the area. Returns the place of the box.
+pub(crate) fn pointer_box(
+    ui: &Ui,
+    painter: &Painter,
+    area: Rect,
+    pointer: Pos2,
+    lines: &[String],
+) -> Rect {
     let galley = painter.layout_no_wrap(lines.join("\n"), font(ui), ui.visuals().text_color());
     let padding = Vec2::splat(8.0);
     let size = galley.size() + 2.0 * padding;
@@ -339,6 +279,7 @@ pub(crate) fn pointer_box(ui: &Ui, painter: &Painter, area: Rect, pointer: Pos2,
         StrokeKind::Inside,
     );
     painter.galley(corner + padding, galley, visuals.text_color());
+    rect
 }
 
 /// Draws a gradient behind the body, lighter at the top.
@@ -384,11 +325,5 @@ mod tests {
             let heights = label_heights(&scale, bar, 12.0);
             assert!(heights.windows(2).all(|h| h[0] - h[1] >= 12.0 - 1e-3), "{heights:?}");
         }
-    }
-
-    #[test]
-    fn values_have_at_most_three_figures() {
-        let shown = [0.1234_f32, 1.234, 12.34, 123.4].map(three_figures);
-        assert_eq!(shown, ["0.12", "1.23", "12.3", "123"]);
     }
 }

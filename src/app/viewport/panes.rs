@@ -1,5 +1,6 @@
 //! Pictures of the current scene and of the pins side by side, with one camera and one colour scale.
 
+use super::marks::Marked;
 use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
 use crate::app::widgets::keep_press;
 use crate::session::{Pin, Session};
@@ -53,9 +54,6 @@ impl Viewport {
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
-        let pointers: Vec<_> =
-            responses.iter().chain([&own]).map(|response| self.pointer(ui, response)).collect();
-
         let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
         let greatest = pictures.map(|picture| picture.greatest).fold(0.0, f32::max);
         let scale = options.quantity.scale(greatest, &session.scene().layers);
@@ -77,9 +75,8 @@ impl Viewport {
             net: options.net,
             areola: options.areola(),
         };
-        for (((pane, shape), response), pointer) in
-            self.panes.iter().zip(&pins).zip(&responses).zip(&pointers)
-        {
+        let mut clicked = None;
+        for ((pane, shape), response) in self.panes.iter().zip(&pins).zip(&responses) {
             let area = response.rect;
             let painter = ui.painter_at(area);
             overlay::background(ui, &painter, area);
@@ -87,7 +84,8 @@ impl Viewport {
             let section = drawn.section;
             self.draw(ui, &painter, area, drawn);
             overlay::caption(ui, &painter, area, &title(shape.pin));
-            self.show_values(ui, response, &pane.picture, shape, section, *pointer);
+            let marked = Marked { picture: &pane.picture, subject: shape, section };
+            clicked = clicked.or(self.show_marks(ui, response, &marked));
         }
         let line = ui.visuals().widgets.noninteractive.bg_stroke;
         for area in &areas {
@@ -110,8 +108,10 @@ impl Viewport {
             );
         }
         overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
-        let pointer = pointers.last().copied().flatten();
-        self.show_values(ui, &own, &self.picture, session, section, pointer);
+        self.handles = Some(painter.add(egui::Shape::Noop));
+        let marked = Marked { picture: &self.picture, subject: session, section };
+        let clicked = clicked.or(self.show_marks(ui, &own, &marked));
+        self.click(clicked);
     }
 
     /// Radius of the sphere around the bodies of the session and of the pins beside it \[mm\].

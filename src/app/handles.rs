@@ -1,0 +1,277 @@
+//! Handles on the picture, over the implant's highest point: drags move the implant in its pocket and change its projection.
+//!
+//! Uses `plan`, `theme`, `viewport`, `widgets`. Used by `keys`, `ui`.
+
+use super::plan::{self, Choices};
+use super::viewport::labelled_box;
+use super::widgets::{arrow_keys, keep_press, set_accessible_name};
+use super::{App, theme};
+use crate::scene::Scene;
+use crate::session::Command;
+use crate::view::body::Body;
+use eframe::egui::{
+    self, CursorIcon, Key, Modifiers, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, vec2,
+};
+use glam::{Vec2, Vec3};
+
+/// Radius of a handle \[points\].
+const RADIUS: f32 = 9.0;
+/// Radius around a handle in which the mouse takes the handle, and a finger \[points\].
+const REACH: [f32; 2] = [12.0, 0.5 * theme::TOUCH];
+/// Distance of the handle of the projection above that of the position, for a mouse and a finger \[points\].
+const ABOVE: [f32; 2] = [30.0, theme::TOUCH];
+/// Least length on the screen of a millimetre up for the handle of the projection \[points\].
+const LEAST_UP: f32 = 0.5;
+/// Share of the longest direction below which a direction on the wall counts as one of sight \[-\].
+const SIGHT: f32 = 0.15;
+
+/// What a handle changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Position,
+    Projection,
+}
+
+/// A drag of a handle.
+pub(super) struct Drag {
+    kind: Kind,
+    /// Plan and choices at the start of the drag.
+    before: Box<Scene>,
+    choices: Choices,
+    pointer: Pos2,
+    axes: Axes,
+    /// Cancelled by a key: the rest of the drag changes nothing.
+    is_cancelled: bool,
+}
+
+/// One millimetre to the side, towards the head and away from the wall on the screen \[points\].
+#[derive(Clone, Copy, Debug)]
+struct Axes([Vec2; 3]);
+
+impl Axes {
+    /// Millimetres on the wall of a movement on the screen, without those along the line of sight: damped least squares.
+    fn on_wall(self, movement: Vec2) -> Vec2 {
+        let [x, y, _] = self.0;
+        let (a, b, c) = (x.length_squared(), x.dot(y), y.length_squared());
+        // Square of the longest direction.
+        let longest = 0.5 * (a + c) + (0.25 * (a - c).powi(2) + b * b).sqrt();
+        let shortest = (a + c - longest).max(0.0);
+        let least = SIGHT * SIGHT * longest;
+        let damping = if shortest < least { least } else { 0.0 };
+        let (a, c) = (a + damping, c + damping);
+        let (p, q) = (x.dot(movement), y.dot(movement));
+        let determinant = a * c - b * b;
+        if determinant > 0.0 {
+            Vec2::new(c * p - b * q, a * q - b * p) / determinant
+        } else {
+            Vec2::ZERO
+        }
+    }
+
+    /// Millimetres away from the wall of a movement on the screen.
+    fn up(self, movement: Vec2) -> f32 {
+        let up = self.0[2];
+        up.dot(movement) / up.length_squared().max(1e-6)
+    }
+}
+
+impl App {
+    /// Shows the handles while the pointer is over the picture, on a touch screen always, and follows their drags.
+    pub(super) fn handles(&mut self, ui: &Ui, scene: &mut Scene) {
+        let Some(area) = self.viewport.area().filter(|_| !self.viewport.has_ruler()) else {
+            return;
+        };
+        let Some(apex) = apex(self.viewport.body(), scene.implant.center_mm) else { return };
+        let Some((at, axes)) = self.on_screen(apex, area) else { return };
+        let finger = usize::from(ui.input(egui::InputState::has_touch_screen));
+        let is_shown = finger > 0 || self.drag.is_some() || ui.rect_contains_pointer(area);
+        let kinds = [(Kind::Position, at), (Kind::Projection, at - vec2(0.0, ABOVE[finger]))];
+        let mut shapes = Vec::new();
+        for (kind, at) in kinds {
+            let is_implant = self.plan.device == plan::Device::Implant;
+            let is_able = kind == Kind::Position || (is_implant && axes.0[2].length() > LEAST_UP);
+            if !is_able || !area.shrink(RADIUS).contains(at) {
+                continue;
+            }
+            let rect = Rect::from_center_size(at, egui::Vec2::splat(2.0 * REACH[finger]));
+            let response = handle(ui, rect, kind);
+            if is_shown || response.has_focus() {
+                let is_active = response.hovered() || response.dragged();
+                shapes.extend(disc(ui, at, kind, is_active));
+            }
+            self.follow(ui, &response, kind, axes, scene);
+            self.step_by_keys(ui, &response, kind, scene);
+            if self.drag.as_ref().is_some_and(|drag| drag.kind == kind && !drag.is_cancelled) {
+                let painter = ui.painter_at(area);
+                let lines = self.about_drag(scene, kind);
+                labelled_box(ui, &painter, area, (at, "Drag"), &lines);
+            }
+        }
+        self.viewport.paint_handles(ui, shapes);
+        if !ui.input(|input| input.pointer.any_down()) {
+            self.drag = None;
+        }
+    }
+
+    /// A point on the screen with the axes there.
+    fn on_screen(&self, point: Vec3, area: Rect) -> Option<(Pos2, Axes)> {
+        let at = self.viewport.point(point, area)?;
+        let axis = |step: Vec3| {
+            let end = self.viewport.point(point + step, area)?;
+            Some(Vec2::new(end.x - at.x, end.y - at.y))
+        };
+        Some((at, Axes([axis(Vec3::X)?, axis(Vec3::Y)?, axis(Vec3::Z)?])))
+    }
+
+    /// Changes the plan by the drag of a handle.
+    fn follow(&mut self, ui: &Ui, response: &Response, kind: Kind, axes: Axes, scene: &mut Scene) {
+        let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
+            return;
+        };
+        if response.drag_started() || self.drag.is_none() {
+            let pointer = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
+            let (before, choices) = (Box::new(scene.clone()), self.plan);
+            self.drag = Some(Drag { kind, before, choices, pointer, axes, is_cancelled: false });
+        }
+        let Some(drag) = self.drag.as_ref().filter(|drag| drag.kind == kind) else { return };
+        let movement = Vec2::new(pointer.x - drag.pointer.x, pointer.y - drag.pointer.y);
+        if drag.is_cancelled || movement == Vec2::ZERO {
+            return;
+        }
+        match kind {
+            Kind::Position => {
+                let by = drag.axes.on_wall(movement);
+                let [x, y] = drag.before.implant.center_mm;
+                plan::move_to(scene, [x + f64::from(by.x), y + f64::from(by.y)]);
+            }
+            Kind::Projection => {
+                let mm = drag.before.implant.projection_mm + f64::from(drag.axes.up(movement));
+                let mut choices = drag.choices;
+                let mut dragged = Scene { implant: drag.before.implant, ..scene.clone() };
+                if plan::set_projection(&mut dragged, &mut choices, mm) {
+                    (*scene, self.plan) = (dragged, choices);
+                }
+            }
+        }
+    }
+
+    /// Changes the plan by the arrow keys of a focused handle: 1 mm a key.
+    fn step_by_keys(&mut self, ui: &Ui, response: &Response, kind: Kind, scene: &mut Scene) {
+        if !response.has_focus() {
+            return;
+        }
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
+        let steps = |less, more| {
+            ui.input_mut(|input| {
+                let mut count = |key| input.count_and_consume_key(Modifiers::NONE, key) as f64;
+                count(more) - count(less)
+            })
+        };
+        let up = steps(Key::ArrowDown, Key::ArrowUp);
+        let to_the_side = steps(Key::ArrowLeft, Key::ArrowRight);
+        match kind {
+            Kind::Position if up != 0.0 || to_the_side != 0.0 => {
+                let [x, y] = scene.implant.center_mm;
+                plan::move_to(scene, [x + to_the_side, y + up]);
+            }
+            Kind::Projection if up != 0.0 => {
+                let mm = scene.implant.projection_mm + up;
+                plan::set_projection(scene, &mut self.plan, mm);
+            }
+            _ => {}
+        }
+    }
+
+    /// What a drag has reached, and why the implant goes no further.
+    fn about_drag(&self, scene: &Scene, kind: Kind) -> Vec<String> {
+        match kind {
+            Kind::Position => plan::position_in_words(scene),
+            Kind::Projection => plan::projection_in_words(scene, &self.plan),
+        }
+    }
+
+    /// Cancels a running drag: the plan is as before. Returns whether there was one.
+    pub(super) fn cancel_drag(&mut self) -> bool {
+        let Some(drag) = self.drag.as_mut().filter(|drag| !drag.is_cancelled) else { return false };
+        drag.is_cancelled = true;
+        self.plan = drag.choices;
+        // All of a drag is one step.
+        if *drag.before != *self.session.scene() {
+            self.execute(Command::Undo);
+        }
+        true
+    }
+}
+
+/// The point of the skin over an implant's centre.
+fn apex(body: &Body, center_mm: [f64; 2]) -> Option<Vec3> {
+    let center = Vec2::new(center_mm[0] as f32, center_mm[1] as f32);
+    let columns = body.levels.first()?.iter().take(body.node_columns);
+    let far = |p: &Vec3| p.truncate().distance_squared(center);
+    columns.copied().min_by(|a, b| far(a).total_cmp(&far(b)))
+}
+
+/// The widget of a handle.
+fn handle(ui: &Ui, rect: Rect, kind: Kind) -> Response {
+    let (name, tooltip, icon) = match kind {
+        Kind::Position => (
+            "Move the implant",
+            "Drag the implant in its pocket, or use the arrow keys (1 mm); Esc during a drag restores the plan",
+            CursorIcon::Move,
+        ),
+        Kind::Projection => (
+            "Raise the implant",
+            "Drag up or down, or use the arrow keys (1 mm): projection; Esc during a drag restores the plan",
+            CursorIcon::ResizeVertical,
+        ),
+    };
+    let response = ui.interact(rect, ui.scope_id().with(name), Sense::DRAG | Sense::FOCUSABLE);
+    keep_press(&response);
+    set_accessible_name(&response, Role::Button, name);
+    response.on_hover_cursor(icon).on_hover_text(tooltip)
+}
+
+/// A disc with arrows in the directions of the drag.
+fn disc(ui: &Ui, at: Pos2, kind: Kind, is_active: bool) -> Vec<Shape> {
+    let palette = theme::palette(ui.visuals());
+    let (fill, line) = if is_active {
+        (palette.accent, palette.on_accent)
+    } else {
+        (ui.visuals().panel_fill.gamma_multiply(0.85), palette.accent)
+    };
+    let mut shapes = vec![
+        Shape::circle_filled(at, RADIUS, fill),
+        Shape::circle_stroke(at, RADIUS, Stroke::new(1.5, palette.accent)),
+    ];
+    let stroke = Stroke::new(1.5, line);
+    let directions: &[egui::Vec2] = match kind {
+        Kind::Position => &[vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)],
+        Kind::Projection => &[vec2(0.0, 1.0), vec2(0.0, -1.0)],
+    };
+    for direction in directions {
+        let tip = at + 6.0 * *direction;
+        let back = |side: f32| tip - 2.5 * *direction + side * 2.5 * direction.rot90();
+        shapes.extend([at, back(1.0), back(-1.0)].map(|p| Shape::line_segment([p, tip], stroke)));
+    }
+    shapes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_movement_on_the_screen_is_one_on_the_wall_as_far_as_it_is_seen() {
+        let oblique = Axes([Vec2::new(2.0, 0.5), Vec2::new(-0.6, -1.4), Vec2::new(0.0, -1.0)]);
+        let wanted = Vec2::new(3.0, -4.0);
+        let movement = oblique.0[0] * wanted.x + oblique.0[1] * wanted.y;
+        assert!((oblique.on_wall(movement) - wanted).length() < 1e-3);
+        // From the side: x is the line of sight.
+        let side = Axes([Vec2::new(0.01, 0.0), Vec2::new(2.0, 0.0), Vec2::new(0.0, -2.0)]);
+        let seen = side.on_wall(Vec2::new(10.0, 7.0));
+        assert!(seen.x.abs() < 0.5 && (seen.y - 5.0).abs() < 0.2, "{seen}");
+        assert!((side.up(Vec2::new(10.0, -6.0)) - 3.0).abs() < 1e-4);
+        let nothing = Axes([Vec2::ZERO; 3]);
+        assert_eq!(nothing.on_wall(Vec2::new(1.0, 1.0)), Vec2::ZERO);
+    }
+}

@@ -1,0 +1,184 @@
+//! The list "Commands" (Ctrl+K): all commands, found by typing.
+//!
+//! Uses `commands`, `theme`, `widgets`. Used by `logic`.
+
+use super::commands::{self, COMMANDS, Entry};
+use super::device::Device;
+use super::widgets::set_accessible_name;
+use super::{App, theme};
+use eframe::egui::{self, Key, Modifiers, RichText, Ui};
+
+/// Title of the list.
+const TITLE: &str = "Commands";
+/// Name of the field.
+const SEARCH: &str = "Search a command";
+/// Width and greatest height of the list \[points\].
+const SIZE: egui::Vec2 = egui::vec2(420.0, 300.0);
+
+/// State of the list.
+#[derive(Debug, Default)]
+pub(super) struct Palette {
+    is_open: bool,
+    /// Is this the first frame?
+    is_new: bool,
+    text: String,
+    /// Place of the chosen command among the found ones.
+    chosen: usize,
+}
+
+impl Palette {
+    pub(super) fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// Opens the list with an empty field, or closes the list.
+    pub(super) fn toggle(&mut self) {
+        let is_open = !self.is_open;
+        *self = Self { is_open, is_new: is_open, ..Self::default() };
+    }
+}
+
+/// What the keys of a frame do.
+#[derive(Default)]
+struct Keys {
+    steps: isize,
+    is_entered: bool,
+    is_escaped: bool,
+}
+
+impl Keys {
+    fn take(ctx: &egui::Context) -> Self {
+        ctx.input_mut(|input| {
+            let mut count = |key| input.count_and_consume_key(Modifiers::NONE, key);
+            let steps = count(Key::ArrowDown) as isize - count(Key::ArrowUp) as isize;
+            Self { steps, is_entered: count(Key::Enter) > 0, is_escaped: count(Key::Escape) > 0 }
+        })
+    }
+}
+
+impl App {
+    /// Shows the list, and executes the chosen command.
+    pub(super) fn palette_window(&mut self, ctx: &egui::Context) {
+        if !self.palette.is_open {
+            return;
+        }
+        let keys = Keys::take(ctx);
+        let found = found(&self.palette.text, self.plan.device);
+        let most = found.len().saturating_sub(1);
+        let palette = &mut self.palette;
+        palette.chosen = palette.chosen.saturating_add_signed(keys.steps).min(most);
+        let mut picked = found.get(palette.chosen).copied().filter(|_| keys.is_entered);
+        let width = SIZE.x.min(ctx.content_rect().width() - 6.0 * theme::SPACE);
+        let mut is_open = !keys.is_escaped;
+        egui::Window::new(TITLE)
+            .open(&mut is_open)
+            .collapsible(false)
+            .resizable(false)
+            .anchor(egui::Align2::CENTER_TOP, [0.0, 8.0 * theme::SPACE])
+            .show(ctx, |ui| {
+                ui.set_width(width);
+                self.search_field(ui);
+                let list = egui::ScrollArea::vertical().max_height(SIZE.y);
+                list.auto_shrink([false, true]).show(ui, |ui| {
+                    for (k, entry) in found.iter().enumerate() {
+                        if self.row(ui, entry, k, keys.steps != 0) {
+                            picked = Some(entry);
+                        }
+                    }
+                    if found.is_empty() {
+                        ui.weak("No command has these words in its name.");
+                    }
+                });
+            });
+        self.palette.is_new = false;
+        if picked.is_some() || !is_open {
+            self.palette = Palette::default();
+            self.request_frame();
+        }
+        if let Some(entry) = picked {
+            match self.why_not(entry.action) {
+                Some(why) => self.notice = Some(commands::refusal(entry, why)),
+                None => self.run(ctx, entry.action),
+            }
+        }
+    }
+
+    fn search_field(&mut self, ui: &mut Ui) {
+        let palette = &mut self.palette;
+        let field = egui::TextEdit::singleline(&mut palette.text)
+            .hint_text(SEARCH)
+            .char_limit(60)
+            .desired_width(f32::INFINITY);
+        let response = ui.add(field);
+        response.widget_info(|| egui::WidgetInfo {
+            label: Some(SEARCH.to_owned()),
+            ..egui::WidgetInfo::text_edit(true, "", &palette.text, SEARCH)
+        });
+        if palette.is_new {
+            response.request_focus();
+        }
+        if response.changed() {
+            palette.chosen = 0;
+        }
+    }
+
+    /// A command of the list with its keys; returns whether the command was clicked.
+    fn row(&self, ui: &mut Ui, entry: &Entry, k: usize, is_moved: bool) -> bool {
+        let is_chosen = self.palette.chosen == k;
+        let is_able = self.why_not(entry.action).is_none();
+        let words = self.plan.device.words(entry.name);
+        let name = RichText::new(&words);
+        let name = if is_able { name } else { name.weak() };
+        let keys = entry.keys(ui.ctx().os());
+        let button = egui::Button::selectable(is_chosen, name)
+            .right_text(RichText::new(&keys).small())
+            .min_size(egui::vec2(ui.available_width(), 24.0));
+        let response = ui.add(button);
+        let name = format!("{words} {keys}");
+        set_accessible_name(&response, egui::Role::MenuItem, name.trim_end());
+        if is_chosen && is_moved {
+            response.scroll_to_me(None);
+        }
+        let is_clicked = response.clicked();
+        if !entry.tooltip.is_empty() {
+            response.on_hover_text(entry.tooltip);
+        }
+        is_clicked
+    }
+}
+
+/// Commands with all words of a text in their name or description; first those with the text in the name.
+fn found(text: &str, device: Device) -> Vec<&'static Entry> {
+    let text = text.trim().to_lowercase();
+    let has = |entry: &&Entry| {
+        let words = format!("{} {}", entry.name, entry.tooltip);
+        let words = device.words(&words).to_lowercase();
+        text.split_whitespace().all(|word| words.contains(word))
+    };
+    let mut found: Vec<&Entry> = COMMANDS.iter().filter(has).collect();
+    found.sort_by_key(|entry| entry.name.to_lowercase().find(&text).unwrap_or(usize::MAX));
+    if text.is_empty() {
+        return COMMANDS.iter().collect();
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(text: &str) -> Vec<&'static str> {
+        found(text, Device::Implant).into_iter().map(|entry| entry.name).collect()
+    }
+
+    #[test]
+    fn words_in_any_order_find_a_command_and_names_come_before_descriptions() {
+        assert_eq!(names("").len(), COMMANDS.len());
+        assert_eq!(names("")[0], "Open plan…");
+        assert_eq!(names("  RULER ")[0], "Ruler");
+        assert_eq!(names("picture save")[0], "Save picture (PNG)…");
+        assert_eq!(names("plan")[0], "Open plan…");
+        assert!(names("undo")[0] == "Undo" && names("undo").contains(&"Start over"));
+        assert!(names("no such thing").is_empty());
+    }
+}

@@ -1,0 +1,294 @@
+//! The cross-section under the picture: skin, fat, implant and pocket at one scale across and up, with the skin of the pins.
+//!
+//! Uses `compare`, `plots`, `theme`, `viewport`. Used by `ui`.
+
+use super::compare::{self, Silhouette};
+use super::theme;
+use super::uncertainty::Findings;
+use super::viewport::scale_bar;
+use super::widgets::set_accessible_name;
+use super::{App, plots};
+use crate::solve::Problem;
+use crate::study::SectionBand;
+use crate::view::body::Body;
+use crate::view::color;
+use crate::view::cross_section::CrossSection;
+use crate::view::pick::{Hit, Target};
+use crate::view::place as tissue;
+use crate::view::subject::{LastAnswer, Subject};
+use eframe::egui::{
+    self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2,
+    vec2,
+};
+use glam::{Vec2, Vec3};
+
+/// Name of the strip, and of its switch.
+pub(super) const CROSS_SECTION: &str = "Cross-section";
+/// Height of the strip \[points\].
+const HEIGHT: f32 = 138.0;
+/// Least height of the window with a strip \[points\].
+const LEAST_WINDOW: f32 = 760.0;
+/// Width of legend and scale bar at the left \[points\].
+const LEGEND: f32 = 96.0;
+/// Step of the height that the strip shows \[mm\]: its scale changes seldom.
+const STEP_MM: f32 = 20.0;
+
+impl App {
+    /// Is the strip in sight, so that "Details" does without a cross-section? `is_wide`: not on a phone.
+    pub(super) fn has_strip(&self, ctx: &egui::Context, is_wide: bool) -> bool {
+        is_wide
+            && self.show_strip
+            && !self.range.is_open
+            && ctx.content_rect().height() >= LEAST_WINDOW
+    }
+
+    /// Cuts the strip's area off the bottom of the picture's.
+    pub(super) fn strip_area(
+        &self,
+        ctx: &egui::Context,
+        area: Rect,
+        is_wide: bool,
+    ) -> Option<Rect> {
+        let has_strip = self.has_strip(ctx, is_wide);
+        has_strip.then(|| area.with_min_y(area.bottom() - HEIGHT))
+    }
+
+    /// Shows the strip, after its picture.
+    pub(super) fn strip(&mut self, ui: &Ui, area: Rect) {
+        let kept = match LastAnswer::of(&self.session) {
+            Some(answer) => self.strip_of(ui, area, &answer),
+            None => self.strip_of(ui, area, &self.session),
+        };
+        if let Some(kept) = kept {
+            self.viewport.keep_values(kept);
+        }
+    }
+
+    /// Draws the strip; returns a clicked point of the tissue.
+    fn strip_of(&self, ui: &Ui, area: Rect, subject: &impl Subject) -> Option<tissue::Place> {
+        // Without focus: the keys act on the picture.
+        let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
+        set_accessible_name(&response, egui::Role::Canvas, CROSS_SECTION);
+        let problem = subject.problem();
+        let section = CrossSection::new(self.viewport.body(), &problem.sheet);
+        let pins =
+            plots::drawn_silhouettes(&self.session, &self.compare, theme::palette(ui.visuals()));
+        let pins = first_and_last(pins);
+        let place = Place::new(area, problem, &section, &pins);
+        let painter = ui.painter_at(area);
+        paint_ground(ui, &painter, area);
+        paint_wall(ui, &painter, &place, problem);
+        if !section.skin().is_empty() {
+            let tissue = |layer: usize| {
+                let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
+                (name.to_owned(), color32(color::tissue(name, layer)))
+            };
+            paint_implant(ui, &painter, &place, problem);
+            paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
+            let band = self.uncertainty.findings().map_or(&[][..], Findings::section);
+            let band = plots::sampled_skin(&self.session, band);
+            paint_band(ui, &painter, &place, &band);
+            let layers = (0..subject.scene().layers.len()).map(tissue);
+            let accent = theme::palette(ui.visuals()).accent;
+            let implant = (self.plan.device.words("implant"), accent.gamma_multiply(0.22));
+            let sampled = ("skin of 8 in 10 sampled patients".to_owned(), band_color(ui));
+            let sampled = (!band.is_empty()).then_some(sampled);
+            legend(ui, &painter, area, layers.chain([implant]).chain(sampled));
+        }
+        for pin in &pins {
+            paint_pin(ui, &painter, &place, pin);
+        }
+        scale_bar(ui, &painter, area, place.points_per_mm);
+        let is_clicked = response.clicked();
+        let pointer =
+            if is_clicked { response.interact_pointer_pos() } else { response.hover_pos() };
+        let pointer = pointer.filter(|_| !self.viewport.has_ruler())?;
+        let hit = hit(place.point(pointer), &section, self.viewport.body(), problem)?;
+        let kept = self.viewport.show_values(ui, area, pointer, &hit, subject.scene());
+        kept.filter(|_| is_clicked)
+    }
+}
+
+/// Pin A and the pin that was added last.
+fn first_and_last(mut pins: Vec<Silhouette>) -> Vec<Silhouette> {
+    if pins.len() > 2 {
+        pins.drain(1..pins.len() - 1);
+    }
+    pins
+}
+
+/// Where the plane of the section is drawn.
+struct Place {
+    /// The pocket's centre on the chest wall.
+    origin: Pos2,
+    /// Scale across and up.
+    points_per_mm: f32,
+    /// Half of the drawn width \[mm\].
+    reach_mm: f32,
+}
+
+impl Place {
+    fn new(area: Rect, problem: &Problem, section: &CrossSection, pins: &[Silhouette]) -> Self {
+        let radius = problem.sheet.radius_mm() as f32;
+        let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
+        let highest = highest.fold(section.height(), f32::max);
+        let height = STEP_MM * (highest / STEP_MM).ceil().max(2.0);
+        let room = area.shrink2(vec2(2.0 * theme::SPACE, theme::SPACE));
+        let room = room.with_min_x(room.left() + LEGEND);
+        let below = 14.0;
+        let points_per_mm = ((room.height() - below) / height).min(0.5 * room.width() / radius);
+        Self {
+            origin: pos2(room.center().x, room.bottom() - below),
+            points_per_mm,
+            reach_mm: radius,
+        }
+    }
+
+    fn at(&self, point: Vec2) -> Pos2 {
+        self.origin + self.points_per_mm * vec2(point.x, -point.y)
+    }
+
+    /// The point (x, z) of the plane at a position \[mm\].
+    fn point(&self, at: Pos2) -> Vec2 {
+        let offset = (at - self.origin) / self.points_per_mm;
+        Vec2::new(offset.x, -offset.y)
+    }
+
+    fn line(&self, points: &[[f64; 2]]) -> Vec<Pos2> {
+        points.iter().map(|&[x, z]| self.at(Vec2::new(x as f32, z as f32))).collect()
+    }
+}
+
+/// What is at a point (x, z) of the section; `None` outside of tissue and implant.
+fn hit(point: Vec2, section: &CrossSection, body: &Body, problem: &Problem) -> Option<Hit> {
+    let dome = problem.obstacle.dome;
+    let target = match section.layer_at(point) {
+        Some(layer) => Target::Cut(layer),
+        None => {
+            let across = (f64::from(point.x) - dome.center.x) / dome.base_radius;
+            let up = (f64::from(point.y) - dome.base_height) / dome.projection;
+            let is_inside = across.hypot(up) <= 1.0 && point.y >= 0.0;
+            is_inside.then_some(Target::Implant)?
+        }
+    };
+    // The row's nodes leave the plane where the implant is off centre.
+    let level = body.levels.first()?;
+    let near = |k: &&usize| level[**k].x - point.x;
+    let column = section.columns.iter().min_by(|a, b| near(a).abs().total_cmp(&near(b).abs()))?;
+    Some(Hit { point: Vec3::new(point.x, level[*column].y, point.y), target })
+}
+
+fn color32(color: color::Rgb) -> Color32 {
+    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+    Color32::from_rgb(byte(color[0]), byte(color[1]), byte(color[2]))
+}
+
+fn paint_ground(ui: &Ui, painter: &Painter, area: Rect) {
+    painter.rect_filled(area, 0.0, ui.visuals().panel_fill);
+    let line = ui.visuals().widgets.noninteractive.bg_stroke;
+    painter.hline(area.x_range(), area.top(), line);
+}
+
+/// The chest wall with the pocket on it, and the sides of the patient.
+fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
+    let (visuals, palette) = (ui.visuals(), theme::palette(ui.visuals()));
+    let font = TextStyle::Small.resolve(ui.style());
+    let at = |x: f32| place.at(Vec2::new(x, 0.0));
+    let wall = Stroke::new(1.0, palette.edge);
+    painter.line_segment([at(-place.reach_mm), at(place.reach_mm)], wall);
+    let pocket = problem.patch.pocket_radius_mm as f32;
+    let line = Stroke::new(2.0, palette.text);
+    for x in [-pocket, pocket] {
+        painter.line_segment([at(x) - vec2(0.0, 5.0), at(x) + vec2(0.0, 3.0)], line);
+    }
+    let below = |x: f32, align: Align2, words: &str, color: Color32| {
+        painter.text(at(x) + vec2(0.0, 2.0), align, words, font.clone(), color);
+    };
+    let weak = visuals.weak_text_color();
+    below(0.0, Align2::CENTER_TOP, "pocket", palette.text);
+    below(-place.reach_mm, Align2::LEFT_TOP, "midline", weak);
+    below(place.reach_mm, Align2::RIGHT_TOP, "side", weak);
+}
+
+fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
+    let outline = place.line(&plots::dome_outline(problem));
+    let accent = theme::palette(ui.visuals()).accent;
+    painter.add(Shape::convex_polygon(
+        outline,
+        accent.gamma_multiply(0.22),
+        Stroke::new(1.5, accent),
+    ));
+}
+
+fn paint_tissue(
+    ui: &Ui,
+    painter: &Painter,
+    place: &Place,
+    section: &CrossSection,
+    color: &dyn Fn(usize) -> Color32,
+) {
+    let mut mesh = Mesh::default();
+    for (layer, quad) in section.quads() {
+        let first = mesh.vertices.len() as u32;
+        for corner in quad {
+            mesh.colored_vertex(place.at(corner), color(layer));
+        }
+        mesh.add_triangle(first, first + 1, first + 2);
+        mesh.add_triangle(first, first + 2, first + 3);
+    }
+    painter.add(Shape::mesh(mesh));
+    // Lines where the layers end: the skin's outer surface and each layer's inner face.
+    let line = Stroke::new(1.0, ui.visuals().text_color().gamma_multiply(0.7));
+    for (level, points) in section.levels.iter().enumerate() {
+        let is_within = level > 0 && section.layers.get(level) == section.layers.get(level - 1);
+        if !is_within {
+            painter.add(Shape::line(points.iter().map(|p| place.at(*p)).collect(), line));
+        }
+    }
+}
+
+fn band_color(ui: &Ui) -> Color32 {
+    theme::palette(ui.visuals()).curves[0].gamma_multiply(0.35)
+}
+
+/// The skin of sampled patients: 10th to 90th percentile of the heights, shaded.
+fn paint_band(ui: &Ui, painter: &Painter, place: &Place, band: &[SectionBand]) {
+    let mut mesh = Mesh::default();
+    for point in band {
+        for height in [point.z_mm[0], point.z_mm[2]] {
+            let at = place.at(Vec2::new(point.r_mm as f32, height as f32));
+            mesh.colored_vertex(at, band_color(ui));
+        }
+    }
+    for k in (2..mesh.vertices.len() as u32).step_by(2) {
+        mesh.add_triangle(k - 2, k - 1, k);
+        mesh.add_triangle(k - 1, k, k + 1);
+    }
+    painter.add(Shape::mesh(mesh));
+}
+
+/// The skin of a pin with its letter.
+fn paint_pin(ui: &Ui, painter: &Painter, place: &Place, pin: &Silhouette) {
+    let (color, dash, gap) = compare::stroke_of(pin.letter, theme::palette(ui.visuals()));
+    let points = place.line(&pin.points);
+    painter.extend(Shape::dashed_line(&points, Stroke::new(2.0, color), dash, gap));
+    if let Some(at) = points.get(points.len() / 3) {
+        let at = *at - vec2(4.0, 2.0);
+        let font = TextStyle::Button.resolve(ui.style());
+        painter.text(at, Align2::RIGHT_BOTTOM, pin.letter.to_string(), font, color);
+    }
+}
+
+/// Names of the tissues with their colours, at the left of the top.
+fn legend(ui: &Ui, painter: &Painter, area: Rect, names: impl Iterator<Item = (String, Color32)>) {
+    let font = TextStyle::Small.resolve(ui.style());
+    let text = ui.visuals().text_color();
+    let mut at = area.left_top() + vec2(2.0 * theme::SPACE, theme::SPACE);
+    for (name, color) in names {
+        let mark = Rect::from_min_size(at + vec2(0.0, 2.0), vec2(10.0, 10.0));
+        let border = Stroke::new(1.0, theme::palette(ui.visuals()).edge);
+        painter.rect(mark, 2.0, color, border, egui::StrokeKind::Inside);
+        painter.text(at + vec2(15.0, 0.0), Align2::LEFT_TOP, name, font.clone(), text);
+        at.y += font.size + theme::SPACE_SMALL;
+    }
+}

@@ -1,0 +1,161 @@
+//! The values at a point of the tissue, every layer of it, in the units and words of the cards.
+
+use crate::app::device::Device;
+use crate::measure::{Field, Fields, MMHG_PER_KPA};
+use crate::scene::Scene;
+use crate::view::body::Body;
+use crate::view::pick::{Hit, Target};
+use crate::view::place::{Nodes, Place, nearest_column};
+
+/// Strain taken up by wrinkles from which the values list it \[-\].
+const LEAST_FOLDED: f32 = 5e-4;
+
+/// The point of the tissue at a hit; `None` beyond the computed tissue.
+pub(super) fn place_of(hit: &Hit, body: &Body, fields: &Fields) -> Option<Place> {
+    let sheet = &fields.solution().problem().sheet;
+    if body.nodes_per_side != sheet.nodes_per_side() {
+        return None;
+    }
+    match &hit.target {
+        Target::Ring => None,
+        Target::Sheet(nodes) => {
+            let depth = depth_of(nodes, body, hit)?;
+            Some(Place::new(nodes, depth, sheet))
+        }
+        Target::Cut(_) | Target::Implant => {
+            let (column, depth) = nearest_column(body, hit.point)?;
+            let is_near =
+                body.levels.iter().any(|level| level[column].distance(hit.point) < REACH_MM);
+            let nodes = [(column, 1.0), (column, 0.0), (column, 0.0)];
+            is_near.then(|| Place::new(&nodes, depth, sheet))
+        }
+    }
+}
+
+/// Distance of a point from its column above which the point belongs to tissue without values \[mm\].
+const REACH_MM: f32 = 30.0;
+
+/// Depth of a hit on a surface of the tissue: 0 on the skin, or that of the inner face.
+fn depth_of(nodes: &Nodes, body: &Body, hit: &Hit) -> Option<f32> {
+    let node = nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
+    let last = body.levels.len().checked_sub(1)?;
+    let far = |level: usize| body.levels[level].get(node).map(|p| p.distance(hit.point));
+    let (outer, inner) = (far(0)?, far(last)?);
+    Some(if outer <= inner { 0.0 } else { last as f32 })
+}
+
+/// What is at a hit, in a few words; nothing on the skin.
+pub(super) fn heading(hit: &Hit, scene: &Scene, device: Device) -> Option<String> {
+    match hit.target {
+        Target::Sheet(_) => None,
+        Target::Ring => Some("Outside the pocket (not computed)".to_owned()),
+        Target::Cut(layer) => Some(format!("In {}", name(scene, layer))),
+        Target::Implant => {
+            let name = device.words("Implant");
+            Some(format!("{name}, {:.1} mm above the chest wall", hit.point.z))
+        }
+    }
+}
+
+fn name(scene: &Scene, layer: usize) -> &str {
+    scene.layers.get(layer).map_or("tissue", |layer| layer.tissue.as_str())
+}
+
+/// The values at three nodes: skin, every layer now and at rest, cover, pressure; one per line.
+pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<String> {
+    // Interpolated between three nodes; fields that are not displayed are not computed.
+    let value = |field: Field| -> f32 {
+        let at = |&(node, weight): &(usize, f32)| fields.at(field, node).map(|v| v as f32 * weight);
+        nodes.iter().map(at).sum::<Option<f32>>().unwrap_or(0.0)
+    };
+    let mut lines = vec![format!(
+        "Skin stretch {:.0} %, area {:+.0} %",
+        100.0 * value(Field::PrincipalStrain),
+        100.0 * (value(Field::AreaStretch) - 1.0)
+    )];
+    let folded = value(Field::WrinkleStrain);
+    if folded > LEAST_FOLDED {
+        lines.push(format!("Skin in folds: {:.1} %", 100.0 * folded));
+    }
+    let materials = &fields.solution().problem().materials;
+    for (k, thickness) in fields.solution().stack().thickness_mm.iter().enumerate() {
+        let now = |&(node, weight): &(usize, f32)| thickness.get(node).map(|mm| mm * weight);
+        let now = nodes.iter().map(now).sum::<Option<f32>>().unwrap_or(0.0);
+        let rest = materials.get(k).map_or(0.0, |material| material.thickness_mm);
+        let stress = three_figures(value(Field::Stress(k)));
+        let (name, word) = (name(scene, k), if k == 0 { "tension" } else { "stress" });
+        lines.push(format!("{name} {now:.1} mm (at rest {rest:.1}), {word} {stress} kPa"));
+    }
+    let pressure = value(Field::ContactPressure);
+    // Beside the implant the distance from the implant to the skin is no cover.
+    if scene.is_layered() && pressure > 0.0 {
+        let rest: f64 = materials.iter().map(|material| material.thickness_mm).sum();
+        lines.push(format!("Cover {:.1} mm (at rest {rest:.1})", value(Field::Cover)));
+    }
+    lines.push(if pressure > 0.0 {
+        format!("Pressure {} mmHg", three_figures(pressure * MMHG_PER_KPA as f32))
+    } else {
+        "No pressure of the implant here".to_owned()
+    });
+    lines
+}
+
+/// Formats a value with at most three digits.
+fn three_figures(value: f32) -> String {
+    match value.abs() {
+        v if v >= 100.0 => format!("{value:.0}"),
+        v if v >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::Session;
+    use std::rc::Rc;
+
+    fn solved(mut scene: Scene) -> Session {
+        scene.solver.nodes_per_side = 33;
+        let mut session = Session::new(scene).expect("the scene is valid");
+        while session.is_working() {
+            session.advance(&mut || false);
+        }
+        session
+    }
+
+    #[test]
+    fn values_have_at_most_three_figures() {
+        let shown = [0.1234_f32, 1.234, 12.34, 123.4].map(three_figures);
+        assert_eq!(shown, ["0.12", "1.23", "12.3", "123"]);
+    }
+
+    #[test]
+    fn every_layer_is_read_now_and_at_rest_and_the_cover_is_their_result() {
+        let session = solved(Scene::default());
+        let outcome = session.outcome().expect("the scene is solved");
+        let fields: Rc<Fields> = Rc::clone(session.fields());
+        let apex = 16 * 33 + 16;
+        let lines = values(&[(apex, 1.0), (apex, 0.0), (apex, 0.0)], &fields, session.scene());
+        let cover = outcome.cover_mm.expect("layered tissue has a cover").apex;
+        let rest: f64 = session.scene().layers.iter().map(|layer| layer.thickness_mm).sum();
+        assert!(lines.contains(&format!("Cover {cover:.1} mm (at rest {rest:.1})")), "{lines:?}");
+        for layer in &session.scene().layers {
+            let rest = format!("(at rest {:.1}), ", layer.thickness_mm);
+            let is_read = |line: &String| line.starts_with(&layer.tissue) && line.contains(&rest);
+            assert!(lines.iter().any(is_read), "{} in {lines:?}", layer.tissue);
+        }
+        assert!(lines[0].starts_with("Skin stretch "), "{lines:?}");
+        assert!(lines.iter().any(|line| line.starts_with("Pressure ")), "{lines:?}");
+    }
+
+    #[test]
+    fn a_sheet_has_no_cover_and_the_border_no_pressure() {
+        let session = solved(Scene::sheet());
+        let border = 16 * 33;
+        let nodes = [(border, 1.0), (border, 0.0), (border, 0.0)];
+        let lines = values(&nodes, session.fields(), session.scene());
+        assert!(!lines.iter().any(|line| line.starts_with("Cover")), "{lines:?}");
+        assert_eq!(lines.last().map(String::as_str), Some("No pressure of the implant here"));
+    }
+}

@@ -1,0 +1,335 @@
+//! Hands on the picture: cross-section in sight, values at a point, ruler, handles of the implant, commands by their names.
+
+use super::{DESKTOP, PHONE, app, focus_picture, opening, press, settle, type_into, unfold};
+use eframe::egui::{self, Key, Modifiers, Pos2, Role, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use implant_preview::app::App;
+use implant_preview::scene::Scene;
+
+type Screen = Harness<'static, App>;
+
+fn desktop() -> Screen {
+    app(DESKTOP, |scene| {
+        *scene = opening();
+        scene.solver.nodes_per_side = 33;
+    })
+}
+
+/// A choice of the menu "View".
+fn choose(harness: &mut Screen, name: &str) {
+    press(harness, "View");
+    harness.get_by_role_and_label(Role::CheckBox, name).click();
+    harness.run();
+}
+
+fn has_strip(harness: &Screen) -> bool {
+    harness.query_by_role_and_label(Role::Canvas, "Cross-section").is_some()
+}
+
+/// Is the cross-section among the details?
+fn has_plot(harness: &Screen) -> bool {
+    harness
+        .query_all_by_label("Cross-section")
+        .any(|node| node.accesskit_node().role() != Role::Canvas)
+}
+
+fn picture(harness: &Screen) -> egui::Rect {
+    harness.get_by_role_and_label(Role::Canvas, "3-D view").rect()
+}
+
+/// A point of the skin over the implant on the picture, left of the cut and of the handles.
+fn on_skin(harness: &Screen) -> Pos2 {
+    let handle = harness.get_by_role_and_label(Role::Button, "Move the implant").rect();
+    handle.center() + vec2(-32.0, 6.0)
+}
+
+/// The accessible name that starts with some words.
+fn reading(harness: &Screen, start: &str) -> Option<String> {
+    let node = harness.query_by_label_contains(start)?;
+    let node = node.accesskit_node();
+    node.label().or_else(|| node.value())
+}
+
+fn click(harness: &mut Screen, at: Pos2) {
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    harness.run();
+}
+
+#[test]
+fn the_cross_section_is_in_sight_once_and_its_switch_is_kept() {
+    let mut harness = desktop();
+    unfold(&mut harness, "Details");
+    assert!(has_strip(&harness) && !has_plot(&harness));
+    let picture_before = picture(&harness);
+    let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
+    assert!(strip.top() >= picture_before.bottom() - 0.5 && strip.height() > 100.0);
+    choose(&mut harness, "Cross-section");
+    assert!(!has_strip(&harness) && has_plot(&harness));
+    assert!(picture(&harness).height() > picture_before.height() + 100.0);
+
+    let kept = harness.state_mut().take_plan_to_store(true).unwrap();
+    let mut next = desktop();
+    next.state_mut().restore_plan(&kept);
+    settle(&mut next);
+    assert!(!has_strip(&next));
+    // A text of an earlier version has no switch.
+    let mut earlier: serde_json::Value = serde_json::from_str(&kept).unwrap();
+    earlier.as_object_mut().unwrap().remove("cross_section");
+    let mut next = desktop();
+    next.state_mut().restore_plan(&earlier.to_string());
+    settle(&mut next);
+    assert!(has_strip(&next));
+}
+
+#[test]
+fn without_room_the_cross_section_is_among_the_details() {
+    for size in [vec2(1440.0, 700.0), PHONE] {
+        let mut harness = app(size, |scene| *scene = opening());
+        assert!(!has_strip(&harness), "{size}");
+        if size == PHONE {
+            press(&mut harness, "More");
+        }
+        unfold(&mut harness, "Details");
+        assert!(has_plot(&harness), "{size}");
+    }
+}
+
+#[test]
+fn the_pointer_reads_every_layer_and_a_click_keeps_the_values() {
+    let mut harness = desktop();
+    let at = on_skin(&harness);
+    harness.hover_at(at);
+    harness.run();
+    let read = reading(&harness, "Values at the pointer").unwrap();
+    for words in [
+        "Skin stretch ",
+        "skin ",
+        "adipose ",
+        "(at rest ",
+        "tension ",
+        "stress ",
+        "Cover ",
+        "essure ",
+    ] {
+        assert!(read.contains(words), "{words} in {read}");
+    }
+    click(&mut harness, at);
+    let kept = reading(&harness, "Kept values").unwrap();
+    assert!(kept.contains("Cover "), "{kept}");
+    // The values stay without the pointer, and follow the plan.
+    harness.remove_cursor();
+    harness.run();
+    assert_eq!(reading(&harness, "Kept values"), Some(kept.clone()));
+    type_into(&mut harness, "Volume (ml)", "400");
+    let after = reading(&harness, "Kept values").unwrap();
+    assert_ne!(after, kept);
+    focus_picture(&mut harness);
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(reading(&harness, "Kept values"), None);
+}
+
+#[test]
+fn a_second_click_removes_the_kept_values() {
+    let mut harness = desktop();
+    let at = on_skin(&harness);
+    click(&mut harness, at);
+    assert!(reading(&harness, "Kept values").is_some());
+    click(&mut harness, at);
+    assert_eq!(reading(&harness, "Kept values"), None);
+}
+
+#[test]
+fn the_cross_section_has_values_too() {
+    let mut harness = desktop();
+    let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
+    // From the middle of the wall upwards: implant, then tissue.
+    let mut read = Vec::new();
+    for up in 0..40 {
+        harness.hover_at(strip.center_bottom() - vec2(-51.0, 26.0 + 2.5 * up as f32));
+        harness.run();
+        read.extend(reading(&harness, "Values at the pointer"));
+    }
+    for words in ["Implant, ", "In adipose", "In skin"] {
+        let is_read = |line: &String| line.contains(words) && line.contains("; Cover ");
+        assert!(read.iter().any(is_read), "{words} in {read:?}");
+    }
+}
+
+#[test]
+fn the_ruler_measures_straight_along_the_skin_and_at_rest() {
+    let mut harness = desktop();
+    let [a, b] = [vec2(-60.0, 30.0), vec2(20.0, -2.0)].map(|by| on_skin(&harness) + by);
+    focus_picture(&mut harness);
+    harness.key_press(Key::R);
+    harness.run();
+    harness.get_by_label("Ruler: click a point of the skin");
+    click(&mut harness, a);
+    harness.get_by_label("Ruler: click the second point");
+    click(&mut harness, b);
+    let read = reading(&harness, "Ruler: Straight").unwrap();
+    let number = |after: &str| -> f64 {
+        let (_, rest) = read.split_once(after).unwrap();
+        rest.split(' ').next().unwrap().parse().unwrap()
+    };
+    let (straight, along, rest) = (number("Straight "), number("skin "), number("rest "));
+    assert!(straight > 1.0 && along >= straight && rest > 1.0 && rest < along, "{read}");
+    // No values are kept meanwhile, and the command ends the ruler.
+    assert_eq!(reading(&harness, "Kept values"), None);
+    choose(&mut harness, "Ruler");
+    assert_eq!(reading(&harness, "Ruler: "), None);
+    choose(&mut harness, "Ruler");
+    assert!(reading(&harness, "Ruler: ").is_some());
+    focus_picture(&mut harness);
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(reading(&harness, "Ruler: "), None);
+}
+
+/// Presses a handle and moves the pointer in steps.
+fn drag(harness: &mut Screen, name: &str, by: Vec2) -> Pos2 {
+    harness.hover_at(picture(harness).center());
+    harness.run();
+    let at = harness.get_by_role_and_label(Role::Button, name).rect().center();
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    for k in 1..=6 {
+        harness.hover_at(at + by * (k as f32 / 6.0));
+        settle(harness);
+    }
+    at + by
+}
+
+fn scene(harness: &Screen) -> Scene {
+    harness.state().session().scene().clone()
+}
+
+#[test]
+fn a_drag_moves_the_implant_in_its_pocket_in_one_step() {
+    let mut harness = desktop();
+    let before = scene(&harness);
+    let end = drag(&mut harness, "Move the implant", vec2(300.0, 0.0));
+    let words = reading(&harness, "Drag: ").unwrap();
+    assert!(words.contains("At the pocket's edge"), "{words}");
+    harness.drop_at(end);
+    settle(&mut harness);
+    let [x, y] = scene(&harness).implant.center_mm;
+    assert!((x.hypot(y) - before.room_mm()).abs() < 1e-6, "{x} {y}");
+    assert_eq!(reading(&harness, "Drag: "), None);
+    press(&mut harness, "Undo");
+    settle(&mut harness);
+    assert_eq!(scene(&harness), before);
+    assert!(!harness.state().session().can_undo());
+}
+
+#[test]
+fn arrow_keys_move_and_raise_the_implant_too() {
+    let mut harness = desktop();
+    let before = scene(&harness).implant;
+    for (name, key) in [("Move the implant", Key::ArrowLeft), ("Raise the implant", Key::ArrowUp)] {
+        harness.get_by_role_and_label(Role::Button, name).focus();
+        harness.run();
+        harness.key_press(key);
+        settle(&mut harness);
+    }
+    let after = scene(&harness).implant;
+    assert_eq!(after.center_mm, [before.center_mm[0] - 1.0, before.center_mm[1]]);
+    assert_eq!(after.projection_mm, before.projection_mm.round() + 1.0);
+}
+
+#[test]
+fn a_drag_up_raises_the_implant_and_escape_restores_the_plan() {
+    let mut harness = desktop();
+    let before = scene(&harness);
+    let end = drag(&mut harness, "Raise the implant", vec2(0.0, -30.0));
+    assert!(reading(&harness, "Drag: ").unwrap().contains("Projection "));
+    let raised = scene(&harness).implant;
+    assert!(raised.projection_mm > before.implant.projection_mm + 2.0);
+    assert_eq!(raised.base_radius_mm, before.implant.base_radius_mm);
+    harness.key_press(Key::Escape);
+    settle(&mut harness);
+    assert_eq!(scene(&harness), before);
+    // The rest of the drag changes nothing.
+    harness.hover_at(end - vec2(0.0, 30.0));
+    settle(&mut harness);
+    harness.drop_at(end - vec2(0.0, 30.0));
+    settle(&mut harness);
+    assert_eq!(scene(&harness), before);
+    assert!(!harness.state().session().can_undo());
+}
+
+fn open_list(harness: &mut Screen) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    harness.run();
+}
+
+#[test]
+fn a_command_is_found_by_typing_and_executed_by_enter() {
+    let mut harness = desktop();
+    open_list(&mut harness);
+    assert!(harness.get_by_role_and_label(Role::TextInput, "Search a command").is_focused());
+    harness.get_by_role_and_label(Role::MenuItem, "Open plan… Ctrl+O");
+    harness.event(egui::Event::Text("range".to_owned()));
+    harness.run();
+    assert!(harness.query_by_role_and_label(Role::MenuItem, "Open plan… Ctrl+O").is_none());
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert!(harness.query_by_label("Search a command").is_none());
+    assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
+}
+
+#[test]
+fn arrows_choose_a_command_and_escape_closes_the_list() {
+    let mut harness = desktop();
+    let grid = |harness: &Screen| {
+        harness.get_by_role_and_label(Role::Button, "Grid").accesskit_node().toggled()
+    };
+    let before = grid(&harness);
+    open_list(&mut harness);
+    // First "Usual implant", then "Range of implants".
+    harness.event(egui::Event::Text("implant".to_owned()));
+    harness.run();
+    harness.key_press(Key::ArrowDown);
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
+    open_list(&mut harness);
+    harness.event(egui::Event::Text("picture three".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    harness.get_by_role_and_label(Role::Canvas, "3-D view");
+    open_list(&mut harness);
+    harness.event(egui::Event::Text("grid".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_ne!(grid(&harness), before);
+    open_list(&mut harness);
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(harness.query_by_label("Search a command").is_none());
+    // A command without effect has a reason.
+    open_list(&mut harness);
+    harness.event(egui::Event::Text("undo".to_owned()));
+    harness.run();
+    harness.get_by_role_and_label(Role::MenuItem, "Undo Ctrl+Z").click();
+    harness.run();
+    harness.get_by_label("Undo: Nothing to undo.");
+}
+
+#[test]
+fn the_help_lists_the_keys_of_commands() {
+    let mut harness = desktop();
+    press(&mut harness, "Help");
+    for words in ["Ctrl+K", "commands", "Ctrl+Z", "on the picture: ruler"] {
+        harness.get_by_label(words);
+    }
+}
