@@ -10,9 +10,10 @@ use implant_preview::clinical::Measurements;
 use implant_preview::clinical::spread::Distribution;
 use implant_preview::measure::Status;
 use implant_preview::scene::{Scene, TissueModel};
+use implant_preview::simulate::simulate;
 use implant_preview::study::{
     Axis, Bands, BandsError, BandsSettings, Case, Cases, Job, Map, MapError, MapSettings,
-    Parameter, PointStatus, Quantity, Study, Unknown, Values, evaluate,
+    Parameter, PointStatus, Quantity, Study, Unknown, Values, evaluate, with_values,
 };
 use std::collections::BTreeMap;
 
@@ -59,7 +60,7 @@ fn a_map_along_a_line_equals_single_solves() {
             alone.implant.projection_mm = 25.0 + 5.0 * i as f64;
             alone.solver.nodes_per_side = 33;
             alone.solver.tolerance = 1e-3;
-            let outcome = implant_preview::simulate::simulate(&alone).unwrap();
+            let outcome = simulate(&alone).unwrap();
             assert_eq!(map.status(i, 0), PointStatus::Converged);
             for quantity in Quantity::ALL {
                 assert_eq!(map.value(quantity, i, 0), quantity.of(&outcome), "{quantity:?}");
@@ -288,7 +289,7 @@ fn the_check_of_a_map_reports_the_greatest_differences() {
         let mut scene = map.scene(i, j).unwrap();
         scene.solver.nodes_per_side = 129;
         scene.solver.tolerance = 1e-4;
-        let values = evaluate(&Job { scenes: vec![scene], profile: false })[0].values;
+        let values = evaluate(&Job { scenes: vec![scene], ..Job::default() })[0].values;
         (values.get(Quantity::ForceN).unwrap() - map.value(Quantity::ForceN, i, j).unwrap()).abs()
     };
     let picked = [0, 1, 3].map(|i| [0, 1, 3].map(|j| fine(i, j)));
@@ -512,4 +513,35 @@ fn a_scene_at_its_limits_has_a_map_and_bands() {
 fn samples_are_equal_on_every_platform() {
     // The same bits in the browser: tests/wasm.rs.
     assert_eq!(samples::samples(), samples::SAMPLES);
+}
+
+#[test]
+fn a_plan_whose_quick_solve_has_no_answer_has_that_of_the_full_solve_on_the_map() {
+    let mut scene = Scene::opening();
+    (scene.implant.base_radius_mm, scene.pocket_radius_mm) = (52.5, 62.5);
+    let axis = Axis::parse("projection_mm=74:80:4").unwrap();
+    let map = || Map::new(&scene, &[axis], MapSettings::default()).unwrap();
+    let solve = |mut map: Map| {
+        let mut store = Cases::default();
+        while let Some((index, job)) = map.next_job(&mut store) {
+            map.receive(index, evaluate(&job), &mut store);
+        }
+        map
+    };
+    let (quick, full) = (solve(map()), solve(map().with_full_border()));
+    let has_answer = |map: &Map, i: usize| map.status(i, 0) == PointStatus::Converged;
+    let gained: Vec<usize> =
+        (0..4).filter(|i| has_answer(&full, *i) && !has_answer(&quick, *i)).collect();
+    assert!(!gained.is_empty(), "{:?}", quick.counts());
+    // The answer is that of the plan.
+    let mut plan = with_values(&scene, &[(Parameter::Projection, axis.value(gained[0]))]).unwrap();
+    plan.solver.nodes_per_side = 65;
+    let outcome = simulate(&plan).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let strain = full.value(Quantity::GreatestStrain, gained[0], 0).unwrap();
+    assert!((strain - Quantity::GreatestStrain.of(&outcome).unwrap()).abs() < 1e-9);
+    // What is left without an answer beside an answer was solved in full.
+    for i in (1..4).filter(|i| !has_answer(&full, *i) && has_answer(&full, i - 1)) {
+        assert!(full.is_in_full(i, 0));
+    }
 }

@@ -5,6 +5,15 @@ use crate::scene::MAX_SCENE_BYTES;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+/// Extensions of tables of sizes; other files are scenes.
+const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
+
+/// Is the file of this name a table of sizes?
+pub(super) fn is_table(name: &str) -> bool {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase());
+    extension.is_some_and(|extension| TABLES.contains(&&*extension))
+}
+
 /// Result of a file operation in the background.
 pub(super) enum FileEvent {
     /// The text of a file that was read.
@@ -34,7 +43,16 @@ impl Files {
 
     /// Opens a dialog for a scene file and reads the file.
     pub(super) fn open(&self, ctx: &Context) {
-        let dialog = rfd::AsyncFileDialog::new().add_filter("Scene", &["json"]).pick_file();
+        self.pick(ctx, "Scene", &["json"]);
+    }
+
+    /// Opens a dialog for a table of sizes and reads the file.
+    pub(super) fn open_table(&self, ctx: &Context) {
+        self.pick(ctx, "Table", &TABLES);
+    }
+
+    fn pick(&self, ctx: &Context, kind: &str, extensions: &[&str]) {
+        let dialog = rfd::AsyncFileDialog::new().add_filter(kind, extensions).pick_file();
         self.run(ctx, async move {
             let file = dialog.await?;
             let name = file.file_name();
@@ -148,6 +166,8 @@ fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     }
     match String::from_utf8(bytes) {
         Ok(text) => FileEvent::Opened { name, text },
-        Err(_) => FileEvent::Failed(format!("{name} is not a text file; allowed: a scene (JSON)")),
+        Err(_) => FileEvent::Failed(format!(
+            "{name} is not a text file; allowed: a scene (JSON) or a table of sizes (CSV)"
+        )),
     }
 }

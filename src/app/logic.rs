@@ -1,7 +1,7 @@
 //! The logic of a frame: slices of solving, commands, edits of the panels, files.
 
 use super::answer::PreviousResults;
-use super::files::FileEvent;
+use super::files::{FileEvent, is_table};
 use super::focus::Boundary;
 use super::messages::Notice;
 use super::status::SliceOf;
@@ -125,7 +125,10 @@ impl App {
         let is_held = ctx.input(|input| input.pointer.any_down());
         let is_busy = self.session.is_working() || self.is_playing || is_held;
         self.filling.advance(self.session.scene(), self.plan.device, &mut self.studies, is_busy);
-        self.volume_marks.advance(self.session.scene(), &mut self.studies, is_busy);
+        let shelf = &self.range.sizes.shelf;
+        self.volume_marks.advance(self.session.scene(), shelf, &mut self.studies, is_busy);
+        let sizes = &self.range.sizes;
+        self.shelf_largest.advance(self.session.scene(), sizes, &mut self.studies, is_busy);
         self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);
         self.nearest.advance(&self.session, &mut self.studies, is_busy);
     }
@@ -243,6 +246,9 @@ impl App {
         }
         while let Some(event) = self.files.next() {
             self.notice = Some(match event {
+                FileEvent::Opened { name, text } if is_table(&name) => {
+                    self.read_shelf(&name, &text)
+                }
                 FileEvent::Opened { name, text } => {
                     let opened = self.open(text).map_err(|error| error.to_string());
                     self.show_opened(opened, &name, format!("Opened {name}."))

@@ -5,7 +5,7 @@
 //! At rest the app neither solves nor draws.
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `ui` arranges the screen: `plan` with `volume_marks`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
+//! frames, `ui` arranges the screen: `plan` with `volume_marks` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it.
@@ -38,6 +38,7 @@ mod plan;
 mod plots;
 mod range;
 mod report;
+mod shelf_largest;
 mod stability;
 mod stats;
 mod status;
@@ -71,6 +72,7 @@ use messages::Notice;
 use no_answer::NearestSearch;
 use palette::Palette;
 use range::Range;
+use shelf_largest::ShelfLargest;
 use status::Timing;
 use std::sync::Arc;
 use studies::Studies;
@@ -93,6 +95,7 @@ pub struct App {
     range: Range,
     filling: Filling,
     volume_marks: VolumeMarks,
+    shelf_largest: ShelfLargest,
     uncertainty: Uncertainty,
     nearest: NearestSearch,
     notice: Option<Notice>,
@@ -155,6 +158,7 @@ impl App {
             range: Range::default(),
             filling: Filling::default(),
             volume_marks: VolumeMarks::default(),
+            shelf_largest: ShelfLargest::default(),
             uncertainty: Uncertainty::default(),
             nearest: NearestSearch::default(),
             notice: None,

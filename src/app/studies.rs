@@ -116,6 +116,12 @@ impl<S: Study> Driver<S> {
         self.study = Some(study);
     }
 
+    /// A study that is not started: for tests of what is read from it.
+    #[cfg(test)]
+    pub(super) fn set(&mut self, study: S) {
+        self.study = Some(study);
+    }
+
     /// Cancels the jobs of the study and removes the study. Solved cases stay stored.
     pub(super) fn cancel(&mut self, studies: &mut Studies) {
         for index in std::mem::take(self).running.into_keys() {
@@ -299,7 +305,7 @@ mod tests {
             let study = driver.study().unwrap();
             for i in [0, 7, 40] {
                 let scene = map(from).scene(i, 0).unwrap();
-                let alone = evaluate(&Job { scenes: vec![scene], profile: false });
+                let alone = evaluate(&Job { scenes: vec![scene], ..Job::default() });
                 assert_eq!(study.case(i, 0), alone.first());
             }
         }

@@ -92,6 +92,7 @@ impl App {
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
         plan::implant(ui, scene, &mut self.plan, Some(&mut self.volume_marks), Hand::Mouse);
+        self.shelf_line(ui, scene);
         self.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.position_notice = plan::position(ui, scene, Hand::Mouse);
@@ -125,6 +126,7 @@ impl App {
         match self.narrow_tab {
             NarrowTab::Implant => {
                 plan::implant(ui, scene, &mut self.plan, None, Hand::Finger);
+                self.shelf_line(ui, scene);
                 self.insertion_row(ui, scene);
             }
             NarrowTab::Patient => self.typing.0 = plan::patient(ui, scene, Hand::Finger),

@@ -4,9 +4,10 @@
 
 use super::studies::{Driver, Studies};
 use super::volumes::{COUNT, volumes};
+use crate::clinical::{Shelf, ShelfSize};
 use crate::measure::bands::{self, Limits};
 use crate::scene::Scene;
-use crate::study::{Axis, Map, MapSettings, Quantity, volume_and_width};
+use crate::study::{Axis, Map, MapSettings, Parameter, Quantity, volume_and_width, with_values};
 
 /// Grid and tolerance of the volumes.
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -14,6 +15,8 @@ const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 
 const MOST_RATIO: f64 = 1.3;
 /// Share of the greatest volume with an answer from which a plan is near the model's limit \[-\].
 const NEAR_END: f64 = 0.9;
+/// Greatest step to the next width of the shelf \[mm\].
+const MOST_STEP_MM: f64 = 20.0;
 /// The quantities of the cards with limits, and their names there.
 const QUANTITIES: [(Quantity, &Limits, &str); 3] = [
     (Quantity::GreatestStrain, &bands::STRAIN, "skin stretch"),
@@ -30,6 +33,9 @@ pub(super) struct VolumeMarks {
     is_wanted: bool,
     /// The marks of a curve that is solved.
     marks: Option<Vec<Mark>>,
+    /// The curve of the next width, and its marks.
+    beside: Driver<Map>,
+    beside_marks: Option<Vec<Mark>>,
 }
 
 /// A volume \[ml\] above which the word of a quantity changes.
@@ -48,8 +54,14 @@ impl VolumeMarks {
         self.is_wanted = true;
     }
 
-    /// Starts and continues the study, once a frame. `is_busy`: the plan is being solved or edited.
-    pub(super) fn advance(&mut self, scene: &Scene, studies: &mut Studies, is_busy: bool) {
+    /// Starts and continues the studies, once a frame. `is_busy`: the plan is being solved or edited.
+    pub(super) fn advance(
+        &mut self,
+        scene: &Scene,
+        shelf: &Shelf,
+        studies: &mut Studies,
+        is_busy: bool,
+    ) {
         if self.is_wanted && !is_busy && self.started.as_ref() != Some(scene) {
             self.restart(scene, studies);
         }
@@ -58,6 +70,35 @@ impl VolumeMarks {
             && let Some(curve) = self.curve.study().filter(|_| !self.curve.is_running())
         {
             self.marks = Some(marks(&curve.axes()[0], |quantity, i| curve.value(quantity, i, 0)));
+        }
+        self.advance_beside(shelf, studies, is_busy);
+    }
+
+    /// The curve of the next width, after that of the plan's own.
+    fn advance_beside(&mut self, shelf: &Shelf, studies: &mut Studies, is_busy: bool) {
+        if self.marks.is_some()
+            && !is_busy
+            && let Some(curve) = self.curve.study()
+        {
+            let next = next_width(2.0 * curve.base().implant.base_radius_mm, shelf);
+            let has_width =
+                |beside: &Map| (2.0 * beside.base().implant.base_radius_mm - next).abs() < 1e-6;
+            if !self.beside.study().is_some_and(has_width) {
+                self.beside_marks = None;
+                let axis = volumes(next, MOST_RATIO);
+                let wider = with_values(curve.base(), &[(Parameter::BaseWidth, next)]).ok();
+                match wider.and_then(|wider| Map::new(&wider, &[axis], SETTINGS).ok()) {
+                    Some(beside) => self.beside.start(beside.with_full_border(), studies),
+                    None => self.beside.cancel(studies),
+                }
+            }
+        }
+        self.beside.advance(studies);
+        if self.beside_marks.is_none()
+            && let Some(beside) = self.beside.study().filter(|_| !self.beside.is_running())
+        {
+            let value = |quantity, i| beside.value(quantity, i, 0);
+            self.beside_marks = Some(marks(&beside.axes()[0], value));
         }
     }
 
@@ -71,10 +112,11 @@ impl VolumeMarks {
         if self.curve.study_mut().is_some_and(is_equal) {
             return;
         }
-        self.marks = None;
+        (self.marks, self.beside_marks) = (None, None);
         self.curve.cancel(studies);
+        self.beside.cancel(studies);
         if let Ok(curve) = Map::new(&base, &[axis], SETTINGS) {
-            self.curve.start(curve, studies);
+            self.curve.start(curve.with_full_border(), studies);
         }
     }
 
@@ -92,24 +134,23 @@ impl VolumeMarks {
         ]
     }
 
-    /// The largest volume that stays usual at the width of the plan, in words; empty while it is not known.
+    /// The largest volume that stays usual at the width of the plan and at the next one, in words; empty while the first is not
+    /// known.
     pub(super) fn largest_usual(&self) -> String {
-        let (Some(_), Some(curve)) = (&self.marks, self.curve.study()) else {
+        let (Some(marks), Some(curve)) = (&self.marks, self.curve.study()) else {
             return String::new();
         };
-        let axis = curve.axes()[0];
-        let [high, _, no_answer] = self.ends();
-        let end = [high, no_answer].into_iter().flatten().fold(f64::INFINITY, f64::min);
         let [_, width] = volume_and_width(curve.base());
-        // In whole 5 ml, downwards.
-        let whole = |volume: f64| 5.0 * (volume / 5.0).floor();
-        match end {
-            end if end <= axis.from => format!("No volume on {width} cm stays usual."),
-            end if end < axis.to => {
-                format!("Up to {:.0} ml stays usual on {width} cm.", whole(end))
-            }
-            _ => format!("Up to {:.0} ml and more stays usual on {width} cm.", whole(axis.to)),
-        }
+        let words = match largest(&curve.axes()[0], marks) {
+            None => format!("No volume on {width} cm stays usual"),
+            Some(volume) => format!("Up to {volume} stays usual on {width} cm"),
+        };
+        let beside = self.beside_marks.as_ref().zip(self.beside.study()).map(|(marks, beside)| {
+            let [_, width] = volume_and_width(beside.base());
+            let volume = largest(&beside.axes()[0], marks).unwrap_or_else(|| "none".to_owned());
+            format!("; {volume} on {width} cm")
+        });
+        format!("{words}{}.", beside.unwrap_or_default())
     }
 
     /// That a volume is within a tenth of the greatest one with an answer, in words; empty while that is not known.
@@ -130,6 +171,26 @@ impl VolumeMarks {
     }
 }
 
+/// The next width \[mm\]: the next one of the shelf within [`MOST_STEP_MM`], else the next whole centimetre at least half a
+/// centimetre wider.
+fn next_width(width_mm: f64, shelf: &Shelf) -> f64 {
+    let widths = shelf.sizes().iter().map(ShelfSize::width_mm);
+    let wider = widths.filter(|other| *other > width_mm + 0.5 && *other <= width_mm + MOST_STEP_MM);
+    let next = wider.fold(f64::INFINITY, f64::min);
+    if next.is_finite() { next } else { 10.0 * ((width_mm + 5.0) / 10.0).ceil() }
+}
+
+/// The largest volume of an axis that stays usual, as "360 ml", in whole 5 ml, downwards; `None` if none does.
+fn largest(axis: &Axis, marks: &[Mark]) -> Option<String> {
+    let end = marks.first().map_or(f64::INFINITY, |mark| mark.volume_ml);
+    let whole = |volume: f64| 5.0 * (volume / 5.0).floor();
+    match end {
+        end if end <= axis.from => None,
+        end if end < axis.to => Some(format!("{:.0} ml", whole(end))),
+        _ => Some(format!("{:.0} ml and more", whole(axis.to))),
+    }
+}
+
 /// The volumes at which the quantities exceed their limits and the answers end, in their order. `value`: a quantity at a
 /// volume of the axis; `None` without an answer.
 fn marks(axis: &Axis, value: impl Fn(Quantity, usize) -> Option<f64>) -> Vec<Mark> {
@@ -143,6 +204,13 @@ fn marks(axis: &Axis, value: impl Fn(Quantity, usize) -> Option<f64>) -> Vec<Mar
                 marks.push(Mark { volume_ml, band: Some(k + 1), words });
             }
         }
+    }
+    // A cover that gets thin.
+    let line: Vec<[f64; 2]> = (0..COUNT)
+        .filter_map(|i| point(Quantity::LeastCoverMm, i).map(|[volume, cover]| [volume, -cover]))
+        .collect();
+    if let Some(volume_ml) = crossing(&line, -bands::THIN_COVER_MM) {
+        marks.push(Mark { volume_ml, band: Some(1), words: ["cover", "thin"] });
     }
     // Between the last volume with an answer and the next one.
     let last = (0..COUNT).rev().find_map(|i| Some((i, point(Quantity::GreatestStrain, i)?[0])));
@@ -209,6 +277,43 @@ mod tests {
     }
 
     #[test]
+    fn the_next_width_is_that_of_the_shelf_or_a_whole_centimetre() {
+        let none = Shelf::default();
+        for (width, next) in [(120.0, 130.0), (121.0, 130.0), (127.0, 140.0), (125.0, 130.0)] {
+            assert!((next_width(width, &none) - next).abs() < 1e-9, "{width}");
+        }
+        let shelf = "name;width_mm;volume_ml\na;115;200\nb;124;300\nc;150;500";
+        let shelf = Shelf::from_csv(shelf).unwrap();
+        for (width, next) in [(120.0, 124.0), (124.0, 130.0), (131.0, 150.0)] {
+            assert!((next_width(width, &shelf) - next).abs() < 1e-9, "{width}");
+        }
+    }
+
+    #[test]
+    fn the_largest_volume_is_rounded_down_and_stands_beside_that_of_the_next_width() {
+        let mark = |volume_ml| Mark { volume_ml, band: Some(1), words: ["skin stretch", "high"] };
+        let axis = volumes(120.0, MOST_RATIO);
+        assert_eq!(largest(&axis, &[mark(364.0)]).as_deref(), Some("360 ml"));
+        assert_eq!(largest(&axis, &[mark(axis.from)]), None);
+        assert!(largest(&axis, &[]).unwrap().ends_with(" ml and more"));
+        let driver = |width: f64| {
+            let scene = with_values(&Scene::opening(), &[(Parameter::BaseWidth, width)]).unwrap();
+            let mut driver = Driver::default();
+            let axis = volumes(width, MOST_RATIO);
+            driver.set(Map::new(&scene, &[axis], SETTINGS).unwrap());
+            driver
+        };
+        let mut found = VolumeMarks {
+            curve: driver(120.0),
+            marks: Some(vec![mark(364.0)]),
+            ..VolumeMarks::default()
+        };
+        assert_eq!(found.largest_usual(), "Up to 360 ml stays usual on 12 cm.");
+        (found.beside, found.beside_marks) = (driver(130.0), Some(vec![mark(411.0)]));
+        assert_eq!(found.largest_usual(), "Up to 360 ml stays usual on 12 cm; 410 ml on 13 cm.");
+    }
+
+    #[test]
     fn a_volume_within_a_tenth_of_the_last_answer_is_near_the_limit() {
         let end = Mark { volume_ml: 400.0, band: None, words: ["the model has", "no answer"] };
         let marks = VolumeMarks { marks: Some(vec![end]), ..VolumeMarks::default() };
@@ -220,7 +325,10 @@ mod tests {
     #[test]
     fn the_answers_end_between_the_last_volume_with_one_and_the_next() {
         let axis = volumes(120.0, 1.0);
-        let end = |count: usize| marks(&axis, |_, i| (i < count).then_some(0.1));
+        let end = |count: usize| {
+            let value = |quantity| if quantity == Quantity::LeastCoverMm { 10.0 } else { 0.1 };
+            marks(&axis, |quantity, i| (i < count).then_some(value(quantity)))
+        };
         assert_eq!(end(COUNT), []);
         let found = end(10);
         assert!(found.len() == 1 && found[0].band.is_none(), "{found:?}");

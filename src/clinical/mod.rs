@@ -4,12 +4,13 @@
 //! true value may lie ([`Derived::range`]).
 //!
 //! `measures` (pinch → thicknesses, pull → strain scale) | `pull` (the model of the anterior pull) | `sizes` (base width,
-//! projection, volume, profile class, expander) | `spread` (how tissue differs between people).
+//! projection, volume, profile class, expander) | `shelf` (the sizes of a clinic) | `spread` (how tissue differs between people).
 //!
 //! Uses `curve`. Used by `measure`, `scene` and all to their right.
 
 mod measures;
 mod pull;
+mod shelf;
 mod sizes;
 pub mod spread;
 
@@ -18,6 +19,7 @@ pub use measures::{
     Uncertainty, cover, strain_scale_of_class, strain_scale_of_pull,
 };
 pub use pull::{GRIP_FORCE_N, GRIP_RADIUS_MM, pull_strain_scale};
+pub use shelf::{Listed, MAX_SIZES, Shelf, ShelfSize};
 pub use sizes::{Dimension, Expander, ProfileClass, Size, typical_sizes};
 
 use crate::curve::number;

@@ -44,9 +44,10 @@ struct Window {
 
 impl Window {
     fn new(mut app: App, store: Option<Store>) -> Self {
-        for file in [PLAN, PINS] {
+        for file in [PLAN, PINS, SHELF] {
             match store.as_ref().map(|store| store.read(file)) {
                 Some(Ok(Some(text))) if file == PLAN => app.restore_plan(&text),
+                Some(Ok(Some(text))) if file == SHELF => app.restore_shelf(&text),
                 Some(Ok(Some(text))) => app.restore_pins(&text),
                 Some(Ok(None)) | None => {}
                 Some(Err(_)) => app.report_storage_failure(),
@@ -59,6 +60,7 @@ impl Window {
         for (file, text) in [
             (PLAN, self.app.take_plan_to_store(is_closing)),
             (PINS, self.app.take_pins_to_store(is_closing)),
+            (SHELF, self.app.take_shelf_to_store(is_closing)),
         ] {
             if let Some(text) = text
                 && self.store.as_ref().is_none_or(|store| store.write(file, &text).is_err())
@@ -81,9 +83,10 @@ impl eframe::App for Window {
     }
 }
 
-/// Names of the files of the kept plan and of the kept pins.
+/// Names of the files of the kept plan, of the kept pins and of the kept shelf.
 const PLAN: &str = "plan.json";
 const PINS: &str = "pins.json";
+const SHELF: &str = "shelf.csv";
 
 /// The folder of the kept texts.
 struct Store(PathBuf);

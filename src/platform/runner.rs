@@ -174,7 +174,7 @@ thread_local! {
 /// panics is solved once more from scratch; after a second panic its case is an error in one line.
 #[must_use]
 pub fn evaluate(job: &Job) -> Vec<Case> {
-    job.scenes.iter().map(|scene| twice(|solver| solver.case(scene, job.profile))).collect()
+    job.scenes.iter().map(|scene| twice(|solver| solver.case(scene, job))).collect()
 }
 
 fn twice(solve: impl Fn(&mut Evaluator) -> Case) -> Case {
@@ -295,7 +295,7 @@ mod tests {
         scene.solver.nodes_per_side = 17;
         let mut invalid = scene.clone();
         invalid.pocket_radius_mm = 1.0;
-        let job = Job { scenes: vec![scene, invalid], profile: true };
+        let job = Job { scenes: vec![scene, invalid], profile: true, full: false };
         let cases = Threads::new(|job| evaluate(&job)).run_all([job.clone(), job.clone()]).unwrap();
         assert!(cases.iter().all(|cases| *cases == study::evaluate(&job)));
         assert!(cases[0][0].is_converged() && cases[0][1].error.is_some());

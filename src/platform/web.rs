@@ -26,6 +26,7 @@ const SKIP: &str = "implant-preview-skip";
 /// Keys of the kept pins and of the kept plan in the storage of the page's origin.
 const PINS: &str = "implant-preview/pins/1";
 const PLAN: &str = "implant-preview/plan/1";
+const SHELF: &str = "implant-preview/shelf/1";
 
 /// Initial size of the heap \[bytes\], above that of a session at 129 nodes per side.
 const HEAP: usize = 26 << 20;
@@ -97,6 +98,9 @@ fn restore(app: &mut App) {
     if let Some(pins) = kept(PINS) {
         app.restore_pins(&pins);
     }
+    if let Some(shelf) = kept(SHELF) {
+        app.restore_shelf(&shelf);
+    }
 }
 
 /// Opens the plan of a link, if the page's address has one, and drops it from the address: a reload opens the kept plan.
@@ -113,9 +117,11 @@ fn open_link(app: &mut App) -> Result<(), JsValue> {
 
 /// Stores plan and pins after a change.
 fn store(app: &mut App, is_closing: bool) {
-    for (key, text) in
-        [(PINS, app.take_pins_to_store(is_closing)), (PLAN, app.take_plan_to_store(is_closing))]
-    {
+    for (key, text) in [
+        (PINS, app.take_pins_to_store(is_closing)),
+        (PLAN, app.take_plan_to_store(is_closing)),
+        (SHELF, app.take_shelf_to_store(is_closing)),
+    ] {
         if let Some(text) = text
             && storage().and_then(|storage| storage.set_item(key, &text)).is_err()
         {

@@ -3,7 +3,6 @@
 //! App and JavaScript API share the page's workers, so that a page has one worker per core less one.
 
 use super::text::text;
-use crate::scene::Scene;
 use crate::study::{self, Case, Evaluator, Finished, Job};
 use js_sys::{Object, Promise, Reflect};
 use std::cell::RefCell;
@@ -130,10 +129,13 @@ impl study::Runner for Workers {
         let index = self.submitted;
         self.submitted += 1;
         let runner = self.runner.get_or_insert_with(runner);
-        let scenes = job.scenes.into_iter().enumerate();
+        let Job { scenes, .. } = job;
+        let choices = Job { scenes: Vec::new(), ..job };
+        let scenes = scenes.into_iter().enumerate();
         let tasks: Vec<Submitted> = scenes
             .map(|(k, scene)| {
-                submit(runner, scene, job.profile, &format!("job {index}, scene {k}"))
+                let job = Job { scenes: vec![scene], ..choices.clone() };
+                submit(runner, &job, &format!("job {index}, scene {k}"))
             })
             .collect();
         // Every promise has its receiver at once: a rejection without one is an error of the page.
@@ -181,10 +183,9 @@ impl Drop for Workers {
     }
 }
 
-fn submit(runner: &Runner, scene: Scene, profile: bool, name: &str) -> Submitted {
-    let job = Job { scenes: vec![scene], profile };
+fn submit(runner: &Runner, job: &Job, name: &str) -> Submitted {
     // A job is always JSON: a number that is not finite becomes null, which the worker rejects.
-    let job = serde_json::to_string(&job).unwrap_or_default();
+    let job = serde_json::to_string(job).unwrap_or_default();
     let job = object([("kind", "study".into()), ("job", job.into())]);
     runner.submit(&job, &object([("name", name.into())]))
 }

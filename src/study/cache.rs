@@ -78,6 +78,13 @@ impl Cases {
         Key(words.into())
     }
 
+    /// The key of a scene that is solved in full: the quick solve may have no answer.
+    pub fn key_in_full(&mut self, scene: &Scene) -> Key {
+        let mut words = self.key(scene).0.into_vec();
+        words.push(1);
+        Key(words.into())
+    }
+
     /// The index of a curve.
     fn curve(&mut self, spec: &CurveSpec) -> u64 {
         let found = self.curves.iter().position(|known| known == spec);
@@ -217,8 +224,9 @@ mod tests {
         scene.solver.nodes_per_side = 17;
         let key = cases.key(&scene);
         assert!(cases.reuse(&key, false).is_none());
-        let solve =
-            |profile| evaluate(&Job { scenes: vec![scene.clone()], profile }).pop().unwrap();
+        let solve = |profile| {
+            evaluate(&Job { scenes: vec![scene.clone()], profile, full: false }).pop().unwrap()
+        };
         cases.insert(key.clone(), solve(false));
         assert!(cases.reuse(&key, true).is_none());
         assert!(cases.reuse(&key, false).is_some());

@@ -17,6 +17,9 @@ pub struct Job {
     /// Do the cases contain the profile of the skin?
     #[serde(default)]
     pub profile: bool,
+    /// Are the scenes solved as a plan is, with Newton's method for layered tissue that multigrid does not solve?
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub full: bool,
 }
 
 /// What a study keeps of a solved scene.
@@ -104,7 +107,7 @@ impl Profile {
 }
 
 /// Greatest number of cells that Newton's method computes in a study: those of 17 nodes per side. A study of hundreds of scenes
-/// has no seconds for one of them: on finer grids, layered tissue that multigrid does not solve has the status `not_converged`
+/// has no seconds for one of them: on finer grids, unless a job is [full](Job::full), layered tissue that multigrid does not solve has the status `not_converged`
 /// or `unstable`.
 const MAX_NEWTON_CELLS: usize = 1000;
 
@@ -127,14 +130,14 @@ impl Evaluator {
     /// As [`evaluate`].
     #[must_use]
     pub fn evaluate(&mut self, job: &Job) -> Vec<Case> {
-        job.scenes.iter().map(|scene| self.case(scene, job.profile)).collect()
+        job.scenes.iter().map(|scene| self.case(scene, job)).collect()
     }
 
-    /// Solves one scene.
-    pub fn case(&mut self, scene: &Scene, with_profile: bool) -> Case {
+    /// Solves one scene by the choices of a job.
+    pub fn case(&mut self, scene: &Scene, job: &Job) -> Case {
         match CheckedScene::like(scene.clone(), self.scene.as_ref()) {
             Ok(scene) => {
-                let case = self.solve(&scene, with_profile);
+                let case = self.solve(&scene, job);
                 self.scene = Some(scene);
                 case
             }
@@ -142,11 +145,14 @@ impl Evaluator {
         }
     }
 
-    fn solve(&mut self, scene: &CheckedScene, with_profile: bool) -> Case {
-        let options = Options { max_newton_cells: MAX_NEWTON_CELLS, ..Options::default() };
+    fn solve(&mut self, scene: &CheckedScene, job: &Job) -> Case {
+        let options = match job.full {
+            true => Options::default(),
+            false => Options { max_newton_cells: MAX_NEWTON_CELLS, ..Options::default() },
+        };
         let selection = Selection::all().without_profile();
         let Simulation { outcome, solution } = self.simulator.run(scene, options, &selection, None);
-        let has_profile = with_profile && outcome.strain.is_some();
+        let has_profile = job.profile && outcome.strain.is_some();
         Case {
             profile: has_profile.then(|| profile(&solution)),
             ..Case::of(&outcome, scene.scene())
@@ -197,7 +203,7 @@ mod tests {
             scene(true, 30.0),
             scene(false, 35.0),
         ];
-        Job { scenes, profile: true }
+        Job { scenes, profile: true, full: false }
     }
 
     #[test]
@@ -206,7 +212,7 @@ mod tests {
         let together = evaluate(&job);
         assert_eq!(together[1], together[8]);
         for (scene, case) in job.scenes.iter().zip(&together) {
-            let alone = evaluate(&Job { scenes: vec![scene.clone()], profile: true });
+            let alone = evaluate(&Job { scenes: vec![scene.clone()], profile: true, full: false });
             assert_eq!(alone[0], *case);
         }
     }
@@ -215,7 +221,7 @@ mod tests {
     fn a_case_contains_the_values_of_the_result() {
         let scene = scene(false, 45.0);
         let outcome = simulate::simulate(&scene).unwrap();
-        let case = &evaluate(&Job { scenes: vec![scene], profile: false })[0];
+        let case = &evaluate(&Job { scenes: vec![scene], ..Job::default() })[0];
         assert!(case.is_converged() && case.profile.is_none() && case.evaluations > 1.0);
         let of = |quantity| case.values.get(quantity);
         assert_eq!(of(Quantity::ForceN), outcome.contact_force_n);
@@ -248,7 +254,8 @@ mod tests {
     fn the_profile_is_the_outer_surface_of_the_skin() {
         for is_sheet in [false, true] {
             let scene = scene(is_sheet, 45.0);
-            let case = &evaluate(&Job { scenes: vec![scene.clone()], profile: true })[0];
+            let case =
+                &evaluate(&Job { scenes: vec![scene.clone()], profile: true, full: false })[0];
             let profile = case.profile.as_ref().unwrap();
             assert_eq!((profile.r_mm.len(), profile.z_mm.len()), (PROFILE_POINTS, PROFILE_POINTS));
             let radius = if is_sheet { 70.0 } else { 130.0 };

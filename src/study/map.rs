@@ -4,10 +4,10 @@
 //! without convergence keeps this status; no value is interpolated over such a point.
 
 use super::contour::{Field, Path};
+use super::map_border::Border;
 use super::parameter::{Parameter, with_values};
-use super::queue::{Queue, Queued};
-use super::{Axis, Case, MAX_POINTS, MapError, Quantity};
-use crate::clinical::{Size, typical_sizes};
+use super::queue::Queue;
+use super::{Axis, Case, Cases, Job, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::number;
 use crate::measure::Status;
 use crate::scene::{Scene, TissueModel, limits};
@@ -117,7 +117,9 @@ pub struct Map {
     pub(super) axes: Vec<Axis>,
     pub(super) settings: MapSettings,
     /// Points by `j · columns + i`.
-    queue: Queue,
+    pub(super) queue: Queue,
+    /// The points that are solved in full.
+    pub(super) border: Border,
 }
 
 impl Map {
@@ -141,7 +143,8 @@ impl Map {
         {
             return Err(MapError::Same(x.field.name(), y.field.name()));
         }
-        let mut map = Self { base, axes: axes.to_vec(), settings, queue: Queue::default() };
+        let (axes, queue, border) = (axes.to_vec(), Queue::default(), Border::default());
+        let mut map = Self { base, axes, settings, queue, border };
         map.check_ends()?;
         map.queue = Queue::new(map.order());
         Ok(map)
@@ -169,16 +172,23 @@ impl Map {
     /// Moves the map to a scene with equal points, as with another implant on a map over its size; solved points stay.
     /// Returns false, and changes nothing, if a corner of the map would be another scene.
     pub fn move_to(&mut self, scene: &Scene) -> bool {
+        let is_equal = self.has_points_of(scene);
+        if is_equal {
+            self.base = base_scene(scene);
+        }
+        is_equal
+    }
+
+    /// Would a map around this scene have the same points?
+    #[must_use]
+    pub fn has_points_of(&self, scene: &Scene) -> bool {
         let (axes, settings) = (self.axes.clone(), self.settings);
-        let moved = Self { base: base_scene(scene), axes, settings, queue: Queue::default() };
+        let (queue, border) = (Queue::default(), Border::default());
+        let other = Self { base: base_scene(scene), axes, settings, queue, border };
         let (columns, rows) = self.shape();
         // The axes set the same fields at all points.
         let corners = [(0, 0), (columns - 1, 0), (0, rows - 1), (columns - 1, rows - 1)];
-        let is_equal = corners.into_iter().all(|(i, j)| self.scene(i, j) == moved.scene(i, j));
-        if is_equal {
-            self.base = moved.base;
-        }
-        is_equal
+        corners.into_iter().all(|(i, j)| self.scene(i, j) == other.scene(i, j))
     }
 
     /// The points from coarse to fine: lattices of half the step of the lattice before. Within a lattice the axis whose
@@ -283,40 +293,6 @@ impl Map {
         self.case(i, j).filter(|case| case.is_converged())?.values.get(quantity)
     }
 
-    /// The value to display at a point, and whether the value is solved. The value of a waiting point is interpolated
-    /// between the corners of the finest lattice around the point that is solved; a point that ended without convergence
-    /// has no value, and no value is interpolated from such a point.
-    #[must_use]
-    pub fn displayed(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, bool)> {
-        if self.status(i, j) != PointStatus::Waiting {
-            return self.value(quantity, i, j).map(|value| (value, true));
-        }
-        let (columns, rows) = self.shape();
-        if i >= columns || j >= rows {
-            return None;
-        }
-        let mut step = 2;
-        while step < 2 * columns.max(rows) {
-            // Neighbours on the lattice and the part of the way between the two.
-            let around = |k: usize, count: usize| {
-                let low = if k == count - 1 { k } else { k / step * step };
-                let high = if k.is_multiple_of(step) { low } else { (low + step).min(count - 1) };
-                let part = if high > low { (k - low) as f64 / (high - low) as f64 } else { 0.0 };
-                (low, high, part)
-            };
-            let ((left, right, u), (bottom, top, v)) = (around(i, columns), around(j, rows));
-            let row = |j: usize| {
-                let [a, b] = [left, right].map(|i| self.value(quantity, i, j));
-                Some(a? * (1.0 - u) + b? * u)
-            };
-            if let (Some(low), Some(high)) = (row(bottom), row(top)) {
-                return Some((low * (1.0 - v) + high * v, false));
-            }
-            step *= 2;
-        }
-        None
-    }
-
     /// All values row by row, shape (rows, columns); not a number where a point has not converged.
     fn field(&self, quantity: Quantity) -> Vec<f64> {
         let (columns, rows) = self.shape();
@@ -369,11 +345,17 @@ impl Map {
         (range.0 <= range.1).then_some(range)
     }
 
-    /// The values of the scene on the axes; `None` if the scene lies outside of the map or has no such value.
+    /// The values of the map's scene on the axes; `None` if the scene lies outside of the map or has no such value.
     #[must_use]
     pub fn present(&self) -> Option<[f64; 2]> {
+        self.place(&self.base)
+    }
+
+    /// The values of a scene on the axes; `None` if the scene lies outside of the map or has no such value.
+    #[must_use]
+    pub fn place(&self, scene: &Scene) -> Option<[f64; 2]> {
         let within = |axis: &Axis| {
-            let value = axis.field.value(&self.base)?;
+            let value = axis.field.value(scene)?;
             (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value).then_some(value)
         };
         match &self.axes[..] {
@@ -381,52 +363,6 @@ impl Map {
             [x] => Some([within(x)?, 0.0]),
             _ => None,
         }
-    }
-
-    /// On a map over width and projection: the factor from x to the base width, else `None`.
-    fn widths(&self) -> Option<f64> {
-        match &self.axes[..] {
-            [x, y] if y.field == Parameter::Projection => match x.field {
-                Parameter::BaseWidth => Some(1.0),
-                Parameter::BaseRadius => Some(2.0),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
-
-    /// Lines of equal volume of the implant on a map over width (x) and projection (y): volume \[ml\] and points.
-    #[must_use]
-    pub fn equal_volumes(&self) -> Vec<(f64, Path)> {
-        const POINTS: usize = 101;
-        let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
-        let (low, high) = (y.from.min(y.to), y.from.max(y.to));
-        let size = |x: f64, y: f64| Size::of_width_and_projection(factor * x, y).ok();
-        let volume = |x: f64, y: f64| size(x, y).map_or(f64::NAN, Size::volume_ml);
-        let least = volume(x.from.min(x.to), low);
-        let most = volume(x.from.max(x.to), high);
-        let line = |volume: f64| -> Path {
-            let xs = (0..POINTS).map(|k| x.from + (x.to - x.from) * k as f64 / (POINTS - 1) as f64);
-            let of = |x: f64| {
-                Some((x, Size::of_width_and_volume(factor * x, volume).ok()?.projection_mm()))
-            };
-            xs.filter_map(of).filter(|(_, y)| (low..=high).contains(y)).collect()
-        };
-        let lines =
-            round_levels(least, most, 12.0).into_iter().map(|volume| (volume, line(volume)));
-        lines.filter(|(_, path)| path.len() > 1).collect()
-    }
-
-    /// Typical round sizes on a map over width and projection, as (x, y).
-    #[must_use]
-    pub fn typical_sizes(&self) -> Vec<(f64, f64)> {
-        let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
-        let is_in = |axis: &Axis, value: f64| {
-            (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value)
-        };
-        let at = |size: Size| (size.base_width_mm() / factor, size.projection_mm());
-        let sizes = typical_sizes().into_iter().map(at);
-        sizes.filter(|(a, b)| is_in(x, *a) && is_in(y, *b)).collect()
     }
 
     /// Does the pocket follow the implant on this map?
@@ -456,27 +392,40 @@ impl Map {
     }
 }
 
-impl Queued for Map {
-    // Few enough for a steady progress, enough to share grids and tables.
-    const SCENES_PER_JOB: usize = 10;
-    const HAS_PROFILE: bool = false;
+/// Scenes in a job: few enough for a steady progress, enough to share grids and tables.
+const SCENES_PER_JOB: usize = 10;
 
-    fn queue(&self) -> &Queue {
-        &self.queue
-    }
-
-    fn queue_mut(&mut self) -> &mut Queue {
-        &mut self.queue
-    }
-
-    fn scene_of(&self, item: usize) -> Result<Scene, String> {
+impl Study for Map {
+    fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
+        // The scenes are made from the rest of the map.
+        let mut queue = std::mem::take(&mut self.queue);
         let columns = self.shape().0;
-        self.scene(item % columns, item / columns)
+        let scene = |item: usize| self.scene(item % columns, item / columns);
+        let job = queue.next_job(SCENES_PER_JOB, false, store, scene);
+        self.queue = queue;
+        if job.is_some() {
+            return job;
+        }
+        // Stored cases end the queue without a job.
+        self.update_border();
+        self.next_border_job(store)
+    }
+
+    fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
+        if !self.receive_border(job, &cases, store) {
+            self.queue.receive(job, cases, store);
+            self.update_border();
+        }
+    }
+
+    fn progress(&self) -> (usize, usize) {
+        let ((done, all), (solved, of_border)) = (self.queue.progress(), self.border.progress());
+        (done + solved, all + of_border)
     }
 }
 
 /// Up to so many round numbers within a range: 1, 2 or 5 times a power of ten apart.
-fn round_levels(least: f64, most: f64, count: f64) -> Vec<f64> {
+pub(super) fn round_levels(least: f64, most: f64, count: f64) -> Vec<f64> {
     if !(least.is_finite() && most > least) {
         return Vec::new();
     }

@@ -5,10 +5,11 @@
 //!
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
 //! all runners) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
-//! `axis` | `map` | `map_check` (points on a finer grid) | `map_file` (its table and JSON) | `contour` (lines of equal value) |
+//! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
+//! `map_file` (its table and JSON) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
 //! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
-//! none) | `nearest` (the nearest plan with an answer).
+//! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual).
 //!
 //! Uses `scene`, `simulate` and all to their left; no threads, no clock. Used by `platform` and `app`.
 
@@ -16,11 +17,14 @@ mod axis;
 mod bands;
 mod cache;
 pub(crate) mod contour;
+mod first_usual;
 mod importance;
 mod job;
 mod map;
+mod map_border;
 mod map_check;
 mod map_file;
+mod map_values;
 mod nearest;
 mod no_answer;
 mod parameter;
@@ -39,6 +43,7 @@ pub use bands::{
     Scenario, UnknownReport,
 };
 pub use cache::{Cases, Key, MAX_CASES};
+pub use first_usual::FirstUsual;
 pub use importance::{Index, MIN_ROWS, Row, index};
 pub use job::{Case, Evaluator, Job, Profile, evaluate};
 pub use map::{CHECK, Map, MapSettings, PointStatus};

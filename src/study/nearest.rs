@@ -262,7 +262,7 @@ impl Study for Nearest {
             let index = self.jobs;
             self.jobs += 1;
             self.running = Some((index, value, scene.clone()));
-            return Some((index, Job { scenes: vec![scene], profile: false }));
+            return Some((index, Job { scenes: vec![scene], ..Job::default() }));
         }
         None
     }
@@ -428,7 +428,7 @@ mod tests {
         COARSE.apply(&mut plan);
         let case = |scene: &Scene| {
             let scene = Scene { patient: None, ..scene.clone() };
-            evaluate(&Job { scenes: vec![scene], profile: false }).swap_remove(0)
+            evaluate(&Job { scenes: vec![scene], ..Job::default() }).swap_remove(0)
         };
         assert!(!case(&plan).is_converged());
         let (mut nearest, mut store) = (Nearest::new(&plan), Cases::default());

@@ -74,7 +74,7 @@ impl Queue {
         }
         self.jobs += 1;
         self.running.insert(index, places);
-        Some((index, Job { scenes, profile }))
+        Some((index, Job { scenes, profile, full: false }))
     }
 
     /// Takes the cases of a job; an unknown job is ignored. Missing cases are those of a job that failed.
@@ -97,6 +97,13 @@ impl Queue {
     fn set(&mut self, item: usize, case: Case) {
         self.done += 1;
         self.cases[item] = Some(case);
+    }
+
+    /// Puts a better case in place of that of a solved item.
+    pub(super) fn replace(&mut self, item: usize, case: Case) {
+        if let Some(place) = self.cases.get_mut(item) {
+            *place = Some(case);
+        }
     }
 
     /// The case of an item, if the item is solved.

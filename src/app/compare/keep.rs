@@ -1,8 +1,9 @@
-//! Plan and pins from one start of the app to the next: the platform stores two texts.
+//! Plan, pins and shelf from one start of the app to the next: the platform stores three texts.
 
 use crate::app::App;
 use crate::app::messages::Notice;
 use crate::app::plan::Choices;
+use crate::clinical::Shelf;
 use crate::scene::Scene;
 use crate::scene::pins::{pins_from_json, pins_json};
 use crate::session::Session;
@@ -23,6 +24,10 @@ pub(in crate::app) struct Keep {
     plan: (Scene, Choices, bool),
     /// When the present plan is to be stored.
     plan_due: Option<Instant>,
+    /// The revision of the stored shelf.
+    shelf: u64,
+    /// When the present shelf is to be stored.
+    shelf_due: Option<Instant>,
     has_failed: bool,
 }
 
@@ -30,7 +35,15 @@ impl Keep {
     /// Nothing to store at the start with a scene.
     pub(in crate::app) fn new(scene: Scene) -> Self {
         let plan = (scene, Choices::default(), true);
-        Self { revision: 0, pins_due: None, plan, plan_due: None, has_failed: false }
+        Self {
+            revision: 0,
+            pins_due: None,
+            plan,
+            plan_due: None,
+            shelf: 0,
+            shelf_due: None,
+            has_failed: false,
+        }
     }
 }
 
@@ -81,6 +94,28 @@ impl App {
         }
     }
 
+    /// Restores the shelf from the text of [`Self::take_shelf_to_store`]. An invalid text is ignored with a notice.
+    pub fn restore_shelf(&mut self, text: &str) {
+        if text.is_empty() {
+            return;
+        }
+        match Shelf::from_csv(text) {
+            Ok(shelf) => {
+                self.range.sizes.set(shelf);
+                self.keep.shelf = self.range.sizes.revision;
+            }
+            Err(error) => {
+                self.notice =
+                    Some(Notice::caution(format!("The kept shelf was not read: {error}")));
+            }
+        }
+    }
+
+    /// The shelf as text for the storage, as [`Self::take_pins_to_store`]; empty without sizes.
+    pub fn take_shelf_to_store(&mut self, is_closing: bool) -> Option<String> {
+        is_due(&mut self.keep.shelf_due, is_closing).then(|| self.range.sizes.shelf.to_csv())
+    }
+
     /// The pins as text for the storage, once after each change: after a short delay, or at once if the app
     /// `is_closing`.
     pub fn take_pins_to_store(&mut self, is_closing: bool) -> Option<String> {
@@ -125,6 +160,12 @@ impl App {
         if !scene.is_same_plan(self.session.scene()) || !is_same {
             self.keep.plan = (self.session.scene().clone(), self.plan, self.show_strip);
             self.keep.plan_due = Some(due);
+            is_changed = true;
+        }
+        let shelf = self.range.sizes.revision;
+        if shelf != self.keep.shelf {
+            self.keep.shelf = shelf;
+            self.keep.shelf_due = Some(due);
             is_changed = true;
         }
         if is_changed {

@@ -98,19 +98,38 @@ impl Words {
     }
 }
 
-/// The range of an axis until another one is typed: the usual values and the present one.
-pub(super) fn usual(field: Parameter, scene: &Scene) -> (f64, f64) {
-    use clinical::limits as of_size;
+/// Sizes at both sides of the plan's own \[mm\]; the middle is a multiple of [`ROUND_MM`].
+pub(super) const AROUND_MM: f64 = 20.0;
+const ROUND_MM: f64 = 5.0;
+
+/// The implant in the middle of the chart of a plan.
+pub(super) fn middle(implant: Implant) -> Implant {
+    let round = |value: f64| ROUND_MM * (value / ROUND_MM).round();
+    Implant {
+        base_radius_mm: 0.5 * round(2.0 * implant.base_radius_mm),
+        projection_mm: round(implant.projection_mm),
+        ..implant
+    }
+}
+
+/// Sizes around the one in the middle, within the limits.
+fn around(middle: f64, (least, most): (f64, f64)) -> (f64, f64) {
+    ((middle - AROUND_MM).max(least), (middle + AROUND_MM).min(most))
+}
+
+/// The range of an axis until another one is typed: sizes around an implant, the usual values of other numbers, and the
+/// present value.
+pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) {
     let thickness: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
     let skin = scene.layers.first().map_or(0.0, |skin| skin.thickness_mm);
     let (least, most) = match field {
-        Parameter::BaseWidth => of_size::TYPICAL_WIDTH_MM,
-        Parameter::Projection => of_size::TYPICAL_PROJECTION_MM,
-        // The typical projections on the present base.
+        Parameter::BaseWidth => around(2.0 * of.base_radius_mm, allowed(field)),
+        Parameter::Projection => around(of.projection_mm, allowed(field)),
+        // These projections on the base in the middle.
         Parameter::Volume => {
-            let (least, most) = of_size::TYPICAL_PROJECTION_MM;
+            let (least, most) = around(of.projection_mm, allowed(Parameter::Projection));
             let round = |projection_mm: f64| {
-                let size = Implant { projection_mm, ..scene.implant }.size();
+                let size = Implant { projection_mm, ..of }.size();
                 (size.map_or(0.0, Size::volume_ml) / 50.0).round().max(1.0) * 50.0
             };
             (round(least), round(most).max(round(least) + 100.0))
@@ -159,7 +178,7 @@ pub(super) fn allowed(field: Parameter) -> (f64, f64) {
 
 /// Does the number vary in this scene? A sheet has no attachment, and a pinch may have no effect.
 pub(super) fn applies(field: Parameter, scene: &Scene) -> bool {
-    let (least, most) = usual(field, scene);
+    let (least, most) = usual(field, scene, scene.implant);
     with_values(scene, &[(field, 0.5 * (least + most))]).is_ok()
 }
 
@@ -192,7 +211,7 @@ mod tests {
         for target in [20, 40, 60] {
             for field in FIELDS {
                 assert!(applies(field, &scene), "{}", field.name());
-                let (from, to) = usual(field, &scene);
+                let (from, to) = usual(field, &scene, middle(scene.implant));
                 let (least, most) = allowed(field);
                 assert!(least <= from && to <= most, "{}", field.name());
                 let axis = axis(field, (from, to), target);
@@ -201,13 +220,28 @@ mod tests {
             }
         }
         let step = |field| {
-            let axis = axis(field, usual(field, &scene), 20);
+            let axis = axis(field, usual(field, &scene, middle(scene.implant)), 20);
             significant((axis.to - axis.from) / (axis.count - 1) as f64)
         };
         let fields = [Parameter::BaseWidth, Parameter::Projection, Parameter::Volume];
-        for (step, expected) in fields.map(step).into_iter().zip([6.0, 2.5, 25.0]) {
+        for (step, expected) in fields.map(step).into_iter().zip([2.5, 2.5, 20.0]) {
             assert!((step - expected).abs() < 1e-9, "{step}");
         }
+    }
+
+    #[test]
+    fn sizes_lie_two_centimetres_around_the_plan_within_their_limits() {
+        let ends = |width: f64, projection: f64| {
+            let mut scene = Scene::opening();
+            scene.implant.base_radius_mm = 0.5 * width;
+            scene.implant.projection_mm = projection;
+            let of = |field| usual(field, &scene, middle(scene.implant));
+            (of(Parameter::BaseWidth), of(Parameter::Projection))
+        };
+        assert_eq!(ends(120.0, 40.0), ((100.0, 140.0), (20.0, 60.0)));
+        assert_eq!(ends(122.4, 42.6), ((100.0, 140.0), (25.0, 65.0)));
+        assert_eq!(ends(25.0, 3.0), ((20.0, 45.0), (2.0, 25.0)));
+        assert_eq!(ends(239.0, 119.0), ((220.0, 240.0), (100.0, 120.0)));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! all points as one texture.
 
 use super::plane::marks;
+use super::readout;
 use crate::measure::bands::Limits;
 use crate::study::{Map, PointStatus, Quantity};
 use crate::view::color::{Rgb, in_band, sequential};
@@ -14,7 +15,7 @@ const UNSOLVED: f32 = 0.55;
 
 /// The colours of a quantity over its values, in its displayed unit.
 pub(super) struct Scale {
-    /// Least and greatest displayed value; with limits up to the first limit above the values of the map.
+    /// Least and greatest displayed value; with limits the limits around the values of the map.
     pub(super) ends: (f64, f64),
     /// The displayed value from which the colours do not change any more.
     most: f64,
@@ -35,7 +36,10 @@ impl Scale {
                 let mut shown =
                     limits.bands.iter().filter_map(|band| Some(band.limit? / to_limits));
                 let most = shown.find(|limit| *limit >= greatest);
-                (0.0, most.unwrap_or(end(limits) / to_limits))
+                let least = range.map_or(0.0, |(least, _)| factor * least);
+                let below = limits.bands.iter().filter_map(|band| Some(band.limit? / to_limits));
+                let from = below.filter(|limit| *limit <= least).fold(0.0, f64::max);
+                (from, most.unwrap_or(end(limits) / to_limits))
             }
             (None, Some((least, most))) => {
                 let (least, most) = (factor * least, factor * most);
@@ -68,7 +72,9 @@ impl Scale {
         match self.limits {
             Some((limits, to_limits)) => {
                 let limits = limits.bands.iter().filter_map(|band| band.limit);
-                let shown = limits.map(|limit| limit / to_limits).filter(|v| *v <= self.ends.1);
+                let (from, to) = self.ends;
+                let shown = limits.map(|limit| limit / to_limits);
+                let shown = shown.filter(|v| *v > 0.0 && (from..=to).contains(v));
                 shown.map(|v| (v, format!("{v:.0}"))).collect()
             }
             None => {
@@ -83,11 +89,11 @@ impl Scale {
     /// Words at the middle of their bands, as far as these are shown.
     pub(super) fn words(&self) -> Vec<(f64, &'static str)> {
         let Some((limits, to_limits)) = self.limits else { return Vec::new() };
-        let mut from = 0.0;
+        let mut from = self.ends.0;
         let word = |band: &crate::measure::bands::Band| {
             let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits).min(self.ends.1);
             let middle = (to > from).then_some(0.5 * (from + to));
-            from = to;
+            from = from.max(to);
             Some((middle?, band.word))
         };
         limits.bands.iter().filter_map(word).collect()
@@ -105,7 +111,8 @@ fn rgb(color: Rgb) -> Color32 {
 }
 
 /// The picture of a map of two axes, the first row at the top of the chart. Values between points are interpolated; cells
-/// with a point without an answer are striped, cells without any value are transparent.
+/// with a point that is not computed are striped, those of points solved in full without an answer are crossed, cells without
+/// any value are transparent.
 pub(super) fn picture(
     map: &Map,
     quantity: Quantity,
@@ -130,8 +137,12 @@ pub(super) fn picture(
             let corner = |a: usize, b: usize| points[(j + b) * columns + i + a];
             let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
             let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-            pixels.push(if corners.iter().any(|point| point.is_missing) {
-                if (row + column) % 8 < 3 { stripes } else { Color32::TRANSPARENT }
+            let is_missing = |missing| corners.iter().any(|point| point.missing == Some(missing));
+            let is_on = [row + column, row + PIXELS - column].map(|diagonal| diagonal % 8 < 3);
+            pixels.push(if is_missing(Missing::NotComputed) {
+                if is_on[0] { stripes } else { Color32::TRANSPARENT }
+            } else if is_missing(Missing::NoAnswer) {
+                if is_on[0] || is_on[1] { stripes } else { Color32::TRANSPARENT }
             } else {
                 let value: f64 = corners.iter().zip(weights).map(|(p, w)| p.value * w).sum();
                 let opacity =
@@ -153,8 +164,17 @@ struct Point {
     /// Not a number where no value is known.
     value: f64,
     is_solved: bool,
-    /// Did the point end without an answer?
-    is_missing: bool,
+    /// Why the point has no value at the end.
+    missing: Option<Missing>,
+}
+
+/// Why a point has no value.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Missing {
+    /// The quick solve has no answer.
+    NotComputed,
+    /// The full solve has no answer, or the plan is out of its limits.
+    NoAnswer,
 }
 
 impl Point {
@@ -163,7 +183,13 @@ impl Point {
         Self {
             value: displayed.map_or(f64::NAN, |(value, _)| value),
             is_solved: displayed.is_some_and(|(_, is_solved)| is_solved),
-            is_missing: displayed.is_none() && map.status(i, j) != PointStatus::Waiting,
+            missing: match map.status(i, j) {
+                _ if displayed.is_some() => None,
+                PointStatus::Waiting => None,
+                PointStatus::Converged | PointStatus::Invalid => Some(Missing::NoAnswer),
+                _ if readout::is_final(map, i, j) => Some(Missing::NoAnswer),
+                _ => Some(Missing::NotComputed),
+            },
         }
     }
 }
@@ -190,6 +216,10 @@ mod tests {
         assert_eq!((pressure.marks().len(), pressure.color(59.0)), (1, scale_of(90.0).color(59.0)));
         assert_eq!((scale_of(90.0).ends, scale_of(90.0).words().len()), ((0.0, 100.0), 3));
         assert_eq!((scale_of(70.0).ends, scale_of(70.0).words().len()), ((0.0, 80.0), 2));
+        // The legend begins at the last limit below the values.
+        let strained = Scale::new(Quantity::GreatestStrain, Some((0.3, 0.45)));
+        assert_eq!((strained.ends, strained.words()), ((25.0, 50.0), vec![(37.5, "high")]));
+        assert_eq!(strained.color(0.3), scale.color(0.3));
         let cover = Scale::new(Quantity::LeastCoverMm, Some((3.0, 9.0)));
         assert_eq!((cover.ends, cover.words().len()), ((3.0, 9.0), 0));
         assert_ne!(cover.color(3.0), cover.color(9.0));

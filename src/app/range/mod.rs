@@ -1,33 +1,33 @@
 //! The range of implants at a glance: a chart over one or two numbers of the plan, each point one solved scene.
 //!
 //! `axes` (the numbers on offer, their words and units) | `plane` (values to points of the screen) | `colours` (scale and
-//! picture) | `readout` (values of a point in words) | `chart` (drawing, pointer and keys). This file contains the choices, the
-//! studies behind the chart, and the controls around it.
+//! picture) | `readout` (values of a point in words) | `areas` (their words) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic) | `paint` (drawing) | `chart` (pointer
+//! and keys) | `controls` | `page` (chart, captions, files). This file contains the choices and the studies behind the chart.
 
+mod areas;
 mod axes;
 mod chart;
 mod colours;
+mod controls;
+mod page;
+mod paint;
+mod pins;
 mod plane;
 mod readout;
+mod shelf;
 
+pub(super) use page::within_text;
 pub(super) use plane::marks;
 pub(super) use readout::name as quantity_name;
+pub(super) use shelf::{Sizes, with_size};
 
-use super::commands::{PICTURE, RANGE};
-use super::messages::Notice;
-use super::plan::{Hand, chip};
 use super::studies::{Driver, Studies};
-use super::toolbar::Layout;
-use super::widgets::{NumberField, choice, rejection_label, remark, set_accessible_name};
-use super::{App, theme};
-use crate::experiment::charts::scene_map;
-use crate::scene::Scene;
-use crate::study::{
-    Axis, CHECK, Map, MapCheck, MapSettings, Parameter, PointStatus, Quantity, with_values,
-};
+use crate::scene::{Implant, Scene};
+use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
 use axes::Words;
 use chart::Chart;
-use eframe::egui::{self, Button, RichText, Ui};
+use eframe::egui;
+use pins::Pins;
 use web_time::{Duration, Instant};
 
 /// Numbers of values of an axis: coarse, medium, fine; and of a curve.
@@ -49,8 +49,8 @@ impl AxisChoice {
         Self { field, ends: None }
     }
 
-    fn ends(&self, scene: &Scene) -> (f64, f64) {
-        self.ends.unwrap_or_else(|| axes::usual(self.field, scene))
+    fn ends(&self, scene: &Scene, middle: Implant) -> (f64, f64) {
+        self.ends.unwrap_or_else(|| axes::usual(self.field, scene, middle))
     }
 }
 
@@ -60,6 +60,10 @@ pub(super) struct Range {
     pub(super) is_open: bool,
     across: AxisChoice,
     up: Option<AxisChoice>,
+    /// The implant around which the sizes lie; `None` before the chart is opened.
+    middle: Option<Implant>,
+    /// Was the chart closed in the frame before?
+    is_fresh: bool,
     quantity: Quantity,
     fineness: usize,
     /// On a narrow screen: are the axes shown?
@@ -74,6 +78,10 @@ pub(super) struct Range {
     done: Option<Instant>,
     /// Number of changes of the map's values.
     revision: u64,
+    /// Number of starts and moves of maps.
+    starts: u64,
+    pins: Pins,
+    pub(super) sizes: Sizes,
     chart: Chart,
 }
 
@@ -83,6 +91,8 @@ impl Default for Range {
             is_open: false,
             across: AxisChoice::of(Parameter::BaseWidth),
             up: Some(AxisChoice::of(Parameter::Projection)),
+            middle: None,
+            is_fresh: true,
             quantity: Quantity::GreatestStrain,
             fineness: FINENESS[0].1,
             shows_axes: false,
@@ -92,6 +102,9 @@ impl Default for Range {
             error: None,
             done: None,
             revision: 0,
+            starts: 0,
+            pins: Pins::default(),
+            sizes: Sizes::default(),
             chart: Chart::default(),
         }
     }
@@ -102,6 +115,7 @@ impl Range {
     /// complete map with a finer grid.
     pub(super) fn advance(&mut self, ctx: &egui::Context, scene: &Scene, studies: &mut Studies) {
         if !self.is_open {
+            self.is_fresh = true;
             // A closed chart costs nothing; solved cases stay stored.
             if self.map.is_running() || self.check.is_running() {
                 self.map.cancel(studies);
@@ -110,6 +124,7 @@ impl Range {
             }
             return;
         }
+        self.follow(scene);
         let axes = self.axes(scene);
         if self.started.as_ref().is_none_or(|(s, a)| s != scene || *a != axes) {
             self.restart(scene, axes, studies);
@@ -132,12 +147,46 @@ impl Range {
         }
     }
 
+    /// Keeps the plan on the chart: sizes lie around the plan at the opening, and around another plan once that leaves the chart.
+    fn follow(&mut self, scene: &Scene) {
+        let present = scene.implant;
+        let room = if self.is_fresh { 0.5 } else { 1.0 } * axes::AROUND_MM;
+        let is_near = |middle: Implant| {
+            2.0 * (middle.base_radius_mm - present.base_radius_mm).abs() <= room
+                && (middle.projection_mm - present.projection_mm).abs() <= room
+        };
+        if !self.middle.is_some_and(is_near) {
+            self.middle = Some(axes::middle(present));
+        }
+        self.is_fresh = false;
+    }
+
+    /// The ends of an axis.
+    fn ends_of(&self, axis: &AxisChoice, scene: &Scene) -> (f64, f64) {
+        axis.ends(scene, self.middle.unwrap_or(scene.implant))
+    }
+
+    /// Are the axes those around the present plan?
+    fn is_around(&self, scene: &Scene) -> bool {
+        let is_own = |axis: &AxisChoice| axis.ends.is_some();
+        let is_middle = self.middle == Some(axes::middle(scene.implant));
+        is_middle && ![Some(self.across), self.up].iter().flatten().any(is_own)
+    }
+
+    /// Gives up typed ends; sizes lie around the present plan.
+    fn go_around(&mut self, scene: &Scene) {
+        self.middle = Some(axes::middle(scene.implant));
+        self.across.ends = None;
+        self.up = self.up.map(|up| AxisChoice::of(up.field));
+    }
+
     /// Moves the present map to the scene if its points stay the same, or starts a map.
     fn restart(&mut self, scene: &Scene, axes: Vec<Axis>, studies: &mut Studies) {
         let has_axes = self.started.as_ref().is_some_and(|(_, started)| *started == axes);
         let is_moved = has_axes && self.map.study_mut().is_some_and(|map| map.move_to(scene));
         self.started = Some((scene.clone(), axes.clone()));
         self.revision += 1;
+        self.starts += 1;
         if is_moved {
             return;
         }
@@ -149,7 +198,7 @@ impl Range {
         self.error = empty_axis(&axes);
         if self.error.is_none() {
             match Map::new(scene, &axes, MapSettings::default()) {
-                Ok(map) => return self.map.start(map, studies),
+                Ok(map) => return self.map.start(map.with_full_border(), studies),
                 Err(error) => self.error = Some(error.to_string()),
             }
         }
@@ -158,7 +207,8 @@ impl Range {
 
     fn axes(&self, scene: &Scene) -> Vec<Axis> {
         let target = if self.up.is_some() { self.fineness } else { CURVE_POINTS };
-        let axis = |choice: &AxisChoice| axes::axis(choice.field, choice.ends(scene), target);
+        let axis =
+            |choice: &AxisChoice| axes::axis(choice.field, self.ends_of(choice, scene), target);
         [Some(self.across), self.up].iter().flatten().map(axis).collect()
     }
 
@@ -195,217 +245,6 @@ impl Range {
         let (i, j) = self.chart.cursor()?;
         Some(readout::sentence(map, i, j, self.quantity))
     }
-
-    /// The controls of the chart.
-    fn controls(&mut self, ui: &mut Ui, scene: &Scene, layout: Layout) -> Vec<String> {
-        let mut rejections = Vec::new();
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL + 2.0;
-            if layout == Layout::Narrow && chip(ui, Hand::Mouse, false, PICTURE, "") {
-                self.is_open = false;
-            }
-            self.quantity_box(ui, scene, layout);
-            if layout == Layout::Narrow {
-                let axes = Button::selectable(self.shows_axes, "Axes").frame_when_inactive(true);
-                if ui.add(axes).clicked() {
-                    self.shows_axes = !self.shows_axes;
-                }
-                if !self.shows_axes {
-                    return;
-                }
-            }
-            if self.up.is_some() {
-                self.fineness_box(ui);
-            }
-            ui.end_row();
-            self.field_box(ui, scene, true);
-            self.ends(ui, scene, true, &mut rejections);
-            if layout == Layout::Narrow {
-                ui.end_row();
-            }
-            self.field_box(ui, scene, false);
-            if self.up.is_some() {
-                self.ends(ui, scene, false, &mut rejections);
-            }
-        });
-        rejections
-    }
-
-    fn quantity_box(&mut self, ui: &mut Ui, scene: &Scene, layout: Layout) {
-        if !readout::applies(self.quantity, scene.is_layered()) {
-            self.quantity = Quantity::GreatestStrain;
-        }
-        if layout == Layout::Wide {
-            quiet(ui, if self.up.is_some() { "Colour" } else { "Curve" });
-        }
-        let response = egui::ComboBox::from_id_salt("range quantity")
-            .width(if layout == Layout::Wide { 170.0 } else { 150.0 })
-            .truncate()
-            .selected_text(readout::name(self.quantity))
-            .show_ui(ui, |ui| {
-                for (quantity, name) in readout::QUANTITIES {
-                    if readout::applies(quantity, scene.is_layered())
-                        && choice(ui, self.quantity == quantity, name).clicked()
-                    {
-                        self.quantity = quantity;
-                    }
-                }
-            })
-            .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Colour");
-        response.on_hover_text("The result shown by the colours, or by the curve");
-    }
-
-    fn field_box(&mut self, ui: &mut Ui, scene: &Scene, is_across: bool) {
-        let name = if is_across { "Across" } else { "Up" };
-        let present = if is_across { Some(self.across.field) } else { self.up.map(|up| up.field) };
-        let selected = present.map_or(NOTHING, |field| Words::of(field).name);
-        quiet(ui, name);
-        let mut chosen = None;
-        let response = egui::ComboBox::from_id_salt(name)
-            .width(112.0)
-            .truncate()
-            .selected_text(selected)
-            .show_ui(ui, |ui| {
-                if !is_across && choice(ui, present.is_none(), NOTHING).clicked() {
-                    chosen = Some(None);
-                }
-                let is_free =
-                    |field: &Parameter| is_across || !field.excludes(self.across.field, scene);
-                for field in axes::FIELDS.into_iter().filter(is_free) {
-                    if axes::applies(field, scene)
-                        && choice(ui, present == Some(field), Words::of(field).name).clicked()
-                    {
-                        chosen = Some(Some(field));
-                    }
-                }
-            })
-            .response;
-        set_accessible_name(&response, egui::Role::ComboBox, name);
-        response.on_hover_text(if is_across {
-            "The number of the plan that varies from left to right"
-        } else {
-            "The number of the plan that varies upwards; without one the chart is a curve"
-        });
-        if let Some(field) = chosen.filter(|field| *field != present) {
-            self.set_field(is_across, field, scene);
-        }
-    }
-
-    /// First and last value of an axis; reasons of rejected numbers go to `rejections`.
-    fn ends(&mut self, ui: &mut Ui, scene: &Scene, is_across: bool, rejections: &mut Vec<String>) {
-        let axis = if is_across { Some(&mut self.across) } else { self.up.as_mut() };
-        let Some(axis) = axis else { return };
-        let words = Words::of(axis.field);
-        let (least, most) = axes::allowed(axis.field);
-        let before = axis.ends(scene);
-        let mut ends = [before.0, before.1].map(|value| words.display(value));
-        let name = if is_across { "Across" } else { "Up" };
-        let mut is_changed = false;
-        for (end, side) in ends.iter_mut().zip(["from", "to"]) {
-            let field = NumberField {
-                name: &format!("{name}, {side}"),
-                kind: words.kind,
-                allowed: words.display(least)..=words.display(most),
-                decimals: 0,
-                step: if words.unit == "cm" { 0.5 } else { 0.1 * most.min(100.0) },
-                width: 40.0,
-                ..NumberField::default()
-            };
-            let typed = field.show(ui, end);
-            is_changed |= typed.is_changed;
-            rejections.extend(typed.rejection.map(|reason| format!("{name}, {side}: {reason}")));
-            if side == "from" {
-                quiet(ui, "–");
-            }
-        }
-        quiet(ui, words.unit);
-        if is_changed {
-            let [from, to] = ends.map(|end| words.value(end));
-            axis.ends = Some((from.min(to), from.max(to)));
-        }
-    }
-
-    fn fineness_box(&mut self, ui: &mut Ui) {
-        let present = FINENESS.iter().find(|(_, count)| *count == self.fineness);
-        let response = egui::ComboBox::from_id_salt("fineness")
-            .width(70.0)
-            .selected_text(present.map_or("", |(name, _)| name))
-            .show_ui(ui, |ui| {
-                for (name, count) in FINENESS {
-                    if choice(ui, self.fineness == count, name).clicked() {
-                        self.fineness = count;
-                    }
-                }
-            })
-            .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Points");
-        response.on_hover_text("Number of plans: about 20 × 20, 40 × 40 or 60 × 60");
-    }
-
-    /// The lines below the chart: progress, accuracy, pocket, points without an answer, failures.
-    fn captions(&self, ui: &mut Ui) {
-        let palette = theme::palette(ui.visuals());
-        if let Some(error) = &self.error {
-            ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
-            return;
-        }
-        let Some(map) = self.map.study() else { return };
-        let (done, all) = self.map.progress();
-        let mut words = Vec::new();
-        if done < all {
-            words.push(format!("{done} of {all} plans computed."));
-        } else {
-            words.push(format!("{all} plans computed. {}", self.accuracy(map)));
-        }
-        let has_answer =
-            |s: PointStatus| matches!(s, PointStatus::Converged | PointStatus::Waiting);
-        let counts = map.counts();
-        let missing: usize = counts.iter().filter(|(s, _)| !has_answer(*s)).map(|(_, n)| n).sum();
-        if missing > 0 {
-            words.push(format!(
-                "Striped: {missing} not computed here; a point there has the reason."
-            ));
-        }
-        if map.pocket_follows() {
-            words.push("The pocket keeps its margin.".to_owned());
-        }
-        if map.present().is_none() {
-            words.push("The present plan is not on this chart.".to_owned());
-        }
-        remark(ui, words.join(" "));
-        if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
-            let line = RichText::new(failure).small().color(palette.bad);
-            ui.add(egui::Label::new(line).wrap());
-        }
-    }
-
-    /// Grid of the points, and the greatest difference from a finer grid once it is known.
-    fn accuracy(&self, map: &Map) -> String {
-        let nodes = map.settings().nodes_per_side;
-        let within = self.check.study().filter(|_| !self.check.is_running()).and_then(|check| {
-            let differences = map.differences(check);
-            differences.into_iter().find(|found| found.quantity == self.quantity)
-        });
-        match within {
-            Some(found) => format!(
-                "{nodes} nodes a side, within {} of the fine grid ({} nodes).",
-                within_text(self.quantity, found.difference),
-                CHECK.nodes_per_side
-            ),
-            None if self.check.is_running() => {
-                format!("{nodes} nodes a side; comparing with the fine grid.")
-            }
-            None => format!("{nodes} nodes a side."),
-        }
-    }
-}
-
-/// The choice of no second axis.
-const NOTHING: &str = "Nothing: a curve";
-
-fn quiet(ui: &mut Ui, words: &str) {
-    ui.label(RichText::new(words).color(ui.visuals().weak_text_color()));
 }
 
 /// The error of an axis whose ends are equal, in the words of the chart.
@@ -418,141 +257,6 @@ fn empty_axis(axes: &[Axis]) -> Option<String> {
         words.text(axis.from),
         words.text(axis.to)
     ))
-}
-
-/// A difference with one significant digit, rounded up, in the displayed unit.
-pub(super) fn within_text(quantity: Quantity, difference: f64) -> String {
-    let (factor, unit) = quantity.display();
-    let shown = (factor * difference).max(1e-3);
-    let power = 10f64.powf(shown.log10().floor());
-    let rounded = (shown / power - 1e-9).ceil() * power;
-    let decimals = (-power.log10().round()).max(0.0) as usize;
-    let points = if unit == "%" { "% (points)" } else { unit };
-    format!("{rounded:.decimals$} {points}")
-}
-
-impl App {
-    /// The switch between picture and range, above the middle of a wide screen.
-    pub(super) fn middle_switch(&mut self, ui: &mut Ui) {
-        let frame = egui::Frame::new()
-            .inner_margin(egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8))
-            .fill(ui.visuals().panel_fill);
-        egui::Panel::top("middle").frame(frame).resizable(false).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
-                let is_open = self.range.is_open;
-                if chip(ui, Hand::Mouse, !is_open, PICTURE, "This plan in three dimensions") {
-                    self.range.is_open = false;
-                }
-                let tooltip = "A chart of many plans: width by projection, or any two numbers";
-                if chip(ui, Hand::Mouse, is_open, &self.plan.device.words(RANGE), tooltip) {
-                    self.range.is_open = true;
-                }
-                if is_open {
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        self.range_files(ui);
-                    });
-                }
-            });
-        });
-    }
-
-    /// The files of the chart.
-    fn range_files(&mut self, ui: &mut Ui) {
-        let Some(map) = self.range.map.study() else { return };
-        let is_done = !self.range.map.is_running();
-        let (quantity, check) = (self.range.quantity, self.range.check.study());
-        let check = check.filter(|_| !self.range.check.is_running());
-        let mut notice = None;
-        let menu = ui.menu_button("Save chart", |ui| {
-            let ctx = ui.ctx().clone();
-            let mut item = |name: &str| {
-                let item = ui.add_enabled(is_done, Button::new(name));
-                let is_clicked = item.clicked();
-                item.on_disabled_hover_text("The chart is being computed");
-                if is_clicked {
-                    ui.close();
-                }
-                is_clicked
-            };
-            if item("Table (CSV)…") {
-                self.files.save(&ctx, "range.csv", map.csv());
-            }
-            if item("Numbers (JSON)…")
-                && let Ok(text) = serde_json::to_string_pretty(&map.file(quantity, check))
-            {
-                self.files.save(&ctx, "range.json", text + "\n");
-            }
-            if item("Picture (SVG)…") {
-                match scene_map::draw(map, quantity) {
-                    Ok(text) => self.files.save(&ctx, "range.svg", text),
-                    Err(error) => {
-                        notice = Some(Notice::error(format!("range.svg was not drawn: {error}")));
-                    }
-                }
-            }
-        });
-        menu.response.on_hover_text("Save all values of the chart, or its picture");
-        self.notice = notice.or(self.notice.take());
-    }
-
-    /// The chart with its controls, in place of the picture.
-    pub(super) fn range_page(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
-        let area = ui.available_rect_before_wrap();
-        let margin = egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8);
-        let frame = egui::Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill);
-        let top = egui::Panel::top("range controls").frame(frame).resizable(false);
-        top.show_separator_line(false).show(ui, |ui| {
-            for reason in self.range.controls(ui, scene, layout) {
-                rejection_label(ui, &reason);
-            }
-            if layout == Layout::Narrow && self.range.shows_axes {
-                self.range_files(ui);
-            }
-        });
-        let bottom = egui::Panel::bottom("range captions").frame(frame).resizable(false);
-        let mut taken = None;
-        bottom.show_separator_line(false).show(ui, |ui| {
-            if layout == Layout::Narrow && self.range.chart.cursor().is_some() {
-                let button = Button::new(self.plan.device.words("Take this implant"));
-                let size = egui::vec2(ui.available_width(), theme::TOUCH - 8.0);
-                if ui.add_sized(size, button).clicked() {
-                    taken = self.range.chart.cursor();
-                }
-            }
-            self.range.captions(ui);
-        });
-        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-            let Range { map, chart, quantity, revision, .. } = &mut self.range;
-            if let Some(map) = map.study() {
-                taken = chart.show(ui, map, *quantity, *revision).or(taken);
-            }
-        });
-        self.show_notice(ui, area);
-        if let Some((i, j)) = taken {
-            self.take(i, j, scene);
-        }
-    }
-
-    /// Takes the implant of a point: one step of the history, as an edit of the plan.
-    fn take(&mut self, i: usize, j: usize, scene: &mut Scene) {
-        let Some(map) = self.range.map.study() else { return };
-        let values: Vec<(Parameter, f64)> =
-            map.axes().iter().zip([i, j]).map(|(a, k)| (a.field, a.value(k))).collect();
-        let taken = match map.status(i, j) {
-            PointStatus::Invalid => {
-                Err(readout::lines(map, i, j, self.range.quantity).swap_remove(0))
-            }
-            _ => with_values(scene, &values).map_err(|error| error.to_string()),
-        };
-        match taken {
-            Ok(taken) => *scene = taken,
-            Err(reason) => {
-                let place = readout::place(map, i, j);
-                self.notice = Some(Notice::caution(format!("{place} was not taken. {reason}")));
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -582,6 +286,32 @@ mod tests {
         let line = empty_axis(&[axis]).unwrap();
         assert_eq!(line, "Width from 12 cm to 12 cm; allowed: two different numbers.");
         assert_eq!(empty_axis(&[Axis { to: 130.0, ..axis }]), None);
+    }
+
+    #[test]
+    fn the_chart_stays_while_the_plan_is_on_it_and_follows_a_plan_that_leaves() {
+        let (mut range, mut scene) = (Range::default(), Scene::opening());
+        let widths = |range: &Range, scene: &Scene| range.ends_of(&range.across, scene);
+        range.follow(&scene);
+        assert!(range.is_around(&scene));
+        for (width, expected) in [(138.0, (100.0, 140.0)), (141.0, (120.0, 160.0))] {
+            scene.implant.base_radius_mm = 0.5 * width;
+            range.follow(&scene);
+            assert_eq!(widths(&range, &scene), expected);
+        }
+        // Opened again, a plan near the middle has the same chart.
+        for (width, expected) in [(132.0, (120.0, 160.0)), (128.0, (110.0, 150.0))] {
+            scene.implant.base_radius_mm = 0.5 * width;
+            range.is_fresh = true;
+            range.follow(&scene);
+            assert_eq!(widths(&range, &scene), expected);
+        }
+        // Typed ends stay until the button.
+        range.across.ends = Some((90.0, 170.0));
+        range.follow(&scene);
+        assert_eq!((widths(&range, &scene), range.is_around(&scene)), ((90.0, 170.0), false));
+        range.go_around(&scene);
+        assert_eq!((widths(&range, &scene), range.is_around(&scene)), ((110.0, 150.0), true));
     }
 
     #[test]

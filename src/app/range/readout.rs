@@ -1,7 +1,8 @@
 //! The values of a point of the range in words: for the box at the pointer and for screen readers.
 
 use super::axes::Words;
-use crate::study::{Map, PointStatus, Quantity};
+use crate::measure::bands;
+use crate::study::{Map, Parameter, PointStatus, Quantity};
 
 /// The quantities on offer with a surgeon's words, the usual ones first.
 pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
@@ -22,7 +23,8 @@ pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
     (Quantity::AttachmentTractionKpa, "Pull at the pocket's edge"),
 ];
 
-/// What a point of layered tissue without an answer is: the chart leaves the last method of the solver out, which takes seconds.
+/// What a point of layered tissue without an answer is that was not solved in full: the chart leaves the last method of the
+/// solver out there, which takes seconds.
 const NOT_COMPUTED: &str = "Not computed here: the quick method of the chart has no answer. A click computes this plan in full.";
 
 /// A surgeon's word for a quantity.
@@ -91,7 +93,7 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
         PointStatus::Converged => None,
         PointStatus::Waiting if lines.is_empty() => Some("Being computed.".to_owned()),
         PointStatus::Waiting => Some("Values between computed points; being computed.".to_owned()),
-        PointStatus::NotConverged | PointStatus::NoShape if map.base().is_layered() => {
+        PointStatus::NotConverged | PointStatus::NoShape if !is_final(map, i, j) => {
             Some(NOT_COMPUTED.to_owned())
         }
         PointStatus::NotConverged => {
@@ -105,6 +107,62 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
     };
     lines.splice(0..0, reason);
     lines
+}
+
+/// Is the missing answer of a point that of a plan? The quick solve of a sheet is the full one.
+pub(super) fn is_final(map: &Map, i: usize, j: usize) -> bool {
+    !map.base().is_layered() || map.is_in_full(i, j)
+}
+
+/// The worst of stretch, cover and pressure at a point, as "Skin stretch: 31 %, high"; the first of equal ones.
+///
+/// `displayed`: the value of a quantity, and whether the value is solved.
+pub(super) fn worst(
+    displayed: &dyn Fn(Quantity) -> Option<(f64, bool)>,
+) -> Option<(Quantity, String)> {
+    let value = |quantity: Quantity| displayed(quantity).map(|(value, _)| value);
+    let (strain, is_solved) = displayed(Quantity::GreatestStrain)?;
+    let mut worst = (
+        Quantity::GreatestStrain,
+        strain,
+        bands::stretch(strain, value(Quantity::SkinReserveUsed)),
+    );
+    let cover = value(Quantity::LeastCoverMm)
+        .and_then(|cover| Some((Quantity::LeastCoverMm, cover, bands::cover(cover)?)));
+    let pressure = value(Quantity::GreatestPressureMmhg)
+        .map(|most| (Quantity::GreatestPressureMmhg, most, bands::PRESSURE.verdict(most)));
+    for other in [cover, pressure].into_iter().flatten() {
+        if other.2.0 > worst.2.0 {
+            worst = other;
+        }
+    }
+    let (quantity, value, (_, word)) = worst;
+    let about = if is_solved { "" } else { "about " };
+    Some((quantity, format!("{}: {about}{}, {word}", name(quantity), text(quantity, value))))
+}
+
+/// A point in few lines: its size, what is missing, the worst of the three cards, the colour's quantity if that is another
+/// one.
+pub(super) fn short(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<String> {
+    let mut size = place(map, i, j);
+    let is_size = map.axes().iter().any(|axis| axis.field.moves_implant());
+    let has_volume = map.axes().iter().any(|axis| axis.field == Parameter::Volume);
+    if is_size
+        && !has_volume
+        && let Ok(scene) = map.scene(i, j)
+        && let Some(volume) = Parameter::Volume.value(&scene)
+    {
+        size += &format!(", {volume:.0} ml");
+    }
+    let all = lines(map, i, j, first);
+    let Some((quantity, worst)) = worst(&|quantity| map.displayed(quantity, i, j)) else {
+        return std::iter::once(size).chain(all.into_iter().take(1)).collect();
+    };
+    let mut short = vec![size, worst];
+    let start = format!("{}: ", name(first));
+    let of_first = all.into_iter().find(|line| line.starts_with(&start));
+    short.extend(of_first.filter(|_| quantity != first));
+    short
 }
 
 /// A point in one sentence, for screen readers: its place and the first values.
@@ -155,6 +213,14 @@ mod tests {
             lines(&map, 0, 0, Quantity::ForceN)[0],
             format!("Force, vertical: {force:.1} N")
         );
+        // In short: the size, the worst of the three, the colour's quantity.
+        let short_of = |quantity| short(&map, 0, 0, quantity);
+        let stretch = format!("Skin stretch: {:.0} %, usual", 100.0 * strain);
+        let size = "Width 10 cm, projection 3 cm, 157 ml".to_owned();
+        assert_eq!(short_of(first), [size.clone(), stretch.clone()]);
+        let of_force = format!("Force, vertical: {force:.1} N");
+        assert_eq!(short_of(Quantity::ForceN), [size, stretch, of_force]);
+        assert_eq!(short(&map, 1, 1, first)[1], "No answer: a defect.");
         let words = sentence(&map, 0, 0, first);
         assert!(words.starts_with("Width 10 cm, projection 3 cm: Skin stretch: "), "{words}");
         assert!(words.contains(" percent, usual; ") && words.ends_with('.'), "{words}");

@@ -1,0 +1,254 @@
+//! The page of the range of implants: switch, files, chart, captions, taking an implant.
+
+use super::chart::Taken;
+use super::{Range, readout};
+use crate::app::commands::{PICTURE, RANGE};
+use crate::app::messages::Notice;
+use crate::app::plan::{Hand, chip};
+use crate::app::toolbar::Layout;
+use crate::app::widgets::{rejection_label, remark};
+use crate::app::{App, theme};
+use crate::experiment::charts::scene_map;
+use crate::scene::Scene;
+use crate::study::{CHECK, Map, Parameter, PointStatus, Quantity, with_values};
+use eframe::egui::{self, Button, RichText, Ui};
+
+impl Range {
+    /// The lines below the chart: progress, accuracy, pocket, points without an answer, failures.
+    fn captions(&self, ui: &mut Ui) {
+        let palette = theme::palette(ui.visuals());
+        if let Some(error) = &self.error {
+            ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
+            return;
+        }
+        let Some(map) = self.map.study() else { return };
+        let in_full = map.solved_in_full();
+        let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
+        let mut words = Vec::new();
+        if done < all {
+            words.push(format!("{done} of {all} plans computed."));
+        } else {
+            words.push(format!("{all} plans computed. {}", self.accuracy(map)));
+        }
+        if self.map.is_running() && done == all {
+            words.push(format!("The border of no answer is solved in full: {in_full} plans."));
+        }
+        let [not_computed, none] = missing(map);
+        if none > 0 {
+            words.push(format!("Crossed: {none} without an answer."));
+        }
+        if not_computed > 0 {
+            words.push(format!("Striped: {not_computed} not computed here; a click computes one."));
+        }
+        if map.pocket_follows() {
+            words.push("The pocket keeps its margin.".to_owned());
+        }
+        if map.present().is_none() {
+            words.push("The present plan is not on this chart.".to_owned());
+        }
+        words.extend(Some(self.pins.beyond()).filter(|beyond| !beyond.is_empty()));
+        remark(ui, words.join(" "));
+        if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
+            let line = RichText::new(failure).small().color(palette.bad);
+            ui.add(egui::Label::new(line).wrap());
+        }
+    }
+
+    /// All values of the last point of pointer or keys, folded.
+    fn values(&self, ui: &mut Ui) {
+        // The header is always there, so that nothing moves.
+        egui::CollapsingHeader::new("All values").id_salt("range values").show(ui, |ui| {
+            let Some((map, (i, j))) = self.map.study().zip(self.chart.shown()) else {
+                remark(ui, "Those of the plan at the pointer, or chosen by the arrow keys.");
+                return;
+            };
+            remark(ui, format!("{}:", readout::place(map, i, j)));
+            remark(ui, readout::lines(map, i, j, self.quantity).join(" · "));
+        });
+    }
+
+    /// Grid of the points, and the greatest difference from a finer grid once it is known.
+    fn accuracy(&self, map: &Map) -> String {
+        let nodes = map.settings().nodes_per_side;
+        let within = self.check.study().filter(|_| !self.check.is_running()).and_then(|check| {
+            let differences = map.differences(check);
+            differences.into_iter().find(|found| found.quantity == self.quantity)
+        });
+        match within {
+            Some(found) => format!(
+                "{nodes} nodes a side, within {} of the fine grid ({} nodes).",
+                within_text(self.quantity, found.difference),
+                CHECK.nodes_per_side
+            ),
+            None if self.check.is_running() => {
+                format!("{nodes} nodes a side; comparing with the fine grid.")
+            }
+            None => format!("{nodes} nodes a side."),
+        }
+    }
+}
+
+/// Numbers of the points that are not computed, and of those that have no answer at all.
+fn missing(map: &Map) -> [usize; 2] {
+    let (columns, rows) = map.shape();
+    let mut counts = [0; 2];
+    for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
+        match map.status(i, j) {
+            PointStatus::Converged | PointStatus::Waiting => {}
+            PointStatus::Invalid => counts[1] += 1,
+            _ => counts[usize::from(readout::is_final(map, i, j))] += 1,
+        }
+    }
+    counts
+}
+
+/// A difference with one significant digit, rounded up, in the displayed unit.
+pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String {
+    let (factor, unit) = quantity.display();
+    let shown = (factor * difference).max(1e-3);
+    let power = 10f64.powf(shown.log10().floor());
+    let rounded = (shown / power - 1e-9).ceil() * power;
+    let decimals = (-power.log10().round()).max(0.0) as usize;
+    let points = if unit == "%" { "% (points)" } else { unit };
+    format!("{rounded:.decimals$} {points}")
+}
+impl App {
+    /// The switch between picture and range, above the middle of a wide screen.
+    pub(in crate::app) fn middle_switch(&mut self, ui: &mut Ui) {
+        let frame = egui::Frame::new()
+            .inner_margin(egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8))
+            .fill(ui.visuals().panel_fill);
+        egui::Panel::top("middle").frame(frame).resizable(false).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
+                let is_open = self.range.is_open;
+                if chip(ui, Hand::Mouse, !is_open, PICTURE, "This plan in three dimensions") {
+                    self.range.is_open = false;
+                }
+                let tooltip = "A chart of many plans: width by projection, or any two numbers";
+                if chip(ui, Hand::Mouse, is_open, &self.plan.device.words(RANGE), tooltip) {
+                    self.range.is_open = true;
+                }
+                if is_open {
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        self.range_files(ui);
+                    });
+                }
+            });
+        });
+    }
+
+    /// The files of the chart.
+    fn range_files(&mut self, ui: &mut Ui) {
+        let Some(map) = self.range.map.study() else { return };
+        let is_done = !self.range.map.is_running();
+        let (quantity, check) = (self.range.quantity, self.range.check.study());
+        let check = check.filter(|_| !self.range.check.is_running());
+        let mut notice = None;
+        let menu = ui.menu_button("Save chart", |ui| {
+            let ctx = ui.ctx().clone();
+            let mut item = |name: &str| {
+                let item = ui.add_enabled(is_done, Button::new(name));
+                let is_clicked = item.clicked();
+                item.on_disabled_hover_text("The chart is being computed");
+                if is_clicked {
+                    ui.close();
+                }
+                is_clicked
+            };
+            if item("Table (CSV)…") {
+                self.files.save(&ctx, "range.csv", map.csv());
+            }
+            if item("Numbers (JSON)…")
+                && let Ok(text) = serde_json::to_string_pretty(&map.file(quantity, check))
+            {
+                self.files.save(&ctx, "range.json", text + "\n");
+            }
+            if item("Picture (SVG)…") {
+                match scene_map::draw(map, quantity) {
+                    Ok(text) => self.files.save(&ctx, "range.svg", text),
+                    Err(error) => {
+                        notice = Some(Notice::error(format!("range.svg was not drawn: {error}")));
+                    }
+                }
+            }
+        });
+        menu.response.on_hover_text("Save all values of the chart, or its picture");
+        self.notice = notice.or(self.notice.take());
+    }
+
+    /// The chart with its controls, in place of the picture.
+    pub(in crate::app) fn range_page(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
+        let area = ui.available_rect_before_wrap();
+        let Range { map, pins, sizes, starts, .. } = &mut self.range;
+        if let Some(map) = map.study() {
+            pins.update(map, *starts, &self.session);
+            sizes.update(map, *starts);
+        }
+        let margin = egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8);
+        let frame = egui::Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill);
+        let top = egui::Panel::top("range controls").frame(frame).resizable(false);
+        top.show_separator_line(false).show(ui, |ui| {
+            for reason in self.range.controls(ui, scene, layout) {
+                rejection_label(ui, &reason);
+            }
+            if layout == Layout::Narrow && self.range.shows_axes {
+                self.range_files(ui);
+            }
+        });
+        let bottom = egui::Panel::bottom("range captions").frame(frame).resizable(false);
+        let (mut taken, mut listed) = (None, None);
+        bottom.show_separator_line(false).show(ui, |ui| {
+            if layout == Layout::Narrow && self.range.chart.cursor().is_some() {
+                let button = Button::new(self.plan.device.words("Take this implant"));
+                let size = egui::vec2(ui.available_width(), theme::TOUCH - 8.0);
+                if ui.add_sized(size, button).clicked() {
+                    taken = self.range.chart.cursor().map(Taken::Point);
+                }
+            }
+            self.range.captions(ui);
+            // A phone has room for the chart alone, unless the axes are in sight.
+            if layout == Layout::Wide || self.range.shows_axes {
+                self.range.values(ui);
+                listed = self.range.shelf_list(ui, &self.files);
+            }
+        });
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            let Range { map, chart, quantity, revision, pins, sizes, .. } = &mut self.range;
+            if let Some(map) = map.study() {
+                taken = chart.show(ui, map, *quantity, *revision, (pins, sizes)).or(taken);
+            }
+        });
+        self.show_notice(ui, area);
+        match listed {
+            Some(Ok(index)) => taken = Some(Taken::Size(index)),
+            Some(Err(table)) => self.notice = Some(self.read_shelf("The table", &table)),
+            None => {}
+        }
+        match taken {
+            Some(Taken::Point((i, j))) => self.take(i, j, scene),
+            Some(Taken::Size(index)) => self.take_size(index, scene),
+            None => {}
+        }
+    }
+
+    /// Takes the implant of a point: one step of the history, as an edit of the plan.
+    fn take(&mut self, i: usize, j: usize, scene: &mut Scene) {
+        let Some(map) = self.range.map.study() else { return };
+        let values: Vec<(Parameter, f64)> =
+            map.axes().iter().zip([i, j]).map(|(a, k)| (a.field, a.value(k))).collect();
+        let taken = match map.status(i, j) {
+            PointStatus::Invalid => {
+                Err(readout::lines(map, i, j, self.range.quantity).swap_remove(0))
+            }
+            _ => with_values(scene, &values).map_err(|error| error.to_string()),
+        };
+        match taken {
+            Ok(taken) => *scene = taken,
+            Err(reason) => {
+                let place = readout::place(map, i, j);
+                self.notice = Some(Notice::caution(format!("{place} was not taken. {reason}")));
+            }
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! The clinic's shelf on the page of the range: the table of its sizes, and their dots on the chart.
+
+use super::axes::Words;
+use super::plane::Plane;
+use super::{Range, readout};
+use crate::app::messages::Notice;
+use crate::app::widgets::{remark, set_accessible_name};
+use crate::app::{App, files::Files};
+use crate::clinical::{Listed, Shelf, ShelfSize};
+use crate::scene::Scene;
+use crate::study::{Map, Parameter, with_values};
+use eframe::egui::{self, Color32, Painter, Pos2, RichText, Stroke, Ui};
+
+/// Radius of a dot, and distance of a pointer that means the dot \[points\].
+const RADIUS: f32 = 3.5;
+const REACH: f32 = 9.0;
+/// Greatest height of the list \[points\].
+const LIST_HEIGHT: f32 = 150.0;
+
+/// The shelf and its dots for the present map.
+#[derive(Default)]
+pub(in crate::app) struct Sizes {
+    pub(in crate::app) shelf: Shelf,
+    /// Number of changes of the shelf.
+    pub(in crate::app) revision: u64,
+    /// The start of the map and the revision of the shelf to which the dots belong.
+    key: Option<(u64, u64)>,
+    dots: Vec<Dot>,
+    /// The table that is being pasted; `None` while the field is closed.
+    pasted: Option<String>,
+}
+
+/// A size within the axes.
+struct Dot {
+    index: usize,
+    at: (f64, f64),
+    words: String,
+}
+
+impl Sizes {
+    /// Replaces the shelf.
+    pub(in crate::app) fn set(&mut self, shelf: Shelf) {
+        self.shelf = shelf;
+        self.revision += 1;
+    }
+
+    /// Follows map and shelf. `start` counts the starts of maps.
+    pub(super) fn update(&mut self, map: &Map, start: u64) {
+        let key = (start, self.revision);
+        if self.key == Some(key) {
+            return;
+        }
+        let is_size = |parameter| {
+            [Parameter::BaseWidth, Parameter::Projection, Parameter::Volume].contains(&parameter)
+        };
+        let is_over_sizes = map.axes().iter().all(|axis| is_size(axis.field));
+        let dot = |(index, size): (usize, &ShelfSize)| {
+            let at = map.place(&with_size(map.base(), size).ok()?)?;
+            Some(Dot { index, at: (at[0], at[1]), words: words(size) })
+        };
+        let sizes = self.shelf.sizes().iter().enumerate().filter(|_| is_over_sizes);
+        self.dots = sizes.filter_map(dot).collect();
+        self.key = Some(key);
+    }
+
+    /// Has the clinic a shelf?
+    pub(super) fn is_in_use(&self) -> bool {
+        !self.shelf.sizes().is_empty()
+    }
+
+    /// Draws the dots of a map of two axes.
+    pub(super) fn paint(&self, painter: &Painter, plane: &Plane) {
+        for dot in &self.dots {
+            let ring = Stroke::new(1.0, Color32::from_black_alpha(190));
+            painter.circle(plane.at(dot.at), RADIUS, Color32::WHITE, ring);
+        }
+    }
+
+    /// Index of the size at a point of the screen.
+    pub(super) fn at(&self, plane: &Plane, point: Pos2) -> Option<usize> {
+        let distance = |dot: &&Dot| plane.at(dot.at).distance(point);
+        let near = self.dots.iter().filter(|dot| distance(dot) <= REACH);
+        near.min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|dot| dot.index)
+    }
+
+    /// The place of a size on the screen, and its words with the worst of the three cards there.
+    pub(super) fn readout(
+        &self,
+        map: &Map,
+        plane: &Plane,
+        index: usize,
+    ) -> Option<(Pos2, Vec<String>)> {
+        let dot = self.dots.iter().find(|dot| dot.index == index)?;
+        let value =
+            |quantity| map.between(quantity, dot.at.0, dot.at.1).map(|value| (value, false));
+        let mut lines = vec![dot.words.clone()];
+        lines.extend(readout::worst(&value).map(|(_, words)| words));
+        Some((plane.at(dot.at), lines))
+    }
+}
+
+/// A size with its name, as "Round 300: width 12 cm, 300 ml".
+fn words(size: &ShelfSize) -> String {
+    let width = Words::of(Parameter::BaseWidth).text(size.width_mm());
+    let listed = match size.listed() {
+        Listed::Projection(projection) => {
+            format!("projection {}", Words::of(Parameter::Projection).text(projection))
+        }
+        Listed::Volume(volume) => format!("{} ml", (volume * 100.0).round() / 100.0),
+    };
+    format!("{}: width {width}, {listed}", size.name())
+}
+
+/// The scene with a size of the shelf: exactly the listed numbers. The pocket keeps its margin.
+pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
+    let listed = match size.listed() {
+        Listed::Projection(projection) => (Parameter::Projection, projection),
+        Listed::Volume(volume) => (Parameter::Volume, volume),
+    };
+    let values = [(Parameter::BaseWidth, size.width_mm()), listed];
+    with_values(scene, &values).map_err(|error| error.to_string())
+}
+
+impl Range {
+    /// The folded list of the shelf; returns the index of a size to take.
+    pub(super) fn shelf_list(
+        &mut self,
+        ui: &mut Ui,
+        files: &Files,
+    ) -> Option<Result<usize, String>> {
+        let count = self.sizes.shelf.sizes().len();
+        let title = if count == 0 { "Shelf".to_owned() } else { format!("Shelf: {count} sizes") };
+        let mut event = None;
+        egui::CollapsingHeader::new(title).id_salt("shelf").show(ui, |ui| {
+            event = self.shelf_buttons(ui, files).map(Err);
+            if count == 0 {
+                remark(ui, "The sizes of your clinic from a table (CSV) with the columns name, width_cm (or width_mm) and \
+                    projection_cm (or projection_mm) or volume_ml. The table stays on this machine.");
+                return;
+            }
+            let mut removed = None;
+            egui::ScrollArea::vertical().max_height(LIST_HEIGHT).show(ui, |ui| {
+                egui::Grid::new("shelf sizes").num_columns(5).spacing([14.0, 3.0]).show(ui, |ui| {
+                    for title in ["Name", "Width", "Projection", "Volume"] {
+                        ui.label(RichText::new(title).small().weak());
+                    }
+                    ui.end_row();
+                    for (index, size) in self.sizes.shelf.sizes().iter().enumerate() {
+                        let take = ui.link(size.name());
+                        set_accessible_name(&take, egui::Role::Button, &format!("Take {}", size.name()));
+                        if take.on_hover_text("Take this size").clicked() {
+                            event = Some(Ok(index));
+                        }
+                        let dome = size.size();
+                        ui.label(Words::of(Parameter::BaseWidth).text(size.width_mm()));
+                        ui.label(Words::of(Parameter::Projection).text(dome.projection_mm()));
+                        ui.label(format!("{:.0} ml", dome.volume_ml()));
+                        let remove = ui.small_button("×");
+                        set_accessible_name(&remove, egui::Role::Button, &format!("Remove {}", size.name()));
+                        if remove.clicked() {
+                            removed = Some(index);
+                        }
+                        ui.end_row();
+                    }
+                });
+            });
+            if let Some(index) = removed {
+                self.sizes.shelf.remove(index);
+                self.sizes.revision += 1;
+            }
+        });
+        event
+    }
+
+    /// The buttons above the list; returns a pasted table.
+    fn shelf_buttons(&mut self, ui: &mut Ui, files: &Files) -> Option<String> {
+        let mut table = None;
+        ui.horizontal_wrapped(|ui| {
+            if ui
+                .button("Open table…")
+                .on_hover_text("A table (CSV); dropping the file does the same")
+                .clicked()
+            {
+                files.open_table(ui.ctx());
+            }
+            if ui.button("Paste table").clicked() {
+                self.sizes.pasted = match self.sizes.pasted {
+                    Some(_) => None,
+                    None => Some(String::new()),
+                };
+            }
+            if self.sizes.is_in_use() && ui.button("Remove all").clicked() {
+                self.sizes.set(Shelf::default());
+            }
+        });
+        if let Some(text) = &mut self.sizes.pasted {
+            let field = egui::TextEdit::multiline(text)
+                .hint_text("name;width_cm;volume_ml")
+                .desired_rows(3)
+                .desired_width(f32::INFINITY);
+            let response = ui.add(field);
+            set_accessible_name(&response, egui::Role::MultilineTextInput, "Table of sizes");
+            if ui.button("Use this table").clicked() {
+                table = Some(text.clone());
+            }
+        }
+        table
+    }
+}
+
+impl App {
+    /// Puts the sizes of a table on the shelf; an invalid table leaves the shelf as it is.
+    pub(in crate::app) fn read_shelf(&mut self, name: &str, text: &str) -> Notice {
+        match Shelf::from_csv(text) {
+            Ok(shelf) => {
+                let count = shelf.sizes().len();
+                self.range.sizes.set(shelf);
+                self.range.sizes.pasted = None;
+                self.request_frame();
+                Notice::info(format!(
+                    "{count} sizes of {name} are on the shelf, on the page Range of implants."
+                ))
+            }
+            Err(error) => {
+                Notice::error(format!("{name} was not read; the shelf is unchanged. {error}."))
+            }
+        }
+    }
+
+    /// Takes a size of the shelf: one step of the history, as an edit of the plan.
+    pub(super) fn take_size(&mut self, index: usize, scene: &mut Scene) {
+        let Some(size) = self.range.sizes.shelf.sizes().get(index) else { return };
+        match with_size(scene, size) {
+            Ok(taken) => *scene = taken,
+            Err(reason) => {
+                let words = format!("{} was not taken. {reason}", size.name());
+                self.notice = Some(Notice::caution(words));
+            }
+        }
+    }
+
+    /// Lines with the name of the plan's size on the shelf, if the plan has one, and with the largest size that stays usual.
+    pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, scene: &Scene) {
+        let implant = scene.implant;
+        let shelf = &self.range.sizes.shelf;
+        if let Some(name) = shelf.name_of(2.0 * implant.base_radius_mm, implant.projection_mm) {
+            remark(ui, format!("On the shelf: {name}."));
+        }
+        let largest = self.shelf_largest.words();
+        if !largest.is_empty() {
+            remark(ui, largest).on_hover_text(
+                "No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
+                 the shelf up to this width stays usual. Solved on a coarse grid.",
+            );
+        }
+    }
+}

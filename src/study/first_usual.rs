@@ -1,0 +1,119 @@
+//! The first plan of a list that stays usual: one scene after the other, until all words of its cards are usual.
+
+use super::{Case, Cases, Job, MapSettings, Quantity, Study};
+use crate::measure::bands;
+use crate::scene::Scene;
+
+/// The search as a state machine, a [`Study`] of one scene at a time.
+#[derive(Debug)]
+pub struct FirstUsual {
+    scenes: Vec<Scene>,
+    /// The scene that is solved next, or was found.
+    place: usize,
+    is_found: bool,
+    is_running: bool,
+    jobs: usize,
+}
+
+impl FirstUsual {
+    /// The search in these plans, in their order, on a grid of 33 nodes per side.
+    #[must_use]
+    pub fn new(mut scenes: Vec<Scene>) -> Self {
+        for scene in &mut scenes {
+            scene.patient = None;
+            MapSettings::default().apply(scene);
+        }
+        Self { scenes, place: 0, is_found: false, is_running: false, jobs: 0 }
+    }
+
+    /// Index of the first plan that stays usual; `None` before the end, and if none does.
+    #[must_use]
+    pub fn found(&self) -> Option<usize> {
+        self.is_found.then_some(self.place)
+    }
+
+    fn take(&mut self, case: Option<&Case>) {
+        self.is_found = case.is_some_and(is_usual);
+        self.place += usize::from(!self.is_found);
+    }
+}
+
+/// Has a case an answer in which the words of stretch, cover and pressure are usual?
+fn is_usual(case: &Case) -> bool {
+    let value = |quantity: Quantity| case.values.get(quantity);
+    let reserve = value(Quantity::SkinReserveUsed);
+    let stretch = value(Quantity::GreatestStrain).map(|strain| bands::stretch(strain, reserve).0);
+    let pressure = value(Quantity::GreatestPressureMmhg).map(bands::pressure_band);
+    let is_thin = value(Quantity::LeastCoverMm).and_then(bands::cover).is_some();
+    case.is_converged() && (stretch, pressure) == (Some(0), Some(0)) && !is_thin
+}
+
+impl Study for FirstUsual {
+    fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
+        while !self.is_found && !self.is_running {
+            let scene = self.scenes.get(self.place)?.clone();
+            let key = store.key(&scene);
+            if let Some(case) = store.reuse(&key, false).cloned() {
+                self.take(Some(&case));
+                continue;
+            }
+            self.is_running = true;
+            self.jobs += 1;
+            return Some((self.jobs - 1, Job { scenes: vec![scene], ..Job::default() }));
+        }
+        None
+    }
+
+    fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
+        if !self.is_running || job + 1 != self.jobs {
+            return;
+        }
+        self.is_running = false;
+        let case = cases.into_iter().next().filter(|case| case.status.is_some());
+        let solved = self.scenes.get(self.place).map(|scene| store.key(scene));
+        self.take(case.as_ref());
+        if let (Some(case), Some(key)) = (case, solved) {
+            store.insert(key, case);
+        }
+    }
+
+    fn progress(&self) -> (usize, usize) {
+        match self.is_found {
+            true => (self.place + 1, self.place + 1),
+            false => (self.place, self.scenes.len()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::{Parameter, evaluate, with_values};
+
+    #[test]
+    fn the_first_usual_plan_of_a_list_is_found_and_stored() {
+        let plan = |volume: f64| {
+            let values = [(Parameter::Volume, volume)];
+            with_values(&Scene::opening(), &values).unwrap()
+        };
+        // The second is usual, as the opening plan; a flat third is never solved.
+        let scenes = vec![plan(700.0), plan(300.0), plan(200.0)];
+        let (mut search, mut store) = (FirstUsual::new(scenes.clone()), Cases::default());
+        let mut solved = 0;
+        while let Some((index, job)) = search.next_job(&mut store) {
+            assert!(search.next_job(&mut store).is_none() && !search.is_done());
+            search.receive(index + 7, Vec::new(), &mut store);
+            search.receive(index, evaluate(&job), &mut store);
+            solved += 1;
+        }
+        assert_eq!((search.found(), solved, search.is_done()), (Some(1), 2, true));
+        let mut again = FirstUsual::new(scenes);
+        assert!(again.next_job(&mut store).is_none());
+        assert_eq!(again.found(), Some(1));
+        // A failed job is no usual plan.
+        let mut failed = FirstUsual::new(vec![plan(250.0)]);
+        let (index, _) = failed.next_job(&mut store).unwrap();
+        failed.receive(index, Vec::new(), &mut store);
+        assert_eq!((failed.found(), failed.is_done()), (None, true));
+    }
+}

@@ -1,0 +1,144 @@
+//! What a map has between and beside its points: values between points, lines of equal volume, typical sizes.
+
+use super::contour::Path;
+use super::map::{Map, PointStatus, round_levels};
+use super::{Axis, Parameter, Quantity};
+use crate::clinical::{Size, typical_sizes};
+
+impl Map {
+    /// The value to display at a point, and whether the value is solved. The value of a waiting point is interpolated
+    /// between the corners of the finest lattice around the point that is solved; a point that ended without convergence
+    /// has no value, and no value is interpolated from such a point.
+    #[must_use]
+    pub fn displayed(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, bool)> {
+        if self.status(i, j) != PointStatus::Waiting {
+            return self.value(quantity, i, j).map(|value| (value, true));
+        }
+        let (columns, rows) = self.shape();
+        if i >= columns || j >= rows {
+            return None;
+        }
+        let mut step = 2;
+        while step < 2 * columns.max(rows) {
+            // Neighbours on the lattice and the part of the way between the two.
+            let around = |k: usize, count: usize| {
+                let low = if k == count - 1 { k } else { k / step * step };
+                let high = if k.is_multiple_of(step) { low } else { (low + step).min(count - 1) };
+                let part = if high > low { (k - low) as f64 / (high - low) as f64 } else { 0.0 };
+                (low, high, part)
+            };
+            let ((left, right, u), (bottom, top, v)) = (around(i, columns), around(j, rows));
+            let row = |j: usize| {
+                let [a, b] = [left, right].map(|i| self.value(quantity, i, j));
+                Some(a? * (1.0 - u) + b? * u)
+            };
+            if let (Some(low), Some(high)) = (row(bottom), row(top)) {
+                return Some((low * (1.0 - v) + high * v, false));
+            }
+            step *= 2;
+        }
+        None
+    }
+
+    /// The value between points, by two lines; `None` off the map and beside a point without a value.
+    #[must_use]
+    pub fn between(&self, quantity: Quantity, x: f64, y: f64) -> Option<f64> {
+        let low = |k: usize, value: f64| {
+            let axis = self.axes.get(k)?;
+            let last = (axis.count - 1) as f64;
+            let position = (value - axis.from) / (axis.to - axis.from) * last;
+            let low = position.floor().min(last - 1.0);
+            (-1e-9..=last + 1e-9).contains(&position).then(|| {
+                let low = low.max(0.0);
+                (low as usize, position - low)
+            })
+        };
+        let (i, u) = low(0, x)?;
+        let (j, v) = if self.axes.len() == 1 { (0, 0.0) } else { low(1, y)? };
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| {
+            let weight = (if a == 0 { 1.0 - u } else { u }) * (if b == 0 { 1.0 - v } else { v });
+            (weight, i + a, j + b)
+        });
+        // A corner without weight need not have a value.
+        let corners = corners.into_iter().filter(|(weight, ..)| *weight > 1e-9);
+        corners.map(|(weight, i, j)| Some(weight * self.displayed(quantity, i, j)?.0)).sum()
+    }
+
+    /// On a map over width and projection: the factor from x to the base width, else `None`.
+    fn widths(&self) -> Option<f64> {
+        match &self.axes[..] {
+            [x, y] if y.field == Parameter::Projection => match x.field {
+                Parameter::BaseWidth => Some(1.0),
+                Parameter::BaseRadius => Some(2.0),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Lines of equal volume of the implant on a map over width (x) and projection (y): volume \[ml\] and points.
+    #[must_use]
+    pub fn equal_volumes(&self) -> Vec<(f64, Path)> {
+        const POINTS: usize = 101;
+        let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
+        let (low, high) = (y.from.min(y.to), y.from.max(y.to));
+        let size = |x: f64, y: f64| Size::of_width_and_projection(factor * x, y).ok();
+        let volume = |x: f64, y: f64| size(x, y).map_or(f64::NAN, Size::volume_ml);
+        let least = volume(x.from.min(x.to), low);
+        let most = volume(x.from.max(x.to), high);
+        let line = |volume: f64| -> Path {
+            let xs = (0..POINTS).map(|k| x.from + (x.to - x.from) * k as f64 / (POINTS - 1) as f64);
+            let of = |x: f64| {
+                Some((x, Size::of_width_and_volume(factor * x, volume).ok()?.projection_mm()))
+            };
+            xs.filter_map(of).filter(|(_, y)| (low..=high).contains(y)).collect()
+        };
+        let lines =
+            round_levels(least, most, 12.0).into_iter().map(|volume| (volume, line(volume)));
+        lines.filter(|(_, path)| path.len() > 1).collect()
+    }
+
+    /// Typical round sizes on a map over width and projection, as (x, y).
+    #[must_use]
+    pub fn typical_sizes(&self) -> Vec<(f64, f64)> {
+        let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
+        let is_in = |axis: &Axis, value: f64| {
+            (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value)
+        };
+        let at = |size: Size| (size.base_width_mm() / factor, size.projection_mm());
+        let sizes = typical_sizes().into_iter().map(at);
+        sizes.filter(|(a, b)| is_in(x, *a) && is_in(y, *b)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::study::{Cases, MapSettings, Study, evaluate};
+
+    #[test]
+    fn a_value_between_points_lies_on_the_lines_between_them() {
+        let axes = ["base_width_mm=100:120:3", "projection_mm=30:40:3"];
+        let axes = axes.map(|axis| Axis::parse(axis).unwrap());
+        let settings = MapSettings { nodes_per_side: 17, ..MapSettings::default() };
+        let mut map = Map::new(&Scene::sheet(), &axes, settings).unwrap();
+        let mut store = Cases::default();
+        let quantity = Quantity::ImplantVolumeMl;
+        assert_eq!(map.between(quantity, 110.0, 35.0), None);
+        while let Some((index, job)) = map.next_job(&mut store) {
+            map.receive(index, evaluate(&job), &mut store);
+        }
+        let value = |i, j| map.value(quantity, i, j).unwrap();
+        for (x, y, expected) in [
+            (100.0, 30.0, value(0, 0)),
+            (120.0, 40.0, value(2, 2)),
+            (105.0, 30.0, 0.5 * (value(0, 0) + value(1, 0))),
+            (115.0, 37.5, 0.25 * (value(1, 1) + value(2, 1) + value(1, 2) + value(2, 2))),
+        ] {
+            let found = map.between(quantity, x, y).unwrap();
+            assert!((found - expected).abs() < 1e-6 * expected, "{x} {y}: {found} {expected}");
+        }
+        assert_eq!(map.between(quantity, 121.0, 35.0), None);
+    }
+}
