@@ -2,6 +2,7 @@
 //!
 //! Uses `plan`, `theme`, `viewport`, `widgets`. Used by `keys`, `ui`.
 
+use super::device::Device;
 use super::plan::{self, Choices};
 use super::viewport::labelled_box;
 use super::widgets::{arrow_keys, keep_press, set_accessible_name};
@@ -88,7 +89,7 @@ impl App {
         let kinds = [(Kind::Position, at), (Kind::Projection, at - vec2(0.0, ABOVE[finger]))];
         let mut shapes = Vec::new();
         for (kind, at) in kinds {
-            let is_implant = self.plan.device == plan::Device::Implant;
+            let is_implant = self.plan.device == Device::Implant;
             let is_able = kind == Kind::Position || (is_implant && axes.0[2].length() > LEAST_UP);
             if !is_able || !area.shrink(RADIUS).contains(at) {
                 continue;
@@ -227,8 +228,9 @@ fn handle(ui: &Ui, rect: Rect, kind: Kind) -> Response {
     };
     let response = ui.interact(rect, ui.scope_id().with(name), Sense::DRAG | Sense::FOCUSABLE);
     keep_press(&response);
-    set_accessible_name(&response, Role::Button, name);
-    response.on_hover_cursor(icon).on_hover_text(tooltip)
+    let device = Device::of(ui.ctx());
+    set_accessible_name(&response, Role::Button, &device.words(name));
+    response.on_hover_cursor(icon).on_hover_text(device.words(tooltip))
 }
 
 /// A disc with arrows in the directions of the drag.

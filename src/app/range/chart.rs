@@ -3,7 +3,7 @@
 
 use super::areas::areas;
 use super::colours::{Scale, picture};
-use super::paint::{paint, paint_axes, paint_legend, plane};
+use super::paint::{BOTTOM, Drawn, LEFT, paint, paint_axes, paint_legend, plane};
 use super::pins::Pins;
 use super::plane::{Plane, nearest};
 use super::readout;
@@ -12,19 +12,15 @@ use crate::app::device::Device;
 use crate::app::theme;
 use crate::app::viewport::pointer_box;
 use crate::app::widgets::{arrow_keys, set_accessible_name};
-use crate::study::{Axis, Map, Quantity, Study};
+use crate::study::{Map, Quantity, Study};
 use eframe::egui::{
-    self, ColorImage, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, TextureHandle,
-    TextureOptions, Ui, vec2,
+    self, ColorImage, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, TextureOptions, Ui, vec2,
 };
 use web_time::{Duration, Instant};
 
 /// The name of the chart for screen readers and tests.
 pub(super) const NAME: &str = "Range of implants, chart";
-/// Space around the plane: numbers of the axes, titles \[points\].
-pub(super) const LEFT: f32 = 40.0;
 const TOP: f32 = 22.0;
-pub(super) const BOTTOM: f32 = 36.0;
 /// Width of the legend on wide and on narrow charts \[points\].
 const LEGEND: (f32, f32) = (112.0, 84.0);
 const NARROW_CHART: f32 = 440.0;
@@ -32,25 +28,6 @@ const NARROW_CHART: f32 = 440.0;
 const TOUCH_TIME: Duration = Duration::from_millis(700);
 /// Least time between two pictures of a chart that fills.
 const REDRAW: Duration = Duration::from_millis(50);
-
-/// Lines with the text at their middle.
-pub(super) type Labelled = Vec<(String, Vec<Vec<(f64, f64)>>)>;
-
-/// What is drawn of a map until its values or its colours change.
-pub(super) struct Drawn {
-    pub(super) key: (u64, Quantity, bool),
-    time: Instant,
-    pub(super) axes: Vec<Axis>,
-    /// Is this the chart of the previous plan?
-    pub(super) is_previous: bool,
-    pub(super) texture: Option<TextureHandle>,
-    pub(super) scale: Scale,
-    pub(super) contours: Labelled,
-    pub(super) volumes: Labelled,
-    pub(super) sizes: Vec<(f64, f64)>,
-    /// Words and places of the bands.
-    pub(super) areas: Vec<(&'static str, (f64, f64))>,
-}
 
 /// State of the chart between frames.
 #[derive(Default)]

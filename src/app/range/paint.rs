@@ -1,15 +1,39 @@
 //! Drawing of the chart of the range: axes, colours, lines, sizes, the present implant, legend.
 
 use super::axes::Words;
-use super::chart::{BOTTOM, Drawn, LEFT};
+use super::colours::Scale;
 use super::plane::{Plane, marks};
 use super::readout;
 use crate::app::theme::{self, SPACE};
-use crate::study::{Map, Quantity};
+use crate::study::{Axis, Map, Quantity};
 use eframe::egui::{
-    self, Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle, Ui,
-    pos2, vec2,
+    self, Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle,
+    TextureHandle, Ui, pos2, vec2,
 };
+use web_time::Instant;
+
+/// Space around the plane: numbers of the axes, titles \[points\].
+pub(super) const LEFT: f32 = 40.0;
+pub(super) const BOTTOM: f32 = 36.0;
+
+/// Lines with the text at their middle.
+pub(super) type Labelled = Vec<(String, Vec<Vec<(f64, f64)>>)>;
+
+/// What is drawn of a map until its values or its colours change.
+pub(super) struct Drawn {
+    pub(super) key: (u64, Quantity, bool),
+    pub(super) time: Instant,
+    pub(super) axes: Vec<Axis>,
+    /// Is this the chart of the previous plan?
+    pub(super) is_previous: bool,
+    pub(super) texture: Option<TextureHandle>,
+    pub(super) scale: Scale,
+    pub(super) contours: Labelled,
+    pub(super) volumes: Labelled,
+    pub(super) sizes: Vec<(f64, f64)>,
+    /// Words and places of the bands.
+    pub(super) areas: Vec<(&'static str, (f64, f64))>,
+}
 
 /// The plane of a map; up stands the second axis, or the displayed quantity of a curve.
 pub(super) fn plane(map: &Map, drawn: &Drawn, rect: Rect) -> Plane {

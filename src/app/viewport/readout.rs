@@ -95,7 +95,7 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
     lines.push(if pressure > 0.0 {
         format!("Pressure {} mmHg", three_figures(pressure * MMHG_PER_KPA as f32))
     } else {
-        "No pressure of the implant here".to_owned()
+        "No pressure here".to_owned()
     });
     lines
 }
@@ -156,6 +156,6 @@ mod tests {
         let nodes = [(border, 1.0), (border, 0.0), (border, 0.0)];
         let lines = values(&nodes, session.fields(), session.scene());
         assert!(!lines.iter().any(|line| line.starts_with("Cover")), "{lines:?}");
-        assert_eq!(lines.last().map(String::as_str), Some("No pressure of the implant here"));
+        assert_eq!(lines.last().map(String::as_str), Some("No pressure here"));
     }
 }
