@@ -110,13 +110,11 @@ impl App {
             .char_limit(60)
             .desired_width(f32::INFINITY);
         let response = ui.add(field);
-        response.widget_info(|| egui::WidgetInfo {
-            label: Some(SEARCH.to_owned()),
-            ..egui::WidgetInfo::text_edit(true, "", &palette.text, SEARCH)
-        });
+        // Before the name: only a frame in which the field gains the focus reports it.
         if palette.is_new {
             response.request_focus();
         }
+        set_accessible_name(&response, egui::Role::TextInput, SEARCH);
         if response.changed() {
             palette.chosen = 0;
         }
