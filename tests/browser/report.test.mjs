@@ -179,6 +179,8 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const { page, finish } = await fixture.openApp();
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     for (const letter of ["A", "B", "C", "D"]) {
+      // The button of the letter before has a new name, which it says only when it gets the focus.
+      await harness.control(page, "File");
       await harness.control(page, `Pin as ${letter}`);
       await page.keyboard.press("Enter");
       await page.evaluate((volume) => implantPreview.setPlan("volume_ml", String(volume)), 310 + letter.charCodeAt(0));

@@ -46,10 +46,10 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 40px}.pair>div{flex:1 1 300px}\
-    .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line}\
+    .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
     @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:12px 0 3px}p{margin:5px 0}.quiet{font-size:10.5px}th,td{padding:1.5px 12px 1.5px 0}\
-    img{max-height:76mm}img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
+    img{max-height:70mm}img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
 
 impl Page {
     /// The file, without scripts and outside addresses.
