@@ -76,13 +76,13 @@ describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
       await pause(100);
     }
     await page.waitForFunction(() =>
-      /^Width 12\.5 cm, projection 4\.25 cm: Skin stretch: \d+ percent/.test(
+      /^Width 12\.25 cm, projection 4\.25 cm: Skin stretch: \d+ percent/.test(
         document.getElementById("implant-preview-summary").textContent,
       ),
     );
     await page.keyboard.press("Enter");
-    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 62.5);
-    assert.match(await summary(page), /^Width 12\.5 cm/);
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 61.25);
+    assert.match(await summary(page), /^Width 12\.25 cm/);
     await finish();
   });
 
