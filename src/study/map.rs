@@ -4,15 +4,15 @@
 //! without convergence keeps this status; no value is interpolated over such a point.
 
 use super::contour::{Field, Path};
-use super::map_border::Border;
 use super::parameter::{Parameter, with_values};
 use super::queue::Queue;
-use super::{Axis, Case, Cases, Job, MAX_POINTS, MapError, Quantity, Study};
+use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::number;
 use crate::measure::Status;
 use crate::scene::{Scene, TissueModel, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Grid and tolerance of the points of a map; those of the scene do not apply.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -106,6 +106,27 @@ impl PointStatus {
             Some(Some(Status::NotConverged)) => Self::NotConverged,
             Some(Some(Status::Unstable)) => Self::NoShape,
         }
+    }
+}
+
+/// The points that are solved in full: `map_border`.
+#[derive(Debug, Default)]
+pub(super) struct Border {
+    pub(super) is_wanted: bool,
+    /// Points that are or were solved in full.
+    pub(super) tried: BTreeSet<usize>,
+    /// Point and key of the running jobs.
+    pub(super) running: BTreeMap<usize, (usize, Key)>,
+    /// The point to solve next.
+    pub(super) next: Option<usize>,
+    pub(super) jobs: usize,
+}
+
+impl Border {
+    /// Numbers of points solved in full, and of all such points that are known.
+    pub(super) fn progress(&self) -> (usize, usize) {
+        let tried = self.tried.len();
+        (tried - self.running.len(), tried + usize::from(self.next.is_some()))
     }
 }
 

@@ -5,8 +5,7 @@
 //! neighbours the border.
 
 use super::map::{Map, MapSettings, PointStatus};
-use super::{Case, Cases, Job, Key};
-use std::collections::{BTreeMap, BTreeSet};
+use super::{Case, Cases, Job};
 
 /// Greatest number of points of a map that are solved in full.
 const MAX_POINTS: usize = 100;
@@ -14,27 +13,6 @@ const MAX_POINTS: usize = 100;
 const MAX_NODES: usize = 65;
 /// Index of the first job of the border; those of the points are lower.
 const FIRST_JOB: usize = 1 << 30;
-
-/// The points that are solved in full.
-#[derive(Debug, Default)]
-pub(super) struct Border {
-    is_wanted: bool,
-    /// Points that are or were solved in full.
-    tried: BTreeSet<usize>,
-    /// Point and key of the running jobs.
-    running: BTreeMap<usize, (usize, Key)>,
-    /// The point to solve next.
-    next: Option<usize>,
-    jobs: usize,
-}
-
-impl Border {
-    /// Numbers of points solved in full, and of all such points that are known.
-    pub(super) fn progress(&self) -> (usize, usize) {
-        let tried = self.tried.len();
-        (tried - self.running.len(), tried + usize::from(self.next.is_some()))
-    }
-}
 
 impl Map {
     /// The map with the border of its points without an answer solved in full, for layered tissue.
