@@ -227,7 +227,8 @@ impl Measured {
 
     fn words(&self) -> Vec<String> {
         let cm = |mm: f32| format!("{:.1} cm", 0.1 * mm);
-        let gain = self.line.length_mm - self.rest_mm;
+        // Of the lengths as they are shown.
+        let gain = self.line.length_mm.round() - self.rest_mm.round();
         vec![
             format!("Straight {}", cm(self.ends[0].distance(self.ends[1]))),
             format!("Along the skin {}", cm(self.line.length_mm)),
