@@ -540,7 +540,7 @@ fn a_plan_whose_quick_solve_has_no_answer_has_that_of_the_full_solve_on_the_map(
     assert_eq!(outcome.status, Status::Converged);
     let strain = full.value(Quantity::GreatestStrain, gained[0], 0).unwrap();
     assert!((strain - Quantity::GreatestStrain.of(&outcome).unwrap()).abs() < 1e-9);
-    // What is left without an answer beside an answer was solved in full.
+    // Every point without an answer beside a point with one was solved in full.
     for i in (1..4).filter(|i| !has_answer(&full, *i) && has_answer(&full, i - 1)) {
         assert!(full.is_in_full(i, 0));
     }

@@ -87,7 +87,7 @@ const fn keyed(action: Action, name: &'static str, tooltip: &'static str, keyed:
 
 /// Names of the switch in the middle of the screen.
 pub(super) const PICTURE: &str = "Picture";
-pub(super) const RANGE: &str = "Range of implants";
+const RANGE: &str = "Range of implants";
 
 const COMPOSED: &str = "Picture with title, plan, answers, legend, scale and date";
 const REPORT: &str =
@@ -96,7 +96,7 @@ const TABLE: &str =
     "All results of plan and pins, with percentiles where bands are on, for a spreadsheet";
 const LINK: &str =
     "The whole plan as an address, without the entries for the file; no server gets it";
-pub(super) const AREOLA: &str = "A circle of 4 cm on the skin at rest, over the middle of the pocket; the circle stretches with the skin";
+const AREOLA: &str = "A circle of 4 cm on the skin at rest, over the middle of the pocket; the circle stretches with the skin";
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
@@ -206,7 +206,7 @@ impl App {
     }
 
     /// Is a switch on? `None` for a command that is no switch.
-    fn is_on(&self, action: Action) -> Option<bool> {
+    pub(super) fn is_on(&self, action: Action) -> Option<bool> {
         match action {
             Action::Grid => Some(self.options.net),
             Action::Areola => Some(self.options.has_areola()),

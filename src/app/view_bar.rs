@@ -1,6 +1,6 @@
 //! The controls of the picture, on the picture: standard views, cut, grid, colours.
 
-use super::commands::{AREOLA, Action, RANGE};
+use super::commands::{Action, entry_of};
 use super::toolbar::Layout;
 use super::widgets::{Kind, NumberField, choice, set_accessible_name};
 use super::{App, theme};
@@ -8,9 +8,8 @@ use crate::view::camera::View;
 use crate::view::color::Quantity;
 use eframe::egui::{self, Rect, Ui, UiBuilder};
 
-/// How the tissue is cut open.
-const CUTS: [(&str, bool, bool); 3] =
-    [("No cut", false, false), ("Cut a quarter", true, false), ("Cut in half", true, true)];
+/// How the tissue is cut open: cut; in half. The names are those of the commands.
+const CUTS: [(bool, bool); 3] = [(false, false), (true, false), (true, true)];
 
 impl App {
     /// Shows the controls over the top of the picture's area. Returns their height \[points\].
@@ -25,25 +24,16 @@ impl App {
                 self.item(ui, Action::Look(view));
             }
             self.cut_box(ui, layout);
-            let grid = egui::Button::selectable(self.options.net, "Grid").frame_when_inactive(true);
-            let grid = ui.add(grid);
-            if grid.clicked() {
-                self.options.net = !self.options.net;
+            for switch in [Action::Grid, Action::Areola] {
+                let (entry, is_on) = (entry_of(switch), self.is_on(switch) == Some(true));
+                let button = egui::Button::selectable(is_on, entry.name).frame_when_inactive(true);
+                if ui.add(button).on_hover_text(entry.tooltip).clicked() {
+                    self.run(&ui.ctx().clone(), switch);
+                }
             }
-            grid.on_hover_text("Lines show how the skin is pulled");
-            let areola = self.options.areola_mut();
-            let button = egui::Button::selectable(*areola, "Areola").frame_when_inactive(true);
-            let response = ui.add(button);
-            if response.clicked() {
-                *areola = !*areola;
-            }
-            response.on_hover_text(AREOLA);
             self.quantity_box(ui);
             if layout == Layout::Narrow {
-                let tooltip = "A chart of many plans: width by projection, or any two numbers";
-                if ui.button(self.plan.device.words(RANGE)).on_hover_text(tooltip).clicked() {
-                    self.range.is_open = true;
-                }
+                self.item(ui, Action::ShowRange(true));
                 self.view_menu(ui, layout);
             }
         });
@@ -53,15 +43,14 @@ impl App {
     fn cut_box(&mut self, ui: &mut Ui, layout: Layout) {
         let options = &mut self.options;
         let present = (options.section, options.section && options.half);
-        let is_present = |(_, section, half): &(&str, bool, bool)| (*section, *half) == present;
-        let selected = CUTS.iter().find(|cut| is_present(cut)).map_or("Cut", |cut| cut.0);
+        let name = |(section, half): (bool, bool)| entry_of(Action::Cut(section, half)).name;
         let response = egui::ComboBox::from_id_salt("cut")
             .width(if layout == Layout::Wide { 104.0 } else { 96.0 })
-            .selected_text(selected)
+            .selected_text(name(present))
             .show_ui(ui, |ui| {
                 for cut in CUTS {
-                    if choice(ui, is_present(&cut), cut.0).clicked() {
-                        (options.section, options.half) = (cut.1, cut.2);
+                    if choice(ui, cut == present, name(cut)).clicked() {
+                        (options.section, options.half) = cut;
                     }
                 }
             })

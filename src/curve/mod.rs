@@ -306,7 +306,7 @@ impl Curve {
         Self::from_pieces(pieces, end, end)
     }
 
-    /// Does the tissue give way: is the slope at twice the length below that at rest?
+    /// Is the slope at twice the length below that at rest? A tissue that stiffens, or is linear, does not soften.
     #[must_use]
     pub fn softens(&self) -> bool {
         self.slope(1.0) < self.small_strain_modulus()

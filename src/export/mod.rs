@@ -12,4 +12,4 @@ pub use formats::Format;
 pub use solid::{Part, Solid};
 #[cfg(test)]
 pub(crate) use table::read_csv;
-pub use table::{csv, number, profile};
+pub use table::{csv, number, profile, quoted};

@@ -11,16 +11,20 @@ pub fn number(value: f64) -> String {
         .map_or(digits, |rounded| if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
 }
 
-/// Rows of cells as a table by RFC 4180: lines end with CR LF, a cell with a comma, a quote or a line break is quoted.
+/// Formats a text for a table: quoted if it contains a comma, a quote or a line break.
+#[must_use]
+pub fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\r', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+/// Rows of cells as a table by RFC 4180: lines end with CR LF, cells are [`quoted`] where they must be.
 #[must_use]
 pub fn csv(rows: &[Vec<String>]) -> String {
-    let cell = |text: &String| {
-        if text.contains([',', '"', '\r', '\n']) {
-            format!("\"{}\"", text.replace('"', "\"\""))
-        } else {
-            text.clone()
-        }
-    };
+    let cell = |text: &String| quoted(text);
     let line = |row: &Vec<String>| row.iter().map(cell).collect::<Vec<_>>().join(",") + "\r\n";
     rows.iter().map(line).collect()
 }
@@ -74,6 +78,12 @@ pub fn profile(outcome: &Outcome) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_with_commas_are_quoted() {
+        assert_eq!(quoted("skin"), "skin");
+        assert_eq!(quoted("a,\"b\".json"), "\"a,\"\"b\"\".json\"");
+    }
 
     #[test]
     fn a_table_is_read_back_cell_by_cell() {

@@ -75,6 +75,11 @@ pub enum MapError {
 }
 
 impl Axis {
+    /// Does a value lie between the ends?
+    pub(super) fn contains(&self, value: f64) -> bool {
+        (self.from.min(self.to)..=self.from.max(self.to)).contains(&value)
+    }
+
     /// Reads `FIELD=FROM:TO:COUNT`.
     ///
     /// # Errors

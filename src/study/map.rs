@@ -375,10 +375,7 @@ impl Map {
     /// The values of a scene on the axes; `None` if the scene lies outside of the map or has no such value.
     #[must_use]
     pub fn place(&self, scene: &Scene) -> Option<[f64; 2]> {
-        let within = |axis: &Axis| {
-            let value = axis.field.value(scene)?;
-            (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value).then_some(value)
-        };
+        let within = |axis: &Axis| axis.field.value(scene).filter(|value| axis.contains(*value));
         match &self.axes[..] {
             [x, y] => Some([within(x)?, within(y)?]),
             [x] => Some([within(x)?, 0.0]),

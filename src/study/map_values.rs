@@ -2,7 +2,7 @@
 
 use super::contour::Path;
 use super::map::{Map, PointStatus, round_levels};
-use super::{Axis, Parameter, Quantity};
+use super::{Parameter, Quantity};
 use crate::clinical::{Size, typical_sizes};
 
 impl Map {
@@ -102,12 +102,9 @@ impl Map {
     #[must_use]
     pub fn typical_sizes(&self) -> Vec<(f64, f64)> {
         let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
-        let is_in = |axis: &Axis, value: f64| {
-            (axis.from.min(axis.to)..=axis.from.max(axis.to)).contains(&value)
-        };
         let at = |size: Size| (size.base_width_mm() / factor, size.projection_mm());
         let sizes = typical_sizes().into_iter().map(at);
-        sizes.filter(|(a, b)| is_in(x, *a) && is_in(y, *b)).collect()
+        sizes.filter(|(a, b)| x.contains(*a) && y.contains(*b)).collect()
     }
 }
 
@@ -115,7 +112,7 @@ impl Map {
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use crate::study::{Cases, MapSettings, Study, evaluate};
+    use crate::study::{Axis, Cases, MapSettings, Study, evaluate};
 
     #[test]
     fn a_value_between_points_lies_on_the_lines_between_them() {

@@ -17,6 +17,7 @@ const NOTHING: &str = "Nothing: a curve";
 fn quiet(ui: &mut Ui, words: &str) {
     ui.label(RichText::new(words).color(ui.visuals().weak_text_color()));
 }
+
 /// The button of the chart around the plan.
 const AROUND: &str = "Around the plan";
 

@@ -2,7 +2,7 @@
 
 use super::chart::Taken;
 use super::{Range, readout};
-use crate::app::commands::{PICTURE, RANGE};
+use crate::app::commands::{Action, entry_of};
 use crate::app::messages::Notice;
 use crate::app::plan::{Hand, chip};
 use crate::app::toolbar::Layout;
@@ -122,12 +122,12 @@ impl App {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
                 let is_open = self.range.is_open;
-                if chip(ui, Hand::Mouse, !is_open, PICTURE, "This plan in three dimensions") {
-                    self.range.is_open = false;
-                }
-                let tooltip = "A chart of many plans: width by projection, or any two numbers";
-                if chip(ui, Hand::Mouse, is_open, &self.plan.device.words(RANGE), tooltip) {
-                    self.range.is_open = true;
+                for range in [false, true] {
+                    let entry = entry_of(Action::ShowRange(range));
+                    let name = self.plan.device.words(entry.name);
+                    if chip(ui, Hand::Mouse, is_open == range, &name, entry.tooltip) {
+                        self.range.is_open = range;
+                    }
                 }
                 if is_open {
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

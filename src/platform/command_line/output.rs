@@ -166,23 +166,3 @@ pub(super) fn springs_name(springs: Springs) -> &'static str {
         Springs::Nikolaev => "nikolaev",
     }
 }
-
-/// Formats a text for a table: quoted if it contains a comma, a quote or a line break.
-pub(super) fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texts_with_commas_are_quoted() {
-        assert_eq!(quoted("skin"), "skin");
-        assert_eq!(quoted("a,\"b\".json"), "\"a,\"\"b\"\".json\"");
-    }
-}

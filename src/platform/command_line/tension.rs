@@ -1,10 +1,10 @@
 //! `tension`: the paper's tension test as a table.
 
-use super::output::{self, File, quoted, springs_name};
+use super::output::{self, File, springs_name};
 use super::{ExitStatus, InputError, in_range, input};
 use crate::curve::{Curve, CurveSpec};
 use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
-use crate::export::number;
+use crate::export::{number, quoted};
 use crate::scene::read;
 use crate::springs::Springs;
 use clap::ValueEnum;
