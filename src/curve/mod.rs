@@ -306,10 +306,16 @@ impl Curve {
         Self::from_pieces(pieces, end, end)
     }
 
-    /// Is the slope at twice the length below that at rest? A tissue that stiffens, or is linear, does not soften.
+    /// Is the slope at twice the length below that at rest?
     #[must_use]
     pub fn softens(&self) -> bool {
         self.slope(1.0) < self.small_strain_modulus()
+    }
+
+    /// Is the slope at twice the length above that at rest? A linear tissue neither stiffens nor softens.
+    #[must_use]
+    pub fn stiffens(&self) -> bool {
+        self.slope(1.0) > self.small_strain_modulus()
     }
 
     /// Nominal stress \[kPa\] at an engineering strain. Finite for every finite strain.

@@ -121,8 +121,10 @@ impl Multigrid {
     /// Starts the second attempt of layered tissue, by other constants; false for a sheet, which has one attempt.
     pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
         let Self::Layered(scheme) = self else { return false };
-        let softens = problem.solids().iter().any(|solid| solid.curve.softens());
-        let parameters = if softens { &LAYERED_GENTLE } else { &LAYERED_FRESH };
+        let solids = problem.solids();
+        let only_stiffens = solids.iter().any(|solid| solid.curve.stiffens())
+            && !solids.iter().any(|solid| solid.curve.softens());
+        let parameters = if only_stiffens { &LAYERED_FRESH } else { &LAYERED_GENTLE };
         scheme.start_again(parameters, problem, stop);
         true
     }

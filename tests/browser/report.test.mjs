@@ -113,6 +113,8 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const { page, finish } = await fixture.openApp();
     await harness.control(page, "Pin as A");
     await page.keyboard.press("Enter");
+    // On a slow page key and edit may fall into one frame: the pin first.
+    await harness.settled(page);
     await page.evaluate(() => implantPreview.setPlan("volume_ml", "340"));
     const picture = await save(page, "Save picture (PNG)…");
     assert.equal(picture.name, "plan.png");
@@ -183,6 +185,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
       await harness.control(page, "File");
       await harness.control(page, `Pin as ${letter}`);
       await page.keyboard.press("Enter");
+      await harness.drawn(page);
       await page.evaluate((volume) => implantPreview.setPlan("volume_ml", String(volume)), 310 + letter.charCodeAt(0));
       await harness.settled(page);
     }

@@ -164,8 +164,8 @@ pub(in crate::solve) const LAYERED_FRESH: Parameters = Parameters {
     ..LAYERED
 };
 
-/// The constants of the second attempt for layered tissue with a solid that softens: smaller steps, blocks renewed in every
-/// cycle.
+/// The constants of the second attempt for layered tissue with a solid that softens, or with none that stiffens: smaller
+/// steps, blocks renewed in every cycle.
 pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     coarsest_tolerance: 3e-3,
     smoothing: GENTLE_SMOOTHING,
