@@ -29,7 +29,6 @@ pub(crate) mod validity;
 
 #[doc(hidden)]
 pub use fas::kernels;
-pub use linear::factorization::{Factorization, LowerTriangle, NewFactorization};
 pub use problem::{Method, Options, Problem, Progress, Tissue};
 pub use reactions::Reactions;
 use solution::Shape;
@@ -54,8 +53,6 @@ pub struct Solver {
     is_multigrid_law_stale: bool,
     multigrid: Option<Multigrid>,
     newton: Option<NewtonMethod>,
-    /// Solves the linear systems of Newton's method.
-    factorization: Option<NewFactorization>,
     stage: Stage,
     /// Attempts of this solve: multigrid with one set of constants after the other, Newton's method as the fallback.
     attempts: u32,
@@ -113,7 +110,6 @@ impl Solver {
             options,
             multigrid: None,
             newton: None,
-            factorization: None,
             stage: Stage::Newton,
             attempts: 1,
             displayed: Displayed::Previous,
@@ -124,18 +120,6 @@ impl Solver {
             progress: Progress::Working,
             problem: Arc::new(problem),
         };
-        solver.start();
-        solver
-    }
-
-    /// A solver at the start of a problem of layered tissue, by Newton's method whose linear systems a factorisation solves: for
-    /// comparisons. Of a sheet the solver is that of [`Self::with_options`].
-    #[must_use]
-    pub fn with_factorization(problem: Problem, options: Options, new: NewFactorization) -> Self {
-        let options = Options { method: Method::Newton, ..options };
-        let mut solver = Self::with_options(problem, options);
-        solver.factorization = Some(new);
-        solver.newton = None;
         solver.start();
         solver
     }
@@ -272,19 +256,7 @@ impl Solver {
         let mirrors = if is_symmetric { Mirrors::OfDome } else { Mirrors::None };
         let (problem, law) = (&*self.problem, &self.law);
         let factor = self.options.work_limit_factor;
-        let factorization = self.factorization;
-        if factorization.is_some() {
-            // The part that the planes of symmetry leave may be another.
-            self.newton = None;
-        }
-        let newton = self.newton.get_or_insert_with(|| {
-            let mut newton = NewtonMethod::new(problem, law, factor);
-            if let Some(new) = factorization {
-                let mirrored = problem.obstacle.dome.mirrored();
-                newton.factorize_with(new, mirrored.map(|holds| is_symmetric && holds));
-            }
-            newton
-        });
+        let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
         match start {
             Start::Cold => newton.start_cold(problem, law, mirrors),
             Start::FromSolution => newton.start_from(&self.x, &self.outer, problem, law, mirrors),

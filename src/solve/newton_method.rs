@@ -1,7 +1,6 @@
 //! Newton's method for either tissue model.
 
 use super::Problem;
-use super::linear::factorization::NewFactorization;
 use super::multigrid::Law;
 use super::newton::{Mirrors, NestedNewton, State};
 use super::newton_layers::NestedLayers;
@@ -30,13 +29,6 @@ impl NewtonMethod {
         match law.layered() {
             None => Self::Sheet(Box::new(NestedNewton::new(sheet, work_limit_factor))),
             Some(law) => Self::Layered(Box::new(NestedLayers::new(sheet, law, work_limit_factor))),
-        }
-    }
-
-    /// Replaces the conjugate gradients of layered tissue by factorisations.
-    pub(super) fn factorize_with(&mut self, new: NewFactorization, mirrored: [bool; 2]) {
-        if let Self::Layered(newton) = self {
-            newton.factorize_with(new, mirrored);
         }
     }
 

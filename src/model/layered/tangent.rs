@@ -174,88 +174,6 @@ impl Tangent {
         }
     }
 
-    /// Calls `add` with the blocks of all ordered pairs of nodes of a cell, each node as (layer, node), for the cells whose
-    /// corners in the sheet are `wanted`.
-    pub(crate) fn visit_pairs(
-        &self,
-        wanted: impl Fn([usize; 4]) -> bool,
-        mut add: impl FnMut([(usize, usize); 2], DMat3),
-    ) {
-        let (mut point, mut vector) = (0, 0);
-        for Cell { cell, layer, slope, weight, variation, ends } in &self.cells {
-            let (points, vectors) = (&self.points[point..ends[0]], &self.vectors[vector..ends[1]]);
-            [point, vector] = *ends;
-            if !wanted(cell.corners) {
-                continue;
-            }
-            let signs: [[f64; 3]; 8] = std::array::from_fn(|k| {
-                let [x, y] = CORNERS[k % 4];
-                [x, y, k / 4].map(|bit| if bit == 1 { 1.0 } else { -1.0 })
-            });
-            let mut blocks = [[DMat3::ZERO; 8]; 8];
-            for Point { at, slopes } in points {
-                let gradients = signs.map(|signs| gradient(signs, *at, *slope, cell.sides()));
-                for (a, row) in blocks.iter_mut().enumerate() {
-                    for (b, block) in row.iter_mut().enumerate().take(a + 1) {
-                        *block += slopes.block([gradients[a], gradients[b]]);
-                    }
-                }
-            }
-            for (c, t) in vectors {
-                let along = signs.map(|signs| along(t, signs, cell.sides()));
-                for (a, row) in blocks.iter_mut().enumerate() {
-                    for (b, block) in row.iter_mut().enumerate().take(a + 1) {
-                        *block += outer(along[a], along[b]) * *c;
-                    }
-                }
-            }
-            for a in 0..8 {
-                for b in 0..=a {
-                    let [x, y, z] = [0, 1, 2].map(|axis| signs[a][axis] * signs[b][axis]);
-                    let varying = 0.25 * (variation.in_plane * x * y)
-                        + 0.25 * (variation.through * (x + y) * z)
-                        + variation.d * x * y * z;
-                    let block = blocks[a][b] + DMat3::from_diagonal(DVec3::splat(varying));
-                    blocks[a][b] = block * *weight;
-                    blocks[b][a] = blocks[a][b].transpose();
-                }
-            }
-            // A missing corner continues the others.
-            let parts = |corner: usize| -> [(usize, f64); 3] {
-                let (face, corner) = (corner / 4 * 4, corner % 4);
-                if cell.missing == Some(corner) {
-                    [(1, 1.0), (2, -1.0), (3, 1.0)].map(|(k, part)| (face + (corner + k) % 4, part))
-                } else {
-                    [(face + corner, 1.0), (0, 0.0), (0, 0.0)]
-                }
-            };
-            let node = |corner: usize| (layer + corner / 4, cell.corners[corner % 4]);
-            for (a, row) in blocks.iter().enumerate() {
-                for (b, block) in row.iter().enumerate() {
-                    for (p, of_a) in parts(a).into_iter().filter(|(_, part)| *part != 0.0) {
-                        for (q, of_b) in parts(b).into_iter().filter(|(_, part)| *part != 0.0) {
-                            add([node(p), node(q)], *block * (of_a * of_b));
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Calls `add` with the blocks of all ordered pairs of attached nodes, each node as (layer, node).
-    pub(crate) fn visit_attached(&self, mut add: impl FnMut([(usize, usize); 2], DMat3)) {
-        for (corners, integrals) in &self.attached {
-            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
-                let block = DMat3::from_diagonal(DVec3::splat(*value));
-                let [a, b] = [a, b].map(|k| (0, corners[k]));
-                add([a, b], block);
-                if a != b {
-                    add([b, a], block);
-                }
-            }
-        }
-    }
-
     /// Adds the blocks of each node, and of each node and the node above, as (layer, node, block); the attachment's as the sum of
     /// its row, an upper bound.
     pub(crate) fn visit_blocks(
@@ -423,16 +341,6 @@ mod tests {
         }
         // The table of the law is piecewise linear: its slope jumps.
         assert!(error < 2e-3 * scale, "{error} {scale}");
-
-        let mut assembled = zeros.clone();
-        let mut multiply = |[(l, a), (m, b)]: [(usize, usize); 2], block: DMat3| {
-            assembled[l][a] += block * v[m][b];
-        };
-        tangent.visit_pairs(|_| true, &mut multiply);
-        tangent.visit_attached(multiply);
-        for (row, product) in assembled.iter().flatten().zip(product.iter().flatten()) {
-            assert!((*row - *product).length() < 1e-10 * scale, "{row} {product}");
-        }
 
         let at = 8 * 17 + 11;
         let (mut own, mut above) = (DMat3::ZERO, DMat3::ZERO);

@@ -1,5 +1,4 @@
 //! Linear systems on nested grids.
 
 pub(crate) mod columns;
-pub(crate) mod factorization;
 pub(crate) mod galerkin;

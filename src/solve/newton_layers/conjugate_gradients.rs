@@ -20,11 +20,7 @@ impl Newton {
             let active = self.active[k];
             self.d[0][k] = self.constraint[k].onto(active, self.d[0][k]);
         }
-        self.phase = if self.direct.is_some() {
-            Phase::Direct
-        } else {
-            Phase::Gradients { step: 0, start: 0.0, rho: 0.0 }
-        };
+        self.phase = Phase::Gradients { step: 0, start: 0.0, rho: 0.0 };
     }
 
     /// Sets `r` to the residual of the model at the step, unprojected.

@@ -10,10 +10,9 @@
 //!    2002).
 //! 4. Line search along the step, projected out of the obstacle (`line_search`).
 //!
-//! `nested` (nested grids, rising dome) | `direct` (a factorised matrix in place of 2, for studies).
+//! `nested`: nested grids, rising dome.
 
 mod conjugate_gradients;
-mod direct;
 mod line_search;
 mod nested;
 
@@ -28,8 +27,6 @@ use crate::model::layered::exact::{Exact, Place};
 use crate::model::layered::tangent::Tangent;
 use crate::model::membrane::assembly::{self, Stiffness, Sums, Totals};
 use crate::solve::linear::columns::Columns;
-use crate::solve::linear::factorization::Factorization;
-use direct::Direct;
 use glam::{DMat3, DVec3};
 pub(super) use nested::NestedLayers;
 
@@ -66,7 +63,6 @@ enum Phase {
         start: f64,
         rho: f64,
     },
-    Direct,
     ActiveSet,
     LineSearch {
         length: f64,
@@ -109,12 +105,9 @@ pub(in crate::solve) struct Newton {
     r: Layers,
     z: Layers,
     p: Layers,
-    /// Replaces conjugate gradients.
-    direct: Option<Direct>,
     phase: Phase,
     iterations: u32,
     rounds: u32,
-    max_rounds: u32,
     /// Length of the last whole step \[mm\].
     last_step: f64,
     relative_residual: f64,
@@ -157,11 +150,9 @@ impl Newton {
             r: vectors(),
             z: vectors(),
             p: vectors(),
-            direct: None,
             phase: Phase::Linearize { place: 0 },
             iterations: 0,
             rounds: 0,
-            max_rounds: MAX_ROUNDS,
             last_step: f64::INFINITY,
             relative_residual: f64::INFINITY,
             error: f64::INFINITY,
@@ -181,14 +172,6 @@ impl Newton {
     /// Number of cells between free nodes.
     fn cells(&self) -> f64 {
         (self.free.len() * (self.heights.len() - 1)).max(1) as f64
-    }
-
-    /// Replaces conjugate gradients by a factorisation, of the part of the patch that the planes of symmetry leave.
-    fn factorize_with(&mut self, factorization: Box<dyn Factorization>, mirrored: [bool; 2]) {
-        // A factorisation costs more than a linearisation: the next iteration has the new active set.
-        self.max_rounds = 1;
-        let n = self.sheet.nodes_per_side();
-        self.direct = Some(Direct::new(factorization, n, self.x.len(), &self.free, mirrored));
     }
 
     /// Puts all nodes at rest.
@@ -229,7 +212,6 @@ impl Newton {
         match self.phase {
             Phase::Linearize { place } => return self.linearize(law, problem, obstacle, place),
             Phase::Gradients { step, start, rho } => self.conjugate_gradients(step, start, rho),
-            Phase::Direct => self.direct_step(),
             Phase::ActiveSet => self.update_active_set(),
             Phase::LineSearch { length, halvings } => {
                 return self.line_search(law, problem, obstacle, tolerance, length, halvings);
@@ -372,7 +354,7 @@ impl Newton {
                 self.constrain(k);
             }
         }
-        if changed == 0 || self.rounds >= self.max_rounds {
+        if changed == 0 || self.rounds >= MAX_ROUNDS {
             self.phase = Phase::LineSearch { length: 1.0, halvings: 0 };
         } else {
             self.begin_gradients();

@@ -5,7 +5,6 @@ use super::Newton;
 use crate::contact::{Dome, Obstacle};
 use crate::mesh::Sheet;
 use crate::model::layered::LayeredLaw;
-use crate::solve::linear::factorization::NewFactorization;
 use crate::solve::newton::{State, prolongation};
 use crate::solve::problem::Problem;
 use crate::solve::validity::{self, Invalid};
@@ -21,8 +20,6 @@ const MAX_WARM_ITERATIONS: u32 = 12;
 const LEAST_CELLS: usize = 16;
 /// Part of the dome's height that it rises at once \[-\].
 const RAISE: f64 = 1.0 / 16.0;
-/// As [`RAISE`], with factorisations: 1 failed, 1/2 was no faster.
-const RAISE_FACTORIZED: f64 = 1.0 / 4.0;
 
 /// Force evaluations times cells of the finest grid after which the solve ends: 4 seconds.
 const MAX_CELL_WORK: f64 = 1.8e7;
@@ -37,8 +34,6 @@ pub(in crate::solve) struct NestedLayers {
     grid: usize,
     /// Part of the dome's height above the wall that stands on the coarsest grid \[-\].
     raised: f64,
-    /// Part of the dome's height that it rises at once \[-\].
-    raise: f64,
     /// Did the solve start from a solution?
     is_warm: bool,
     /// Work on all grids after which the solve ends, in the unit of [`Self::work_units`].
@@ -62,22 +57,15 @@ impl NestedLayers {
             levels,
             grid: 0,
             raised: 1.0,
-            raise: RAISE,
             is_warm: false,
             max_work: (MAX_CELL_WORK / cells).clamp(least, most) * work_limit_factor,
         }
     }
 
-    /// Replaces conjugate gradients by factorisations, of the part of the patch that the planes of symmetry leave.
-    pub(in crate::solve) fn factorize_with(&mut self, new: NewFactorization, mirrored: [bool; 2]) {
-        self.raise = RAISE_FACTORIZED;
-        self.levels.iter_mut().for_each(|level| level.factorize_with(new(), mirrored));
-    }
-
     /// Starts at rest on the coarsest grid, where the dome rises step by step.
     pub(in crate::solve) fn start_cold(&mut self, law: &LayeredLaw, problem: &Problem) {
         self.grid = 0;
-        self.raised = self.raise;
+        self.raised = RAISE;
         self.is_warm = false;
         self.levels[0].put_at_rest();
         self.levels[0].start(law, problem, &raised(problem.obstacle, self.raised));
@@ -115,7 +103,7 @@ impl NestedLayers {
             let level = &mut self.levels[0];
             let tolerance = RISING_TOLERANCE * radius;
             if level.step(law, problem, &obstacle, tolerance) != State::Working {
-                self.raised = (self.raised + self.raise).min(1.0);
+                self.raised = (self.raised + RAISE).min(1.0);
                 level.start(law, problem, &raised(problem.obstacle, self.raised));
             }
             return State::Working;
