@@ -27,8 +27,6 @@ pub(crate) mod reactions;
 mod solution;
 pub(crate) mod validity;
 
-#[doc(hidden)]
-pub use fas::kernels;
 pub use problem::{Method, Options, Problem, Progress, Tissue};
 pub use reactions::Reactions;
 use solution::Shape;

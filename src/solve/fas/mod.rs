@@ -6,12 +6,10 @@
 //! grids inherit the set by restriction.
 //!
 //! `cycle` (the V-cycle as a schedule) | `convergence` (error estimate, endings) | `parameters` | `level` (one
-//! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `kernels` (for benchmarks).
+//! grid) | `smoother` | `transfer` | `positions` (the solution in mm).
 
 mod convergence;
 mod cycle;
-#[doc(hidden)]
-pub mod kernels;
 mod level;
 mod parameters;
 mod positions;
