@@ -1,8 +1,7 @@
 //! The study of run time against error: properties of its rows.
 
 use implant_preview::experiment::work_precision::{
-    Case, Face, GOAL, LAYERED_GOAL, Method, PAPER_STEPS, Plan, Profile, Row, Status, Study,
-    axisymmetric, run, table, time_to,
+    Case, Face, Method, Plan, Profile, Row, Status, Study, axisymmetric, run, table, time_to,
 };
 use implant_preview::scene::Scene;
 use serde_json::{Value, json};
@@ -26,19 +25,6 @@ fn every_method_converges_to_the_same_equilibrium() {
             let wanted = |row: &&Row| row.method == method && row.nodes_per_side == nodes;
             rows.iter().filter(wanted).copied().collect()
         };
-        for method in [Method::ExplicitPaper, Method::ExplicitCritical, Method::GaussSeidel] {
-            let rows = of(method);
-            let (first, last) = (rows[0], rows[rows.len() - 1]);
-            assert!(rows.len() > 5, "{method:?} has points along its way");
-            assert_eq!(last.status, Status::Finished);
-            assert!(last.error_vs_own_grid <= GOAL, "{method:?}: {last:?}");
-            assert!(last.error_vs_own_grid < 0.01 * first.error_vs_own_grid);
-            assert!(rows[..rows.len() - 1].iter().all(|row| row.status == Status::Running));
-            assert!(rows.windows(2).all(|r| r[0].time_ms < r[1].time_ms));
-            assert!(rows.windows(2).all(|r| r[0].work_units < r[1].work_units));
-        }
-        let steps = of(Method::ExplicitPaper).last().map(|row| row.work_units);
-        assert_eq!(steps.map(|steps| steps as u32), Some(PAPER_STEPS));
         let newton = of(Method::Newton);
         for (row, tolerance) in newton.iter().zip([1e-3, 1e-5, 1e-7]) {
             assert_eq!(row.status, Status::Finished);
@@ -50,7 +36,7 @@ fn every_method_converges_to_the_same_equilibrium() {
     }
 }
 
-/// Multigrid and all relaxations end at one equilibrium of layered tissue; the skin's error is that of the grid.
+/// Multigrid and Newton's method end at one equilibrium of layered tissue; the skin's error is that of the grid.
 #[test]
 fn every_method_for_layered_tissue_converges_to_the_same_equilibrium() {
     let plan = Plan {
@@ -66,17 +52,6 @@ fn every_method_for_layered_tissue_converges_to_the_same_equilibrium() {
     let of = |method: Method| -> Vec<Row> {
         rows.iter().filter(|row| row.method == method).copied().collect()
     };
-    for method in [Method::ColumnJacobi, Method::GaussSeidel, Method::ExplicitMomentum] {
-        let rows = of(method);
-        let (first, last) = (rows[0], rows[rows.len() - 1]);
-        assert!(rows.len() > 5, "{method:?} has points along its way");
-        assert_eq!(last.status, Status::Finished, "{last:?}");
-        assert!(last.error_vs_own_grid <= LAYERED_GOAL, "{last:?}");
-        assert!(last.error_vs_own_grid < 0.01 * first.error_vs_own_grid);
-        let error = last.error_vs_reference.expect("a reference");
-        assert!((1e-4..6e-3).contains(&error), "{last:?}");
-        assert!(last.inner_error_vs_reference.is_some_and(|error| error < 0.1), "{last:?}");
-    }
     let automatic = of(Method::Automatic);
     for (row, tolerance) in automatic.iter().zip([1e-2, 1e-3, 1e-4]) {
         assert_eq!(row.status, Status::Finished);
@@ -89,6 +64,9 @@ fn every_method_for_layered_tissue_converges_to_the_same_equilibrium() {
     for (row, tolerance) in newton.iter().zip([1e-3, 1e-5, 1e-7]) {
         assert_eq!(row.status, Status::Finished);
         assert!(row.error_vs_own_grid <= tolerance, "{row:?}");
+        let error = row.error_vs_reference.expect("a reference");
+        assert!((1e-4..6e-3).contains(&error), "{row:?}");
+        assert!(row.inner_error_vs_reference.is_some_and(|error| error < 0.1), "{row:?}");
     }
     let csv = table(&rows);
     assert!(
@@ -96,24 +74,6 @@ fn every_method_for_layered_tissue_converges_to_the_same_equilibrium() {
     );
     let columns = |line: &str| line.split(',').count();
     assert!(csv.lines().all(|line| columns(line) == 10), "{csv}");
-}
-
-/// Flat stiff cells and an augmented pressure: every relaxation ends at the solution of Newton's
-/// method.
-#[test]
-fn relaxation_converges_with_nearly_incompressible_tissue_and_muscle() {
-    let plan = Plan {
-        cases: vec![Case::LayeredMuscle],
-        nodes_per_side: vec![33],
-        methods: vec![Method::ColumnJacobi, Method::GaussSeidel, Method::ExplicitMomentum],
-        repeats: 1,
-        budget_ms: 60_000.0,
-    };
-    let rows = rows(&plan);
-    for method in &plan.methods {
-        let last = rows.iter().rfind(|row| row.method == *method).expect("rows");
-        assert!(last.error_vs_own_grid <= 5e-4, "{last:?}");
-    }
 }
 
 #[test]
@@ -132,7 +92,7 @@ fn the_layered_reference_returns_both_faces_of_centred_domes() {
 
 #[test]
 fn a_run_out_of_time_is_marked_and_skips_finer_grids() {
-    let plan = Plan { methods: vec![Method::ExplicitPaper], budget_ms: 5.0, ..coarse() };
+    let plan = Plan { methods: vec![Method::Newton], budget_ms: 5.0, ..coarse() };
     // Each reading of this clock takes one millisecond.
     let mut now = 0.0;
     let mut clock = || {
@@ -142,7 +102,6 @@ fn a_run_out_of_time_is_marked_and_skips_finer_grids() {
     let rows = run(&plan, None, &mut clock).expect("grids that scenes allow");
     let last = rows.last().expect("rows up to the end of the budget");
     assert_eq!(last.status, Status::Budget);
-    assert!(last.work_units < f64::from(PAPER_STEPS));
     assert!(rows.iter().all(|row| row.nodes_per_side == 17));
 }
 
@@ -263,7 +222,7 @@ fn names_are_the_same_in_plans_and_tables() {
 #[test]
 fn the_time_to_an_error_is_when_it_stays_below() {
     let row = |time_ms: f64, error: f64| Row {
-        method: Method::ExplicitCritical,
+        method: Method::Newton,
         springs: Default::default(),
         scene: Case::Default,
         nodes_per_side: 65,
@@ -272,7 +231,7 @@ fn the_time_to_an_error_is_when_it_stays_below() {
         error_vs_own_grid: error,
         error_vs_reference: None,
         inner_error_vs_reference: None,
-        status: Status::Running,
+        status: Status::Finished,
     };
     let rows = [row(1.0, 0.1), row(2.0, 5e-4), row(3.0, 2e-3), row(4.0, 8e-4), row(5.0, 1e-5)];
     assert_eq!(time_to(&rows, 1e-3), Some(4.0));

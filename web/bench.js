@@ -13,12 +13,7 @@ const METHODS = {
   multigrid_4: "full multigrid, 4 cycles",
   multigrid_8: "full multigrid, 8 cycles",
   newton: "Newton, nested",
-  gauss_seidel: "block Gauss–Seidel, nested",
-  column_jacobi: "column Jacobi, nested (layered tissue)",
-  explicit_momentum: "explicit with momentum, nested (layered tissue)",
   automatic: "automatic (layered tissue)",
-  explicit_critical: "explicit, critically damped",
-  explicit_paper: "explicit, damped as in the paper",
 };
 
 // One worker: the study measures one thread.

@@ -91,7 +91,7 @@ impl Benchmark {
     }
 
     /// Number of pieces done, number of all pieces, and the next piece or null (JSON text):
-    /// `{"done":0,"all":24,"next":{"scene":"default","nodes_per_side":17,"method":"newton"}}`.
+    /// `{"done":0,"all":15,"next":{"scene":"default","nodes_per_side":17,"method":"newton"}}`.
     #[must_use]
     pub fn progress(&self) -> String {
         self.0.progress_json()

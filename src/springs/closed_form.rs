@@ -101,11 +101,6 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
         }
     }
 
-    /// 1 − ν.
-    pub(crate) fn one_minus_nu(&self) -> R {
-        self.one_minus_nu
-    }
-
     /// ē of triangles with the invariants I₁ and t.
     #[inline(always)]
     pub(crate) fn equivalent_strain(&self, i1: R, t: R) -> R {

@@ -1,15 +1,7 @@
 //! Measurement of one method on one grid.
 
-use super::explicit::{Damping, Explicit};
-use super::gauss_seidel::GaussSeidel;
-use super::law::Law;
-use super::layered::{Relaxation, Scheme};
-use super::watch::{Deviation, End, Errors, Sample, Schedule, Watch};
-use super::{
-    Case, Face, GOAL, LAYERED_GOAL, Method, PAPER_STEPS, Plan, Profile, Reference, Row, Status,
-};
+use super::{Case, Face, Method, Plan, Profile, Reference, Row, Status};
 use crate::mesh::{NodeKind, Sheet};
-use crate::model::membrane::law::coupled_law;
 use crate::scene::SceneError;
 use crate::solve::{self, Options, Problem, Progress, Solver, Verdict};
 use glam::{DVec2, DVec3};
@@ -28,12 +20,8 @@ pub(super) struct Ground {
     case: Case,
     nodes_per_side: usize,
     problem: Problem,
-    /// Positions at rest of all nodes, layer by layer \[mm\], shape (layers, nodes_per_side²); a sheet has one layer.
-    rest: Vec<DVec3>,
-    /// Positions of the grid's own equilibrium \[mm\], as `rest`.
+    /// Positions of the grid's own equilibrium, layer by layer \[mm\], shape (layers, nodes_per_side²); a sheet has one layer.
     own: Vec<DVec3>,
-    /// `None` for layered tissue.
-    sheet: Option<SheetGround>,
     /// The axisymmetric solution of the sheet or the skin at every node \[mm\], shape (nodes_per_side², ).
     reference: Option<Vec<DVec3>>,
     /// The same of the inner face of layered tissue.
@@ -42,25 +30,14 @@ pub(super) struct Ground {
     free: Vec<usize>,
 }
 
-/// What the baselines of a sheet need.
-struct SheetGround {
-    law: Law,
-    /// Nodes at the contact edge and the gauge of the dome at their contact offsets (see
-    /// [`Solver::offset_nodes`]). The baselines do not compute contact offsets and use these.
-    touch: Vec<(usize, f64)>,
-    /// Nodes of `touch` with positions on the dome.
-    lowered: Vec<usize>,
-}
-
-impl SheetGround {
-    fn new(problem: &Problem, own: &Solver) -> Self {
-        let dome = &problem.obstacle.dome;
-        let touch = own.offset_nodes().iter().map(|&(k, offset)| (k, dome.gauge(offset))).collect();
-        let shown = own.positions();
-        let is_lowered = |&(k, offset): &(usize, DVec3)| (shown[k] != offset).then_some(k);
-        let lowered = own.offset_nodes().iter().filter_map(is_lowered).collect();
-        Self { law: Law::new(&coupled_law(&problem.materials)), touch, lowered }
-    }
+/// Greatest distances of the nodes \[fraction of the base radius\].
+struct Errors {
+    /// From the grid's own equilibrium.
+    own: f64,
+    /// From the axisymmetric reference: of the sheet, or the skin.
+    reference: Option<f64>,
+    /// From the axisymmetric reference: of the inner face of layered tissue.
+    inner_reference: Option<f64>,
 }
 
 /// Positions of all nodes, layer by layer \[mm\].
@@ -93,11 +70,9 @@ impl Ground {
             case,
             nodes_per_side,
             own: nodes(&solver),
-            sheet: (!case.is_layered()).then(|| SheetGround::new(&problem, &solver)),
             reference: of_face(Face::Skin, skin),
             inner_reference: of_face(Face::Inner, &rest[..length]).filter(|_| case.is_layered()),
             free,
-            rest,
             problem,
         })
     }
@@ -108,7 +83,7 @@ impl Ground {
 
     /// Greatest distances of the nodes from the grid's own equilibrium and from the reference; NaN if a position is not
     /// a number.
-    fn errors(&self, x: &[DVec3]) -> Deviation {
+    fn errors(&self, x: &[DVec3]) -> Errors {
         let radius = self.problem.obstacle.dome.base_radius;
         let length = self.problem.sheet.len();
         let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
@@ -118,7 +93,7 @@ impl Ground {
         };
         let layers = x.chunks(length).zip(self.own.chunks(length));
         let skin = &x[x.len() - length..];
-        Deviation {
+        Errors {
             own: layers.map(|(x, own)| greatest(x, own)).fold(0.0, greater),
             reference: self.reference.as_deref().map(|reference| greatest(skin, reference)),
             inner_reference: self
@@ -128,17 +103,18 @@ impl Ground {
         }
     }
 
-    fn row(&self, method: Method, sample: Sample, status: Status) -> Row {
+    fn row(&self, method: Method, solver: &Solver, time_ms: f64, status: Status) -> Row {
+        let errors = self.errors(&nodes(solver));
         Row {
             method,
             springs: self.problem.springs,
             scene: self.case,
             nodes_per_side: self.problem.sheet.nodes_per_side(),
-            work_units: sample.work_units,
-            time_ms: sample.time_ms,
-            error_vs_own_grid: sample.own_error,
-            error_vs_reference: sample.reference_error,
-            inner_error_vs_reference: sample.inner_reference_error,
+            work_units: solver.work_units(),
+            time_ms,
+            error_vs_own_grid: errors.own,
+            error_vs_reference: errors.reference,
+            inner_error_vs_reference: errors.inner_reference,
             status,
         }
     }
@@ -164,11 +140,6 @@ pub(super) fn measure(
     clock: &mut dyn FnMut() -> f64,
 ) -> Vec<Row> {
     match method {
-        Method::ExplicitPaper
-        | Method::ExplicitCritical
-        | Method::GaussSeidel
-        | Method::ColumnJacobi
-        | Method::ExplicitMomentum => baseline(method, ground, plan, clock),
         Method::Multigrid1 => multigrid(method, 1, ground, plan, clock),
         Method::Multigrid2 => multigrid(method, 2, ground, plan, clock),
         Method::Multigrid4 => multigrid(method, 4, ground, plan, clock),
@@ -188,79 +159,6 @@ pub(super) fn measure(
             })
             .collect(),
     }
-}
-
-fn baseline(
-    method: Method,
-    ground: &Ground,
-    plan: &Plan,
-    clock: &mut dyn FnMut() -> f64,
-) -> Vec<Row> {
-    let is_paper = method == Method::ExplicitPaper;
-    let schedule = Schedule {
-        budget_ms: plan.budget_ms,
-        first: match method {
-            Method::GaussSeidel | Method::ColumnJacobi => 1,
-            _ => 8,
-        },
-        growth: 1.3,
-        // The paper's method has a number of steps, not a tolerance.
-        goal: match (is_paper, &ground.sheet) {
-            (true, _) => 0.0,
-            (false, Some(_)) => GOAL,
-            (false, None) => LAYERED_GOAL,
-        },
-    };
-    let problem = &ground.problem;
-    let errors: Errors = &|x| {
-        let Some(sheet) = &ground.sheet else { return ground.errors(x) };
-        let mut shown = x.to_vec();
-        // From their contact offsets onto the dome.
-        for &k in &sheet.lowered {
-            shown[k] = problem.obstacle.dome.onto_surface(shown[k]);
-        }
-        ground.errors(&shown)
-    };
-    let once = |clock: &mut dyn FnMut() -> f64| {
-        let watched = |run: &mut dyn FnMut(&mut Watch) -> End, clock: &mut dyn FnMut() -> f64| {
-            let mut watch = Watch::start(clock, errors, schedule, ground.rest.clone());
-            let end = run(&mut watch);
-            (watch.samples, end)
-        };
-        let Some(SheetGround { law, touch, .. }) = &ground.sheet else {
-            let scheme = match method {
-                Method::ColumnJacobi => Scheme::ColumnJacobi,
-                Method::GaussSeidel => Scheme::GaussSeidel,
-                _ => Scheme::Explicit,
-            };
-            let mut relaxation = Relaxation::new(problem, &ground.rest, scheme);
-            return watched(&mut |watch| relaxation.run(watch), clock);
-        };
-        if method == Method::GaussSeidel {
-            let mut sweeps = GaussSeidel::new(problem, law, touch);
-            return watched(&mut |watch| sweeps.run(watch), clock);
-        }
-        let (damping, most) =
-            if is_paper { (Damping::Paper, PAPER_STEPS) } else { (Damping::Critical, u32::MAX) };
-        let mut steps = Explicit::new(problem, law, touch, damping);
-        watched(&mut |watch| steps.run(most, watch), clock)
-    };
-    let (mut samples, end) = once(clock);
-    if samples.last().is_some_and(|last| last.time_ms < SHORT_MS) {
-        let others: Vec<Vec<Sample>> = (1..plan.repeats).map(|_| once(clock).0).collect();
-        for (k, sample) in samples.iter_mut().enumerate() {
-            let times = others.iter().filter_map(|run| run.get(k)).map(|other| other.time_ms);
-            sample.time_ms = median(times.chain([sample.time_ms]).collect());
-        }
-    }
-    let count = samples.len();
-    let status = |k: usize| match end {
-        _ if k + 1 < count => Status::Running,
-        End::Finished => Status::Finished,
-        End::Budget => Status::Budget,
-        End::Failed => Status::Failed,
-    };
-    samples.into_iter().enumerate().map(|(k, s)| ground.row(method, s, status(k))).collect()
 }
 
 /// Measures full multigrid with memory and tables of a previous run.
@@ -323,7 +221,6 @@ fn solved(
         }
     }
     let time_ms = median(times);
-    let errors = ground.errors(&nodes(&solver));
     let status = match solver.verdict() {
         Verdict::Converged => Status::Finished,
         // A fixed number of cycles has no tolerance.
@@ -333,8 +230,7 @@ fn solved(
         Verdict::NotConverged if time_ms >= plan.budget_ms => Status::Budget,
         _ => Status::Failed,
     };
-    let work_units = solver.work_units();
-    ground.row(method, errors.sample(work_units, time_ms), status)
+    ground.row(method, &solver, time_ms, status)
 }
 
 /// Solves to the end or up to the budget; returns the time \[ms\].

@@ -2,17 +2,11 @@
 //!
 //! Newton's method with tolerance 1e-9 computes the grid's own equilibrium of each scene and grid, and an
 //! axisymmetric solution the limit of all grids. Each method runs from a cold start. The error is measured
-//! at the end, for the baselines also at many intermediate steps. All methods solve the whole sheet,
-//! symmetric or not, on one thread. The clock runs neither during the set-up of tables and memory nor
-//! during the measurement of errors.
+//! at the end. All methods solve the whole sheet, symmetric or not, on one thread. The clock runs neither during the
+//! set-up of tables and memory nor during the measurement of errors.
 //!
-//! The baselines are common methods for the same energy: damped explicit steps with nodal masses scaled to
-//! the grid, in lanes of four f32 ([`Method::ExplicitPaper`], [`Method::ExplicitCritical`]), and block
-//! Gauss–Seidel on nested grids in f64, without lanes ([`Method::GaussSeidel`]).
-//!
-//! Of layered tissue ([`Case::LAYERED`], [`Plan::layered`]) the methods are full multigrid, Newton's method and three
-//! relaxations on nested grids with the kernels of full multigrid ([`Method::ColumnJacobi`], [`Method::GaussSeidel`],
-//! [`Method::ExplicitMomentum`]).
+//! `assets/bench` contains what explicit steps, block Gauss–Seidel and column Jacobi once needed, measured together with these
+//! methods; `docs/performance.md` names machine and commit.
 //!
 //! The module uses no clock and no files: the clock is an argument, and the page runs the same study.
 //!
@@ -20,14 +14,9 @@
 
 mod cases;
 mod choice;
-mod explicit;
-mod gauss_seidel;
-mod law;
-mod layered;
 mod limit;
 mod methods;
 mod table;
-mod watch;
 
 pub use cases::Case;
 pub use limit::{Face, Profile, Reference, axisymmetric};
@@ -38,24 +27,10 @@ use methods::Ground;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-/// Explicit steps of the paper.
-pub const PAPER_STEPS: u32 = 15_000;
-/// Error at which baselines end \[fraction of the base radius\]; f32 rounding dominates smaller errors.
-pub const GOAL: f64 = 1e-5;
-/// As [`GOAL`], of layered tissue: relaxations stagnate at up to 1.5e-4.
-pub const LAYERED_GOAL: f64 = 2e-4;
-
 /// Solution method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// 15 000 damped explicit steps with 95 % of the previous step, from the sheet projected vertically
-    /// onto the dome.
-    ExplicitPaper,
-    /// Critically damped explicit steps, from the taut profile over the dome.
-    ExplicitCritical,
-    /// Nested block Gauss–Seidel: of a sheet node by node, of layered tissue column by column.
-    GaussSeidel,
     /// Full multigrid with one V-cycle on the finest grid.
     #[serde(rename = "multigrid_1")]
     Multigrid1,
@@ -70,32 +45,17 @@ pub enum Method {
     Multigrid8,
     /// Newton's method on nested grids, to tolerances from 1e-2 to 1e-7.
     Newton,
-    /// Damped block Jacobi of columns on nested grids, of layered tissue.
-    ColumnJacobi,
-    /// Explicit steps with nodal blocks and momentum on nested grids, of layered tissue.
-    ExplicitMomentum,
     /// The method of a result, of layered tissue: full multigrid and its fallback, to tolerances from 1e-2 to 1e-4.
     Automatic,
 }
 
 impl Method {
     /// All methods for a sheet, slow methods first.
-    pub const ALL: [Self; 8] = [
-        Self::ExplicitPaper,
-        Self::ExplicitCritical,
-        Self::GaussSeidel,
-        Self::Newton,
-        Self::Multigrid1,
-        Self::Multigrid2,
-        Self::Multigrid4,
-        Self::Multigrid8,
-    ];
+    pub const ALL: [Self; 5] =
+        [Self::Newton, Self::Multigrid1, Self::Multigrid2, Self::Multigrid4, Self::Multigrid8];
 
     /// All methods for layered tissue, slow methods first.
-    pub const LAYERED: [Self; 9] = [
-        Self::ColumnJacobi,
-        Self::GaussSeidel,
-        Self::ExplicitMomentum,
+    pub const LAYERED: [Self; 6] = [
         Self::Newton,
         Self::Automatic,
         Self::Multigrid1,
@@ -119,16 +79,11 @@ impl Method {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::ExplicitPaper => "explicit_paper",
-            Self::ExplicitCritical => "explicit_critical",
-            Self::GaussSeidel => "gauss_seidel",
             Self::Multigrid1 => "multigrid_1",
             Self::Multigrid2 => "multigrid_2",
             Self::Multigrid4 => "multigrid_4",
             Self::Multigrid8 => "multigrid_8",
             Self::Newton => "newton",
-            Self::ColumnJacobi => "column_jacobi",
-            Self::ExplicitMomentum => "explicit_momentum",
             Self::Automatic => "automatic",
         }
     }
@@ -277,7 +232,7 @@ impl Study {
     }
 
     /// Progress and next piece as JSON text; `next` is null after the last piece:
-    /// `{"done":0,"all":24,"next":{"scene":"default","nodes_per_side":17,"method":"newton"}}`.
+    /// `{"done":0,"all":15,"next":{"scene":"default","nodes_per_side":17,"method":"newton"}}`.
     #[must_use]
     pub fn progress_json(&self) -> String {
         let (done, all) = self.progress();

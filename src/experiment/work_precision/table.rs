@@ -38,9 +38,7 @@ pub struct Row {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// The method continues.
-    Running,
-    /// The method has ended: by its own criterion, after all steps, or (a baseline) below [`super::GOAL`].
+    /// The method ended by its own criterion, or after its number of cycles.
     Finished,
     /// The method exceeded the time budget.
     Budget,
@@ -53,7 +51,6 @@ impl Status {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Running => "running",
             Self::Finished => "finished",
             Self::Budget => "budget",
             Self::Failed => "failed",
