@@ -19,6 +19,15 @@ fn curve(name: &str) -> Curve {
     Curve::new(&spec).expect("a good curve")
 }
 
+/// Greatest relative error of the stress \[-\]: load against Ef at the measured strain.
+fn greatest_stress_error(report: &Report, curve: &Curve) -> Option<f64> {
+    let errors = report
+        .rows
+        .iter()
+        .filter_map(|row| Some((row.load_kpa / curve.stress(row.measured?.strain) - 1.0).abs()));
+    errors.reduce(f64::max)
+}
+
 fn pull(springs: Springs, name: &str, nu: f64, degrees: f64, protocol: Protocol) -> Report {
     run(&Test {
         springs,
@@ -96,7 +105,7 @@ fn coupled_springs_reproduce_the_curve_and_the_poisson_ratio_in_every_direction(
                 assert_eq!(report.stability_lost_at, None);
                 assert!(report.rows.iter().all(|row| row.status == Status::Converged));
                 let poisson = report.greatest_poisson_error(nu).unwrap();
-                let stress = report.greatest_stress_error(&curve(name)).unwrap();
+                let stress = greatest_stress_error(&report, &curve(name)).unwrap();
                 assert!(
                     poisson < 1e-8 && stress < 1e-8,
                     "{name} {nu} {degrees}: {poisson} {stress}"
@@ -119,7 +128,7 @@ fn coupled_springs_follow_a_curve_past_kinks() {
             run(&Test { springs, curve: curve.clone(), poisson_ratio, cells, angle, protocol });
         assert_eq!(report.stability_lost_at, None);
         assert!(report.rows.iter().all(|row| row.status == Status::Converged));
-        let error = report.greatest_stress_error(&curve).unwrap();
+        let error = greatest_stress_error(&report, &curve).unwrap();
         assert!(error < 1e-8, "{poisson_ratio} {cells}: {error}");
     }
 }
@@ -141,7 +150,7 @@ fn a_scaled_curve_is_the_curve_that_the_tension_test_measures() {
         };
         let report = run(&test);
         assert!(report.rows.iter().all(|row| row.status == Status::Converged));
-        assert!(report.greatest_stress_error(&curve).unwrap() < 1e-8);
+        assert!(greatest_stress_error(&report, &curve).unwrap() < 1e-8);
         for row in &report.rows {
             let strain = row.measured.as_ref().unwrap().strain;
             let wanted = stress_scale * plain.stress(strain / strain_scale);
@@ -156,7 +165,7 @@ fn papers_springs_reproduce_the_curve_and_the_poisson_ratio_where_stable() {
         for nu in POISSON_RATIOS {
             let report = pull(Springs::Nikolaev, name, nu, 0.0, Protocol::Equilibrium);
             assert!(report.greatest_poisson_error(nu).unwrap() < 1e-8);
-            assert!(report.greatest_stress_error(&curve(name)).unwrap() < 1e-8);
+            assert!(greatest_stress_error(&report, &curve(name)).unwrap() < 1e-8);
             for row in &report.rows {
                 assert_eq!(row.measured.is_some(), row.status == Status::Converged);
                 let expected = curve(name).stress(row.strain_expected);
@@ -229,7 +238,7 @@ fn papers_protocol_agrees_with_the_equilibrium_where_stable() {
         let relaxed = pull(springs, name, nu, 0.0, Protocol::Paper);
         assert!(relaxed.rows.iter().all(|row| row.status == Status::Converged));
         assert!(relaxed.greatest_poisson_error(nu).unwrap() < 1e-6);
-        assert!(relaxed.greatest_stress_error(&curve(name)).unwrap() < 1e-6);
+        assert!(greatest_stress_error(&relaxed, &curve(name)).unwrap() < 1e-6);
     }
 }
 

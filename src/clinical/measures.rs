@@ -83,13 +83,6 @@ impl Derived {
             }
         }
     }
-
-    /// Does a value lie within one standard deviation of this one?
-    #[must_use]
-    pub fn agrees_with(&self, value: f64) -> bool {
-        let (least, most) = self.range(1.0);
-        (least..=most).contains(&value)
-    }
 }
 
 /// Thicknesses from a pinch \[mm\].
@@ -159,17 +152,6 @@ impl SkinClass {
             pull if pull <= 40.0 => Self::Lax,
             _ => Self::VeryLax,
         })
-    }
-
-    /// Range of the class's pulls \[mm\].
-    #[must_use]
-    pub fn pulls_mm(self) -> (f64, f64) {
-        match self {
-            Self::Tight => (limits::PULL_MM.0, 20.0),
-            Self::Normal => (20.0, 30.0),
-            Self::Lax => (30.0, 40.0),
-            Self::VeryLax => (40.0, limits::PULL_MM.1),
-        }
     }
 
     /// The class in a word.

@@ -121,12 +121,6 @@ impl Size {
         2.0 / 3.0 * PI * (0.5 * self.base_width_mm).powi(2) * self.projection_mm / MM3_PER_ML
     }
 
-    /// Base width \[cm\].
-    #[must_use]
-    pub fn base_width_cm(self) -> f64 {
-        self.base_width_mm / 10.0
-    }
-
     /// Projection \[cm\].
     #[must_use]
     pub fn projection_cm(self) -> f64 {

@@ -143,19 +143,5 @@ pub const POISSON_RATIO: Spread = Spread {
     distribution: Distribution::Uniform { least: 0.45, most: 0.49 },
 };
 
-/// All spreads of a person without a measured pull; with one [`SKIN_STRAIN_SCALE_MEASURED`] replaces
-/// [`SKIN_STRAIN_SCALE`], with fat of another curve than `fat` [`FAT_MODULUS`] replaces [`FAT_STRESS_SCALE`].
-pub const SPREADS: [Spread; 9] = [
-    SKIN_THICKNESS,
-    SKIN_STRESS_SCALE,
-    SKIN_STRAIN_SCALE,
-    FAT_STRESS_SCALE,
-    COVER_THICKNESS,
-    POCKET_RADIUS,
-    PROJECTION,
-    POISSON_RATIO,
-    FAT_POISSON_RATIO,
-];
-
 /// Scenarios of the method of measurement: factors on all stresses \[-\].
 pub const METHOD_SCALES: [f64; 3] = [0.4, 1.0, 2.5];

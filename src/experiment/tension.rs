@@ -110,14 +110,6 @@ impl Report {
         let error = |m: Measured| (m.poisson_ratio() / poisson_ratio - 1.0).abs();
         self.rows.iter().filter_map(|row| row.measured).map(error).reduce(f64::max)
     }
-
-    /// Greatest relative error of the stress \[-\]: load against Ef at the measured strain.
-    #[must_use]
-    pub fn greatest_stress_error(&self, curve: &Curve) -> Option<f64> {
-        let error =
-            |row: &Row| Some((row.load_kpa / curve.stress(row.measured?.strain) - 1.0).abs());
-        self.rows.iter().filter_map(error).reduce(f64::max)
-    }
 }
 
 /// Runs the tension test.

@@ -142,12 +142,6 @@ impl Limits {
     }
 }
 
-/// Band of a greatest principal strain \[-\], 0 to 3.
-#[must_use]
-pub fn strain_band(strain: f64) -> usize {
-    STRAIN.band(strain)
-}
-
 /// Band and word of the stretch of a skin: the worse of its greatest principal strain \[-\] and of its share of the reserve
 /// \[-\], if the skin has one.
 #[must_use]

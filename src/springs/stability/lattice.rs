@@ -140,12 +140,6 @@ impl Lattice {
         [self.xx.at(p, q), self.yy.at(p, q), self.xy * mixed]
     }
 
-    /// Acoustic tensor over k² of long waves at an angle to the x axis: \[xx, yy, xy\].
-    #[must_use]
-    pub fn acoustic_tensor(&self, angle: f64) -> [f64; 3] {
-        self.matrix(angle.cos().powi(2), 0.0)
-    }
-
     /// D(k) \[fraction of the edge stiffness\] as \[xx, yy, xy, zz\], for 0 ≤ kₓ, k_y ≤ π.
     #[must_use]
     pub fn dynamical_matrix(&self, vector: [f64; 2]) -> [f64; 4] {
