@@ -33,7 +33,7 @@ impl Default for MapSettings {
 /// Grid and tolerance of the points that check a map.
 pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-4 };
 
-/// The scene of a study: a sheet of `scene/1` becomes the same sheet of `scene/2`, which has all fields; no patient.
+/// The scene of a study: a sheet of `scene/1` becomes the same sheet of `scene/2`, which has all fields; no visit.
 pub(super) fn base_scene(scene: &Scene) -> Scene {
     // The visit stays in the plan's file, and another visit is no other map.
     let mut base = scene.without_visit();

@@ -2,14 +2,16 @@
 //!
 //! On every grid l the problem is f(u) + τ = 0 outside of the obstacle; τ = 0 on the grid being solved.
 //!
-//! 1. Smooth: for each ω of `smoothing`, u ← u + ω D⁻¹ (f(u) + τ) under the contact constraints; the first cycle of
-//!    a grid uses `first_smoothing` on this grid.
+//! 1. Smooth: for each ω of `smoothing.before`, u ← u + ω D⁻¹ (f(u) + τ) under the contact constraints; the first cycle
+//!    of a grid uses `first_smoothing` on this grid.
 //! 2. Restrict: û = I u and τ = R r − f(û) on the next coarser grid, r the residual without contact forces. A coarse
 //!    node is active, and keeps its gauge, where the weighted fraction of active fine nodes exceeds a threshold; the
 //!    other nodes stay one-sided.
 //! 3. Solve the coarse problem: by steps 1 to 5, on the coarsest grid by smoothing alone.
 //! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes.
-//! 5. Smooth as in step 1.
+//! 5. Smooth as in step 1, with each ω of `smoothing.after`.
+//!
+//! After the cycle the check of convergence mixes the results of the last two cycles (`mixes`, layered tissue).
 //!
 //! A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31, 1977.
 
