@@ -1,4 +1,4 @@
-//! `bench`: run time against error of all methods, as a table and a chart.
+//! `bench`: run time against error of multigrid and of Newton's method, as a table and a chart.
 
 use super::output::{self, File, OutputFolder};
 use super::stress::tissue_model;
