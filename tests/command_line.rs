@@ -410,6 +410,15 @@ fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
     let written = fs::read_to_string(folder.join("t.csv")).unwrap();
     let last = written.lines().last().unwrap();
     assert!(last.starts_with("coupled,\"my,curve.json\",0.3,9,1,1,-0.3,0.3,converged"), "{last}");
+    // The preset: 0.40 kPa · (exp(5 ε) − 1) up to strain 0.3.
+    let fat = table(&run_in(&folder, &["tension", "--curve", "fat", "--cells", "2"], ""));
+    let number = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
+    let measured: Vec<_> = fat.iter().filter(|row| number(row, 5) < 0.3).collect();
+    assert!(measured.len() > 2);
+    for row in measured {
+        let load = 0.4 * ((5.0 * number(row, 4)).exp() - 1.0);
+        assert!((load / number(row, 3) - 1.0).abs() < 1e-6, "{row:?}");
+    }
     // The scales of a curve are part of its file: twice the strain at three times the stress.
     let scaled = curve.replace("{\"kind\"", "{\"strain_scale\":0.5,\"stress_scale\":3,\"kind\"");
     fs::write(folder.join("scaled.json"), scaled).unwrap();
@@ -429,7 +438,7 @@ fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
     );
     refused(&["tension", "--curve", "bad.json"], &["bad.json", "points[2]"]);
     refused(&["tension", "--curve", "odd.json"], &["odd.json", "modulus"]);
-    refused(&["tension", "--curve", "bone"], &["bone", "skin, adipose"]);
+    refused(&["tension", "--curve", "bone"], &["bone", "skin, fat, adipose"]);
     refused(&["tension", "--poisson", "0.6"], &["--poisson", "0 to 0.5"]);
     refused(&["tension", "--poisson", "NaN"], &["--poisson", "0 to 0.5"]);
     refused(&["tension", "--poisson", "-0.1"], &["--poisson", "0 to 0.5"]);
@@ -703,6 +712,40 @@ fn a_map_is_written_as_table_json_and_chart() {
         .map(|p| p["values"]["force_n"].as_f64().unwrap())
         .collect();
     assert!(forces.windows(2).all(|pair| pair[0] < pair[1]), "{forces:?}");
+}
+
+#[test]
+fn a_map_with_its_border_in_full_has_the_answers_of_simulate() {
+    let folder = folder("map-border");
+    let scene = |projection: f64| {
+        json!({
+            "implant": { "base_radius_mm": 52.5, "projection_mm": projection },
+            "pocket_radius_mm": 62.5,
+            "patient": { "pinch_mm": 20, "skin_class": "normal" },
+            "solver": { "nodes_per_side": 65 },
+        })
+        .to_string()
+    };
+    fs::write(folder.join("scene.json"), scene(50.0)).unwrap();
+    fs::write(folder.join("steep.json"), scene(78.0)).unwrap();
+    let map = |out: &str, more: &[&str]| {
+        let mut arguments = vec!["map", "scene.json", "--out-dir", out, "--no-check", "--x"];
+        arguments.push("projection_mm=74:80:4");
+        arguments.extend(more);
+        let output = run_in(&folder, &arguments, "");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let json = fs::read_to_string(folder.join(out).join("map.json")).unwrap();
+        serde_json::from_str::<Value>(&json).unwrap()
+    };
+    let (quick, full) = (map("quick", &[]), map("full", &["--full-border"]));
+    assert_eq!(quick["points"][2]["status"], "no_shape");
+    assert_eq!(full["points"][2]["status"], "converged");
+    assert!(full["notes"].to_string().contains("solved as `simulate` does"), "{}", full["notes"]);
+    let output = run_in(&folder, &["simulate", "steep.json"], "");
+    let result: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    let force = |value: &Value| value.as_f64().unwrap();
+    let ratio = force(&full["points"][2]["values"]["force_n"]) / force(&result["contact_force_n"]);
+    assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
 }
 
 #[test]

@@ -115,6 +115,12 @@ impl Map {
                     .to_owned(),
             );
         }
+        let in_full = self.solved_in_full();
+        if in_full > 0 {
+            notes.push(format!(
+                "{in_full} points at the border of no answer are solved as `simulate` does."
+            ));
+        }
         let counts = self.counts().into_iter().filter(|(s, _)| *s != PointStatus::Converged);
         let missing: Vec<String> =
             counts.map(|(status, count)| format!("{count} {}", status.word())).collect();

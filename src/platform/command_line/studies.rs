@@ -35,6 +35,9 @@ pub(super) struct MapArguments {
     /// Leave out the comparison of 9 points with 129 nodes per side.
     #[arg(long)]
     no_check: bool,
+    /// Solve points without an answer beside points with one as `simulate` does, at most 100: seconds each.
+    #[arg(long)]
+    full_border: bool,
     #[command(flatten)]
     folder: OutputFolder,
 }
@@ -137,6 +140,9 @@ pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
     let settings = MapSettings { nodes_per_side: arguments.nodes, ..MapSettings::default() };
     let mut map =
         Map::new(&scene, &axes, settings).map_err(|error| InputError(format!("map: {error}")))?;
+    if arguments.full_border {
+        map = map.with_full_border();
+    }
     let folder = arguments.folder.create()?;
     let mut store = Cases::default();
     solve(&mut map, &mut store);

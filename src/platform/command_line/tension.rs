@@ -2,7 +2,7 @@
 
 use super::output::{self, File, springs_name};
 use super::{ExitStatus, InputError, in_range, input};
-use crate::curve::{Curve, CurveSpec};
+use crate::curve::{Curve, CurveSpec, Fat};
 use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
 use crate::export::{number, quoted};
 use crate::scene::read;
@@ -18,8 +18,8 @@ pub(super) struct Arguments {
     /// The spring law.
     #[arg(long, default_value = "coupled")]
     springs: SpringsArgument,
-    /// `skin`, `adipose`, or a file with a curve as in a scene.
-    #[arg(long, default_value = "skin", value_name = "skin|adipose|FILE.json")]
+    /// `skin`, `fat`, `adipose` (that of the paper), or a file with a curve as in a scene.
+    #[arg(long, default_value = "skin", value_name = "skin|fat|adipose|FILE.json")]
     curve: String,
     /// Poisson ratio, 0 to 0.5.
     #[arg(long, default_value_t = 0.3, value_parser = poisson_ratio, allow_negative_numbers = true)]
@@ -91,11 +91,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
 fn read_curve(name: &str) -> Result<Curve, InputError> {
     let preset = match name {
         "skin" => CurveSpec::Skin {},
+        "fat" => CurveSpec::Fat { variant: Fat::default() },
         "adipose" => CurveSpec::Adipose {},
         _ => {
             let path = Path::new(name);
             let bytes = input::read(path, read::MAX_SCENE_BYTES).map_err(|error| {
-                InputError(format!("{error}; allowed: skin, adipose or a curve file"))
+                InputError(format!("{error}; allowed: skin, fat, adipose or a curve file"))
             })?;
             return read::curve(&bytes).map_err(|error| output::input_error(path, error));
         }
