@@ -1,5 +1,5 @@
-//! The order of the modules: imports point to modules further left only, and no files import each other in a
-//! circle.
+//! The order of the modules of all crates: imports point to modules further left only, and no files import each other
+//! in a circle.
 
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -29,8 +29,22 @@ const ORDER: [&str; 18] = [
     "platform",
 ];
 
-fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+/// The sources of the crates, from left to right.
+const CRATES: [&str; 2] = ["core/src", "src"];
+
+/// All files of all crates.
+fn all_files() -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for source in CRATES {
+        files(&Path::new(env!("CARGO_MANIFEST_DIR")).join(source), &mut found);
+    }
+    found
+}
+
+/// The path of a file in its crate's `src`.
+fn inside(path: &Path) -> &Path {
+    let root = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap();
+    CRATES.iter().find_map(|source| root.strip_prefix(source).ok()).unwrap()
 }
 
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -46,8 +60,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The module of a file: the first part of its path in `src`.
 fn module(path: &Path) -> String {
-    let inside = path.strip_prefix(source()).unwrap();
-    inside.components().next().unwrap().as_os_str().to_string_lossy().replace(".rs", "")
+    inside(path).components().next().unwrap().as_os_str().to_string_lossy().replace(".rs", "")
 }
 
 /// The modules that a file names, without its comments and its own tests.
@@ -78,8 +91,7 @@ fn against_the_order(sources: &[(String, String, String)]) -> Vec<String> {
 
 #[test]
 fn imports_point_to_modules_further_left() {
-    let mut paths = Vec::new();
-    files(&source(), &mut paths);
+    let paths = all_files();
     let sources: Vec<_> = paths
         .iter()
         .map(|path| {
@@ -94,7 +106,7 @@ fn imports_point_to_modules_further_left() {
 
 /// The module path of a file, as "solve::fas::level".
 fn module_path(path: &Path) -> String {
-    let inside = path.strip_prefix(source()).unwrap().with_extension("");
+    let inside = inside(path).with_extension("");
     let parts: Vec<_> = inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
     parts.into_iter().filter(|part| part != "mod").collect::<Vec<_>>().join("::")
 }
@@ -160,8 +172,7 @@ fn circle(imports: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
 
 #[test]
 fn no_files_import_each_other_in_a_circle() {
-    let mut paths = Vec::new();
-    files(&source(), &mut paths);
+    let paths = all_files();
     let modules: BTreeSet<String> = paths.iter().map(|path| module_path(path)).collect();
     let imports: BTreeMap<_, _> = paths
         .iter()

@@ -58,12 +58,12 @@ mkdir -p "$LOGS"
 # Quick ones first.
 check format cargo fmt --all -- --check
 check scripts bash -n web/tools.sh web/serve.sh web/name_module.sh tests/run.sh .ci/run
-check lint cargo clippy --locked --all-targets -- -D warnings
-check lint-core cargo clippy --locked --lib --no-default-features -- -D warnings
+check lint cargo clippy --locked --workspace --all-targets -- -D warnings
+check lint-core cargo clippy --locked --workspace --lib --no-default-features -- -D warnings
 check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -D warnings
-check lint-core-wasm cargo clippy --locked "${WASM[@]}" --lib --no-default-features -- -D warnings
-check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --no-deps --lib
-suite native cargo test --locked --no-fail-fast
+check lint-core-wasm cargo clippy --locked "${WASM[@]}" --workspace --lib --no-default-features -- -D warnings
+check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --workspace --no-deps --lib
+suite native cargo test --locked --workspace --no-fail-fast
 for example in simulate sweep; do
   check "example-$example" cargo run --locked --quiet --example "$example"
 done

@@ -1,0 +1,295 @@
+//! Deserialisation of curves from structures with the fields of all kinds.
+//!
+//! serde buffers a tagged enum as a whole, in some thirty times the memory of the text, and loses the
+//! position of an error.
+
+use super::{CurveSpec, Fat, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, ScaledCurve, Section};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A curve with the fields of all kinds.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CurveFile {
+    kind: Kind,
+    variant: Option<Fat>,
+    modulus_kpa: Option<f64>,
+    scale_kpa: Option<f64>,
+    rate: Option<f64>,
+    points: Option<List<Pair, MAX_POINTS>>,
+    interpolation: Option<Interpolation>,
+    sections: Option<List<Section, MAX_POINTS>>,
+    strain_scale: Option<f64>,
+    stress_scale: Option<f64>,
+}
+
+/// A curve of a file; a scale that the file does not contain is `None`.
+#[derive(Clone)]
+pub(crate) struct GivenCurve {
+    pub(crate) spec: CurveSpec,
+    pub(crate) strain_scale: Option<f64>,
+    pub(crate) stress_scale: Option<f64>,
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Skin,
+    Adipose,
+    Fat,
+    Linear,
+    Arctangent,
+    Exponential,
+    Points,
+    Sections,
+}
+
+/// A section with the fields of all kinds.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SectionFile {
+    kind: SectionKind,
+    from: f64,
+    to: f64,
+    modulus_kpa: Option<f64>,
+    end_stress_kpa: Option<f64>,
+    end_slope_kpa: Option<f64>,
+    coefficients_kpa: Option<List<f64, MAX_COEFFICIENTS>>,
+    scale_kpa: Option<f64>,
+    rate: Option<f64>,
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SectionKind {
+    Linear,
+    Cubic,
+    Polynomial,
+    Arctangent,
+    Sine,
+    Exponential,
+}
+
+impl<'de> Deserialize<'de> for CurveSpec {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let file: CurveFile = object(reader)?;
+        reject_others(&[
+            ("strain_scale", file.strain_scale.is_some()),
+            ("stress_scale", file.stress_scale.is_some()),
+        ])?;
+        file.spec()
+    }
+}
+
+impl<'de> Deserialize<'de> for GivenCurve {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let file: CurveFile = object(reader)?;
+        let (strain_scale, stress_scale) = (file.strain_scale, file.stress_scale);
+        Ok(Self { spec: file.spec()?, strain_scale, stress_scale })
+    }
+}
+
+impl<'de> Deserialize<'de> for ScaledCurve {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        GivenCurve::deserialize(reader).map(Self::from)
+    }
+}
+
+impl From<GivenCurve> for ScaledCurve {
+    fn from(given: GivenCurve) -> Self {
+        let scale = |scale: Option<f64>| scale.unwrap_or(1.0);
+        Self {
+            spec: given.spec,
+            strain_scale: scale(given.strain_scale),
+            stress_scale: scale(given.stress_scale),
+        }
+    }
+}
+
+impl CurveFile {
+    /// The curve of its kind.
+    ///
+    /// # Errors
+    /// A missing field, or a field of another kind.
+    fn spec<E: Error>(self) -> Result<CurveSpec, E> {
+        let mut file = self;
+        let spec = match file.kind {
+            Kind::Skin => CurveSpec::Skin {},
+            Kind::Adipose => CurveSpec::Adipose {},
+            Kind::Fat => CurveSpec::Fat { variant: file.variant.take().unwrap_or_default() },
+            Kind::Linear => {
+                CurveSpec::Linear { modulus_kpa: take(&mut file.modulus_kpa, "modulus_kpa")? }
+            }
+            Kind::Arctangent => CurveSpec::Arctangent {
+                scale_kpa: take(&mut file.scale_kpa, "scale_kpa")?,
+                rate: take(&mut file.rate, "rate")?,
+            },
+            Kind::Exponential => CurveSpec::Exponential {
+                scale_kpa: take(&mut file.scale_kpa, "scale_kpa")?,
+                rate: take(&mut file.rate, "rate")?,
+            },
+            Kind::Points => CurveSpec::Points {
+                points: take(&mut file.points, "points")?.0.into_iter().map(|p| p.0).collect(),
+                interpolation: file.interpolation.take().unwrap_or_default(),
+            },
+            Kind::Sections => {
+                CurveSpec::Sections { sections: take(&mut file.sections, "sections")?.0 }
+            }
+        };
+        reject_others(&[
+            ("variant", file.variant.is_some()),
+            ("modulus_kpa", file.modulus_kpa.is_some()),
+            ("scale_kpa", file.scale_kpa.is_some()),
+            ("rate", file.rate.is_some()),
+            ("points", file.points.is_some()),
+            ("interpolation", file.interpolation.is_some()),
+            ("sections", file.sections.is_some()),
+        ])?;
+        Ok(spec)
+    }
+}
+
+impl<'de> Deserialize<'de> for Section {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let mut file: SectionFile = object(reader)?;
+        let (from, to) = (file.from, file.to);
+        let section = match file.kind {
+            SectionKind::Linear => {
+                let modulus_kpa = take(&mut file.modulus_kpa, "modulus_kpa")?;
+                Self::Linear { from, to, modulus_kpa }
+            }
+            SectionKind::Cubic => {
+                let end_stress_kpa = take(&mut file.end_stress_kpa, "end_stress_kpa")?;
+                let end_slope_kpa = take(&mut file.end_slope_kpa, "end_slope_kpa")?;
+                Self::Cubic { from, to, end_stress_kpa, end_slope_kpa }
+            }
+            SectionKind::Polynomial => {
+                let coefficients_kpa = take(&mut file.coefficients_kpa, "coefficients_kpa")?.0;
+                Self::Polynomial { from, to, coefficients_kpa }
+            }
+            kind => {
+                let scale_kpa = take(&mut file.scale_kpa, "scale_kpa")?;
+                let rate = take(&mut file.rate, "rate")?;
+                match kind {
+                    SectionKind::Sine => Self::Sine { from, to, scale_kpa, rate },
+                    SectionKind::Arctangent => Self::Arctangent { from, to, scale_kpa, rate },
+                    _ => Self::Exponential { from, to, scale_kpa, rate },
+                }
+            }
+        };
+        reject_others(&[
+            ("modulus_kpa", file.modulus_kpa.is_some()),
+            ("end_stress_kpa", file.end_stress_kpa.is_some()),
+            ("end_slope_kpa", file.end_slope_kpa.is_some()),
+            ("coefficients_kpa", file.coefficients_kpa.is_some()),
+            ("scale_kpa", file.scale_kpa.is_some()),
+            ("rate", file.rate.is_some()),
+        ])?;
+        Ok(section)
+    }
+}
+
+fn take<T, E: Error>(field: &mut Option<T>, name: &'static str) -> Result<T, E> {
+    field.take().ok_or_else(|| E::missing_field(name))
+}
+
+/// Rejects fields of other kinds.
+fn reject_others<E: Error>(fields: &[(&str, bool)]) -> Result<(), E> {
+    match fields.iter().find(|(_, is_present)| *is_present) {
+        Some((name, _)) => {
+            Err(E::custom(format_args!("field `{name}` does not belong to this kind")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Reads a structure from a JSON object only; serde also accepts a list of the fields in their order.
+pub(crate) fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<T, D::Error> {
+    struct Reader<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Reader<T> {
+        type Value = T;
+
+        fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+            text.write_str("one JSON object")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, fields: A) -> Result<T, A::Error> {
+            T::deserialize(MapAccessDeserializer::new(fields))
+        }
+    }
+    reader.deserialize_map(Reader(PhantomData))
+}
+
+/// A list of at most `MAX` entries; reading stops at the first surplus entry.
+pub(crate) struct List<T, const MAX: usize>(pub(crate) Vec<T>);
+
+impl<'de, T: Deserialize<'de>, const MAX: usize> Deserialize<'de> for List<T, MAX> {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        struct Reader<T, const MAX: usize>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>, const MAX: usize> Visitor<'de> for Reader<T, MAX> {
+            type Value = Vec<T>;
+
+            fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+                write!(text, "a list of at most {MAX} entries")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+                let mut read = Vec::new();
+                while read.len() < MAX {
+                    match list.next_element()? {
+                        Some(entry) => read.push(entry),
+                        None => return Ok(read),
+                    }
+                }
+                match list.next_element::<IgnoredAny>()? {
+                    Some(_) => Err(A::Error::invalid_length(MAX + 1, &self)),
+                    None => Ok(read),
+                }
+            }
+        }
+        reader.deserialize_seq(Reader::<T, MAX>(PhantomData)).map(Self)
+    }
+}
+
+/// A pair of numbers.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Pair(pub(crate) [f64; 2]);
+
+impl<'de> Deserialize<'de> for Pair {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Pair;
+
+            fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+                text.write_str("a list of 2 numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Pair, A::Error> {
+                let mut pair = [0.0; 2];
+                for (k, number) in pair.iter_mut().enumerate() {
+                    let entry = list.next_element()?;
+                    *number = entry.ok_or_else(|| A::Error::invalid_length(k, &self))?;
+                }
+                match list.next_element::<IgnoredAny>()? {
+                    Some(_) => Err(A::Error::invalid_length(3, &self)),
+                    None => Ok(Pair(pair)),
+                }
+            }
+        }
+        reader.deserialize_seq(Reader)
+    }
+}
+
+/// Formats a number in few characters: 1e308 rather than 309 digits.
+pub fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}

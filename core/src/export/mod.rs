@@ -1,0 +1,13 @@
+//! Results as files of other programs: closed meshes of tissue, skin and implant, tables.
+//!
+//! Uses `measure` and all to its left. Used by `app` and `platform`.
+//!
+//! `solid` (closed triangle meshes) | `formats` (STL, OBJ, PLY, glTF), `table` (rows, numbers and the profile as CSV).
+
+mod formats;
+mod solid;
+mod table;
+
+pub use formats::Format;
+pub use solid::{Part, Solid};
+pub use table::{csv, number, profile, quoted, read_csv};

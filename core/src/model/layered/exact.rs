@@ -1,0 +1,370 @@
+//! The layered body in f64: energy and forces of all nodes, from the same laws and cells as `lanes`.
+
+use super::LayeredLaw;
+use super::attachment::PAIRS;
+use super::border::BorderCell;
+use super::cell::{self, Corners, Modes, Variation, modes, on_faces, turned, turned_back};
+use super::lanes::{is_in_ring, is_large};
+use super::law::{Matrix, SolidLaw};
+use crate::mesh::part::Part;
+use crate::mesh::{Attachment, NodeKind, Sheet};
+use crate::model::membrane::assembly;
+use crate::springs::table::Table;
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// The body over a sheet.
+pub struct Exact<'a> {
+    pub sheet: &'a Sheet,
+    pub law: &'a LayeredLaw,
+    pub pocket_radius: f64,
+    pub attachment: Option<Attachment>,
+}
+
+/// The deformation in the middle of a cell.
+pub struct CellState {
+    /// Index of the tissue, from the inner face outwards.
+    pub solid: usize,
+    /// Deformation gradient.
+    pub gradient: DMat3,
+    /// Nominal stress \[kPa\].
+    pub stress: DMat3,
+    /// Equivalent logarithmic strain e \[-\].
+    pub equivalent: f64,
+    /// Corners of the cell in the sheet.
+    pub corners: [usize; 4],
+}
+
+impl CellState {
+    /// Upper bounds of [`Self::greatest_stretch_and_stress`]: √‖FᵀF‖ and ‖P‖, Frobenius norms.
+    pub fn bounds(&self) -> (f64, f64) {
+        let norm = |matrix: &DMat3| {
+            let squares: f64 = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+                .map(DVec3::length_squared)
+                .iter()
+                .sum();
+            squares.sqrt()
+        };
+        let metric = self.gradient.transpose() * self.gradient;
+        (norm(&metric).sqrt(), norm(&self.stress))
+    }
+
+    /// Greatest principal stretch \[-\] and greatest principal nominal (Biot) stress \[kPa\]. The law is isotropic: with a
+    /// principal direction N of U, FN = λ RN and the stress is PN·RN.
+    pub fn greatest_stretch_and_stress(&self) -> (f64, f64) {
+        let (values, directions) = principal(self.gradient.transpose() * self.gradient);
+        let (mut stretch, mut stress) = (0.0_f64, f64::MIN);
+        for (value, direction) in values.into_iter().zip(directions) {
+            let length = value.max(1e-12).sqrt();
+            stretch = stretch.max(length);
+            stress = stress.max((self.stress * direction).dot(self.gradient * direction) / length);
+        }
+        (stretch, stress)
+    }
+}
+
+/// Eigenvalues and unit eigenvectors of a symmetric matrix, by Jacobi's rotations.
+fn principal(mut a: DMat3) -> ([f64; 3], [DVec3; 3]) {
+    let mut v = DMat3::IDENTITY;
+    for _ in 0..8 {
+        let mut is_diagonal = true;
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let (app, aqq, apq) = (a.col(p)[p], a.col(q)[q], a.col(q)[p]);
+            if apq.abs() <= 1e-12 * (app.abs() + aqq.abs()) {
+                continue;
+            }
+            is_diagonal = false;
+            let cotangent = (aqq - app) / (2.0 * apq);
+            let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+            let c = 1.0 / tangent.hypot(1.0);
+            let s = tangent * c;
+            // Columns p and q of A and V, then the rows of A.
+            for matrix in [&mut a, &mut v] {
+                let (x, y) = (matrix.col(p), matrix.col(q));
+                *matrix.col_mut(p) = x * c - y * s;
+                *matrix.col_mut(q) = x * s + y * c;
+            }
+            for k in 0..3 {
+                let (x, y) = (a.col(k)[p], a.col(k)[q]);
+                a.col_mut(k)[p] = x * c - y * s;
+                a.col_mut(k)[q] = x * s + y * c;
+            }
+        }
+        if is_diagonal {
+            break;
+        }
+    }
+    ([a.x_axis.x, a.y_axis.y, a.z_axis.z], [v.x_axis, v.y_axis, v.z_axis])
+}
+
+/// A cell of the sheet with its shape and rule.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    cell: BorderCell,
+    /// Parity of the four points in the innermost layer of cells; `None`: one point.
+    parity: Option<f64>,
+}
+
+/// A cell of a layer with its displacement.
+pub(super) struct Element<'a> {
+    pub(super) cell: BorderCell,
+    pub(super) layer: usize,
+    solid: usize,
+    pub(super) law: &'a SolidLaw<f64, Table>,
+    /// Height at rest \[mm\].
+    pub(super) height: f64,
+    /// Spacing over height.
+    pub(super) slope: f64,
+    /// Parity of the four points; `None`: one point.
+    pub(super) parity: Option<f64>,
+    pub(super) modes: Modes<f64>,
+}
+
+impl Exact<'_> {
+    /// The cells of the sheet, row by row.
+    pub fn places(&self) -> Vec<Place> {
+        self.places_from([0; 2], |_, _| true)
+    }
+
+    /// The cells from a column and row on that are `wanted`, row by row.
+    fn places_from(
+        &self,
+        [first, first_row]: [usize; 2],
+        wanted: impl Fn(usize, usize) -> bool,
+    ) -> Vec<Place> {
+        let (n, sheet) = (self.sheet.nodes_per_side(), self.sheet);
+        let half = (n / 2) as f64;
+        let unit = Sheet::new(n, half);
+        let spacing = sheet.spacing_mm();
+        let place = |i: usize, j: usize| {
+            let cell = BorderCell::new(&unit, i, j)?;
+            let is_regular = cell.missing.is_none()
+                && cell.corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free);
+            let middle = [i, j].map(|k| (k as f64 + 0.5 - half) * spacing);
+            let distance = middle[0].hypot(middle[1]);
+            let has_points = is_regular && is_in_ring(distance, self.pocket_radius, spacing);
+            let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
+            Some(Place { cell, parity: has_points.then_some(sign) })
+        };
+        let mut places = Vec::new();
+        for j in first_row..n - 1 {
+            let (from, to) = sheet.cell_span(j);
+            let cells = (from.max(first)..to).filter(|&i| wanted(i, j));
+            places.extend(cells.filter_map(|i| place(i, j)));
+        }
+        places
+    }
+
+    /// Displacements of the corners of a face \[spacings\].
+    fn face(&self, cell: &BorderCell, height: f64, x: &[DVec3]) -> Corners<f64> {
+        let per_spacing = 1.0 / self.sheet.spacing_mm();
+        cell.gather(|k| {
+            let rest = self.sheet.rest_position(k) + DVec3::new(0.0, 0.0, height);
+            (x[k] - rest) * per_spacing
+        })
+    }
+
+    /// Forces −∂E/∂x \[kPa·mm²\] on all layers of nodes at the positions `x` \[mm\].
+    pub fn forces(&self, x: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+        let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
+        assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
+        self.each(&self.places(), x, |element| {
+            let layer = element.layer;
+            for (face, l) in self.faces_forces(&element).iter().zip([layer, layer + 1]) {
+                element.cell.spread(face, |k, pull| forces[l][k] -= pull);
+            }
+        });
+        self.attached(|corners, integrals| {
+            self.pull_back(&x[0], corners, integrals, &mut forces[0]);
+        });
+        forces
+    }
+
+    /// Forces −∂E/∂x \[kPa·mm²\] on the inner face at the nodes of a part where `wanted`; on other nodes they may be
+    /// incomplete. `wanted` and the forces are arrays over the part.
+    pub(crate) fn forces_on_inner(
+        &self,
+        x: &[&[DVec3]],
+        part: Part,
+        wanted: &[bool],
+    ) -> Vec<DVec3> {
+        let mut forces = vec![DVec3::ZERO; self.sheet.len()];
+        let is_wanted = |i: usize, j: usize| {
+            let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            corners.iter().any(|&(i, j)| wanted[part.index_at(i, j)])
+        };
+        let places = self.places_from(part.first_cell(), is_wanted);
+        self.each_of(&places, 0..self.law.cells.len().min(1), x, |element| {
+            let [face, _] = self.faces_forces(&element);
+            element.cell.spread(&face, |k, pull| forces[k] -= pull);
+        });
+        self.attached_from(part.first_cell(), is_wanted, |corners, integrals| {
+            self.pull_back(x[0], corners, integrals, &mut forces);
+        });
+        let mut forces: Vec<DVec3> = part.nodes().map(|k| forces[k]).collect();
+        if self.law.cells.is_empty() {
+            // The skin is the inner face.
+            let of_skin = assembly::forces_at(self.sheet, &self.law.skin, x[0], part, wanted);
+            forces.iter_mut().zip(of_skin).for_each(|(force, skin)| *force += skin);
+        }
+        forces
+    }
+
+    /// Derivatives of a cell's energy by its corners on the inner and the outer face \[kPa·mm²\].
+    fn faces_forces(&self, element: &Element) -> [Corners<f64>; 2] {
+        let Element { cell, law, modes, slope, .. } = element;
+        let mut force = match element.parity {
+            Some(parity) => cell::four_points(law, modes, *slope, parity, 0.0),
+            None => cell::center(law, modes, *slope, &Variation::new(*slope), 0.0),
+        };
+        force.linear = turned_back(force.linear, cell.sides());
+        let weight = cell.area * self.sheet.spacing_mm() * element.height;
+        on_faces(&force.weighted(weight))
+    }
+
+    /// Adds the attachment's forces on the corners of a cell.
+    fn pull_back(
+        &self,
+        x: &[DVec3],
+        corners: [usize; 4],
+        integrals: [f64; 10],
+        forces: &mut [DVec3],
+    ) {
+        for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+            let moved = |k: usize| x[corners[k]] - self.sheet.rest_position(corners[k]);
+            forces[corners[a]] -= moved(b) * *value;
+            if a != b {
+                forces[corners[b]] -= moved(a) * *value;
+            }
+        }
+    }
+
+    /// Calls `visit` with the state in the middle of every cell between nodes of a part.
+    pub(crate) fn visit(&self, x: &[&[DVec3]], part: Part, mut visit: impl FnMut(&CellState)) {
+        self.each(&self.places_from(part.first(), |_, _| true), x, |element| {
+            let columns = cell::gradient(element.modes.linear, element.slope);
+            let (stress, equivalent) = element.law.response(columns);
+            visit(&CellState {
+                solid: element.solid,
+                gradient: matrix(columns),
+                stress: matrix(stress),
+                equivalent,
+                corners: element.cell.corners,
+            });
+        });
+    }
+
+    /// Calls `visit` with every cell of every layer at these places.
+    pub(super) fn each<X: AsRef<[DVec3]>>(
+        &self,
+        places: &[Place],
+        x: &[X],
+        visit: impl FnMut(Element),
+    ) {
+        self.each_of(places, 0..self.law.cells.len(), x, visit);
+    }
+
+    /// [`Self::each`] of some layers of cells.
+    fn each_of<X: AsRef<[DVec3]>>(
+        &self,
+        places: &[Place],
+        layers: Range<usize>,
+        x: &[X],
+        mut visit: impl FnMut(Element),
+    ) {
+        let heights = self.law.heights();
+        let spacing = self.sheet.spacing_mm();
+        for &Place { cell, parity } in places {
+            for layer in layers.clone() {
+                let cells = &self.law.cells[layer];
+                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], x[l].as_ref()));
+                let mut modes = modes(&faces[0], &faces[1]);
+                modes.linear = turned(modes.linear, cell.sides());
+                let sign = if layer % 2 == 0 { 1.0 } else { -1.0 };
+                visit(Element {
+                    cell,
+                    layer,
+                    solid: cells.solid,
+                    law: &self.law.solids[cells.solid],
+                    height: cells.height_mm,
+                    slope: spacing / cells.height_mm,
+                    parity: parity
+                        .filter(|_| is_large(spacing, cells.height_mm))
+                        .map(|parity| sign * parity),
+                    modes,
+                });
+            }
+        }
+    }
+
+    /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\]; infinite if a cell is inverted, or nearly so.
+    pub fn energy(&self, places: &[Place], x: &[Vec<DVec3>]) -> f64 {
+        let mut energy = assembly::energy(self.sheet, &self.law.skin, &x[x.len() - 1]);
+        let area = self.sheet.spacing_mm().powi(2);
+        self.each(places, x, |element| {
+            let Element { cell, law, modes, slope, parity, height, .. } = &element;
+            energy += cell::energy(law, modes, *slope, *parity) * cell.area * area * height;
+        });
+        self.attached(|corners, integrals| {
+            let moved = corners.map(|k| x[0][k] - self.sheet.rest_position(k));
+            for (value, [a, b]) in integrals.iter().zip(PAIRS) {
+                let twice = if a == b { 0.5 } else { 1.0 };
+                energy += twice * value * moved[a].dot(moved[b]);
+            }
+        });
+        energy
+    }
+
+    /// Calls `visit` with the corners and the integrals \[kPa·mm\] of every attached cell.
+    pub(super) fn attached(&self, visit: impl FnMut([usize; 4], [f64; 10])) {
+        self.attached_from([0; 2], |_, _| true, visit);
+    }
+
+    /// [`Self::attached`] of the cells from a column and row on that are `wanted`.
+    fn attached_from(
+        &self,
+        [first, first_row]: [usize; 2],
+        wanted: impl Fn(usize, usize) -> bool,
+        mut visit: impl FnMut([usize; 4], [f64; 10]),
+    ) {
+        let Some(attachment) = self.attachment else { return };
+        let (n, spacing) = (self.sheet.nodes_per_side(), self.sheet.spacing_mm());
+        let half = (n / 2) as f64;
+        for j in first_row..n - 1 {
+            for i in (first..n - 1).filter(|&i| wanted(i, j)) {
+                let corners = self.sheet.corners(i, j);
+                if !corners.iter().any(|&k| self.sheet.kinds()[k] == NodeKind::Free) {
+                    continue;
+                }
+                let at = [i, j].map(|k| (k as f64 - half) * spacing);
+                if let Some(integrals) = attachment.integrals(self.pocket_radius, at, spacing) {
+                    visit(corners, integrals.map(|value| value * spacing * spacing));
+                }
+            }
+        }
+    }
+}
+
+fn matrix(columns: Matrix<f64>) -> DMat3 {
+    let [x, y, z] = columns.map(DVec3::from);
+    DMat3::from_cols(x, y, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_values_and_directions_diagonalise_a_matrix() {
+        let a = DMat3::from_cols(
+            DVec3::new(2.0, -0.3, 0.7),
+            DVec3::new(-0.3, 1.1, 0.4),
+            DVec3::new(0.7, 0.4, 1.9),
+        );
+        let (values, directions) = principal(a);
+        for (value, direction) in values.into_iter().zip(directions) {
+            assert!((a * direction - direction * value).length() < 1e-11);
+            assert!((direction.length() - 1.0).abs() < 1e-12);
+        }
+    }
+}

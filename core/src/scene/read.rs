@@ -1,0 +1,175 @@
+//! From bytes to scenes and curves: text, JSON, JSON lines. Invalid input of any length is rejected with one short
+//! line; reading stops at the first surplus entry of a list.
+
+use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
+use crate::curve::{Curve, List, ScaledCurve};
+use serde::de::{DeserializeOwned, IgnoredAny};
+use serde_json::error::Category;
+use serde_json::value::RawValue;
+
+/// Greatest size of a scene or a curve \[bytes\].
+pub const MAX_SCENE_BYTES: usize = 10_000_000;
+
+/// Greatest size of a JSON-lines file \[bytes\].
+pub const MAX_LINES_BYTES: usize = 100_000_000;
+
+/// Greatest number of scenes in a JSON-lines file.
+pub const MAX_SCENES: usize = 100_000;
+
+/// The format of a file of scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// One scene; or one scene per line if the first line is a whole value and more lines follow.
+    Json,
+    /// One scene per line.
+    JsonLines,
+}
+
+/// Reads and checks the scenes of a file.
+///
+/// # Errors
+/// One line with the line, the field, its value and the allowed range.
+pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneError> {
+    if bytes.len() > MAX_LINES_BYTES {
+        return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "up to 100 MB"));
+    }
+    let text = unmarked(utf8(bytes)?);
+    if format == Format::Json && !starts_with_a_value(text) {
+        return Ok(vec![checked_scene(text, None)?]);
+    }
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let at_line = |k, error| SceneError::Line { line: k + 1, source: Box::new(error) };
+    // Before any scene is built: checked scenes contain curves and need much memory.
+    if let Some((k, _)) = lines.clone().nth(MAX_SCENES) {
+        let allowed = format!("up to {MAX_SCENES} scenes");
+        return Err(at_line(k, out_of_range("file", "too long".to_owned(), &allowed)));
+    }
+    let mut scenes = Vec::new();
+    for (k, line) in lines {
+        scenes.push(checked_scene(line, scenes.last()).map_err(|error| at_line(k, error))?);
+    }
+    if scenes.is_empty() {
+        return Err(out_of_range("file", "empty".to_owned(), "one scene per line"));
+    }
+    Ok(scenes)
+}
+
+/// Splits a list of scenes (JSON), or scenes one per line, into the texts of the scenes, which stay unchecked.
+///
+/// # Errors
+/// One line if the text is not a list or is too long.
+pub fn texts(text: &str) -> Result<Vec<String>, SceneError> {
+    if text.len() > MAX_LINES_BYTES {
+        return Err(out_of_range("scenes", format!("{} bytes long", text.len()), "up to 100 MB"));
+    }
+    let text = unmarked(text);
+    let texts: Vec<&str> = if text.trim_start().starts_with('[') {
+        let list: List<&RawValue, MAX_SCENES> =
+            serde_json::from_str(text).map_err(|error| problem("scenes", &error.to_string()))?;
+        list.0.into_iter().map(RawValue::get).collect()
+    } else if starts_with_a_value(text) {
+        let lines = text.lines().filter(|line| !line.trim().is_empty());
+        lines.take(MAX_SCENES + 1).collect()
+    } else {
+        vec![text]
+    };
+    if texts.len() > MAX_SCENES {
+        let allowed = format!("up to {MAX_SCENES} scenes");
+        return Err(out_of_range("scenes", "too long".to_owned(), &allowed));
+    }
+    Ok(texts.into_iter().map(str::to_owned).collect())
+}
+
+/// Reads a file with one curve in the format of a scene's curve.
+///
+/// # Errors
+/// One line with the field, its value and the allowed range.
+pub fn curve(bytes: &[u8]) -> Result<Curve, SceneError> {
+    let curve: ScaledCurve = json(utf8(bytes)?, "curve")?;
+    Curve::scaled(&curve).map_err(SceneError::CurveFile)
+}
+
+/// Is the first line that is not blank a whole value, and do more lines follow?
+fn starts_with_a_value(text: &str) -> bool {
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+    let whole = |line: &str| serde_json::from_str::<IgnoredAny>(line).is_ok();
+    lines.next().is_some_and(whole) && lines.next().is_some()
+}
+
+/// The text without the byte-order mark that some editors put before it.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
+    std::str::from_utf8(bytes)
+        .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
+}
+
+pub(super) fn checked_scene(
+    text: &str,
+    earlier: Option<&CheckedScene>,
+) -> Result<CheckedScene, SceneError> {
+    CheckedScene::like(json::<SceneFile>(text, "scene")?.filled()?, earlier)
+}
+
+/// Reads one JSON object; messages name the object `whole`.
+pub fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneError> {
+    let text = unmarked(text);
+    if text.len() > MAX_SCENE_BYTES {
+        return Err(out_of_range(whole, format!("{} bytes long", text.len()), "up to 10 MB"));
+    }
+    if text.trim_start().starts_with('[') {
+        return Err(problem(whole, "is a list; allowed: one JSON object"));
+    }
+    let mut reader = serde_json::Deserializer::from_str(text);
+    let read = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let path = error.path().to_string();
+        // A question mark stands for a part without a name.
+        let path = match path.trim_end_matches(['.', '?']) {
+            "" => whole,
+            named => named,
+        };
+        let error = error.into_inner();
+        let text = match error.classify() {
+            Category::Syntax => format!("{error}; allowed: JSON, numbers as 12.5"),
+            Category::Eof => format!("{error}; allowed: one whole JSON object"),
+            Category::Data | Category::Io => error.to_string(),
+        };
+        // Names of Rust types mean nothing to a reader.
+        let text = text.replace("expected f64", "expected a number");
+        problem(path, &text.replace("expected usize", "expected a whole number"))
+    })?;
+    reader.end().map_err(|error| problem(whole, &error.to_string()))?;
+    Ok(read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_scenes_are_split_from_lists_and_lines() {
+        let list = texts("\u{feff} [ {\"a\": 0.10} , 5,\n{}]").unwrap();
+        assert_eq!(list, ["{\"a\": 0.10}", "5", "{}"]);
+        assert_eq!(texts("{}\n\n{\r\n").unwrap(), ["{}", "{"]);
+        assert_eq!(texts("{\n}").unwrap(), ["{\n}"]);
+        assert_eq!(texts("[]").unwrap(), [""; 0]);
+    }
+
+    #[test]
+    fn a_broken_or_long_list_of_scenes_is_one_line() {
+        let long = format!("[{}1]", "1,".repeat(MAX_SCENES));
+        let lines = "{}\n".repeat(MAX_SCENES + 1);
+        let allowed = format!("up to {MAX_SCENES} scenes");
+        for (text, expected) in [
+            ("[{}, {]", "scenes: key must be a string at line 1 column 7"),
+            ("[{}] 5", "scenes: trailing characters"),
+            (&long, "a list of at most 100000 entries"),
+            (&lines, &allowed),
+        ] {
+            let line = texts(text).unwrap_err().to_string();
+            assert!(line.contains(expected) && !line.contains('\n'), "{line}");
+        }
+    }
+}

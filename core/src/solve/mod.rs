@@ -1,0 +1,481 @@
+//! The equilibrium: the minimum of the tissue's energy outside of the implant and above the wall.
+//!
+//! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
+//! on half of the patch, for either tissue model (`multigrid`). Newton's method on nested grids in f64 is the fallback
+//! and refines solutions below the resolution of f32 (`newton_method`: `newton` for a sheet, `newton_layers` for layered
+//! tissue, after a second attempt of multigrid with other constants). For a sheet Newton's method also resolves configurations with
+//! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
+//! saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
+//!
+//! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
+//! `fas` | `multigrid` | `newton` | `newton_layers` | `newton_method` | `linear` (systems of Newton's method) |
+//! `validity` | `discretisation` | `reactions`.
+//!
+//! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
+
+mod accessors;
+mod discretisation;
+mod fas;
+pub(crate) mod initial_guess;
+pub(crate) mod linear;
+mod multigrid;
+mod newton;
+mod newton_layers;
+mod newton_method;
+mod problem;
+pub(crate) mod reactions;
+mod solution;
+pub mod validity;
+
+pub use problem::{Method, Options, Problem, Progress, Tissue};
+pub use reactions::Reactions;
+use solution::Shape;
+pub use solution::{Displayed, Record, Report, Solution, Verdict};
+pub use validity::Invalid;
+
+use crate::mesh::lanes::Mirrored;
+use crate::springs::Springs;
+use fas::Stop;
+use glam::DVec3;
+use multigrid::{Law, Multigrid};
+use newton::{Mirrors, Start};
+use newton_method::NewtonMethod;
+use std::sync::Arc;
+
+/// Solver of one problem after the other, in slices of work.
+pub struct Solver {
+    problem: Arc<Problem>,
+    options: Options,
+    law: Law,
+    /// Does the multigrid have another law than [`Self::law`]?
+    is_multigrid_law_stale: bool,
+    multigrid: Option<Multigrid>,
+    newton: Option<NewtonMethod>,
+    stage: Stage,
+    /// Attempts of this solve: multigrid with one set of constants after the other, Newton's method as the fallback.
+    attempts: u32,
+    /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
+    x: Vec<DVec3>,
+    /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
+    outer: Vec<Vec<DVec3>>,
+    offset_nodes: Vec<(usize, DVec3)>,
+    /// Is the shape mirrored along x, along y, to the last bit?
+    mirrored: Mirrored,
+    invalid: Option<Invalid>,
+    displayed: Displayed,
+    /// Number of changes of [`Self::x`].
+    revision: u64,
+    tables_built: u64,
+    grids_built: u64,
+    verdict: Verdict,
+    progress: Progress,
+}
+
+/// The method at work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// None: the insertion is below the tolerance.
+    Rest,
+    Multigrid,
+    Newton,
+}
+
+/// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
+/// and a shape to display \[base radius\].
+const MAX_ERROR_OF_SHAPE: f64 = 0.02;
+/// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
+const REST_TOLERANCE: f64 = 0.5;
+
+impl Solver {
+    /// A solver at the start of a problem.
+    #[must_use]
+    pub fn new(problem: Problem) -> Self {
+        Self::with_options(problem, Options::default())
+    }
+
+    /// A solver with options at the start of a problem.
+    #[must_use]
+    pub fn with_options(problem: Problem, options: Options) -> Self {
+        let law = Law::new(&problem);
+        let mut solver = Self {
+            x: problem.sheet.rest_positions(),
+            outer: outer_at_rest(&problem, &law),
+            offset_nodes: Vec::new(),
+            mirrored: [false; 2],
+            invalid: None,
+            law,
+            is_multigrid_law_stale: true,
+            options,
+            multigrid: None,
+            newton: None,
+            stage: Stage::Newton,
+            attempts: 1,
+            displayed: Displayed::Previous,
+            revision: 0,
+            tables_built: 1,
+            grids_built: 0,
+            verdict: Verdict::NotConverged,
+            progress: Progress::Working,
+            problem: Arc::new(problem),
+        };
+        solver.start();
+        solver
+    }
+
+    /// Starts another problem with the tables and grids that both problems share.
+    pub fn restart(&mut self, problem: Problem) {
+        let same_law = self.has_law_of(&problem);
+        let same_grid =
+            problem.sheet == self.problem.sheet && problem.tissue == self.problem.tissue;
+        let same_patch = problem.patch == self.problem.patch;
+        if !same_law {
+            self.law = Law::new(&problem);
+            self.tables_built += 1;
+            if self.law.layered().is_some() {
+                self.newton = None;
+            }
+        }
+        // Layers of another thickness rest at other heights.
+        if !same_grid || !same_law && self.law.layered().is_some() {
+            self.outer = outer_at_rest(&problem, &self.law);
+            self.mirrored = [false; 2];
+            if !self.outer.is_empty() {
+                self.x = problem.sheet.rest_positions();
+            }
+        }
+        if !same_grid {
+            self.x = problem.sheet.rest_positions();
+            self.offset_nodes.clear();
+            self.mirrored = [false; 2];
+            self.newton = None;
+        }
+        let before = std::mem::replace(&mut self.problem, Arc::new(problem));
+        let is_warm = same_grid && self.verdict == Verdict::Converged;
+        let is_layered = self.law.layered().is_some();
+        self.is_multigrid_law_stale |= !same_law || is_layered && !same_patch;
+        self.start();
+        // Newton's method of a sheet continues from the last solution, moved as the dome's geometry moved.
+        if self.stage == Stage::Newton && is_warm && !is_layered && self.newton.is_some() {
+            let Problem { sheet, obstacle, .. } = &*self.problem;
+            if *obstacle != before.obstacle {
+                self.mirrored = [false; 2];
+                let old = initial_guess::taut_profile(sheet, &before.obstacle.dome);
+                let new = initial_guess::taut_profile(sheet, &obstacle.dome);
+                for k in 0..self.x.len() {
+                    self.x[k] += new[k] - old[k];
+                }
+            }
+            self.start_newton(Start::FromSolution);
+        }
+    }
+
+    /// Starts another problem as a new solver with these options does, with the tables and grids that both problems share.
+    pub(crate) fn start_anew(&mut self, problem: Problem, options: Options) {
+        if !self.has_law_of(&problem) {
+            self.law = Law::new(&problem);
+            self.tables_built += 1;
+        }
+        self.is_multigrid_law_stale = true;
+        self.newton = None;
+        self.options = options;
+        self.x = problem.sheet.rest_positions();
+        self.outer = outer_at_rest(&problem, &self.law);
+        self.offset_nodes.clear();
+        self.mirrored = [false; 2];
+        self.problem = Arc::new(problem);
+        self.start();
+    }
+
+    fn has_law_of(&self, problem: &Problem) -> bool {
+        problem.springs == self.problem.springs
+            && problem.materials == self.problem.materials
+            && problem.tissue == self.problem.tissue
+    }
+
+    fn start(&mut self) {
+        self.verdict = Verdict::NotConverged;
+        self.progress = Progress::Working;
+        self.attempts = 1;
+        self.invalid = None;
+        self.displayed = Displayed::Previous;
+        if let Some(newton) = &mut self.newton {
+            newton.clear_work();
+        }
+        match self.options.method {
+            Method::Automatic if self.may_rest() => {
+                self.stage = Stage::Rest;
+                self.x = self.problem.sheet.rest_positions();
+                self.outer = outer_at_rest(&self.problem, &self.law);
+                self.offset_nodes.clear();
+                self.mirrored = [false; 2];
+                self.revision += 1;
+                self.end(Verdict::Converged);
+            }
+            Method::Multigrid { cycles } => self.start_multigrid(Stop::Cycles(cycles)),
+            Method::Newton => self.start_newton(Start::Cold),
+            Method::Automatic => self.start_multigrid(Stop::Tolerance),
+        }
+    }
+
+    fn start_multigrid(&mut self, stop: Stop) {
+        self.stage = Stage::Multigrid;
+        let n = self.problem.sheet.nodes_per_side();
+        let mirrored =
+            self.problem.obstacle.dome.mirrored().map(|holds| self.options.use_symmetry && holds);
+        let multigrid = match self.multigrid.take() {
+            Some(mut multigrid) if multigrid.fits(n, mirrored, &self.law) => {
+                if self.is_multigrid_law_stale {
+                    multigrid.set_model(&self.problem, &self.law);
+                }
+                multigrid
+            }
+            _ => {
+                self.grids_built += 1;
+                Multigrid::new(&self.problem, &self.law, mirrored)
+            }
+        };
+        self.is_multigrid_law_stale = false;
+        let multigrid = self.multigrid.insert(multigrid);
+        multigrid.start(&self.problem, stop, self.options.draft_tolerance);
+    }
+
+    /// The stopping criterion of the options.
+    fn stop(&self) -> Stop {
+        match self.options.method {
+            Method::Multigrid { cycles } => Stop::Cycles(cycles),
+            Method::Automatic | Method::Newton => Stop::Tolerance,
+        }
+    }
+
+    fn start_newton(&mut self, start: Start) {
+        self.stage = Stage::Newton;
+        // The paper's springs may have an asymmetric equilibrium.
+        let is_symmetric = self.options.use_symmetry && self.problem.springs == Springs::Coupled;
+        let mirrors = if is_symmetric { Mirrors::OfDome } else { Mirrors::None };
+        let (problem, law) = (&*self.problem, &self.law);
+        let factor = self.options.work_limit_factor;
+        let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
+        match start {
+            Start::Cold => newton.start_cold(problem, law, mirrors),
+            Start::FromSolution => newton.start_from(&self.x, &self.outer, problem, law, mirrors),
+        }
+    }
+
+    /// Upper bound of the distance between the sheet at rest and the equilibrium \[base radius\]: no node of the
+    /// equilibrium is above the dome's apex.
+    fn error_at_rest(&self) -> f64 {
+        let dome = &self.problem.obstacle.dome;
+        dome.apex().z.max(0.0) / dome.base_radius
+    }
+
+    /// Is the sheet at rest a solution?
+    fn may_rest(&self) -> bool {
+        let Problem { sheet, obstacle, tolerance, .. } = &*self.problem;
+        let n = sheet.nodes_per_side();
+        let at = |i: usize, j: usize| sheet.rest_position(j * n + i);
+        self.error_at_rest() <= REST_TOLERANCE * tolerance
+            && validity::invalid(sheet, &obstacle.dome, *tolerance, [0; 2], at).is_none()
+    }
+
+    /// Does pieces of work until `pause` returns true or the solve ends. A piece is a few passes over the grid (a few
+    /// milliseconds at 129 nodes a side).
+    pub fn advance(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
+        while self.progress == Progress::Working {
+            match self.stage {
+                Stage::Rest => {}
+                Stage::Multigrid => {
+                    if self.multigrid_piece() == fas::State::Draft {
+                        break;
+                    }
+                }
+                Stage::Newton => self.newton_piece(),
+            }
+            if pause() {
+                self.display_coarse();
+                break;
+            }
+        }
+        self.progress
+    }
+
+    /// Displays the solution of a coarser grid unless a draft of this problem exists.
+    fn display_coarse(&mut self) {
+        let is_wanted = self.options.draft_tolerance.is_some()
+            && self.stage == Stage::Multigrid
+            && self.progress == Progress::Working
+            && self.displayed != Displayed::Draft;
+        if let (true, Some(multigrid)) = (is_wanted, &mut self.multigrid) {
+            let nodes_per_side = multigrid.preview();
+            self.display_multigrid(Displayed::Coarse { nodes_per_side });
+        }
+    }
+
+    /// Displays the multigrid solution; false, and no change, if the solution is invalid.
+    fn display_multigrid(&mut self, displayed: Displayed) -> bool {
+        let Some(multigrid) = &self.multigrid else { return false };
+        if multigrid.invalid(&self.problem).is_some() {
+            return false;
+        }
+        let (x, offset_nodes, outer) = (&mut self.x, &mut self.offset_nodes, &mut self.outer);
+        multigrid.write_positions(&self.problem, &self.law, x, offset_nodes, outer);
+        self.mirrored = multigrid.mirrored();
+        self.displayed = displayed;
+        self.revision += 1;
+        true
+    }
+
+    fn multigrid_piece(&mut self) -> fas::State {
+        let Some(multigrid) = &mut self.multigrid else {
+            self.start_newton(Start::Cold);
+            return fas::State::Failed;
+        };
+        let mut state = multigrid.step();
+        if matches!(state, fas::State::Draft | fas::State::Converged)
+            && !self.display_multigrid(Displayed::Draft)
+        {
+            state = match state {
+                fas::State::Draft => fas::State::Working,
+                _ => fas::State::Failed,
+            };
+        }
+        match state {
+            fas::State::Working | fas::State::Draft => {}
+            fas::State::Converged => {
+                let needs_newton = self.options.method == Method::Automatic && self.needs_newton();
+                if needs_newton && self.is_in_reach_of_newton() {
+                    self.start_newton(Start::FromSolution);
+                } else if needs_newton {
+                    self.end(Verdict::NotConverged);
+                } else {
+                    self.end(Verdict::Converged);
+                }
+            }
+            fas::State::Failed => {
+                self.attempts += 1;
+                let stop = self.stop();
+                if let Some(multigrid) = &mut self.multigrid
+                    && self.attempts == 2
+                    && multigrid.start_again(&self.problem, stop)
+                {
+                    return state;
+                }
+                // A shape of a coarse grid is far from the finest grid's.
+                let has_shape = self.law.layered().is_some()
+                    && self.cycles() > 0
+                    && self.estimated_position_error() < MAX_ERROR_OF_SHAPE
+                    && self.display_multigrid(Displayed::Draft);
+                if self.is_in_reach_of_newton() {
+                    self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
+                } else {
+                    self.end_with_last_shape();
+                }
+            }
+        }
+        state
+    }
+
+    /// Does Newton's method continue from the multigrid solution? True below the resolution of f32; with contact
+    /// offsets far above the tolerance; under compression, where multigrid may stall before a wrinkled equilibrium;
+    /// for the paper's springs, whose stationary shape may be a saddle point.
+    fn needs_newton(&self) -> bool {
+        let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
+            let ending = multigrid.ending();
+            self.problem.tolerance < multigrid.least_tolerance()
+                || self.law.layered().is_none()
+                    && (ending.is_compressive || ending.leaves_contact_offsets)
+        });
+        is_left || self.problem.springs == Springs::Nikolaev
+    }
+
+    fn newton_piece(&mut self) {
+        let Some(newton) = &mut self.newton else { return self.start_newton(Start::Cold) };
+        let (problem, revision) = (&*self.problem, newton.revision());
+        let state = newton.step(problem, &self.law);
+        if newton.is_on_finest() && newton.revision() != revision {
+            self.invalid = newton.invalid(problem);
+            if self.invalid.is_none() {
+                let offset_nodes = &mut self.offset_nodes;
+                newton.write_positions(problem, &mut self.x, offset_nodes, &mut self.outer);
+                self.mirrored = [false; 2];
+                self.revision += 1;
+                self.displayed = Displayed::Final;
+            }
+        }
+        match (state, self.invalid) {
+            (newton::State::Working, _) => {}
+            (newton::State::Stalled, _) if self.law.layered().is_some() => {
+                self.end_with_last_shape();
+            }
+            (newton::State::Unstable, _) | (_, Some(Invalid::Penetrated)) => {
+                self.end(Verdict::Unstable);
+            }
+            // A node that slides off the dome lets the dome protrude.
+            (newton::State::Saddle, _) => {
+                self.invalid = Some(Invalid::Penetrated);
+                self.end(Verdict::Unstable);
+            }
+            (newton::State::Converged, None) => self.end(Verdict::Converged),
+            (newton::State::Converged | newton::State::Stalled, _) => {
+                self.end(Verdict::NotConverged);
+            }
+        }
+    }
+
+    /// Makes the last shape of layered tissue admissible: a step of Newton's method ends beside the dome by the square of
+    /// its length. A shape with an inverted cell is no shape.
+    fn admit_last_shape(&mut self) {
+        let obstacle = self.problem.obstacle;
+        for x in &mut self.x {
+            *x = obstacle.project(*x, 0.0);
+        }
+        if self.solution().has_inverted_cell() {
+            self.invalid = Some(Invalid::NotFound);
+            self.verdict = Verdict::Unstable;
+        }
+    }
+
+    /// Would Newton's method end within seconds?
+    fn is_in_reach_of_newton(&self) -> bool {
+        let cells = self.law.layered().map_or(0, |law| law.cells.len());
+        cells * self.problem.sheet.free_nodes() <= self.options.max_newton_cells
+    }
+
+    /// Ends without convergence: with the last valid shape of either method, if there is one.
+    fn end_with_last_shape(&mut self) {
+        if self.displayed == Displayed::Draft && self.multigrid.is_some() {
+            // Newton's method ended without a shape.
+            self.stage = Stage::Multigrid;
+        }
+        let has_shape = matches!(self.displayed, Displayed::Draft | Displayed::Final);
+        self.invalid = (!has_shape).then_some(Invalid::NotFound);
+        self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
+    }
+
+    fn end(&mut self, verdict: Verdict) {
+        self.verdict = verdict;
+        if verdict == Verdict::NotConverged && self.law.layered().is_some() {
+            self.admit_last_shape();
+        }
+        self.progress = Progress::Done;
+        self.displayed = Displayed::Final;
+    }
+
+    /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); empty for a sheet.
+    #[must_use]
+    pub fn outer(&self) -> &[Vec<DVec3>] {
+        &self.outer
+    }
+
+    /// Ends the solve as if the last shape were invalid.
+    #[cfg(test)]
+    pub(crate) fn end_with(&mut self, invalid: Invalid) {
+        self.invalid = Some(invalid);
+        self.end(Verdict::NotConverged);
+    }
+}
+
+/// The layers of nodes above the inner face at rest.
+fn outer_at_rest(problem: &Problem, law: &Law) -> Vec<Vec<DVec3>> {
+    let at = |height: f64| problem.sheet.rest().iter().map(|p| p.extend(height)).collect();
+    law.layered().map_or_else(Vec::new, |law| law.heights()[1..].iter().map(|z| at(*z)).collect())
+}

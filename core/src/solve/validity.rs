@@ -1,0 +1,153 @@
+//! Validity of a solution: finite, not penetrated, not inverted.
+
+use crate::contact::Dome;
+use crate::mesh::{CellKind, Sheet};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// Why a solution is invalid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Invalid {
+    /// A position is not finite.
+    NotFinite,
+    /// The dome protrudes between nodes: the grid is too coarse for the dome, or tissue whose stress barely
+    /// rises with strain slides off the dome's tip.
+    Penetrated,
+    /// Part of the sheet is inverted: the outer side faces the implant.
+    Inverted,
+    /// No shape was found: the iteration ended before the finest grid, or in a shape that is invalid.
+    NotFound,
+}
+
+/// Tolerated depth of a cell's midpoint in the dome \[half axes; base radius as a distance\]: the depth of a
+/// sphere's chord of 0.6 radii.
+const MAX_CHORD_DEPTH: f64 = 0.05;
+/// Tolerated height of the dome's tip above the highest node \[lesser half axis, base radius\]: a tip
+/// between nodes 0.6 radii apart is 0.09 radii above the nodes. Fixed by `sheet-sliding-off-needle`.
+const MAX_TIP_HEIGHT: (f64, f64) = (0.1, 0.01);
+/// Height of a cap that may lie between nodes \[base radius\]. Fixed by `penetration-between-nodes`.
+const MIN_CAP_HEIGHT: f64 = 1e-3;
+/// Cosine between a cell's normal and the line of sight below which the cell is inverted \[-\].
+const MAX_FACING_AWAY: f64 = 0.3;
+/// Depth of the viewpoint below the pocket's centre \[patch radius\]: a sheet stretched over a dome is star-shaped
+/// about the viewpoint.
+pub const VIEWPOINT_DEPTH: f64 = 0.05;
+
+fn viewpoint(sheet: &Sheet) -> DVec3 {
+    DVec3::new(0.0, 0.0, -VIEWPOINT_DEPTH * sheet.radius_mm())
+}
+
+/// Is a face with this normal inverted, seen along a line of sight from the viewpoint?
+fn is_inverted(normal: DVec3, sight: DVec3) -> bool {
+    let cosine = normal.dot(sight);
+    cosine < 0.0
+        && cosine * cosine
+            > MAX_FACING_AWAY * MAX_FACING_AWAY * normal.length_squared() * sight.length_squared()
+}
+
+/// Is a triangle inverted? A finer test than [`invalid`], for compressive springs: the corner of a cell can be
+/// inverted although the cell is not. Fixed by `inverted-cell-corner`.
+pub(crate) fn has_inverted_triangle(sheet: &Sheet, x: &[DVec3]) -> bool {
+    let viewpoint = viewpoint(sheet);
+    sheet.triangles().any(|(nodes, _)| {
+        let [a, b, c] = nodes.map(|k| x[k]);
+        is_inverted((b - a).cross(c - a), (a + b + c) / 3.0 - viewpoint)
+    })
+}
+
+/// The gravest reason why a shape is invalid. `at` returns the position \[mm\] of the node of a column and row,
+/// from `first` on: one side of a mirrored shape is enough. `tolerance` is that of positions, relative to the
+/// base radius.
+pub(crate) fn invalid(
+    sheet: &Sheet,
+    dome: &Dome,
+    tolerance: f64,
+    first: [usize; 2],
+    at: impl Fn(usize, usize) -> DVec3,
+) -> Option<Invalid> {
+    let n = sheet.nodes_per_side();
+    let viewpoint = viewpoint(sheet);
+    let is_deep = dome.is_deeper_than(MAX_CHORD_DEPTH);
+    let (mut is_penetrated, mut is_folded, mut highest) = (false, false, 0.0_f64);
+    for j in first[1]..n - 1 {
+        let (from, to) = sheet.row_spans()[j];
+        for i in from.max(first[0])..to.min(n - 1) {
+            if sheet.cell(i, j) != CellKind::Whole {
+                continue;
+            }
+            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+            let middle = 0.25 * ((a + c) + (b + d));
+            highest = highest.max(a.z);
+            if !middle.is_finite() {
+                return Some(Invalid::NotFinite);
+            }
+            is_penetrated |= is_deep(middle);
+            is_folded |= is_inverted((c - a).cross(d - b), middle - viewpoint);
+        }
+    }
+    let tip = dome.apex().z;
+    let (protrusion, radius) = (tip - highest, dome.base_radius);
+    let (of_axis, of_radius) = MAX_TIP_HEIGHT;
+    is_penetrated |= protrusion > (of_axis * dome.projection.min(radius)).max(of_radius * radius);
+    // A small cap may lie between the nodes.
+    is_penetrated |= protrusion > (0.5 * tip).max(tolerance.max(MIN_CAP_HEIGHT) * radius);
+    if is_penetrated { Some(Invalid::Penetrated) } else { is_folded.then_some(Invalid::Inverted) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::initial_guess;
+    use glam::DVec2;
+
+    #[test]
+    fn shapes_that_are_not_finite_inverted_or_penetrated_are_invalid() {
+        let sheet = Sheet::new(33, 70.0);
+        let n = 33;
+        let middle = 16 * n + 16;
+        for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(9.0, -4.0), 0.6), (DVec2::ZERO, 0.0)] {
+            let dome = Dome::new(center, 55.0, 40.0, t);
+            let valid = initial_guess::taut_profile(&sheet, &dome);
+            let invalid_of = |x: &[DVec3], first: usize| {
+                invalid(&sheet, &dome, 1e-4, [first; 2], |i, j| x[j * n + i])
+            };
+            assert_eq!(invalid_of(&valid, 0), None);
+            assert_eq!(invalid_of(&valid, n / 2), None);
+            assert!(!has_inverted_triangle(&sheet, &valid));
+            let mut broken = valid.clone();
+            broken[middle].y = f64::NAN;
+            assert_eq!(invalid_of(&broken, 0), Some(Invalid::NotFinite));
+            assert_eq!(invalid_of(&broken, n / 2), Some(Invalid::NotFinite));
+            // One node beyond its neighbours.
+            let mut folded = valid.clone();
+            folded[middle] = valid[middle + 3] + DVec3::new(0.0, 0.0, 0.5);
+            assert_eq!(invalid_of(&folded, 0), Some(Invalid::Inverted));
+            assert!(has_inverted_triangle(&sheet, &folded));
+            // One corner of four cells beyond the diagonals; no cell is inverted.
+            let mut dented = valid.clone();
+            dented[middle] = 0.45 * valid[middle] + 0.55 * valid[middle + n + 1];
+            dented[middle].z += 1e-3;
+            assert!(has_inverted_triangle(&sheet, &dented));
+            if t > 0.0 {
+                let mut penetrated = valid.clone();
+                for k in [0, 1, n, n + 1] {
+                    penetrated[middle + k].z *= 0.7;
+                }
+                assert_eq!(invalid_of(&penetrated, 0), Some(Invalid::Penetrated));
+            }
+        }
+    }
+
+    #[test]
+    fn a_needle_without_a_node_on_its_tip_penetrates() {
+        let sheet = Sheet::new(33, 70.0);
+        let n = 33;
+        let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
+        let mut x = sheet.rest_positions();
+        let invalid_of = |x: &[DVec3]| invalid(&sheet, &dome, 1e-4, [0; 2], |i, j| x[j * n + i]);
+        x[16 * n + 16] = dome.apex();
+        assert_eq!(invalid_of(&x), None);
+        x[16 * n + 16] = DVec3::new(-2.5, 0.0, 0.0);
+        assert_eq!(invalid_of(&x), Some(Invalid::Penetrated));
+    }
+}

@@ -1,0 +1,105 @@
+//! Studies: many scenes solved for one question.
+//!
+//! A study emits jobs and receives their cases ([`Job`], [`Case`]); a [`Runner`] computes the jobs, on threads or in
+//! workers of a page. [`Cases`] holds the cases by content, so that no scene is solved twice.
+//!
+//! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
+//! all runners) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
+//! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
+//! `map_file` (its table and JSON) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
+//! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
+//! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
+//! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual).
+//!
+//! Uses `scene`, `simulate` and all to their left; no threads, no clock. Used by `platform` and `app`.
+
+mod axis;
+mod bands;
+mod cache;
+pub mod contour;
+mod first_usual;
+mod importance;
+mod job;
+mod map;
+mod map_border;
+mod map_check;
+mod map_file;
+mod map_values;
+mod nearest;
+mod no_answer;
+mod parameter;
+mod percentile;
+mod quantity;
+mod queue;
+pub mod runner;
+mod samples;
+mod section_band;
+mod sequence;
+mod unknown;
+
+pub use axis::{Axis, MAX_POINTS, MapError};
+pub use bands::{
+    BANDS_SCHEMA, Band, Bands, BandsError, BandsReport, BandsSettings, NOTES, ProfileBand, SAMPLES,
+    Scenario, UnknownReport,
+};
+pub use cache::{Cases, Key, MAX_CASES};
+pub use first_usual::FirstUsual;
+pub use importance::{Index, MIN_ROWS, Row, index};
+pub use job::{Case, Evaluator, Job, Profile, evaluate};
+pub use map::{CHECK, Map, MapSettings, PointStatus};
+pub use map_check::{Difference, MapCheck};
+pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};
+pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
+pub use no_answer::{NoAnswer, size_in_words, volume_and_width};
+pub use parameter::{Parameter, ParameterError, with_values};
+pub use quantity::{Quantity, Values};
+pub use runner::{Finished, JobPanic, Runner};
+pub use samples::{LEAST_ANSWERS, Samples};
+pub use section_band::SectionBand;
+pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
+pub use unknown::Unknown;
+
+use std::collections::HashMap;
+
+/// A study as a state machine without threads and clocks.
+pub trait Study {
+    /// The next job and its index, counted from 0; `None` if no scene is left to start. Scenes whose cases are stored enter no
+    /// job; a job without scenes only limits the time of a call.
+    fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)>;
+
+    /// Takes the cases of a job, in any order of the jobs, and stores them. An empty list marks a job that failed.
+    fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases);
+
+    /// Numbers of solved scenes and of all scenes; equal at the end.
+    fn progress(&self) -> (usize, usize);
+
+    /// Are all scenes solved?
+    fn is_done(&self) -> bool {
+        let (done, all) = self.progress();
+        done == all
+    }
+}
+
+/// Runs a study to its end with a runner that waits.
+///
+/// # Errors
+/// The first panic of a job. The jobs that were submitted before stay with the runner.
+pub fn run(
+    study: &mut dyn Study,
+    store: &mut Cases,
+    runner: &mut dyn Runner<Job = Job, Done = Vec<Case>>,
+) -> Result<(), JobPanic> {
+    // Index of the study's job by the runner's index.
+    let mut running = HashMap::new();
+    loop {
+        while running.len() < 2 * runner.workers()
+            && let Some((index, job)) = study.next_job(store)
+        {
+            running.insert(runner.submit(job), index);
+        }
+        let Some(Finished { index, result }) = runner.next() else { return Ok(()) };
+        if let Some(job) = running.remove(&index) {
+            study.receive(job, result?, store);
+        }
+    }
+}
