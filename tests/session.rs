@@ -496,6 +496,27 @@ fn a_short_slice_displays_the_solution_of_a_coarser_grid() {
 }
 
 #[test]
+fn a_cancelled_gesture_leaves_no_step() {
+    let mut session = Session::new(small()).unwrap();
+    edit(&mut session, 1, |scene| scene.insertion = 0.8);
+    let kept = session.scene().clone();
+    for k in 1..=3 {
+        edit(&mut session, 2, |scene| scene.insertion = 0.1 * f64::from(k));
+    }
+    // Another gesture is not the last one.
+    session.apply(Command::CancelGesture(1)).unwrap();
+    assert_ne!(session.scene(), &kept);
+    session.apply(Command::CancelGesture(2)).unwrap();
+    session.apply(Command::CancelGesture(2)).unwrap();
+    assert_eq!(session.scene(), &kept);
+    assert!(session.can_undo() && !session.can_redo());
+    // An edit to an equal scene is no step, and cancelling takes none back.
+    edit(&mut session, 3, |_| {});
+    session.apply(Command::CancelGesture(3)).unwrap();
+    assert_eq!(session.scene(), &kept);
+}
+
+#[test]
 fn a_gesture_is_one_step_of_undo() {
     let mut session = Session::new(small()).unwrap();
     for k in 1..=5 {

@@ -8,7 +8,6 @@ use super::viewport::labelled_box;
 use super::widgets::{arrow_keys, keep_press, set_accessible_name};
 use super::{App, theme};
 use crate::scene::Scene;
-use crate::session::Command;
 use crate::view::body::Body;
 use eframe::egui::{
     self, CursorIcon, Key, Modifiers, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, vec2,
@@ -41,8 +40,6 @@ pub(super) struct Drag {
     choices: Choices,
     pointer: Pos2,
     axes: Axes,
-    /// Cancelled by a key: the rest of the drag changes nothing.
-    is_cancelled: bool,
 }
 
 /// One millimetre to the side, towards the head and away from the wall on the screen \[points\].
@@ -102,7 +99,8 @@ impl App {
             }
             self.follow(ui, &response, kind, axes, scene);
             self.step_by_keys(ui, &response, kind, scene);
-            if self.drag.as_ref().is_some_and(|drag| drag.kind == kind && !drag.is_cancelled) {
+            if self.drag.as_ref().is_some_and(|drag| drag.kind == kind) && !self.press.is_cancelled
+            {
                 let painter = ui.painter_at(area);
                 let lines = self.about_drag(scene, kind);
                 labelled_box(ui, &painter, area, (at, "Drag"), &lines);
@@ -132,11 +130,11 @@ impl App {
         if response.drag_started() || self.drag.is_none() {
             let pointer = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
             let (before, choices) = (Box::new(scene.clone()), self.plan);
-            self.drag = Some(Drag { kind, before, choices, pointer, axes, is_cancelled: false });
+            self.drag = Some(Drag { kind, before, choices, pointer, axes });
         }
         let Some(drag) = self.drag.as_ref().filter(|drag| drag.kind == kind) else { return };
         let movement = Vec2::new(pointer.x - drag.pointer.x, pointer.y - drag.pointer.y);
-        if drag.is_cancelled || movement == Vec2::ZERO {
+        if self.press.is_cancelled || movement == Vec2::ZERO {
             return;
         }
         match kind {
@@ -189,18 +187,6 @@ impl App {
             Kind::Position => plan::position_in_words(scene),
             Kind::Projection => plan::projection_in_words(scene, &self.plan),
         }
-    }
-
-    /// Cancels a running drag: the plan is as before. Returns whether there was one.
-    pub(super) fn cancel_drag(&mut self) -> bool {
-        let Some(drag) = self.drag.as_mut().filter(|drag| !drag.is_cancelled) else { return false };
-        drag.is_cancelled = true;
-        self.plan = drag.choices;
-        // All of a drag is one step.
-        if *drag.before != *self.session.scene() {
-            self.execute(Command::Undo);
-        }
-        true
     }
 }
 

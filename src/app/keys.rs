@@ -45,7 +45,7 @@ impl App {
         self.run_keys(ctx, true);
     }
 
-    /// Escape cancels a drag on the picture, or removes a mark of the picture, unless Escape belongs to another control.
+    /// Escape cancels a drag of a handle or a slider, or removes a mark of the picture, unless Escape belongs to another control.
     fn escape(&mut self, ctx: &egui::Context) {
         let is_pressed = ctx.input(|input| input.key_pressed(Key::Escape));
         let is_elsewhere = self.show_help || self.curve_window.is_some() || self.palette.is_open();
@@ -56,7 +56,7 @@ impl App {
         let has_focus = self.focus.is_on(picture);
         let is_free = has_focus || self.focus.is_nowhere();
         let is_taken =
-            self.cancel_drag() || (is_free && !self.is_long() && self.viewport.remove_mark());
+            self.cancel_press(ctx) || (is_free && !self.is_long() && self.viewport.remove_mark());
         if is_taken {
             // Escape has removed the focus; the next key is one for the picture too.
             if let Some(picture) = picture.filter(|_| has_focus) {
@@ -64,6 +64,23 @@ impl App {
             }
             ctx.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, Key::Escape));
         }
+    }
+
+    /// Cancels the drag of a handle or a slider: plan and history are as before, and the rest of the drag changes nothing. Returns
+    /// whether there was one.
+    fn cancel_press(&mut self, ctx: &egui::Context) -> bool {
+        let is_held = ctx.input(|input| input.pointer.any_down());
+        if !is_held || self.is_playing || self.press.is_cancelled {
+            return false;
+        }
+        let before = self.session.scene().clone();
+        self.execute(Command::CancelGesture(self.gesture));
+        let is_edited = before != *self.session.scene();
+        if is_edited || self.drag.is_some() {
+            self.press.is_cancelled = true;
+            self.plan = self.press.choices;
+        }
+        self.press.is_cancelled
     }
 
     pub(super) fn toggle_playback(&mut self) {

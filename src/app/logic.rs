@@ -5,6 +5,7 @@ use super::files::{FileEvent, is_table};
 use super::focus::Boundary;
 use super::messages::Notice;
 use super::status::SliceOf;
+use super::widgets::note_cancelled_press;
 use super::{App, plan, theme};
 use crate::measure::no_shape;
 use crate::scene::Scene;
@@ -31,6 +32,15 @@ pub(super) struct RunningSolve {
     pub(super) fraction: f64,
 }
 
+/// The last press of the pointer.
+#[derive(Default)]
+pub(super) struct Press {
+    /// The choices of the plan before the press.
+    pub(super) choices: plan::Choices,
+    /// Cancelled by a key: until its release the pointer changes no plan.
+    pub(super) is_cancelled: bool,
+}
+
 impl App {
     /// Runs a frame: keys, one slice of solving, panels, edits. Independent of the surrounding window.
     pub fn show(&mut self, ui: &mut Ui) {
@@ -39,7 +49,11 @@ impl App {
         self.poll_files(&ctx);
         self.focus.begin_frame(&ctx);
         self.plan.device.note(&ctx);
+        if ctx.input(|input| input.pointer.any_pressed()) {
+            self.press = Press { choices: self.plan, is_cancelled: false };
+        }
         self.handle_keys(&ctx);
+        note_cancelled_press(&ctx, self.press.is_cancelled);
         let mut scene = self.draft.take().unwrap_or_default();
         if scene != *self.session.scene() {
             scene.clone_from(self.session.scene());
@@ -199,8 +213,14 @@ impl App {
             // From press to release is one gesture; each key is its own.
             self.gesture += u64::from(!self.is_playing);
         }
+        let is_cancelled = self.press.is_cancelled;
+        self.press.is_cancelled &= ctx.input(|input| input.pointer.any_down());
         if self.is_scene_replaced || scene == self.session.scene() {
             return;
+        }
+        if is_cancelled {
+            // The panels show the changed copy of the scene.
+            return self.request_frame();
         }
         if let Err(error) = self.edit(scene) {
             self.notice = Some(Notice::error(error.to_string()));

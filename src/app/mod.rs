@@ -67,7 +67,7 @@ use egui::FocusDirection;
 use files::Files;
 use filling::Filling;
 use focus::Focus;
-use logic::RunningSolve;
+use logic::{Press, RunningSolve};
 use messages::Notice;
 use no_answer::NearestSearch;
 use palette::Palette;
@@ -104,6 +104,7 @@ pub struct App {
     focus: Focus,
     /// The running drag of a handle on the picture.
     drag: Option<handles::Drag>,
+    press: Press,
     solving: Option<RunningSolve>,
     /// Copy of the scene that the panels edit, kept between frames.
     draft: Option<Scene>,
@@ -165,6 +166,7 @@ impl App {
             position_notice: None,
             focus: Focus::default(),
             drag: None,
+            press: Press::default(),
             solving: None,
             draft: None,
             is_scene_replaced: false,

@@ -262,7 +262,37 @@ fn a_drag_up_raises_the_implant_and_escape_restores_the_plan() {
     harness.drop_at(end - vec2(0.0, 30.0));
     settle(&mut harness);
     assert_eq!(scene(&harness), before);
-    assert!(!harness.state().session().can_undo());
+    assert!(!harness.state().session().can_undo() && !harness.state().session().can_redo());
+}
+
+#[test]
+fn escape_during_a_drag_of_a_slider_leaves_no_step() {
+    let mut harness = desktop();
+    let before = scene(&harness);
+    let rail = harness.get_by_role_and_label(Role::Slider, "Volume (ml)").rect();
+    let at = rail.center();
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    for k in 1..=4 {
+        harness.hover_at(at + vec2(6.0 * k as f32, 0.0));
+        settle(&mut harness);
+    }
+    assert_ne!(scene(&harness), before);
+    harness.key_press(Key::Escape);
+    settle(&mut harness);
+    assert_eq!(scene(&harness), before);
+    harness.hover_at(at + vec2(40.0, 0.0));
+    settle(&mut harness);
+    harness.drop_at(at + vec2(40.0, 0.0));
+    settle(&mut harness);
+    assert_eq!(scene(&harness), before);
+    assert!(!harness.state().session().can_undo() && !harness.state().session().can_redo());
+    // The next press is a new one.
+    click(&mut harness, at + vec2(20.0, 0.0));
+    settle(&mut harness);
+    assert_ne!(scene(&harness), before);
 }
 
 fn open_list(harness: &mut Screen) {

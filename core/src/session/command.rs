@@ -14,6 +14,8 @@ pub enum Command {
     },
     /// Opens the text of a scene file. The pins of a file with the field `pins` replace the present pins.
     Open(String),
+    /// Reverts the edits of a gesture, if they are the last ones. Neither undo nor redo has a step of them.
+    CancelGesture(u64),
     /// Reverts the last undo step.
     Undo,
     /// Repeats the last reverted step.

@@ -170,8 +170,17 @@ impl Session {
         match command {
             Command::Edit { scene, gesture } => {
                 let merge = self.last_gesture == Some(gesture);
-                self.replace(CheckedScene::new(*scene)?, merge);
-                self.last_gesture = Some(gesture);
+                if self.replace(CheckedScene::new(*scene)?, merge) {
+                    self.last_gesture = Some(gesture);
+                }
+            }
+            Command::CancelGesture(gesture) => {
+                if self.last_gesture == Some(gesture)
+                    && let Some(scene) = self.undo.pop()
+                {
+                    self.show(CheckedScene::new(scene)?);
+                    self.last_gesture = None;
+                }
             }
             Command::Open(json) => {
                 let Document { scene, pins } = Document::from_json(&json)?;
@@ -232,9 +241,10 @@ impl Session {
         !self.redo.is_empty()
     }
 
-    fn replace(&mut self, scene: CheckedScene, merge: bool) {
+    /// Replaces the current scene as a step of the history, or within the last one. Returns false for an equal scene.
+    fn replace(&mut self, scene: CheckedScene, merge: bool) -> bool {
         if *scene.scene() == self.scene {
-            return;
+            return false;
         }
         let before = self.show(scene);
         if !merge {
@@ -244,6 +254,7 @@ impl Session {
             self.undo.push(before);
         }
         self.redo.clear();
+        true
     }
 
     /// Replaces the current scene; returns the previous scene. Only a change of the physics to that of no pin starts a

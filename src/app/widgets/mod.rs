@@ -88,6 +88,15 @@ pub(super) fn keep_press(response: &Response) {
     }
 }
 
+/// Notes whether the press of the pointer is cancelled: a rail then stays where it is.
+pub(super) fn note_cancelled_press(ctx: &egui::Context, is_cancelled: bool) {
+    ctx.data_mut(|data| data.insert_temp(Id::unique("cancelled press"), is_cancelled));
+}
+
+fn is_press_cancelled(ctx: &egui::Context) -> bool {
+    ctx.data(|data| data.get_temp(Id::unique("cancelled press"))).unwrap_or_default()
+}
+
 /// Filter of a focused widget that receives the arrow keys; otherwise the keys move the focus.
 pub(super) fn arrow_keys() -> EventFilter {
     EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() }

@@ -2,7 +2,8 @@
 //! handle, or after dragging along the rail; a swipe across the rail scrolls the panel.
 
 use super::{
-    STEP_KEYS, arrow_keys, describe_range, keep_press, key_steps, quantity, set_value_requests,
+    STEP_KEYS, arrow_keys, describe_range, is_press_cancelled, keep_press, key_steps, quantity,
+    set_value_requests,
 };
 use crate::app::theme;
 use eframe::egui::{
@@ -103,6 +104,9 @@ impl Rail<'_> {
             kept
         });
         keep_press(response);
+        if is_press_cancelled(ui.ctx()) {
+            return None;
+        }
         let is_held = response.is_pointer_button_down_on() || response.long_touched();
         let is_released = response.clicked() || response.drag_stopped();
         let at = response.interact_pointer_pos().filter(|_| is_held || is_released)?;
