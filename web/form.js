@@ -17,10 +17,19 @@ function selection(choices) {
   return element("select", {}, [none, ...options]);
 }
 
+/** The input of a choice, of a text of one line or several, or of a number. */
+function createInput({ choices, characters, lines }) {
+  if (choices) return selection(choices);
+  if (!characters) return element("input", { inputMode: "decimal", autocomplete: "off" });
+  const properties = { maxLength: characters, autocomplete: "off" };
+  return lines > 1 ? element("textarea", { rows: 3, ...properties }) : element("input", properties);
+}
+
 /** A row with label, input, allowed values and error. */
-function createRow({ name, label, unit, hint, choices }) {
+function createRow(field) {
+  const { name, label, unit, hint } = field;
   const id = `plan-${name}`;
-  const input = choices ? selection(choices) : element("input", { inputMode: "decimal", autocomplete: "off" });
+  const input = createInput(field);
   Object.assign(input, { id, name, value: "" });
   input.setAttribute("aria-describedby", `${id}-range ${id}-hint ${id}-error`);
   const parts = {
@@ -34,7 +43,8 @@ function createRow({ name, label, unit, hint, choices }) {
   const row = { ...parts, shown: "", element: element("div", {}, Object.values(parts)) };
   input.addEventListener("change", () => commit(row));
   input.addEventListener("keydown", ({ key }) => {
-    if (key === "Enter") commit(row);
+    // In a text of several lines the Enter key begins a line.
+    if (key === "Enter" && input.localName !== "textarea") commit(row);
     if (key === "Escape") reset(row);
   });
   rows.set(name, row);
@@ -64,13 +74,19 @@ function commit(row) {
   show(globalThis.implantPreview.plan());
 }
 
+/** The allowed values in words. */
+function allowed({ least, most, unit, characters }) {
+  if (characters) return `up to ${characters} characters`;
+  return least === undefined ? "" : `${+least.toFixed(2)} to ${+most.toFixed(2)} ${unit}`;
+}
+
 /** Shows the fields of a plan (JSON text). Text that is being typed stays. */
 function show(plan) {
   const fields = JSON.parse(plan);
   for (const field of fields) {
     const row = rows.get(field.name) ?? createRow(field);
     const isTyped = row.input.value !== row.shown;
-    row.range.textContent = field.choices ? "" : `${+field.least.toFixed(2)} to ${+field.most.toFixed(2)} ${field.unit}`;
+    row.range.textContent = allowed(field);
     row.shown = field.text;
     if (!isTyped) reset(row);
   }

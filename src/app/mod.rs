@@ -267,7 +267,7 @@ impl App {
     }
 
     /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, and
-    /// `least` and `most` of a number or the `choices` of a word.
+    /// `least` and `most` of a number, the `choices` of a word or `characters` and `lines` of a text.
     #[must_use]
     pub fn plan_json(&self) -> String {
         let fields = plan::fields(self.session.scene(), &self.plan);

@@ -22,6 +22,11 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "To the side (cm)",
       "Up (cm)",
       "In place (%)",
+      "Reference",
+      "Side",
+      "Date of the visit",
+      "Surgeon",
+      "Remarks",
     ]);
     assert.equal(await field("Width (cm)").inputValue(), "12.0");
     assert.equal(await field("Skin feels").inputValue(), "normal");

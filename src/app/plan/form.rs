@@ -1,33 +1,13 @@
-//! The plan as a form: its numbers and its choice by name, for the form of the page and for scripts. A number has the
-//! same limits and the same effect as its control on the screen.
+//! The plan as a form: its numbers, its choice and its visit by name, for the form of the page and for scripts. A field has
+//! the same limits and the same effect as its control on the screen.
 
-use super::{Choices, Device, implant, insertion, mm, patient, pocket, position, set_insertion};
+use super::field::{Field, Values};
+use super::{
+    Choices, Device, implant, insertion, mm, patient, pocket, position, set_insertion, visit,
+};
 use crate::app::widgets::Control;
 use crate::clinical::{Dimension, SkinClass};
 use crate::scene::Scene;
-use serde::Serialize;
-
-/// A field of the form.
-#[derive(Debug, Serialize)]
-pub(in crate::app) struct Field {
-    name: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    /// The value as the screen shows it; empty: none of the choices.
-    text: String,
-    /// What the field means.
-    hint: String,
-    #[serde(flatten)]
-    values: Values,
-}
-
-/// The values that a field allows.
-#[derive(Debug, Serialize)]
-#[serde(untagged)]
-enum Values {
-    Numbers { least: f64, most: f64 },
-    Words { choices: Vec<&'static str> },
-}
 
 /// A number of the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +57,7 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
             fields.push(skin(scene));
         }
     }
+    fields.extend(visit::form_fields(scene));
     fields
 }
 
@@ -112,6 +93,9 @@ pub(in crate::app) fn set(
         (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
         patient::measure(scene, measured);
         return Ok(());
+    }
+    if let Some(set) = visit::set_form_field(scene, name, text) {
+        return set;
     }
     let number = NUMBERS.into_iter().find(|(known, _)| *known == name);
     let found = number.and_then(|(_, n)| Some((n, n.control(scene, choices)?)));
@@ -218,12 +202,36 @@ mod tests {
                 "height",
                 "3",
                 "the plan has no field of this name; allowed: width_cm, volume_ml, projection_cm, pinch_cm, skin, \
-                 margin_cm, side_cm, up_cm, in_place_percent",
+                 margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
+            ),
+            ("side", "up", "Side: allowed: left, right, both, not said"),
+            (
+                "date",
+                "31.1.2026",
+                "Date of the visit: \"31.1.2026\" is no date; allowed: a date as 2026-01-31 (year-month-day), 1900 to 2199",
             ),
         ] {
             assert_eq!(set(&mut scene, &mut choices, name, text).unwrap_err(), words);
         }
         assert_eq!(scene, Scene::opening());
+    }
+
+    #[test]
+    fn the_visit_is_set_as_on_the_screen() {
+        let visit = after(&[
+            ("reference", "K. M.\n4711"),
+            ("side", "left"),
+            ("date", " 2026-01-31 "),
+            ("remarks", "one\ntwo"),
+        ]);
+        let visit = visit.visit.unwrap();
+        assert_eq!((&*visit.reference, &*visit.date), ("K. M. 4711", "2026-01-31"));
+        assert_eq!((visit.side, &*visit.remarks), (Some(crate::scene::Side::Left), "one\ntwo"));
+        let long = after(&[("surgeon", &"é".repeat(70))]).visit.unwrap();
+        assert_eq!(long.surgeon.chars().count(), 60);
+        // Nothing stated is no visit.
+        let none = after(&[("side", "right"), ("side", "not said"), ("surgeon", "")]);
+        assert_eq!(none, Scene::opening());
     }
 
     #[test]

@@ -2,9 +2,10 @@
 //! turns the difference into a command.
 //!
 //! `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
-//! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts) | `visit`
+//! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words).
 
+mod field;
 mod form;
 mod implant;
 mod insertion;

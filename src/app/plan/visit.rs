@@ -1,5 +1,6 @@
 //! Patient and visit in words, for the plan's file and the report: reference, side, date, surgeon, remarks.
 
+use super::field::{Field, Values};
 use super::{Hand, chip, chips};
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{rejection_label, remark};
@@ -11,6 +12,12 @@ use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
 
 /// Width of the names of the fields \[points\].
 const NAMES: f32 = 68.0;
+
+/// The choice of no side, and the name of the date.
+const NOT_SAID: &str = "not said";
+const DATE_NAME: &str = "Date of the visit";
+/// Greatest number of characters of a date while it is typed.
+const MAX_DATE: usize = 20;
 
 const KEPT: &str = "Kept in this plan's file and in the report only; reference and side also stand on the picture. Not in links \
                     or pins, and gone at the next start. Nothing is sent.";
@@ -47,17 +54,83 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
     if !is_open(ui) {
         return None;
     }
-    let before = scene.visit.clone().unwrap_or_default();
-    let mut now = before.clone();
+    let mut now = scene.visit.clone().unwrap_or_default();
     let focused = fields(ui, &mut now, hand);
-    if now != before {
-        if scene.body.is_none() {
-            // A sheet of `scene/1` becomes the equal sheet of a version that may have a visit.
-            scene.set_tissue_model(TissueModel::Sheet);
-        }
-        scene.visit = (!now.is_empty()).then_some(now);
-    }
+    set(scene, now);
     focused
+}
+
+/// Replaces the visit; an equal one leaves the scene as it is.
+fn set(scene: &mut Scene, now: Visit) {
+    if now == scene.visit.clone().unwrap_or_default() {
+        return;
+    }
+    if scene.body.is_none() {
+        // A sheet of `scene/1` becomes the equal sheet of a version that may have a visit.
+        scene.set_tissue_model(TissueModel::Sheet);
+    }
+    scene.visit = (!now.is_empty()).then_some(now);
+}
+
+/// The visit as fields of the form.
+pub(super) fn form_fields(scene: &Scene) -> [Field; 5] {
+    let visit = scene.visit.clone().unwrap_or_default();
+    let text = |characters, lines| Values::Text { characters, lines };
+    let side = visit.side.map_or(NOT_SAID, Side::word).to_owned();
+    let sides = Side::ALL.map(Side::word).into_iter().chain([NOT_SAID]).collect();
+    [
+        ("reference", "Reference", visit.reference, text(MAX_REFERENCE, 1)),
+        ("side", "Side", side, Values::Words { choices: sides }),
+        ("date", DATE_NAME, visit.date, text(MAX_DATE, 1)),
+        ("surgeon", "Surgeon", visit.surgeon, text(MAX_SURGEON, 1)),
+        ("remarks", "Remarks", visit.remarks, text(MAX_REMARKS, MAX_REMARK_LINES)),
+    ]
+    .map(|(name, label, text, values)| Field {
+        name,
+        label,
+        unit: "",
+        text,
+        hint: KEPT.to_owned(),
+        values,
+    })
+}
+
+/// Sets a field of the form; `None`: the visit has no such field.
+///
+/// # Errors
+/// Returns one line with what is allowed; the visit is then unchanged.
+pub(super) fn set_form_field(
+    scene: &mut Scene,
+    name: &str,
+    text: &str,
+) -> Option<Result<(), String>> {
+    let mut now = scene.visit.clone().unwrap_or_default();
+    let typed = |most: usize, lines: usize| -> String {
+        cleaned(text.trim(), lines).chars().take(most).collect()
+    };
+    match name {
+        "reference" => now.reference = typed(MAX_REFERENCE, 1),
+        "side" => {
+            let side = Side::ALL.into_iter().find(|side| side.word() == text.trim());
+            if side.is_none() && text.trim() != NOT_SAID {
+                let words = Side::ALL.map(Side::word).join(", ");
+                return Some(Err(format!("Side: allowed: {words}, {NOT_SAID}")));
+            }
+            now.side = side;
+        }
+        "date" => {
+            let date = text.trim();
+            if !(date.is_empty() || is_date(date)) {
+                return Some(Err(format!("{DATE_NAME}: {date:?} is no date; allowed: {DATE}")));
+            }
+            date.clone_into(&mut now.date);
+        }
+        "surgeon" => now.surgeon = typed(MAX_SURGEON, 1),
+        "remarks" => now.remarks = typed(MAX_REMARKS, MAX_REMARK_LINES),
+        _ => return None,
+    }
+    set(scene, now);
+    Some(Ok(()))
 }
 
 /// Reference and side in words; empty if none is stated.
@@ -95,7 +168,7 @@ fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
     named(ui, "Side", |ui| {
         chips(ui, |ui| {
             let choices = Side::ALL.map(|side| (Some(side), side.word()));
-            for (side, word) in choices.into_iter().chain([(None, "not said")]) {
+            for (side, word) in choices.into_iter().chain([(None, NOT_SAID)]) {
                 if chip(ui, hand, visit.side == side, word, "") {
                     visit.side = side;
                 }
@@ -157,8 +230,8 @@ fn date(ui: &mut Ui, date: &mut String) -> Response {
     let draft = kept.filter(|(of, _)| of == date).map(|(_, draft)| draft);
     let mut typed = draft.unwrap_or_else(|| date.clone());
     let response = named(ui, "Date", |ui| {
-        let field = TextEdit::singleline(&mut typed).hint_text("2026-01-31").char_limit(20);
-        add(ui, "Date of the visit", field, date)
+        let field = TextEdit::singleline(&mut typed).hint_text("2026-01-31").char_limit(MAX_DATE);
+        add(ui, DATE_NAME, field, date)
     });
     let text = typed.trim();
     let is_allowed = text.is_empty() || is_date(text);
