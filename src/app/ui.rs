@@ -286,16 +286,17 @@ impl App {
         } else {
             let envelope = self.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.session, &self.options);
-            let outlines = plots::outlines(session, &self.compare, theme::palette(ui.visuals()));
             let bar = self.view_bar_height;
-            let shown = Shown { session, options, envelope, outlines: &outlines, bar };
+            let shown = Shown { session, options, envelope, outlines: &[], bar };
             if session.has_no_shape() {
                 self.viewport.show(ui, shown);
                 self.no_shape(ui, area, scene, layout);
             } else if self.compare.is_side_by_side(session) {
                 self.viewport.show_side_by_side(ui, shown);
             } else {
-                self.viewport.show(ui, shown);
+                let palette = theme::palette(ui.visuals());
+                let outlines = plots::outlines(session, &self.compare, palette);
+                self.viewport.show(ui, Shown { outlines: &outlines, ..shown });
             }
             if !self.session.has_no_shape() {
                 self.handles(ui, scene);

@@ -56,6 +56,39 @@ pub(super) fn picture(
     image
 }
 
+/// Objects of the graphics driver, deleted at the end, also where a later one is not created.
+struct Objects<'a> {
+    gl: &'a glow::Context,
+    framebuffers: Vec<glow::Framebuffer>,
+    buffers: Vec<glow::Renderbuffer>,
+}
+
+impl Objects<'_> {
+    fn framebuffer(&mut self) -> Result<glow::Framebuffer, String> {
+        // SAFETY: runs on the context's thread, as all of this file.
+        let created = unsafe { self.gl.create_framebuffer()? };
+        self.framebuffers.push(created);
+        Ok(created)
+    }
+
+    fn buffer(&mut self) -> Result<glow::Renderbuffer, String> {
+        // SAFETY: as above.
+        let created = unsafe { self.gl.create_renderbuffer()? };
+        self.buffers.push(created);
+        Ok(created)
+    }
+}
+
+impl Drop for Objects<'_> {
+    fn drop(&mut self) {
+        // SAFETY: as above; the objects were created by this context.
+        unsafe {
+            self.buffers.drain(..).for_each(|buffer| self.gl.delete_renderbuffer(buffer));
+            self.framebuffers.drain(..).for_each(|target| self.gl.delete_framebuffer(target));
+        }
+    }
+}
+
 /// The pixels of what `paint` draws into a target in memory.
 fn target(
     gl: &glow::Context,
@@ -64,12 +97,12 @@ fn target(
 ) -> Result<ColorImage, String> {
     let (columns, rows) = (width as i32, height as i32);
     let mut bytes = vec![0; 4 * (width * height) as usize];
-    // SAFETY: all calls run on the context's thread, with objects created and deleted here; the bytes have the size of the
+    let mut objects = Objects { gl, framebuffers: Vec::new(), buffers: Vec::new() };
+    let [drawn, resolved] = [objects.framebuffer()?, objects.framebuffer()?];
+    let buffers = [objects.buffer()?, objects.buffer()?, objects.buffer()?];
+    // SAFETY: all calls run on the context's thread, with objects that live until the end; the bytes have the size of the
     // pixels read. The framebuffer of the window is bound again.
     unsafe {
-        let (drawn, resolved) = (gl.create_framebuffer()?, gl.create_framebuffer()?);
-        let buffers =
-            [gl.create_renderbuffer()?, gl.create_renderbuffer()?, gl.create_renderbuffer()?];
         let storage = [
             (drawn, glow::RGBA8, SAMPLES, glow::COLOR_ATTACHMENT0),
             (drawn, glow::DEPTH_COMPONENT24, SAMPLES, glow::DEPTH_ATTACHMENT),
@@ -103,8 +136,6 @@ fn target(
         }
         gl.bind_renderbuffer(glow::RENDERBUFFER, None);
         gl.bind_framebuffer(glow::FRAMEBUFFER, None);
-        buffers.into_iter().for_each(|buffer| gl.delete_renderbuffer(buffer));
-        [drawn, resolved].into_iter().for_each(|target| gl.delete_framebuffer(target));
         if !is_complete {
             return Err("the graphics have no memory for a picture".to_owned());
         }
