@@ -140,7 +140,9 @@ impl App {
         let is_busy = self.session.is_working() || self.is_playing || is_held;
         self.filling.advance(self.session.scene(), self.plan.device, &mut self.studies, is_busy);
         let shelf = &self.range.sizes.shelf;
-        self.volume_marks.advance(self.session.scene(), shelf, &mut self.studies, is_busy);
+        let bands = self.uncertainty.choices(self.session.scene());
+        let plan = (self.session.scene(), shelf);
+        self.volume_marks.advance(plan, bands, &mut self.studies, is_busy);
         let sizes = &self.range.sizes;
         self.shelf_largest.advance(self.session.scene(), sizes, &mut self.studies, is_busy);
         self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);

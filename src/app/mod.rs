@@ -5,8 +5,8 @@
 //! At rest the app neither solves nor draws.
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `ui` arranges the screen: `plan` with `volume_marks` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
-//! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling`, `uncertainty`, `details` and `plots` on the right.
+//! frames, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
+//! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it.
 //! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `controls` finds controls by
@@ -50,6 +50,7 @@ mod ui;
 mod uncertainty;
 mod view_bar;
 mod viewport;
+mod volume_band;
 mod volume_marks;
 mod volumes;
 mod widgets;

@@ -3,11 +3,14 @@
 //! used or the plan is edited.
 
 use super::studies::{Driver, Studies};
+use super::volume_band::VolumeBand;
 use super::volumes::{COUNT, volumes};
 use crate::clinical::{Shelf, ShelfSize};
 use crate::measure::bands::{self, Limits};
 use crate::scene::Scene;
-use crate::study::{Axis, Map, MapSettings, Parameter, Quantity, volume_and_width, with_values};
+use crate::study::{
+    Axis, BandsSettings, Map, MapSettings, Parameter, Quantity, volume_and_width, with_values,
+};
 
 /// Grid and tolerance of the volumes.
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -36,6 +39,8 @@ pub(super) struct VolumeMarks {
     /// The curve of the next width, and its marks.
     beside: Driver<Map>,
     beside_marks: Option<Vec<Mark>>,
+    /// The largest usual volume over sampled patients.
+    band: VolumeBand,
 }
 
 /// A volume \[ml\] above which the word of a quantity changes.
@@ -54,11 +59,12 @@ impl VolumeMarks {
         self.is_wanted = true;
     }
 
-    /// Starts and continues the studies, once a frame. `is_busy`: the plan is being solved or edited.
+    /// Starts and continues the studies, once a frame. `bands`: the choices of the bands while they are on, and whether the bands
+    /// are complete; `is_busy`: the plan is being solved or edited.
     pub(super) fn advance(
         &mut self,
-        scene: &Scene,
-        shelf: &Shelf,
+        (scene, shelf): (&Scene, &Shelf),
+        bands: Option<(BandsSettings, bool)>,
         studies: &mut Studies,
         is_busy: bool,
     ) {
@@ -72,6 +78,9 @@ impl VolumeMarks {
             self.marks = Some(marks(&curve.axes()[0], |quantity, i| curve.value(quantity, i, 0)));
         }
         self.advance_beside(shelf, studies, is_busy);
+        let curve = self.curve.study().filter(|_| self.marks.is_some());
+        let curve = curve.map(|curve| (curve.base(), curve.axes()[0]));
+        self.band.advance(curve, bands, studies, is_busy);
     }
 
     /// The curve of the next width, after that of the plan's own.
@@ -144,13 +153,21 @@ impl VolumeMarks {
         let words = match largest(&curve.axes()[0], marks) {
             None => format!("No volume on {width} cm stays usual"),
             Some(volume) => format!("Up to {volume} stays usual on {width} cm"),
-        };
+        } + &self.band.words();
         let beside = self.beside_marks.as_ref().zip(self.beside.study()).map(|(marks, beside)| {
             let [_, width] = volume_and_width(beside.base());
             let volume = largest(&beside.axes()[0], marks).unwrap_or_else(|| "none".to_owned());
             format!("; {volume} on {width} cm")
         });
         format!("{words}{}.", beside.unwrap_or_default())
+    }
+
+    /// What [`Self::largest_usual`] is.
+    pub(super) fn about_largest_usual(&self) -> String {
+        "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse grid, between \
+         two volumes on a line; in steps of 5 ml, rounded down."
+            .to_owned()
+            + &self.band.about()
     }
 
     /// That a volume is within a tenth of the greatest one with an answer, in words; empty while that is not known.

@@ -3,7 +3,7 @@
 use super::*;
 use implant_preview::clinical::spread::Distribution;
 use implant_preview::study::{
-    Band, Bands, BandsSettings, Cases, Quantity, Study, Unknown, evaluate,
+    Band, Bands, BandsSettings, Cases, Quantity, Study, Unknown, UsualRange, evaluate,
 };
 
 const SWITCH: &str = "Show what is not known";
@@ -324,4 +324,41 @@ fn wait_for_label(harness: &mut Harness<'static, App>, label: &str) {
         harness.step();
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
+}
+
+#[test]
+fn the_largest_usual_volume_has_the_range_of_sampled_patients() {
+    let mut harness = sampled(WIDE);
+    let line = |harness: &Harness<'static, App>| {
+        let lines = harness.query_all_by_label_contains(" in 8 of 10 patients); ");
+        lines.filter_map(|node| node.accesskit_node().label().or(node.value())).next()
+    };
+    // An edit asks for the largest volume, the bands come before its range.
+    type_into(&mut harness, "Margin (cm)", "1.2");
+    let start = std::time::Instant::now();
+    while line(&harness).is_none() {
+        assert!(start.elapsed().as_secs() < 300, "no range");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let words = line(&harness).unwrap();
+    let scene = harness.state().session().scene().clone();
+    // The volumes of the slider's marks: a ratio of 0.15 to 1.3 of projection and half the width.
+    let ends = (70.0, 580.0);
+    let mut search = UsualRange::new(&scene, &settings(), ends).unwrap();
+    let mut store = Cases::default();
+    while let Some((index, job)) = search.next_job(&mut store) {
+        search.receive(index, evaluate(&job), &mut store);
+    }
+    let found = search.found().unwrap();
+    let [low, high] = [found.low_ml, found.high_ml].map(Option::unwrap);
+    assert!(words.contains(&format!(" ({low:.0}–{high:.0} ml in 8 of 10 patients); ")), "{words}");
+    // One patient's figure stands before the range.
+    let own: f64 =
+        words.strip_prefix("Up to ").unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(own > 0.5 * low && own < 2.0 * high, "{words}");
+    // Another volume of the same patient keeps the range.
+    type_into(&mut harness, "Volume (ml)", "310");
+    harness.step();
+    assert_eq!(line(&harness), Some(words));
 }

@@ -202,6 +202,11 @@ impl Bands {
         Ok(scene)
     }
 
+    /// The scene of a sampled patient.
+    pub(super) fn patient(&self, sample: usize) -> Result<Scene, String> {
+        self.scene(FIRST_SAMPLE + sample)
+    }
+
     fn samples(&self) -> impl Iterator<Item = &Case> {
         let cases = &self.queue.cases()[FIRST_SAMPLE..FIRST_SAMPLE + self.settings.samples];
         cases.iter().flatten()

@@ -39,7 +39,7 @@ impl FirstUsual {
 }
 
 /// Has a case an answer in which the words of stretch, cover and pressure are usual?
-fn is_usual(case: &Case) -> bool {
+pub(super) fn is_usual(case: &Case) -> bool {
     let value = |quantity: Quantity| case.values.get(quantity);
     let reserve = value(Quantity::SkinReserveUsed);
     let stretch = value(Quantity::GreatestStrain).map(|strain| bands::stretch(strain, reserve).0);

@@ -9,7 +9,8 @@
 //! `map_file` (its table and JSON) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
 //! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
-//! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual).
+//! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
+//! `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
 //! Uses `scene`, `simulate` and all to their left; no threads, no clock. Used by `platform` and `app`.
 
@@ -36,6 +37,7 @@ mod samples;
 mod section_band;
 mod sequence;
 mod unknown;
+mod usual_range;
 
 pub use axis::{Axis, MAX_POINTS, MapError};
 pub use bands::{
@@ -58,6 +60,7 @@ pub use samples::{LEAST_ANSWERS, Samples};
 pub use section_band::SectionBand;
 pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
 pub use unknown::Unknown;
+pub use usual_range::{PATIENTS, USUAL_STEP_ML, UsualRange, UsualVolumes};
 
 use std::collections::HashMap;
 

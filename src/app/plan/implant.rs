@@ -122,10 +122,8 @@ fn implant_rows(
     if let Some(marks) = marks {
         // Always a line, so that nothing moves.
         let words = Some(marks.largest_usual()).filter(|words| !words.is_empty());
-        remark(ui, words.unwrap_or_else(|| " ".to_owned())).on_hover_text(
-            "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse \
-             grid, between two volumes on a line; in steps of 5 ml, rounded down.",
-        );
+        remark(ui, words.unwrap_or_else(|| " ".to_owned()))
+            .on_hover_ui(|ui| drop(ui.label(marks.about_largest_usual())));
     }
     let unusual = if size.is_typical() { "" } else { " Outside the typical sizes." };
     remark(ui, format!("{a} follows {b} and {c}.{unusual}")).on_hover_text(typical());

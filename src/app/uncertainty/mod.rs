@@ -210,6 +210,12 @@ impl Uncertainty {
         self.findings.importance = found;
     }
 
+    /// The choices of the bands of a plan while they are on, and whether the bands are complete.
+    pub(super) fn choices(&self, scene: &Scene) -> Option<(BandsSettings, bool)> {
+        let is_complete = self.driver.study().is_some() && !self.driver.is_running();
+        self.is_on.then(|| (self.choices.settings(scene), is_complete))
+    }
+
     /// Numbers of computed plans and of all plans of the study; both 0 without one.
     pub(super) fn progress(&self) -> (usize, usize) {
         self.driver.progress()

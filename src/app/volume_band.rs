@@ -1,0 +1,95 @@
+//! The largest volume that stays usual, for 8 of 10 sampled patients: computed while the bands are on, after them.
+
+use super::studies::{Driver, Studies};
+use crate::scene::Scene;
+use crate::study::{
+    Axis, BandsSettings, PATIENTS, Parameter, USUAL_STEP_ML, UsualRange, UsualVolumes, with_values,
+};
+
+/// The study behind the band.
+#[derive(Default)]
+pub(super) struct VolumeBand {
+    search: Driver<UsualRange>,
+    /// The scene at the least volume, and the choices, of the search.
+    started: Option<(Scene, BandsSettings)>,
+}
+
+impl VolumeBand {
+    /// Starts, continues or cancels the search, once a frame. `curve`: the scene and the volumes of the curve of one patient, once
+    /// that is solved; `choices`: those of the bands while they are on, and whether the bands are complete.
+    pub(super) fn advance(
+        &mut self,
+        curve: Option<(&Scene, Axis)>,
+        choices: Option<(BandsSettings, bool)>,
+        studies: &mut Studies,
+        is_busy: bool,
+    ) {
+        let Some((settings, is_complete)) = choices else {
+            if self.started.take().is_some() {
+                self.search.cancel(studies);
+            }
+            return;
+        };
+        if let Some((scene, axis)) = curve.filter(|_| !is_busy) {
+            // Another volume is no other search.
+            let least = [(Parameter::Volume, axis.from)];
+            let of = with_values(scene, &least).ok().map(|least| (least, settings));
+            if of != self.started {
+                self.search.cancel(studies);
+                if is_complete && let Some((least, settings)) = &of {
+                    if let Ok(search) = UsualRange::new(least, settings, (axis.from, axis.to)) {
+                        self.search.start(search, studies);
+                    }
+                    self.started = of;
+                } else {
+                    self.started = None;
+                }
+            }
+        }
+        self.search.advance(studies);
+    }
+
+    /// The band in brackets, as " (210–280 ml in 8 of 10 patients)"; empty while that is not known.
+    pub(super) fn words(&self) -> String {
+        let found = self.search.study().and_then(UsualRange::found);
+        found.map_or_else(String::new, |found| format!(" ({} in 8 of 10 patients)", range(found)))
+    }
+
+    /// What the band is, for a hover; empty while the band is not known.
+    pub(super) fn about(&self) -> String {
+        if self.words().is_empty() {
+            return String::new();
+        }
+        format!(
+            " In brackets: 10th to 90th percentile of {PATIENTS} sampled patients, in steps of {USUAL_STEP_ML} ml; what varies is \
+             chosen under Uncertainty."
+        )
+    }
+}
+
+/// The range in words.
+fn range(UsualVolumes { low_ml, high_ml, is_open }: UsualVolumes) -> String {
+    let more = if is_open { " and more" } else { "" };
+    match (low_ml, high_ml) {
+        (Some(low), Some(high)) if high > low => format!("{low:.0}–{high:.0} ml{more}"),
+        (Some(low), _) => format!("{low:.0} ml{more}"),
+        (None, Some(high)) => format!("none to {high:.0} ml{more}"),
+        (None, None) => "none".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_without_a_usual_volume_or_an_end_says_so() {
+        let words = |low_ml, high_ml, is_open| range(UsualVolumes { low_ml, high_ml, is_open });
+        assert_eq!(words(Some(210.0), Some(280.0), false), "210–280 ml");
+        assert_eq!(words(Some(210.0), Some(580.0), true), "210–580 ml and more");
+        assert_eq!(words(Some(210.0), Some(210.0), false), "210 ml");
+        assert_eq!(words(None, Some(280.0), false), "none to 280 ml");
+        assert_eq!(words(None, None, false), "none");
+        assert_eq!(VolumeBand::default().words(), "");
+    }
+}
