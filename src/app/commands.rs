@@ -90,8 +90,8 @@ pub(super) const PICTURE: &str = "Picture";
 const RANGE: &str = "Range of implants";
 
 const COMPOSED: &str = "Picture with title, plan, answers, legend, scale and date";
-const REPORT: &str =
-    "One or two pages with pictures, plan, numbers, pins and limits; prints on paper";
+const REPORT: &str = "One or two pages with pictures, plan, numbers, pins and limits, and the chart of the range once that is computed; prints on \
+     paper";
 const TABLE: &str =
     "All results of plan and pins, with percentiles where bands are on, for a spreadsheet";
 const LINK: &str =

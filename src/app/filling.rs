@@ -1,6 +1,8 @@
-//! The filling of an expander: pressure, force and gained skin against the fill, each point one solved scene.
+//! The filling of an expander: pressure, force and gained skin against the fill, each point one solved scene; `fill_steps` reads
+//! the curves at each visit.
 
 use super::App;
+use super::fill_steps::FillSteps;
 use super::plan::Device;
 use super::plots::fixed_plot;
 use super::range::within_text;
@@ -58,6 +60,7 @@ pub(super) struct Filling {
     started: Option<Scene>,
     /// Why there is no curve.
     error: Option<String>,
+    steps: FillSteps,
 }
 
 impl Filling {
@@ -119,12 +122,25 @@ impl Filling {
         (0..COUNT).filter_map(point).collect()
     }
 
-    /// Shows the charts with the present fill \[ml\]; returns whether the table should be saved.
-    fn show(&self, ui: &mut Ui, fill: f64) -> bool {
+    /// The curve, once all its fills are solved.
+    fn solved(&self) -> Option<&Map> {
+        self.curve.study().filter(|_| !self.curve.is_running())
+    }
+
+    /// The fill steps up to the fill of a plan, heads first; empty before the curve of that plan is solved.
+    pub(super) fn steps(&self, scene: &Scene) -> Vec<Vec<String>> {
+        let is_of_plan = self.started.as_ref().is_some_and(|started| started.is_same_plan(scene));
+        let full_ml = Parameter::Volume.value(scene).filter(|_| is_of_plan);
+        let rows = self.solved().zip(full_ml).map(|(curve, full)| self.steps.rows(curve, full));
+        rows.unwrap_or_default()
+    }
+
+    /// Shows the charts with the present fill \[ml\] and the steps up to this fill; returns name and content of a file to save.
+    fn show(&mut self, ui: &mut Ui, fill: f64) -> Option<(&'static str, String)> {
         let palette = theme::palette(ui.visuals());
         if let Some(error) = &self.error {
             ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
-            return false;
+            return None;
         }
         for chart in &CHARTS {
             ui.label(RichText::new(chart.name).small().strong());
@@ -138,9 +154,15 @@ impl Filling {
         if let Some(failure) = self.curve.failure().or_else(|| self.check.failure()) {
             ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
         }
-        let is_done = self.curve.study().is_some() && !self.curve.is_running();
-        let save = ui.add_enabled(is_done, egui::Button::new("Save table (CSV)…"));
-        save.on_hover_text("All results of all fills").clicked()
+        let (solved, mut steps) = (self.solved(), self.steps);
+        let save = ui.add_enabled(solved.is_some(), egui::Button::new("Save table (CSV)…"));
+        let is_saved = save.on_hover_text("All results of all fills").clicked();
+        let curve = solved?;
+        ui.add_space(SPACE);
+        let table = steps.show(ui, curve, fill).map(|table| ("fill-steps.csv", table));
+        let saved = table.or_else(|| is_saved.then(|| ("filling.csv", curve.csv())));
+        self.steps = steps;
+        saved
     }
 
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
@@ -238,10 +260,10 @@ impl App {
             return;
         }
         let fill = Parameter::Volume.value(self.session.scene()).unwrap_or_default();
-        let mut is_saved = false;
-        group(ui, "Filling", |ui| is_saved = self.filling.show(ui, fill));
-        if is_saved && let Some(curve) = self.filling.curve.study() {
-            self.files.save(ui.ctx(), "filling.csv", curve.csv());
+        let mut saved = None;
+        group(ui, "Filling", |ui| saved = self.filling.show(ui, fill));
+        if let Some((name, content)) = saved {
+            self.files.save(ui.ctx(), name, content);
         }
     }
 }

@@ -24,6 +24,7 @@ mod details;
 mod device;
 mod fat;
 mod files;
+mod fill_steps;
 mod filling;
 mod focus;
 mod handles;

@@ -149,6 +149,8 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.equal(pins.length, 1);
     assert.deepEqual(plan, await harness.scene(page));
     assert.ok(requests.every((address) => address.startsWith("data:image/png")), String(requests));
+    // No report waits for the chart of the range: a line of the screen says how to get it.
+    assert.match(await paper.locator(".screen").textContent(), /Open the page Range of implants/);
     const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
     assert.ok(pages <= 2, `${pages} pages`);
     await paper.close();
@@ -189,6 +191,15 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
       await page.evaluate((volume) => implantPreview.setPlan("volume_ml", String(volume)), 310 + letter.charCodeAt(0));
       await harness.settled(page);
     }
+    // The chart of the range is a part of the report once it is computed.
+    await harness.control(page, "Range of implants");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => {
+      const { range_done, range_all } = implantPreview.stats();
+      return range_all > 0 && range_done === range_all;
+    }, null, { timeout: 4 * harness.PATIENCE });
+    await harness.control(page, "Picture");
+    await page.keyboard.press("Enter");
     const { solves } = await harness.stats(page);
     await harness.control(page, "For the file");
     await page.keyboard.press("Enter");
@@ -213,6 +224,10 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.equal(await paper.locator(".visit").first().textContent(), "K. M. 4711 · left side · visit of 2026-01-31 · surgeon Dr Å");
     assert.equal(await paper.locator(".visit").last().textContent(), remarks);
     assert.equal(await paper.locator(".visit b").count(), 0);
+    const chart = paper.getByRole("img", { name: "Range of implants: skin stretch" });
+    await chart.evaluate((img) => img.decode());
+    assert.ok((await colours(chart)) > 60, "the chart is blank");
+    assert.equal(await paper.locator(".screen").count(), 0);
     const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
     assert.ok(pages <= 2, `${pages} pages`);
     await paper.emulateMedia({ media: "print" });

@@ -56,6 +56,39 @@ fn the_ends_of_the_curves_are_single_solves() {
 }
 
 #[test]
+fn the_fill_steps_follow_fill_and_schedule_and_are_copied_as_a_table() {
+    let mut harness = filled();
+    let copied = |harness: &mut Harness<'static, App>| -> Vec<Vec<String>> {
+        harness.get_by_role_and_label(Role::Button, "Copy fill steps").click();
+        harness.step();
+        let commands = harness.output().platform_output.commands.clone();
+        let text = commands.into_iter().find_map(|command| match command {
+            egui::OutputCommand::CopyText(text) => Some(text),
+            _ => None,
+        });
+        let text = text.unwrap();
+        text.lines().map(|line| line.split('\t').map(str::to_owned).collect()).collect()
+    };
+    let rows = copied(&mut harness);
+    assert_eq!(rows[0][..4], ["Week", "Visit", "Added (ml)", "Filled (ml)"]);
+    assert_eq!(rows[1][..4], ["0", "op.", "100", "100"]);
+    assert_eq!(rows[5][..4], ["4", "4", "50", "300"]);
+    assert_eq!(rows.len(), 6);
+    type_into(&mut harness, "Per visit (ml)", "120");
+    type_into(&mut harness, "Weeks between visits", "2");
+    type_into(&mut harness, "Fill (ml)", "430");
+    let rows = copied(&mut harness);
+    let totals: Vec<&str> = rows.iter().skip(1).map(|row| &*row[3]).collect();
+    assert_eq!(totals, ["100", "220", "340", "430"]);
+    assert_eq!(rows[4][..3], ["6", "3", "90"]);
+    // The last row is the plan itself.
+    let strain = 100.0 * harness.state().outcome().unwrap().strain.unwrap().max_principal;
+    let shown: f64 = rows[4][5].split(',').next().unwrap().parse().unwrap();
+    assert!((shown - strain).abs() < 0.03 * strain + 0.5, "{shown} {strain}");
+    assert!(harness.query_by_label("430").is_some(), "the table on the screen");
+}
+
+#[test]
 fn another_fill_keeps_the_curves_and_another_base_renews_them() {
     let mut harness = filled();
     let before = caption(&harness);

@@ -2,13 +2,14 @@
 //!
 //! `axes` (the numbers on offer, their words and units) | `plane` (values to points of the screen) | `colours` (scale and
 //! picture) | `readout` (values of a point in words) | `areas` (their words) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic) | `paint` (drawing) | `chart` (pointer
-//! and keys) | `controls` | `page` (chart, captions, files). This file contains the choices and the studies behind the chart.
+//! and keys) | `controls` | `page` (chart, captions, files) | `figure` (the chart of the report). This file contains the choices and the studies behind the chart.
 
 mod areas;
 mod axes;
 mod chart;
 mod colours;
 mod controls;
+mod figure;
 mod page;
 mod paint;
 mod pins;

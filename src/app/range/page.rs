@@ -22,6 +22,15 @@ impl Range {
             return;
         }
         let Some(map) = self.map.study() else { return };
+        remark(ui, self.caption_in_words(map));
+        if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
+            let line = RichText::new(failure).small().color(palette.bad);
+            ui.add(egui::Label::new(line).wrap());
+        }
+    }
+
+    /// Progress or accuracy, pocket, points without an answer, pins beyond the chart, in sentences.
+    pub(super) fn caption_in_words(&self, map: &Map) -> String {
         let in_full = map.solved_in_full();
         let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
         let mut words = Vec::new();
@@ -47,11 +56,7 @@ impl Range {
             words.push("The present plan is not on this chart.".to_owned());
         }
         words.extend(Some(self.pins.beyond()).filter(|beyond| !beyond.is_empty()));
-        remark(ui, words.join(" "));
-        if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
-            let line = RichText::new(failure).small().color(palette.bad);
-            ui.add(egui::Label::new(line).wrap());
-        }
+        words.join(" ")
     }
 
     /// All values of the last point of pointer or keys, folded.

@@ -22,10 +22,12 @@ use page::{Page, Picture};
 
 const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
      alone.";
-/// Sizes of the report's pictures \[points\]: of the plan, of plan and pins side by side, of the cross-section.
+/// Sizes of the report's pictures \[points\]: of the plan, of plan and pins side by side, of the cross-section, of cross-section
+/// and range of half the page's width.
 const PLAN: Vec2 = vec2(860.0, 500.0);
 const PINS: Vec2 = vec2(860.0, 430.0);
 const SECTION: Vec2 = vec2(860.0, 260.0);
+const HALF: Vec2 = vec2(430.0, 245.0);
 
 /// What a picture of the plan is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,8 +49,8 @@ impl App {
                 ctx.copy_image(image);
                 self.notice = Some(Notice::info("The picture is in the clipboard."));
             }),
-            Purpose::Report => self.pictures().map(|pictures| {
-                self.files.save(ctx, "report.html", self.report(pictures).html());
+            Purpose::Report => self.pictures().map(|(pictures, missing)| {
+                self.files.save(ctx, "report.html", self.report(pictures, missing).html());
             }),
         };
         if let Err(error) = done {
@@ -81,20 +83,24 @@ impl App {
         })
     }
 
-    /// The pictures of the report.
-    fn pictures(&mut self) -> Result<Vec<Picture>, String> {
-        let Self { session, options, compare, uncertainty, viewport, plan, .. } = self;
+    /// The pictures of the report, and how to get a picture that is missing.
+    fn pictures(&mut self) -> Result<(Vec<Picture>, Option<&'static str>), String> {
+        let Self { session, options, compare, uncertainty, viewport, plan, range, .. } = self;
         let device = plan.device;
         let envelope = uncertainty.envelope().unwrap_or_default();
         let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0 };
         let has_pins = session.pins().iter().any(|pin| pin.solution().is_some());
         let section = uncertainty.findings().map_or(&[][..], Findings::section);
+        let range = range.for_report(session);
         viewport.aside(|viewport| {
             let gl = viewport.graphics()?;
             let mut pictures = Vec::new();
-            let mut take = |name, size, add: &mut dyn FnMut(&mut Ui)| {
+            let mut take = |name: &str, size, add: &mut dyn FnMut(&mut Ui)| {
                 let image = offscreen::picture(&gl, device, size, add)?;
-                pictures.push(Picture { name, address: page::data_address(&png_of(&image)?) });
+                let address = page::data_address(&png_of(&image)?);
+                let is_half = size.x < PLAN.x;
+                let name = device.words(name);
+                pictures.push(Picture { name, address, caption: String::new(), is_half });
                 Ok::<(), String>(())
             };
             if no_answer::has_picture(session) {
@@ -104,22 +110,35 @@ impl App {
                 let name = "Pins and plan side by side";
                 take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
             }
-            take("Cross-section", SECTION, &mut |ui| {
+            let size = if range.is_ok() { HALF } else { SECTION };
+            take("Cross-section", size, &mut |ui| {
                 egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
-                    plots::section_chart(ui, session, compare, section, SECTION.y - 48.0);
+                    plots::section_chart(ui, session, compare, section, size.y - 48.0);
                 });
             })?;
-            Ok(pictures)
+            let mut range = match range {
+                Ok(range) => range,
+                Err(how) => return Ok((pictures, Some(how))),
+            };
+            let [title, caption] = [&range.title, &range.caption].map(|text| device.words(text));
+            take(&title, HALF, &mut |ui| {
+                egui::Frame::new().inner_margin(SPACE).show(ui, |ui| range.show(ui));
+            })?;
+            if let Some(picture) = pictures.last_mut() {
+                picture.caption = caption;
+            }
+            Ok((pictures, None))
         })
     }
 
     /// The content of the report.
-    fn report(&self, pictures: Vec<Picture>) -> Page {
+    fn report(&self, pictures: Vec<Picture>, missing: Option<&'static str>) -> Page {
         let (session, device) = (&self.session, self.plan.device);
         let findings = self.uncertainty.findings();
         let sampled = |scene: &_| self.uncertainty.values(scene);
         Page {
             pictures,
+            missing: missing.map(|how| device.words(how)),
             visit: plan::visit_in_words(session.scene()),
             origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown),
@@ -129,6 +148,7 @@ impl App {
             remarks: remarks(session, device),
             table: compare::rows(session, &sampled),
             bands: self.uncertainty.about_bands(),
+            steps: self.filling.steps(session.scene()),
             limits: answer::limits_in_words(device),
             plan_json: session.document_json(),
         }

@@ -1,6 +1,7 @@
 //! The HTML of a report.
 
 use super::DISCLAIMER;
+use crate::app::fill_steps;
 use crate::study::NOTES;
 use base64::Engine as _;
 use std::fmt::Write as _;
@@ -8,14 +9,20 @@ use std::fmt::Write as _;
 /// A picture of the report.
 pub(super) struct Picture {
     /// What the picture shows.
-    pub(super) name: &'static str,
+    pub(super) name: String,
     /// The picture itself, as an address.
     pub(super) address: String,
+    /// A line below the picture; may be empty.
+    pub(super) caption: String,
+    /// Has the picture half the width of the page? Two of them stand side by side.
+    pub(super) is_half: bool,
 }
 
 /// The content of a report.
 pub(super) struct Page {
     pub(super) pictures: Vec<Picture>,
+    /// How to get a picture that is missing: on the screen only.
+    pub(super) missing: Option<String>,
     /// The visit in one line, and the remarks; each may be empty.
     pub(super) visit: [String; 2],
     /// Date, time and version in words.
@@ -34,6 +41,8 @@ pub(super) struct Page {
     pub(super) table: Vec<Vec<String>>,
     /// What the bands are, if the results have bands.
     pub(super) bands: Option<String>,
+    /// The fill steps of an expander, heads first; may be empty.
+    pub(super) steps: Vec<Vec<String>>,
     /// Limits with their sources, a source in a line.
     pub(super) limits: Vec<String>,
     /// The plan's file.
@@ -44,12 +53,12 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     h1{font-size:22px;margin:0}h2{font-size:17px;margin:22px 0 6px}img{max-width:100%;border:1px solid #ccc}\
     table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
-    .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
-    .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 40px}.pair>div{flex:1 1 300px}\
+    .wide{overflow-x:auto}.numbers td:not(:first-child),.steps td{white-space:nowrap}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
+    .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 28px}.pair>div{flex:1 1 300px}\
     .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
     @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
-    h2{font-size:14px;margin:12px 0 3px}p{margin:5px 0}.quiet{font-size:10.5px}th,td{padding:1.5px 12px 1.5px 0}\
-    img{max-height:70mm}img,table,.note{break-inside:avoid}h2{break-after:avoid}details{display:none}}";
+    h2{font-size:14px;margin:9px 0 2px}p{margin:4px 0}.quiet{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
+    .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead h2{margin-top:0}img{max-height:50mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}}";
 
 impl Page {
     /// The file, without scripts and outside addresses.
@@ -67,28 +76,49 @@ impl Page {
         let _ = write!(page, "<p class=\"note\">{}</p>", escaped(DISCLAIMER));
         let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.origin));
         let mut pictures = self.pictures.iter();
+        page.push_str("<div class=\"lead\"><div>");
         pictures.next().into_iter().for_each(|first| picture(page, first));
+        page.push_str("</div><div>");
         put(page, "h2", "What happens");
         table(page, "", None, self.cards.iter().map(|card| card.to_vec()));
         for remark in &self.remarks {
             let _ = write!(page, "<p class=\"note\">{}</p>", escaped(remark));
         }
-        page.push_str("<div class=\"pair\"><div>");
+        page.push_str("</div></div><div class=\"pair\"><div>");
         put(page, "h2", "Plan");
         let rows = self.plan.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]);
         table(page, "", None, rows);
         let _ = write!(page, "<p class=\"quiet\">{}</p></div><div>", escaped(&self.model));
+        if let Some((head, rows)) = self.steps.split_first() {
+            put(page, "h2", "Fill steps by week");
+            table(page, "steps", Some(head), rows.iter().cloned());
+            let note = escaped(fill_steps::NOTE);
+            let _ = write!(page, "<p class=\"quiet\">{note}</p></div><div>");
+        }
         put(page, "h2", "Numbers");
-        let (head, rows) = self.table.split_first().map_or((None, &[][..]), |(h, r)| (Some(h), r));
-        table(page, "numbers", head, rows.iter().cloned());
+        if let Some((head, rows)) = self.table.split_first() {
+            table(page, "numbers", Some(head), rows.iter().cloned());
+        }
         page.push_str("</div></div>");
         if let Some(words) = &self.bands {
             let notes = [words.as_str(), NOTES[0], NOTES[1]].map(escaped).join(" ");
             let _ = write!(page, "<p class=\"quiet\">{notes}</p>");
         }
-        for further in pictures {
-            put(page, "h2", further.name);
+        let (half, whole): (Vec<&Picture>, Vec<&Picture>) = pictures.partition(|it| it.is_half);
+        for further in whole {
+            put(page, "h2", &further.name);
             picture(page, further);
+        }
+        page.push_str("<div class=\"pair\">");
+        for further in half {
+            page.push_str("<div>");
+            put(page, "h2", &further.name);
+            picture(page, further);
+            page.push_str("</div>");
+        }
+        page.push_str("</div>");
+        if let Some(how) = &self.missing {
+            let _ = write!(page, "<p class=\"quiet screen\">{}</p>", escaped(how));
         }
         put(page, "h2", "Where limits come from");
         for limits in &self.limits {
@@ -117,7 +147,11 @@ pub(super) fn data_address(png: &[u8]) -> String {
 }
 
 fn picture(page: &mut String, picture: &Picture) {
-    let _ = write!(page, "<img alt=\"{}\" src=\"{}\">", escaped(picture.name), picture.address);
+    let Picture { name, address, caption, is_half: _ } = picture;
+    let _ = write!(page, "<img alt=\"{}\" src=\"{address}\">", escaped(name));
+    if !caption.is_empty() {
+        let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(caption));
+    }
 }
 
 fn put(page: &mut String, tag: &str, text: &str) {
@@ -132,7 +166,7 @@ fn table(
 ) {
     // A wide table scrolls within the page of a phone.
     let _ = write!(page, "<div class=\"wide\"><table class=\"{class}\">");
-    let mut row = |tag: &str, cells: &[String]| {
+    let row = |page: &mut String, tag: &str, cells: &[String]| {
         page.push_str("<tr>");
         for cell in cells {
             put(page, tag, cell);
@@ -140,10 +174,13 @@ fn table(
         page.push_str("</tr>");
     };
     if let Some(head) = head {
-        row("th", head);
+        // A head is repeated on the next page.
+        page.push_str("<thead>");
+        row(page, "th", head);
+        page.push_str("</thead>");
     }
     for cells in rows {
-        row("td", &cells);
+        row(page, "td", &cells);
     }
     page.push_str("</table></div>");
 }
@@ -170,11 +207,18 @@ mod tests {
     #[test]
     fn a_report_contains_its_texts_as_text_only() {
         let hostile = "<script>alert(1)</script>&\"".to_owned();
+        let picture = |name: &str, png: &[u8], caption: &str| Picture {
+            name: name.to_owned(),
+            address: data_address(png),
+            caption: caption.to_owned(),
+            is_half: !caption.is_empty(),
+        };
         let page = Page {
             pictures: vec![
-                Picture { name: "Picture of the plan", address: data_address(&[1, 2, 3]) },
-                Picture { name: "Cross-section", address: data_address(&[4]) },
+                picture("Picture of the plan", &[1, 2, 3], ""),
+                picture("Cross-section", &[4], &hostile),
             ],
+            missing: Some(hostile.clone()),
             visit: [hostile.clone(), hostile.clone()],
             origin: "2026-01-01, 00:00 UTC".to_owned(),
             headline: hostile.clone(),
@@ -184,15 +228,17 @@ mod tests {
             remarks: vec![hostile.clone()],
             table: vec![vec![hostile.clone()], vec![hostile.clone()]],
             bands: Some(hostile.clone()),
+            steps: vec![vec![hostile.clone()], vec![hostile.clone()]],
             limits: vec![hostile.clone()],
             plan_json: hostile.clone(),
         };
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 15);
+        assert_eq!(count, 19);
         assert!(html.contains("data:image/png;base64,AQID"));
-        assert!(html.contains("<h2>Cross-section</h2><img alt=\"Cross-section\""));
+        let half = "<div class=\"pair\"><div><h2>Cross-section</h2><img alt=\"Cross-section\"";
+        assert!(html.contains(half), "{html}");
         assert!(html.contains("Not a medical device") && html.contains("not a prediction"));
         assert!(!html.contains("http://") && !html.contains("https://"));
     }

@@ -1,0 +1,139 @@
+//! The chart of the range for the report: that of the screen, drawn once more from the solved map.
+
+use super::chart::Chart;
+use super::{Range, readout};
+use crate::session::Session;
+use eframe::egui::Ui;
+
+/// How the report gets the chart.
+const HOW: &str = "The chart of the range is not in this report. Open the page Range of implants, wait for its last plan, and save \
+                   the report again.";
+
+/// The chart of a plan.
+pub(in crate::app) struct ReportChart<'a> {
+    range: &'a Range,
+    /// Of its own: textures belong to the context of the picture.
+    chart: Chart,
+    /// The quantity of the colours, as a title.
+    pub(in crate::app) title: String,
+    /// The lines below the chart.
+    pub(in crate::app) caption: String,
+}
+
+impl Range {
+    /// The chart of the present plan from the solved map; nothing is solved for a report.
+    ///
+    /// # Errors
+    /// Returns how to get the chart, if the map is that of another plan, does not contain the plan, or is being solved.
+    pub(in crate::app) fn for_report(
+        &mut self,
+        session: &Session,
+    ) -> Result<ReportChart<'_>, &'static str> {
+        let is_solved = !self.map.is_running();
+        let map = self.map.study_mut().filter(|_| is_solved).ok_or(HOW)?;
+        // The plan may have been edited since the page was open: another size on the chart keeps all points.
+        if map.place(session.scene()).is_none() || !map.move_to(session.scene()) {
+            return Err(HOW);
+        }
+        self.pins.update(map, self.starts, session);
+        self.sizes.update(map, self.starts);
+        let map = self.map.study().ok_or(HOW)?;
+        Ok(ReportChart {
+            title: format!("Range of implants: {}", readout::name(self.quantity).to_lowercase()),
+            caption: self.caption_in_words(map),
+            chart: Chart::default(),
+            range: self,
+        })
+    }
+}
+
+impl ReportChart<'_> {
+    /// Shows the chart in the remaining space.
+    pub(in crate::app) fn show(&mut self, ui: &mut Ui) {
+        let Range { map, pins, sizes, quantity, revision, .. } = self.range;
+        if let Some(map) = map.study() {
+            self.chart.show(ui, map, *quantity, *revision, (pins, sizes));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::theme;
+    use crate::scene::Scene;
+    use crate::session::Command;
+    use crate::solve::Progress;
+    use crate::study::{Axis, Cases, Map, MapSettings, Parameter, Study, evaluate, with_values};
+    use eframe::egui::{self, Shape};
+
+    /// A solved map around a sheet, and a session with a pin beside the plan.
+    fn solved() -> (Range, Session) {
+        let mut scene = Scene::sheet();
+        scene.solver.nodes_per_side = 17;
+        let axes = ["base_width_mm=80:140:7", "projection_mm=20:80:7"];
+        let axes = axes.map(|axis| Axis::parse(axis).unwrap());
+        let settings = MapSettings { nodes_per_side: 17, ..MapSettings::default() };
+        let (mut map, mut store) = (Map::new(&scene, &axes, settings).unwrap(), Cases::default());
+        while let Some((index, job)) = map.next_job(&mut store) {
+            map.receive(index, evaluate(&job), &mut store);
+        }
+        let mut range = Range::default();
+        range.map.set(map);
+        let mut session = Session::new(scene).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        session.apply(Command::Pin).unwrap();
+        (range, session)
+    }
+
+    fn edit(session: &mut Session, parameter: Parameter, value: f64) {
+        let scene = Box::new(with_values(session.scene(), &[(parameter, value)]).unwrap());
+        session.apply(Command::Edit { scene, gesture: 1 }).unwrap();
+    }
+
+    /// The texts of the chart as drawn.
+    fn texts(mut chart: ReportChart<'_>) -> Vec<String> {
+        let ctx = egui::Context::default();
+        theme::install(&ctx);
+        let size = egui::vec2(860.0, 400.0);
+        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        let input = egui::RawInput { screen_rect: Some(rect), ..egui::RawInput::default() };
+        let mut output = ctx.run_ui(input.clone(), |ui| chart.show(ui));
+        output.append(ctx.run_ui(input, |ui| chart.show(ui)));
+        let text = |clipped: egui::epaint::ClippedShape| match clipped.shape {
+            Shape::Text(text) => Some(text.galley.text().to_owned()),
+            _ => None,
+        };
+        output.shapes.into_iter().filter_map(text).collect()
+    }
+
+    #[test]
+    fn the_chart_of_the_report_has_plan_pins_and_the_words_of_the_areas() {
+        let (mut range, mut session) = solved();
+        // Another size on the chart keeps its points.
+        edit(&mut session, Parameter::BaseWidth, 100.0);
+        let chart = range.for_report(&session).ok().unwrap();
+        assert_eq!(chart.title, "Range of implants: skin stretch");
+        assert!(
+            chart.caption.starts_with("49 plans computed. 17 nodes a side"),
+            "{}",
+            chart.caption
+        );
+        let texts = texts(chart);
+        for word in ["present", "A", "usual", "high", "Width (cm)", "Projection (cm)"] {
+            assert!(texts.iter().any(|text| text == word), "{word} in {texts:?}");
+        }
+    }
+
+    #[test]
+    fn a_chart_of_another_patient_or_without_the_plan_is_none() {
+        let (mut range, mut session) = solved();
+        edit(&mut session, Parameter::BaseWidth, 160.0);
+        assert_eq!(range.for_report(&session).err(), Some(HOW));
+        edit(&mut session, Parameter::BaseWidth, 100.0);
+        assert!(range.for_report(&session).is_ok());
+        edit(&mut session, Parameter::PocketMargin, 25.0);
+        assert_eq!(range.for_report(&session).err(), Some(HOW));
+        assert_eq!(Range::default().for_report(&session).err(), Some(HOW));
+    }
+}
