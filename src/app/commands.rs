@@ -47,6 +47,7 @@ pub(super) enum Action {
     Grid,
     Areola,
     CrossSection,
+    Torso,
     Ruler,
     Play,
     /// The range of implants in place of the picture?
@@ -100,7 +101,7 @@ const AREOLA: &str = "A circle of 4 cm on the skin at rest, over the middle of t
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
-pub(super) const COMMANDS: [Entry; 38] = [
+pub(super) const COMMANDS: [Entry; 39] = [
     keyed(Action::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
     keyed(Action::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Action::SaveNumbers, "Save numbers (JSON)…", ""),
@@ -143,6 +144,11 @@ pub(super) const COMMANDS: [Entry; 38] = [
         Action::CrossSection,
         CROSS_SECTION,
         "Skin, fat, implant and pocket under the picture, where there is room",
+    ),
+    entry(
+        Action::Torso,
+        "Torso",
+        "Lines of a torso behind the tissue: which side is up, where the breast lies. No patient's shape",
     ),
     keyed(
         Action::Ruler,
@@ -211,6 +217,7 @@ impl App {
             Action::Grid => Some(self.options.net),
             Action::Areola => Some(self.options.has_areola()),
             Action::CrossSection => Some(self.show_strip),
+            Action::Torso => Some(self.options.torso),
             Action::Ruler => Some(self.viewport.has_ruler()),
             _ => None,
         }
@@ -255,6 +262,7 @@ impl App {
                 *areola = !*areola;
             }
             Action::CrossSection => self.show_strip = !self.show_strip,
+            Action::Torso => self.options.torso = !self.options.torso,
             Action::Ruler => {
                 self.range.is_open = false;
                 self.viewport.toggle_ruler();

@@ -91,6 +91,7 @@ impl App {
             if layout == Layout::Wide {
                 self.menu_item(ui, Action::CrossSection);
             }
+            self.menu_item(ui, Action::Torso);
             self.menu_item(ui, Action::Ruler);
             ui.separator();
             self.menu_item(ui, Action::List);

@@ -16,3 +16,4 @@ pub mod place;
 pub mod section;
 pub mod strokes;
 pub mod subject;
+pub mod torso;

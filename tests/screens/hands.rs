@@ -38,6 +38,26 @@ fn picture(harness: &Screen) -> egui::Rect {
     harness.get_by_role_and_label(Role::Canvas, "3-D view").rect()
 }
 
+/// Number of lines as thin as those of the torso.
+fn faint_lines(harness: &Screen) -> usize {
+    let shapes = harness.output().shapes.iter();
+    let points = shapes.filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Path(path) => Some(path.points.len()),
+        _ => None,
+    });
+    points.filter(|count| *count == 33).count()
+}
+
+#[test]
+fn the_torso_is_a_switch_and_off_at_first() {
+    let mut harness = desktop();
+    let before = faint_lines(&harness);
+    choose(&mut harness, "Torso");
+    assert_eq!(faint_lines(&harness), before + 5);
+    choose(&mut harness, "Torso");
+    assert_eq!(faint_lines(&harness), before);
+}
+
 /// A point of the skin over the implant on the picture, left of the cut and of the handles.
 fn on_skin(harness: &Screen) -> Pos2 {
     let handle = harness.get_by_role_and_label(Role::Button, "Move the implant").rect();

@@ -25,6 +25,7 @@ use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{LastAnswer, Subject};
+use crate::view::torso;
 use eframe::egui::{
     self, Align2, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui,
     WidgetInfo,
@@ -230,6 +231,13 @@ impl Viewport {
         }
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
+        if options.torso {
+            // Under the tissue, which hides the lines.
+            for line in torso::lines() {
+                let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
+                overlay::torso(ui, &painter, points);
+            }
+        }
         let scale = self.picture.scale.as_ref();
         let drawn = Drawn {
             number: CURRENT,

@@ -20,6 +20,8 @@ pub(crate) struct Options {
     pub(crate) areola: bool,
     /// Draw the edge of the areola in the colours of a quantity?
     pub(crate) areola_edge: bool,
+    /// Draw the lines of a torso behind the tissue?
+    pub(crate) torso: bool,
 }
 
 impl Options {
@@ -57,6 +59,7 @@ impl Default for Options {
             net: false,
             areola: true,
             areola_edge: false,
+            torso: false,
         }
     }
 }
