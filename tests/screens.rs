@@ -16,6 +16,7 @@ use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
 use implant_preview::simulate::simulate;
 use serde_json::json;
+use window::{cut_texts, painted_texts, settle, window};
 
 #[path = "screens/device.rs"]
 mod device;
@@ -31,6 +32,8 @@ mod no_answer;
 mod uncertainty;
 #[path = "screens/visit.rs"]
 mod visit;
+#[path = "common/window.rs"]
+mod window;
 
 /// Tall enough for all folds.
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
@@ -50,19 +53,6 @@ fn app(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, Ap
     harness
 }
 
-/// An app in a window of a size; `steps`: greatest number of frames of `run`.
-fn window(size: egui::Vec2, steps: u64, app: App) -> Harness<'static, App> {
-    let mut is_moved = false;
-    let frame = move |ui: &mut egui::Ui, app: &mut App| {
-        // The harness has a context of its own, without fonts.
-        if !std::mem::replace(&mut is_moved, true) {
-            app.move_to(ui.ctx(), None);
-        }
-        app.show(ui);
-    };
-    Harness::builder().with_size(size).with_max_steps(steps).build_ui_state(frame, app)
-}
-
 /// The app with its folds open: all controls and numbers.
 fn unfolded(change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
     let mut harness = app(WIDE, change);
@@ -78,18 +68,6 @@ fn unfold(harness: &mut Harness<'static, App>, fold: &'static str) {
     harness.run();
     harness.key_press(egui::Key::Enter);
     harness.run();
-}
-
-/// Runs until no repaint is requested and no solve is running.
-fn settle(harness: &mut Harness<'static, App>) {
-    for _ in 0..400 {
-        harness.step();
-        if !harness.state().session().is_working() {
-            break;
-        }
-    }
-    harness.run();
-    assert!(!harness.state().session().is_working());
 }
 
 /// Focuses the picture, which then receives single keys.
@@ -201,30 +179,6 @@ fn every_control_and_reading_has_its_name() {
     }
     harness.get_by_label("Up to date");
     harness.get_by_label_contains("Not a medical device");
-}
-
-/// Texts of the last frame, those that are painted only included.
-fn painted_texts(harness: &Harness<'static, App>) -> Vec<String> {
-    let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
-        egui::Shape::Text(text) => Some(text.galley.text().to_owned()),
-        _ => None,
-    });
-    texts.collect()
-}
-
-/// Visible texts of the last frame that are cut at their sides.
-fn cut_texts(harness: &Harness<'static, App>) -> Vec<String> {
-    let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
-        egui::Shape::Text(text) => Some((text.visual_bounding_rect(), shape.clip_rect, text)),
-        _ => None,
-    });
-    texts
-        .filter(|(rect, clip, _)| clip.y_range().intersects(rect.y_range()))
-        .filter(|(rect, clip, _)| {
-            rect.left() < clip.left() - 1.0 || rect.right() > clip.right() + 1.0
-        })
-        .map(|(_, _, text)| text.galley.text().to_owned())
-        .collect()
 }
 
 #[test]

@@ -4,6 +4,8 @@
 // tab (sessionStorage, on this machine); the next start takes it, once. A scene with which the app
 // crashes again can be saved, but is not opened again.
 
+import { inLanguage } from "./language.js";
+
 const KEY = "implant-preview/kept-scene/1";
 // The app's key of the plan from one start to the next.
 const PLAN = "implant-preview/plan/1";
@@ -69,11 +71,20 @@ globalThis.implantPreviewOpens = () => {
 function reloadMessage(scene) {
   if (scene === null) return "";
   if (scene === reopened) {
-    return "The preview has stopped twice with this scene. After a reload it opens the default scene; save this scene if you need it.";
+    return inLanguage(
+      "The preview has stopped twice with this scene. After a reload it opens the default scene; save this scene if you need it.",
+      "La vista previa se ha detenido dos veces con esta escena. Al recargar se abre la escena inicial; esta escena puede guardarse antes.",
+    );
   }
   return keep(scene)
-    ? "After a reload the preview opens this scene again."
-    : "This browser cannot keep the scene for a reload: save the scene first.";
+    ? inLanguage(
+        "After a reload the preview opens this scene again.",
+        "Al recargar, la vista previa abre de nuevo esta escena.",
+      )
+    : inLanguage(
+        "This browser cannot keep the scene for a reload: save the scene first.",
+        "Este navegador no puede conservar la escena al recargar: conviene guardarla antes.",
+      );
 }
 
 // Called by the app's panic hook, and after a failed start. The first message is the cause; later ones

@@ -13,8 +13,7 @@ function element(tag, properties = {}, children = []) {
 
 function selection(choices) {
   const none = element("option", { value: "", textContent: "–", disabled: true });
-  const options = choices.map((word) => element("option", { value: word, textContent: word }));
-  return element("select", {}, [none, ...options]);
+  return element("select", {}, [none, ...choices.map((value) => element("option", { value }))]);
 }
 
 /** The input of a choice, of a text of one line or several, or of a number. */
@@ -27,16 +26,16 @@ function createInput({ choices, characters, lines }) {
 
 /** A row with label, input, allowed values and error. */
 function createRow(field) {
-  const { name, label, unit, hint } = field;
+  const { name } = field;
   const id = `plan-${name}`;
   const input = createInput(field);
   Object.assign(input, { id, name, value: "" });
   input.setAttribute("aria-describedby", `${id}-range ${id}-hint ${id}-error`);
   const parts = {
-    label: element("label", { htmlFor: id, textContent: unit ? `${label} (${unit})` : label }),
+    label: element("label", { htmlFor: id }),
     input,
     range: element("small", { id: `${id}-range` }),
-    hint: element("small", { id: `${id}-hint`, textContent: hint, hidden: true }),
+    hint: element("small", { id: `${id}-hint`, hidden: true }),
     error: element("small", { id: `${id}-error`, className: "error" }),
   };
   parts.error.setAttribute("role", "alert");
@@ -74,10 +73,12 @@ function commit(row) {
   show(globalThis.implantPreview.plan());
 }
 
-/** The allowed values in words. */
-function allowed({ least, most, unit, characters }) {
-  if (characters) return `up to ${characters} characters`;
-  return least === undefined ? "" : `${+least.toFixed(2)} to ${+most.toFixed(2)} ${unit}`;
+/** Sets the texts of a row, which are those of the language of the moment. */
+function translate(row, { label, unit, hint, range, words }) {
+  row.label.textContent = unit ? `${label} (${unit})` : label;
+  row.hint.textContent = hint;
+  row.range.textContent = range;
+  words?.forEach((word, k) => Object.assign(row.input.options[k + 1], { textContent: word }));
 }
 
 /** Shows the fields of a plan (JSON text). Text that is being typed stays. */
@@ -86,7 +87,7 @@ function show(plan) {
   for (const field of fields) {
     const row = rows.get(field.name) ?? createRow(field);
     const isTyped = row.input.value !== row.shown;
-    row.range.textContent = allowed(field);
+    translate(row, field);
     row.shown = field.text;
     if (!isTyped) reset(row);
   }

@@ -3,6 +3,7 @@
 
 import "./crash.js";
 import "./form.js";
+import { inLanguage } from "./language.js";
 
 // Ctrl+K (Cmd+K) opens the list of commands; some browsers would take the key for their search.
 document.addEventListener("keydown", (event) => {
@@ -19,17 +20,18 @@ const SIMD_MODULE = new Uint8Array([
 ]);
 
 function missingFeature() {
-  if (typeof WebAssembly !== "object") return "WebAssembly is not supported.";
-  if (!WebAssembly.validate(SIMD_MODULE)) return "WebAssembly SIMD instructions are not supported.";
+  if (typeof WebAssembly !== "object") return inLanguage("WebAssembly is not supported.", "Falta WebAssembly.");
+  if (!WebAssembly.validate(SIMD_MODULE)) return inLanguage("WebAssembly SIMD instructions are not supported.", "Faltan las instrucciones SIMD de WebAssembly.");
   if (!document.createElement("canvas").getContext("webgl2")) {
-    return "WebGL 2 is not supported or turned off.";
+    return inLanguage("WebGL 2 is not supported or turned off.", "WebGL 2 falta o está desactivado.");
   }
   return null;
 }
 
-/** Shows the still picture of the opening plan in the place of the app's picture, if the app will open that plan. */
+/** Shows the still picture of the opening plan, whose words are English, in the place of the app's picture, if the app will
+ * open that plan in English. */
 function showStill() {
-  if (!element("still") || !globalThis.implantPreviewOpens()) return;
+  if (!element("still") || !globalThis.implantPreviewOpens() || inLanguage(false, true)) return;
   element("still").hidden = false;
   element("loading")?.classList.add("below-still");
 }
@@ -47,8 +49,9 @@ function showProgress(received, total) {
   const bar = element("loading-progress");
   if (!bar) return;
   if (total) bar.value = Math.min(received / total, 1);
-  element("loading-text").textContent =
-    `Loading the preview: ${megabytes(received)}${total ? ` of ${megabytes(total)}` : ""} MB`;
+  const of = total ? ` ${inLanguage("of", "de")} ${megabytes(total)}` : "";
+  const words = inLanguage("Loading the preview", "Cargando la vista previa");
+  element("loading-text").textContent = `${words}: ${megabytes(received)}${of} MB`;
 }
 
 // Fetches a file and counts its bytes, of which the page may know the number.
@@ -99,7 +102,7 @@ async function start() {
     await api.default({ module_or_path: response });
     globalThis.implantPreviewApi = api; // The functions can be called from now on.
     const text = element("loading-text");
-    if (text) text.textContent = "Starting…";
+    if (text) text.textContent = inLanguage("Starting…", "Iniciando…");
     keepOffline();
   } catch (error) {
     globalThis.implantPreviewCrashed(error?.message ?? error);

@@ -4,6 +4,7 @@ use super::curve_editor;
 use super::fat;
 use super::plan::{Hand, chip, chips};
 use super::stability;
+use super::texts::tr;
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
 use crate::scene::{Body, Layer, Scene, Springs, TissueModel, limits};
@@ -16,7 +17,7 @@ const ACCURACIES: [(&str, usize, f64); 3] =
 
 /// Shows the fold, closed at first. Returns the layer whose points are to be edited.
 pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) -> Option<usize> {
-    let header = egui::CollapsingHeader::new("Advanced").id_salt("advanced");
+    let header = egui::CollapsingHeader::new(tr("Advanced")).id_salt("advanced");
     let fold = header.show_unindented(ui, |ui| {
         accuracy(ui, scene, hand);
         fat::show(ui, scene, hand);
@@ -34,18 +35,22 @@ pub(super) fn accuracy_name(scene: &Scene) -> Option<&'static str> {
         let solver = &scene.solver;
         solver.nodes_per_side == nodes && (solver.tolerance / tolerance - 1.0).abs() < 1e-9
     };
-    let name = |&(name, nodes, tolerance)| is_present(nodes, tolerance).then_some(name);
+    let name = |&(name, nodes, tolerance)| is_present(nodes, tolerance).then_some(tr(name));
     ACCURACIES.iter().find_map(name)
 }
 
 /// Grid and tolerance, by name and by number.
 fn accuracy(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
-    group(ui, "Accuracy", |ui| {
+    group(ui, tr("Accuracy"), |ui| {
         let present = accuracy_name(scene);
         chips(ui, |ui| {
             for (name, nodes, tolerance) in ACCURACIES {
-                let tooltip =
-                    format!("{nodes} nodes per side, {} % of the base radius", 100.0 * tolerance);
+                let tooltip = tr!(
+                    "{nodes} nodes per side, {tolerance} % of the base radius",
+                    nodes,
+                    tolerance = 100.0 * tolerance
+                );
+                let name = tr(name);
                 if chip(ui, hand, present == Some(name), name, &tooltip) {
                     scene.solver.nodes_per_side = nodes;
                     scene.solver.tolerance = tolerance;
@@ -74,7 +79,7 @@ fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
     let (mut action, mut edited) = (None, None);
     let count = scene.layers.len();
     for (k, layer) in scene.layers.iter_mut().enumerate() {
-        let title = format!("Layer {}: {}", k + 1, layer.tissue);
+        let title = tr!("Layer {number}: {tissue}", number = k + 1, tissue = tr(&layer.tissue));
         let header = egui::CollapsingHeader::new(RichText::new(title).strong())
             .id_salt(("layer", k))
             .default_open(k < 2);
@@ -83,23 +88,29 @@ fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
                 edited = Some(k);
             }
             ui.horizontal_wrapped(|ui| {
-                let named = |text: &str| format!("{text} layer {}", k + 1);
+                let named = |text: &str| tr!("{text} layer {number}", text, number = k + 1);
                 for (text, name, tooltip, is_able, what) in [
                     (
-                        "Move outward",
-                        "Move outward",
-                        "Move this layer outward, towards the skin",
+                        tr("Move outward"),
+                        tr("Move outward"),
+                        tr("Move this layer outward, towards the skin"),
                         k > 0,
                         Action::Up(k),
                     ),
                     (
-                        "Move inward",
-                        "Move inward",
-                        "Move this layer inward, towards the pocket",
+                        tr("Move inward"),
+                        tr("Move inward"),
+                        tr("Move this layer inward, towards the pocket"),
                         k + 1 < count,
                         Action::Up(k + 1),
                     ),
-                    ("Remove", "Remove", "Remove this layer", count > 1, Action::Remove(k)),
+                    (
+                        tr("Remove"),
+                        tr("Remove"),
+                        tr("Remove this layer"),
+                        count > 1,
+                        Action::Remove(k),
+                    ),
                 ] {
                     if button_if(ui, is_able, text, &named(name), tooltip) {
                         action = Some(what);
@@ -112,9 +123,9 @@ fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
     ui.horizontal_wrapped(|ui| {
         let room = count < limits::LAYERS.1;
         for (name, make) in
-            [("Add skin", Layer::skin as fn() -> Layer), ("Add adipose", Layer::adipose)]
+            [(tr("Add skin"), Layer::skin as fn() -> Layer), (tr("Add adipose"), Layer::adipose)]
         {
-            if button_if(ui, room, name, name, "Add this layer innermost; at most 8 layers") {
+            if button_if(ui, room, name, name, tr("Add this layer innermost; at most 8 layers")) {
                 action = Some(Action::Add(make()));
             }
         }
@@ -141,43 +152,46 @@ enum Action {
 fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
     let usual = if layer.tissue == "adipose" { Layer::adipose() } else { Layer::skin() };
     ui.horizontal(|ui| {
-        let label = ui.label(RichText::new("Tissue").color(ui.visuals().weak_text_color()));
+        let label = ui.label(RichText::new(tr("Tissue")).color(ui.visuals().weak_text_color()));
         let field = egui::TextEdit::singleline(&mut layer.tissue)
             .char_limit(40)
             .desired_width(ui.available_width() - SPACE);
         let response = ui.add(field).labelled_by(label.id);
         response.widget_info(|| egui::WidgetInfo {
-            label: Some("Tissue".to_owned()),
+            label: Some(tr("Tissue").to_owned()),
             ..egui::WidgetInfo::text_edit(true, "", &layer.tissue, "")
         });
-        response.on_hover_text("Any name; “skin”, “adipose” and “muscle” have their own colours");
+        response
+            .on_hover_text(tr("Any name; “skin”, “adipose” and “muscle” have their own colours"));
     });
     Control {
         step: 0.1,
         logarithmic: true,
-        tooltip: "Unstretched thickness. Breast skin is about 1–3 mm thick, the adipose layer 5–40 mm.",
-        ..length(limits::THICKNESS_MM, "Thickness", usual.thickness_mm)
+        tooltip: tr(
+            "Unstretched thickness. Breast skin is about 1–3 mm thick, the adipose layer 5–40 mm.",
+        ),
+        ..length(limits::THICKNESS_MM, tr("Thickness"), usual.thickness_mm)
     }
     .show(ui, &mut layer.thickness_mm);
     let (least, most) = limits::POISSON_RATIO;
     Control {
-        label: "Poisson ratio",
+        label: tr("Poisson ratio"),
         range: least..=most,
         reset: usual.poisson_ratio,
         decimals: 2,
         step: 0.01,
-        tooltip: "How little the volume changes when pulled: transverse contraction relative to the stretch. Soft \
-                  tissue: 0.35–0.50.",
+        tooltip: tr("How little the volume changes when pulled: transverse contraction relative to the stretch. Soft \
+                  tissue: 0.35–0.50."),
         ..Control::default()
     }
     .show(ui, &mut layer.poisson_ratio);
-    ui.small("How little the volume changes when pulled (0.5 = not at all)");
+    ui.small(tr("How little the volume changes when pulled (0.5 = not at all)"));
     curve_editor::show(ui, &mut layer.curve, &layer.tissue)
 }
 
 /// Tissue model and springs.
 fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
-    group(ui, "Model", |ui| {
+    group(ui, tr("Model"), |ui| {
         tissue_model(ui, scene);
         if scene.is_layered() {
             attachment(ui, scene);
@@ -193,11 +207,11 @@ fn method(ui: &mut Ui, scene: &mut Scene, session: &Session) {
 /// The choice of the tissue model.
 fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
     let name = |model: TissueModel| match model {
-        TissueModel::Layered => "Skin on solid layers",
-        TissueModel::Sheet => "One sheet",
+        TissueModel::Layered => tr("Skin on solid layers"),
+        TissueModel::Sheet => tr("One sheet"),
     };
     let present = if scene.is_layered() { TissueModel::Layered } else { TissueModel::Sheet };
-    let response = labelled_box(ui, "Tissue model", name(present), |ui| {
+    let response = labelled_box(ui, tr("Tissue model"), name(present), |ui| {
         for model in [TissueModel::Layered, TissueModel::Sheet] {
             if choice(ui, present == model, name(model)).clicked() && present != model {
                 scene.set_tissue_model(model);
@@ -205,9 +219,9 @@ fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
         }
     });
     response.on_hover_text(
-        "Skin on solid layers: the fat thins over the dome, and the skin over the pocket draws on the \
+        tr("Skin on solid layers: the fat thins over the dome, and the skin over the pocket draws on the \
          skin beyond the pocket. One sheet: all layers stretch alike and are held at the pocket's edge; \
-         force and strain are then too high.",
+         force and strain are then too high."),
     );
 }
 
@@ -219,27 +233,27 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     let (least, most) = Body::patch_range(pocket);
     Control {
         allowed: Some(least..=most),
-        limit_reason: format!("{least:.0} to {most:.0} mm around this pocket"),
-        tooltip: "Radius of the computed tissue around the pocket's centre; the tissue is held at its edge.",
-        ..length((least, most), "Computed radius", usual.patch_radius_mm)
+        limit_reason: tr!("{least:.0} to {most:.0} mm around this pocket", least, most),
+        tooltip: tr("Radius of the computed tissue around the pocket's centre; the tissue is held at its edge."),
+        ..length((least, most), tr("Computed radius"), usual.patch_radius_mm)
     }
     .show(ui, &mut body.patch_radius_mm);
     let (least, most) = limits::ATTACHMENT_STIFFNESS;
     Control {
-        label: "Attachment stiffness",
+        label: tr("Attachment stiffness"),
         unit: "kPa/mm",
         range: least..=most,
         reset: usual.attachment.stiffness_kpa_per_mm,
         decimals: 1,
         step: 0.1,
         logarithmic: true,
-        tooltip: "How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm.",
+        tooltip: tr("How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm."),
         ..Control::default()
     }
     .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
     Control {
-        tooltip: "Width over which the hold rises from zero at the pocket's edge.",
-        ..length(limits::ATTACHMENT_RAMP_MM, "Attachment ramp", usual.attachment.ramp_mm)
+        tooltip: tr("Width over which the hold rises from zero at the pocket's edge."),
+        ..length(limits::ATTACHMENT_RAMP_MM, tr("Attachment ramp"), usual.attachment.ramp_mm)
     }
     .show(ui, &mut body.attachment.ramp_mm);
 }
@@ -248,12 +262,12 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
 fn springs(ui: &mut Ui, scene: &mut Scene) {
     let is_layered = scene.is_layered();
     let name = |springs: Springs| match springs {
-        Springs::Coupled => "Standard",
-        Springs::Nikolaev if is_layered => "Nikolaev 2013, in one sheet",
-        Springs::Nikolaev => "Nikolaev 2013 (to compare with the paper)",
+        Springs::Coupled => tr("Standard"),
+        Springs::Nikolaev if is_layered => tr("Nikolaev 2013, in one sheet"),
+        Springs::Nikolaev => tr("Nikolaev 2013 (to compare with the paper)"),
     };
     let present = scene.springs;
-    let response = labelled_box(ui, "Law of the tissue", name(present), |ui| {
+    let response = labelled_box(ui, tr("Law of the tissue"), name(present), |ui| {
         for law in [Springs::Coupled, Springs::Nikolaev] {
             if choice(ui, present == law, name(law)).clicked() {
                 scene.set_springs(law);
@@ -261,15 +275,15 @@ fn springs(ui: &mut Ui, scene: &mut Scene) {
         }
     });
     response.on_hover_text(
-        "The standard law, coupled springs, reproduces the measured curve and Poisson ratio exactly, in every direction. \
+        tr("The standard law, coupled springs, reproduces the measured curve and Poisson ratio exactly, in every direction. \
          The springs of Nikolaev 2013 are for comparison: their tissue is one sheet, and at large strains and \
-         Poisson ratios they are unstable.",
+         Poisson ratios they are unstable."),
     );
 }
 
 fn resolution(ui: &mut Ui, nodes_per_side: &mut usize) {
-    let name = |count: usize| format!("{count} nodes per side");
-    let response = labelled_box(ui, "Resolution", &name(*nodes_per_side), |ui| {
+    let name = |count: usize| tr!("{count} nodes per side", count);
+    let response = labelled_box(ui, tr("Resolution"), &name(*nodes_per_side), |ui| {
         for count in [33, 65, 129, 193, 257] {
             if choice(ui, *nodes_per_side == count, name(count)).clicked() {
                 *nodes_per_side = count;
@@ -277,8 +291,8 @@ fn resolution(ui: &mut Ui, nodes_per_side: &mut usize) {
         }
     });
     response.on_hover_text(
-        "Finer grids take longer. A sheet of 129 nodes per side is within 0.02 % of the exact membrane; skin on \
-         solid layers is within 0.5 %.",
+        tr("Finer grids take longer. A sheet of 129 nodes per side is within 0.02 % of the exact membrane; skin on \
+         solid layers is within 0.5 %."),
     );
 }
 
@@ -286,7 +300,7 @@ fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
     let (least, most) = limits::TOLERANCE;
     let mut percent = 100.0 * *tolerance;
     let change = Control {
-        label: "Tolerance",
+        label: tr("Tolerance"),
         unit: "% of the base radius",
         kind: Kind::Percent,
         range: 100.0 * least.max(1e-6)..=100.0 * most,
@@ -295,7 +309,7 @@ fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
         decimals: 2,
         step: 0.0,
         logarithmic: true,
-        tooltip: "Largest position error of a node that the solver accepts.",
+        tooltip: tr("Largest position error of a node that the solver accepts."),
         ..Control::default()
     }
     .show(ui, &mut percent);

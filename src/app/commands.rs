@@ -5,6 +5,7 @@
 use super::messages::Notice;
 use super::report::Purpose;
 use super::strip::CROSS_SECTION;
+use super::texts::tr;
 use super::{App, plan};
 use crate::export;
 use crate::scene::Scene;
@@ -195,13 +196,15 @@ impl App {
         let unless = |works: bool, why| (!works).then_some(why);
         match action {
             Action::SaveNumbers | Action::SaveTable | Action::TakeHome(_) => {
-                unless(self.session.result().is_some(), NO_RESULT)
+                unless(self.session.result().is_some(), tr(NO_RESULT))
             }
-            Action::SaveProfile => unless(self.has_shape(), NO_RESULT),
-            Action::CopyLink => unless(self.page_address.is_some(), "Only in the page"),
-            Action::Undo => unless(self.session.can_undo(), "Nothing to undo"),
-            Action::Redo => unless(self.session.can_redo(), "Nothing to redo"),
-            Action::Pin => unless(self.session.free_letter().is_some(), "All four pins are in use"),
+            Action::SaveProfile => unless(self.has_shape(), tr(NO_RESULT)),
+            Action::CopyLink => unless(self.page_address.is_some(), tr("Only in the page")),
+            Action::Undo => unless(self.session.can_undo(), tr("Nothing to undo")),
+            Action::Redo => unless(self.session.can_redo(), tr("Nothing to redo")),
+            Action::Pin => {
+                unless(self.session.free_letter().is_some(), tr("All four pins are in use"))
+            }
             _ => None,
         }
     }
@@ -292,7 +295,7 @@ impl App {
     /// The control of a command: a button, or a box with a tick for a switch. Returns whether the command was executed.
     pub(super) fn item(&mut self, ui: &mut Ui, action: Action) -> bool {
         let (entry, why_not) = (entry_of(action), self.why_not(action));
-        let name = self.plan.device.words(entry.name);
+        let name = self.plan.device.words(tr(entry.name));
         let response = match self.is_on(action) {
             Some(mut is_on) => ui.checkbox(&mut is_on, name),
             None => ui.add_enabled(why_not.is_none(), egui::Button::new(name)),
@@ -300,7 +303,7 @@ impl App {
         let response = response.on_disabled_hover_text(why_not.unwrap_or_default());
         let is_clicked = response.clicked();
         if !entry.tooltip.is_empty() {
-            response.on_hover_text(entry.tooltip);
+            response.on_hover_text(tr(entry.tooltip));
         }
         if is_clicked {
             self.run(&ui.ctx().clone(), action);
@@ -327,7 +330,7 @@ impl App {
 
 /// What of a notice a command without effect shows.
 pub(super) fn refusal(entry: &Entry, why: &str) -> Notice {
-    Notice::info(format!("{}: {why}.", entry.name))
+    Notice::info(format!("{}: {why}.", tr(entry.name)))
 }
 
 #[cfg(test)]

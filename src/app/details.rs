@@ -2,6 +2,7 @@
 
 use super::answer::band_color;
 use super::device::Device;
+use super::texts::tr;
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, remark};
@@ -27,25 +28,27 @@ pub(super) fn position_error(outcome: &Outcome) -> f64 {
 
 fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
-    group(ui, "Shape", |ui| {
+    group(ui, tr("Shape"), |ui| {
         let device = Device::of(ui.ctx());
         let words = |text: &str| device.words(text);
         rows(ui, |ui| {
-            row(ui, error, words("Projection of the implant"), outcome.projection_mm, 1, "mm");
-            row(ui, error, "Height of the breast mound", outcome.skin_projection_mm, 1, "mm");
+            row(ui, error, words(tr("Projection of the implant")), outcome.projection_mm, 1, "mm");
+            row(ui, error, tr("Height of the breast mound"), outcome.skin_projection_mm, 1, "mm");
             band(ui, bands, Quantity::SkinProjectionMm);
-            row(ui, error, words("Implant volume"), Some(outcome.implant_volume_ml), 0, "ml");
-            row(ui, error, "Skin area before", Some(outcome.area_before_cm2), 1, "cm²");
-            row(ui, error, "Skin area after", outcome.area_after_cm2, 1, "cm²");
-            row(ui, error, "Skin area gained", outcome.area_gain_cm2, 1, "cm²");
+            row(ui, error, words(tr("Implant volume")), Some(outcome.implant_volume_ml), 0, "ml");
+            row(ui, error, tr("Skin area before"), Some(outcome.area_before_cm2), 1, "cm²");
+            row(ui, error, tr("Skin area after"), outcome.area_after_cm2, 1, "cm²");
+            row(ui, error, tr("Skin area gained"), outcome.area_gain_cm2, 1, "cm²");
             band(ui, bands, Quantity::SkinAreaGainCm2);
             let gain = outcome.area_ratio.map(|ratio| 100.0 * (ratio - 1.0));
-            row(ui, error, "Skin area gained", gain, 1, "%");
+            row(ui, error, tr("Skin area gained"), gain, 1, "%");
             band(ui, bands, Quantity::SkinAreaGain);
         });
         remark(
             ui,
-            "Right after surgery. With tissue expanders about a third (35 %) of such a gain remained.",
+            tr(
+                "Right after surgery. With tissue expanders about a third (35 %) of such a gain remained.",
+            ),
         );
     });
 }
@@ -54,57 +57,63 @@ fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
 fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let Some(skin) = outcome.skin_area else { return };
     let error = position_error(outcome);
-    group(ui, "Cover", |ui| {
+    group(ui, tr("Cover"), |ui| {
         rows(ui, |ui| {
-            row(ui, error, "Cover over the apex", outcome.cover_mm.map(|c| c.apex), 1, "mm");
+            row(ui, error, tr("Cover over the apex"), outcome.cover_mm.map(|c| c.apex), 1, "mm");
             band(ui, bands, Quantity::ApexCoverMm);
-            row(ui, error, "Least cover", outcome.cover_mm.map(|c| c.least), 1, "mm");
+            row(ui, error, tr("Least cover"), outcome.cover_mm.map(|c| c.least), 1, "mm");
             band(ui, bands, Quantity::LeastCoverMm);
             for layer in &outcome.layers {
-                let name = format!("Thinnest {}", layer.tissue);
+                let name = tr!("Thinnest {tissue}", tissue = tr(&layer.tissue));
                 row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
             }
             let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
                 - (skin.pocket_after_cm2 - skin.pocket_before_cm2);
-            row(ui, error, "Skin gained beyond the pocket", Some(drawn), 1, "cm²");
+            row(ui, error, tr("Skin gained beyond the pocket"), Some(drawn), 1, "cm²");
             let pull = outcome.attachment_traction_kpa.map(|t| t.max);
-            row(ui, error, "Pull at the pocket's edge", pull, 2, "kPa");
+            row(ui, error, tr("Pull at the pocket's edge"), pull, 2, "kPa");
             band(ui, bands, Quantity::AttachmentTractionKpa);
         });
         remark(
             ui,
-            "Skin and the tissue under it deform separately; the skin over the pocket draws on the skin \
+            tr(
+                "Skin and the tissue under it deform separately; the skin over the pocket draws on the skin \
              beyond the pocket.",
+            ),
         );
     });
 }
 
 fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
-    group(ui, "Contact", |ui| {
+    group(ui, tr("Contact"), |ui| {
         rows(ui, |ui| {
             let part = |p: Option<Pressure>, f: fn(Pressure) -> f64| p.map(f);
             let (kpa, mmhg) = (outcome.contact_pressure_kpa, outcome.contact_pressure_mmhg);
-            row(ui, error, "Force, vertical", outcome.contact_force_n, 2, "N");
+            row(ui, error, tr("Force, vertical"), outcome.contact_force_n, 2, "N");
             band(ui, bands, Quantity::ForceN);
-            row(ui, error, "Pressure, mean", part(kpa, |p| p.mean), 2, "kPa");
+            row(ui, error, tr("Pressure, mean"), part(kpa, |p| p.mean), 2, "kPa");
             band(ui, bands, Quantity::MeanPressureKpa);
-            row(ui, error, "Pressure, mean", part(mmhg, |p| p.mean), 1, "mmHg");
+            row(ui, error, tr("Pressure, mean"), part(mmhg, |p| p.mean), 1, "mmHg");
             band(ui, bands, Quantity::MeanPressureMmhg);
-            row(ui, error, "Pressure, greatest", part(kpa, |p| p.max), 2, "kPa");
+            row(ui, error, tr("Pressure, greatest"), part(kpa, |p| p.max), 2, "kPa");
             band(ui, bands, Quantity::GreatestPressureKpa);
-            row(ui, error, "Pressure, greatest", part(mmhg, |p| p.max), 1, "mmHg");
+            row(ui, error, tr("Pressure, greatest"), part(mmhg, |p| p.max), 1, "mmHg");
             band(ui, bands, Quantity::GreatestPressureMmhg);
-            row(ui, error, "Contact angle", outcome.contact_angle_deg, 1, "°");
-            row(ui, error, "Contact radius, at rest", outcome.contact_material_radius_mm, 1, "mm");
+            row(ui, error, tr("Contact angle"), outcome.contact_angle_deg, 1, "°");
+            row(
+                ui,
+                error,
+                tr("Contact radius, at rest"),
+                outcome.contact_material_radius_mm,
+                1,
+                "mm",
+            );
         });
         if let Some(radius) = outcome.contact_material_radius_mm {
             remark(
                 ui,
-                Device::of(ui.ctx()).words(&format!(
-                    "The tissue rests on the implant out to {:.1} cm from its centre, measured at rest.",
-                    0.1 * radius
-                )),
+                Device::of(ui.ctx()).words(&tr!("The tissue rests on the implant out to {radius:.1} cm from its centre, measured at rest.", radius = 0.1 * radius)),
             );
         }
     });
@@ -112,21 +121,24 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
 
 fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
-    group(ui, "Tissue", |ui| {
+    group(ui, tr("Tissue"), |ui| {
         rows(ui, |ui| {
-            row(ui, error, "Stretch at the apex", outcome.apex_stretch, 3, "×");
+            row(ui, error, tr("Stretch at the apex"), outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
                 let greatest = strain.max_principal;
-                row(ui, error, "Greatest strain", Some(100.0 * greatest), 1, "%");
+                row(ui, error, tr("Greatest strain"), Some(100.0 * greatest), 1, "%");
                 band(ui, bands, Quantity::GreatestStrain);
                 if let Some(share) = outcome.skin_reserve_used {
-                    row(ui, error, "Of the skin's reserve", Some(100.0 * share), 0, "%");
+                    row(ui, error, tr("Of the skin's reserve"), Some(100.0 * share), 0, "%");
                     band(ui, bands, Quantity::SkinReserveUsed);
                 }
                 for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
                     let key = format!("{limit:.2}");
                     let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
-                    let name = RichText::new(format!("Area strained above {:.0} %", 100.0 * limit));
+                    let name = RichText::new(tr!(
+                        "Area strained above {limit:.0} %",
+                        limit = 100.0 * limit
+                    ));
                     let color = band_color(ui, if fraction > 0.0 { k + 1 } else { 0 });
                     row(ui, error, name.color(color), Some(100.0 * fraction), 1, "%");
                     if let Some(quantity) = AREAS.get(k) {
@@ -135,10 +147,10 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                 }
             }
             if let Some(wrinkled) = outcome.wrinkled {
-                row(ui, error, "Skin wrinkled or slack", Some(100.0 * wrinkled), 1, "%");
+                row(ui, error, tr("Skin wrinkled or slack"), Some(100.0 * wrinkled), 1, "%");
             }
             for (k, layer) in outcome.layers.iter().enumerate() {
-                let name = format!("Greatest stress, {}", layer.tissue);
+                let name = tr!("Greatest stress, {tissue}", tissue = tr(&layer.tissue));
                 row(ui, error, name, layer.max_stress_kpa, 1, "kPa");
                 if k == 0 {
                     band(ui, bands, Quantity::SkinStressKpa);
@@ -147,8 +159,8 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
         });
         remark(
             ui,
-            "These stresses are for biaxial stretch, as over a dome. They are higher than the \
-             curve's at the same strain, because the curve is measured under uniaxial stretch.",
+            tr("These stresses are for biaxial stretch, as over a dome. They are higher than the \
+             curve's at the same strain, because the curve is measured under uniaxial stretch."),
         );
     });
 }
@@ -161,7 +173,7 @@ fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {
     let Some(band) = bands.and_then(|bands| bands.band(quantity)) else { return };
     let quiet = |text: &str| RichText::new(text).small().weak();
     ui.horizontal(|ui| {
-        ui.label(quiet(BAND_ROW)).on_hover_text("10th to 90th percentile");
+        ui.label(quiet(tr(BAND_ROW))).on_hover_text(tr("10th to 90th percentile"));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.allocate_ui_with_layout(
                 egui::vec2(UNIT_WIDTH, 0.0),

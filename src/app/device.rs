@@ -1,5 +1,6 @@
 //! What is implanted, and its name in the texts of the screen.
 
+use super::texts::{Language, language, tr};
 use eframe::egui::{Context, Id};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,23 @@ impl Device {
     /// A text of the program about the implant, with the name of the device. Texts of the user stay as they are: only texts of
     /// the program belong here.
     pub(super) fn words(self, text: &str) -> String {
+        match (self, language()) {
+            (Self::Implant, _) => text.to_owned(),
+            (Self::Expander, Language::English) => self.english(text),
+            (Self::Expander, Language::Spanish) => {
+                // The longer word first: its end differs.
+                let words = [
+                    ("implantes", "expansores"),
+                    ("implante", "expansor"),
+                    ("Implante", "Expansor"),
+                ];
+                words.into_iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+            }
+        }
+    }
+
+    /// An English text, as [`Self::words`], for the name of a file.
+    pub(super) fn english(self, text: &str) -> String {
         match self {
             Self::Implant => text.to_owned(),
             Self::Expander => text.replace("implant", "expander").replace("Implant", "Expander"),
@@ -39,7 +57,7 @@ impl Device {
     /// A warning of the result, which may contain the names of layers: only "the implant" is replaced.
     pub(super) fn warning(self, text: &str) -> String {
         let replaced = |text: String, named: &str| text.replace(named, &self.words(named));
-        ["The implant", "the implant"].into_iter().fold(text.to_owned(), replaced)
+        [tr("The implant"), tr("the implant")].into_iter().fold(text.to_owned(), replaced)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The fat of the plan as a choice: the range of the measurements, or the fat of the paper.
 
 use super::plan::{Hand, chip, chips};
+use super::texts::tr;
 use super::widgets::{group, remark};
 use crate::curve::{CurveSpec, Fat, ScaledCurve};
 use crate::scene::{Layer, Scene};
@@ -60,16 +61,16 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if layers(scene).next().is_none() {
         return;
     }
-    group(ui, "Fat", |ui| {
+    group(ui, tr("Fat"), |ui| {
         chips(ui, |ui| {
             for (name, fat, tooltip) in CHOICES {
                 let is_chosen = layers(scene).all(|layer| is_of(layer, fat));
-                if chip(ui, hand, is_chosen, name, tooltip) {
+                if chip(ui, hand, is_chosen, tr(name), tr(tooltip)) {
                     choose(scene, fat);
                 }
             }
         });
-        remark(ui, "Soft to firm: what tests of human fat found");
+        remark(ui, tr("Soft to firm: what tests of human fat found"));
     });
 }
 

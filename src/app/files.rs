@@ -1,6 +1,7 @@
 //! Opening and saving of files: dialogs and dropped files, in the background, on the desktop and in the
 //! page.
 
+use super::texts::tr;
 use crate::scene::MAX_SCENE_BYTES;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -43,12 +44,12 @@ impl Files {
 
     /// Opens a dialog for a scene file and reads the file.
     pub(super) fn open(&self, ctx: &Context) {
-        self.pick(ctx, "Scene", &["json"]);
+        self.pick(ctx, tr("Scene"), &["json"]);
     }
 
     /// Opens a dialog for a table of sizes and reads the file.
     pub(super) fn open_table(&self, ctx: &Context) {
-        self.pick(ctx, "Table", &TABLES);
+        self.pick(ctx, tr("Table"), &TABLES);
     }
 
     fn pick(&self, ctx: &Context, kind: &str, extensions: &[&str]) {
@@ -74,7 +75,7 @@ impl Files {
             let name = file.file_name();
             Some(match file.write(&content).await {
                 Ok(()) => FileEvent::Saved(name),
-                Err(error) => FileEvent::Failed(format!("{name} was not saved: {error}")),
+                Err(error) => FileEvent::Failed(tr!("{name} was not saved: {error}", name, error)),
             })
         });
     }
@@ -86,7 +87,11 @@ impl Files {
         let name = name.to_owned();
         let event = match download(&name, &content.into()) {
             Ok(()) => FileEvent::Saved(name),
-            Err(error) => FileEvent::Failed(format!("{name} was not saved: {error:?}")),
+            Err(error) => FileEvent::Failed(tr!(
+                "{name} was not saved: {error}",
+                name,
+                error = format_args!("{error:?}")
+            )),
         };
         // `self` owns the receiver, so sending cannot fail.
         let _ = self.sender.send(event);
@@ -158,16 +163,21 @@ fn download(name: &str, content: &[u8]) -> Result<(), wasm_bindgen::JsValue> {
 fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     let bytes = match bytes {
         Ok(bytes) => bytes,
-        Err(error) => return FileEvent::Failed(format!("{name} cannot be read: {error}")),
+        Err(error) => return FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error)),
     };
     if bytes.len() > MAX_SCENE_BYTES {
         let megabytes = bytes.len() / 1_000_000;
-        return FileEvent::Failed(format!("{name} has {megabytes} MB; allowed: up to 10 MB"));
+        return FileEvent::Failed(tr!(
+            "{name} has {megabytes} MB; allowed: up to 10 MB",
+            name,
+            megabytes
+        ));
     }
     match String::from_utf8(bytes) {
         Ok(text) => FileEvent::Opened { name, text },
-        Err(_) => FileEvent::Failed(format!(
-            "{name} is not a text file; allowed: a scene (JSON) or a table of sizes (CSV)"
+        Err(_) => FileEvent::Failed(tr!(
+            "{name} is not a text file; allowed: a scene (JSON) or a table of sizes (CSV)",
+            name
         )),
     }
 }

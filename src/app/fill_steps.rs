@@ -1,5 +1,6 @@
 //! The fill steps of an expander by week: the values of the curve over the fill at each visit.
 
+use super::texts::{tr, word_of};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::quantity::format_at_most;
 use super::widgets::{NumberField, rejection_label, remark};
@@ -66,15 +67,19 @@ impl FillSteps {
     /// The table up to a full fill \[ml\], heads first; a fill beyond the curve has no values.
     pub(super) fn rows(self, curve: &Map, full_ml: f64) -> Vec<Vec<String>> {
         let none = || "–".to_owned();
-        let mut rows = vec![HEADS.map(str::to_owned).to_vec()];
+        let mut rows = vec![HEADS.map(|head| tr(head).to_owned()).to_vec()];
         let mut before = 0.0;
         for (visit, fill) in self.fills(full_ml).into_iter().enumerate() {
             let value = |quantity: Quantity| curve.between(quantity, fill, 0.0);
             let pressure = value(Quantity::GreatestPressureMmhg)
-                .map(|most| with_word(most, bands::PRESSURE.verdict(most)));
+                .map(|most| (most, bands::PRESSURE.verdict(most)))
+                .map(|(most, (band, word))| {
+                    with_word(most, (band, word_of(&bands::PRESSURE, word)))
+                });
             let stretch = value(Quantity::GreatestStrain).map(|strain| {
                 let reserve = value(Quantity::SkinReserveUsed);
-                with_word(100.0 * strain, bands::stretch(strain, reserve))
+                let (band, word) = bands::stretch(strain, reserve);
+                with_word(100.0 * strain, (band, tr(word)))
             });
             let gain = value(Quantity::SkinAreaGainCm2).map(|gain| format!("{gain:.0}"));
             rows.push(vec![
@@ -97,19 +102,21 @@ impl FillSteps {
         let last = fills.last().copied().unwrap_or_default();
         let (least, most) = (curve.axes()[0].from, curve.axes()[0].to);
         if last < full_ml {
-            return format!(
-                "Only {MAX_VISITS} visits are shown: more per visit reaches {full_ml:.0} ml."
+            return tr!(
+                "Only {visits} visits are shown: more per visit reaches {full_ml:.0} ml.",
+                visits = MAX_VISITS,
+                full_ml
             );
         }
         if fills.iter().any(|fill| !(least..=most).contains(fill)) {
-            return format!("–: not computed below {least:.0} ml and above {most:.0} ml.");
+            return tr!("–: not computed below {least:.0} ml and above {most:.0} ml.", least, most);
         }
         String::new()
     }
 
     /// Shows the schedule and its table; returns the table (CSV) if it should be saved.
     pub(super) fn show(&mut self, ui: &mut Ui, curve: &Map, full_ml: f64) -> Option<String> {
-        ui.label(RichText::new("Fill steps by week").small().strong());
+        ui.label(RichText::new(tr("Fill steps by week")).small().strong());
         self.fields(ui);
         let rows = self.rows(curve, full_ml);
         egui::ScrollArea::horizontal().id_salt("fill steps").show(ui, |ui| {
@@ -120,17 +127,17 @@ impl FillSteps {
         if !missing.is_empty() {
             remark(ui, missing);
         }
-        remark(ui, NOTE);
+        remark(ui, tr(NOTE));
         let mut chosen = None;
         ui.horizontal_wrapped(|ui| {
             if ui
-                .button("Copy fill steps")
-                .on_hover_text("As a table, for a letter or a sheet")
+                .button(tr("Copy fill steps"))
+                .on_hover_text(tr("As a table, for a letter or a sheet"))
                 .clicked()
             {
                 chosen = Some(Use::Copy);
             }
-            if ui.button("Save fill steps (CSV)…").clicked() {
+            if ui.button(tr("Save fill steps (CSV)…")).clicked() {
                 chosen = Some(Use::Save);
             }
         });
@@ -140,7 +147,12 @@ impl FillSteps {
                 ui.copy_text(lines.join("\n"));
                 None
             }
-            Use::Save => Some(export::csv(&rows)),
+            Use::Save => {
+                // The names of the columns of a file are English.
+                let heads = [HEADS.map(str::to_owned).to_vec()];
+                let rows: Vec<_> = heads.into_iter().chain(rows.into_iter().skip(1)).collect();
+                Some(export::csv(&rows))
+            }
         }
     }
 
@@ -148,9 +160,9 @@ impl FillSteps {
     fn fields(&mut self, ui: &mut Ui) {
         let mut rejections = Vec::new();
         for (value, name, allowed, step) in [
-            (&mut self.start_ml, "At operation (ml)", 0.0..=2000.0, 10.0),
-            (&mut self.visit_ml, "Per visit (ml)", 5.0..=500.0, 5.0),
-            (&mut self.weeks, "Weeks between visits", 0.5..=12.0, 0.5),
+            (&mut self.start_ml, tr("At operation (ml)"), 0.0..=2000.0, 10.0),
+            (&mut self.visit_ml, tr("Per visit (ml)"), 5.0..=500.0, 5.0),
+            (&mut self.weeks, tr("Weeks between visits"), 0.5..=12.0, 0.5),
         ] {
             ui.horizontal(|ui| {
                 let field = NumberField {
@@ -162,9 +174,9 @@ impl FillSteps {
                     ..NumberField::default()
                 };
                 let typed = field.show(ui, value);
-                typed.response.on_hover_text(CONVENTION);
+                typed.response.on_hover_text(tr(CONVENTION));
                 rejections.extend(typed.rejection.map(|reason| format!("{name}: {reason}")));
-                ui.label(name).on_hover_text(CONVENTION);
+                ui.label(name).on_hover_text(tr(CONVENTION));
             });
         }
         for reason in rejections {

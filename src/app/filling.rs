@@ -7,6 +7,7 @@ use super::plan::Device;
 use super::plots::fixed_plot;
 use super::range::within_text;
 use super::studies::{Driver, Studies};
+use super::texts::tr;
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
 use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
@@ -143,10 +144,10 @@ impl Filling {
             return None;
         }
         for chart in &CHARTS {
-            ui.label(RichText::new(chart.name).small().strong());
+            ui.label(RichText::new(tr(chart.name)).small().strong());
             self.chart(ui, chart, fill, palette);
             if !chart.legend.is_empty() {
-                remark(ui, chart.legend);
+                remark(ui, tr(chart.legend));
             }
             ui.add_space(SPACE_SMALL);
         }
@@ -155,8 +156,8 @@ impl Filling {
             ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
         }
         let (solved, mut steps) = (self.solved(), self.steps);
-        let save = ui.add_enabled(solved.is_some(), egui::Button::new("Save table (CSV)…"));
-        let is_saved = save.on_hover_text("All results of all fills").clicked();
+        let save = ui.add_enabled(solved.is_some(), egui::Button::new(tr("Save table (CSV)…")));
+        let is_saved = save.on_hover_text(tr("All results of all fills")).clicked();
         let curve = solved?;
         ui.add_space(SPACE);
         let table = steps.show(ui, curve, fill).map(|table| ("fill-steps.csv", table));
@@ -167,7 +168,7 @@ impl Filling {
 
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
         let line = self.line(chart.quantity);
-        let name = chart.name.to_owned();
+        let name = tr(chart.name).to_owned();
         let read = move |at: &HoverPosition<'_>| match at {
             HoverPosition::NearDataPoint { position: at, .. } => {
                 Some(format!("{:.0} ml\n{name}: {:.1}", at.x, at.y))
@@ -179,7 +180,7 @@ impl Filling {
             .width(ui.available_width() - SPACE)
             .y_axis_min_width(AXIS_WIDTH)
             .include_y(0.0)
-            .x_axis_label("fill (ml)")
+            .x_axis_label(tr("fill (ml)"))
             .label_formatter(read);
         if is_pressure {
             plot = plot.y_grid_spacer(uniform_grid_spacer(|_| [60.0, 30.0, 10.0]));
@@ -213,20 +214,23 @@ impl Filling {
     fn caption(&self) -> String {
         let (done, all) = self.curve.progress();
         let Some(curve) = self.curve.study().filter(|_| done == all) else {
-            return format!("{done} of {COUNT} fills computed.");
+            return tr!("{done} of {count} fills computed.", done, count = COUNT);
         };
         let line = self.line(Quantity::GreatestPressureMmhg);
         let mut words = Vec::new();
         if let (Some([least, low]), Some([most, high])) = (line.first(), line.last()) {
-            words.push(format!(
-                "From {least:.0} to {most:.0} ml the greatest pressure goes from {low:.0} to {high:.0} mmHg. The \
-                 upright line is this plan's fill."
-            ));
+            words.push(tr!("From {least:.0} to {most:.0} ml the greatest pressure goes from {low:.0} to {high:.0} mmHg. The \
+                 upright line is this plan's fill.", least, most, low, high));
         }
         if line.len() < COUNT {
             let missing = COUNT - line.len();
-            let has = if missing == 1 { "has" } else { "have" };
-            words.push(format!("{missing} of {COUNT} fills {has} no answer."));
+            let has = if missing == 1 { tr("has") } else { tr("have") };
+            words.push(tr!(
+                "{missing} of {count} fills {has} no answer.",
+                missing,
+                count = COUNT,
+                has
+            ));
         }
         let nodes = SETTINGS.nodes_per_side;
         let check = self.check.study().filter(|_| !self.check.is_running());
@@ -237,9 +241,10 @@ impl Filling {
         };
         let found: Vec<String> = CHARTS.iter().filter_map(|chart| of(chart.quantity)).collect();
         if !found.is_empty() {
-            words.push(format!(
-                "{nodes} nodes a side, within {} of the fine grid.",
-                found.join(", ")
+            words.push(tr!(
+                "{nodes} nodes a side, within {differences} of the fine grid.",
+                nodes,
+                differences = found.join(", ")
             ));
         }
         words.join(" ")
@@ -261,7 +266,7 @@ impl App {
         }
         let fill = Parameter::Volume.value(self.session.scene()).unwrap_or_default();
         let mut saved = None;
-        group(ui, "Filling", |ui| saved = self.filling.show(ui, fill));
+        group(ui, tr("Filling"), |ui| saved = self.filling.show(ui, fill));
         if let Some((name, content)) = saved {
             self.files.save(ui.ctx(), name, content);
         }

@@ -1,6 +1,7 @@
 //! Keyboard focus: a visible ring, entry into the app and exit from it, and return to the previous
 //! control when the focused widget disappears.
 
+use super::texts::tr;
 use super::theme;
 use eframe::egui::output::OutputEvent;
 use eframe::egui::{
@@ -192,7 +193,7 @@ impl Focus {
             }
         });
         if focused.is_some() && focused == picture {
-            "3-D view".clone_into(&mut self.name);
+            tr("3-D view").clone_into(&mut self.name);
         }
         let response = focused.and_then(|id| ctx.read_response(id));
         let rect = response.as_ref().map(|response| response.rect);

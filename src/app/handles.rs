@@ -4,6 +4,7 @@
 
 use super::device::Device;
 use super::plan::{self, Choices};
+use super::texts::tr;
 use super::viewport::labelled_box;
 use super::widgets::{arrow_keys, keep_press, set_accessible_name};
 use super::{App, theme};
@@ -103,7 +104,7 @@ impl App {
             {
                 let painter = ui.painter_at(area);
                 let lines = self.about_drag(scene, kind);
-                labelled_box(ui, &painter, area, (at, "Drag"), &lines);
+                labelled_box(ui, &painter, area, (at, tr("Drag")), &lines);
             }
         }
         self.viewport.paint_handles(ui, shapes);
@@ -202,13 +203,17 @@ fn apex(body: &Body, center_mm: [f64; 2]) -> Option<Vec3> {
 fn handle(ui: &Ui, rect: Rect, kind: Kind) -> Response {
     let (name, tooltip, icon) = match kind {
         Kind::Position => (
-            "Move the implant",
-            "Drag the implant in its pocket, or use the arrow keys (1 mm); Esc during a drag restores the plan",
+            tr("Move the implant"),
+            tr(
+                "Drag the implant in its pocket, or use the arrow keys (1 mm); Esc during a drag restores the plan",
+            ),
             CursorIcon::Move,
         ),
         Kind::Projection => (
-            "Raise the implant",
-            "Drag up or down, or use the arrow keys (1 mm): projection; Esc during a drag restores the plan",
+            tr("Raise the implant"),
+            tr(
+                "Drag up or down, or use the arrow keys (1 mm): projection; Esc during a drag restores the plan",
+            ),
             CursorIcon::ResizeVertical,
         ),
     };

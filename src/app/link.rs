@@ -3,6 +3,7 @@
 
 use super::App;
 use super::messages::Notice;
+use super::texts::tr;
 use crate::scene::MAX_SCENE_BYTES;
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -23,8 +24,8 @@ impl App {
     pub fn open_link(&mut self, fragment: &str) -> bool {
         let Some(text) = fragment.strip_prefix(START) else { return false };
         let opened = plan(text).and_then(|json| self.open(json).map_err(|e| e.to_string()));
-        let done = "Opened the plan of the link. Undo restores the present one.".to_owned();
-        self.notice = Some(self.show_opened(opened, "The link", done));
+        let done = tr("Opened the plan of the link. Undo restores the present one.").to_owned();
+        self.notice = Some(self.show_opened(opened, tr("The link"), done));
         self.request_frame();
         true
     }
@@ -35,12 +36,14 @@ impl App {
         let length = link.len();
         ctx.copy_text(link);
         let left_out = match self.session.scene().visit {
-            Some(_) => ", without the entries for the file",
+            Some(_) => tr(", without the entries for the file"),
             None => "",
         };
-        self.notice = Some(Notice::info(format!(
+        self.notice = Some(Notice::info(tr!(
             "The link is in the clipboard: {length} characters, which hold the whole plan{left_out}. Nothing is stored \
-             elsewhere."
+             elsewhere.",
+            length,
+            left_out
         )));
     }
 }

@@ -5,6 +5,7 @@ use super::files::{FileEvent, is_table};
 use super::focus::Boundary;
 use super::messages::Notice;
 use super::status::SliceOf;
+use super::texts::tr;
 use super::widgets::note_cancelled_press;
 use super::{App, plan, theme};
 use crate::measure::no_shape;
@@ -119,9 +120,10 @@ impl App {
         let fraction = running.fraction.max(self.session.fraction_done());
         self.solving = Some(RunningSolve { fraction, ..running });
         if let Some(fault) = self.session.reverted() {
-            let reason = no_shape(Some(fault));
-            self.notice = Some(Notice::error(format!(
-                "The last change was undone. {reason} Redo repeats the change."
+            let reason = tr(no_shape(Some(fault)));
+            self.notice = Some(Notice::error(tr!(
+                "The last change was undone. {reason} Redo repeats the change.",
+                reason
             )));
             self.is_playing = false;
         }
@@ -174,9 +176,9 @@ impl App {
         self.solving = None;
         self.timing.solve_ms = 0.0;
         self.notice = (!self.session.is_stopped()).then(|| {
-            Notice::info(
+            Notice::info(tr(
                 "Cancelled. The previous plan is open; Redo computes the cancelled one again.",
-            )
+            ))
         });
     }
 
@@ -273,9 +275,9 @@ impl App {
                 }
                 FileEvent::Opened { name, text } => {
                     let opened = self.open(text).map_err(|error| error.to_string());
-                    self.show_opened(opened, &name, format!("Opened {name}."))
+                    self.show_opened(opened, &name, tr!("Opened {name}.", name))
                 }
-                FileEvent::Saved(name) => Notice::info(format!("Saved {name}.")),
+                FileEvent::Saved(name) => Notice::info(tr!("Saved {name}.", name)),
                 FileEvent::Failed(error) => Notice::error(error),
             });
         }
@@ -293,9 +295,11 @@ impl App {
                 self.viewport.fit(&self.session, View::All);
                 Notice::info(done)
             }
-            Err(error) => {
-                Notice::error(format!("{name} was not opened; the plan is unchanged. {error}"))
-            }
+            Err(error) => Notice::error(tr!(
+                "{name} was not opened; the plan is unchanged. {error}",
+                name,
+                error
+            )),
         }
     }
 

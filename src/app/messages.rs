@@ -1,6 +1,7 @@
 //! Messages: notices over the picture, the progress of a long solve in the status line, the pages "Stopped" and "No answer
 //! for this plan".
 
+use super::texts::tr;
 use super::widgets::set_accessible_name;
 use super::{App, theme};
 use crate::scene::{Scene, Springs};
@@ -60,14 +61,14 @@ impl Notice {
         // A word besides the colour: some users do not see the colour.
         let (color, word) = match self.severity {
             Severity::Info => (palette.text, ""),
-            Severity::Caution => (palette.caution, "Note: "),
-            Severity::Error => (palette.bad, "Error: "),
+            Severity::Caution => (palette.caution, tr("Note: ")),
+            Severity::Error => (palette.bad, tr("Error: ")),
         };
         let mut action = None;
         over(ui, area, "notice", |ui| {
             ui.horizontal_wrapped(|ui| {
                 let close = ui.button("×");
-                set_accessible_name(&close, egui::Role::Button, "Close message");
+                set_accessible_name(&close, egui::Role::Button, tr("Close message"));
                 if close.clicked() {
                     action = Some(NoticeAction::Close);
                 }
@@ -97,14 +98,18 @@ impl App {
     /// Shows the progress of a long solve with a button to cancel, in the status line; `end` adds its words, or others, at the end.
     pub(super) fn progress(&mut self, ui: &mut Ui, end: impl FnOnce(&mut Ui, String)) {
         let Some(running) = self.solving else { return };
-        let is_cancelled = ui.button("Cancel").clicked();
+        let is_cancelled = ui.button(tr("Cancel")).clicked();
         let words = match self.session.displayed() {
-            Displayed::Previous => "the picture is that of the previous plan",
+            Displayed::Previous => tr("the picture is that of the previous plan"),
             Displayed::Coarse { .. } | Displayed::Draft | Displayed::Final => {
-                "the picture is provisional"
+                tr("the picture is provisional")
             }
         };
-        let words = format!("Computing for {} s; {words}", running.start.elapsed().as_secs());
+        let words = tr!(
+            "Computing for {seconds} s; {words}",
+            seconds = running.start.elapsed().as_secs(),
+            words
+        );
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             end(ui, words);
             let bar = egui::ProgressBar::new(running.fraction as f32)
@@ -112,7 +117,7 @@ impl App {
                 .fill(theme::palette(ui.visuals()).accent)
                 .animate(true);
             let bar = ui.add(bar);
-            set_accessible_name(&bar, egui::Role::ProgressIndicator, "Progress of the solve");
+            set_accessible_name(&bar, egui::Role::ProgressIndicator, tr("Progress of the solve"));
         });
         if is_cancelled || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.cancel();
@@ -121,10 +126,10 @@ impl App {
 
     /// Shows that the solve was cancelled, with a button to continue.
     pub(super) fn stopped_page(&mut self, ui: &mut Ui) {
-        message_page(ui, "Stopped", |ui| {
-            ui.label("This plan has not been computed, so there are no results.");
+        message_page(ui, tr("Stopped"), |ui| {
+            ui.label(tr("This plan has not been computed, so there are no results."));
             ui.add_space(theme::SPACE);
-            if ui.button("Continue computing").clicked() {
+            if ui.button(tr("Continue computing")).clicked() {
                 self.session.resume();
             }
         });
@@ -133,13 +138,13 @@ impl App {
 
 /// The page of a scene without a shape.
 pub(super) fn no_shape_page(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
-    message_page(ui, NO_ANSWER, add);
+    message_page(ui, tr(NO_ANSWER), add);
 }
 
 /// A box over the picture of the last answer, of a scene without a shape.
 pub(super) fn no_shape_box(ui: &Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
     over(ui, area, NO_ANSWER, |ui| {
-        ui.label(RichText::new(NO_ANSWER).strong());
+        ui.label(RichText::new(tr(NO_ANSWER)).strong());
         add(ui);
     });
 }
@@ -149,12 +154,12 @@ pub(super) fn standard_model(ui: &mut Ui, scene: &mut Scene) {
     if scene.springs != Springs::Nikolaev {
         return;
     }
-    ui.small(
+    ui.small(tr(
         "At these strains and this Poisson ratio the springs of Nikolaev 2013 are unstable: their \
          energy has no minimum, so no shape can be computed.",
-    );
+    ));
     ui.add_space(theme::SPACE);
-    if ui.button("Use the standard model").clicked() {
+    if ui.button(tr("Use the standard model")).clicked() {
         scene.springs = Springs::Coupled;
     }
 }

@@ -45,6 +45,7 @@ mod stats;
 mod status;
 mod strip;
 mod studies;
+mod texts;
 mod theme;
 mod toolbar;
 mod ui;
@@ -78,6 +79,7 @@ use shelf_largest::ShelfLargest;
 use status::Timing;
 use std::sync::Arc;
 use studies::Studies;
+use texts::{LanguageChoice, tr};
 use ui::{NarrowTab, PanelWidths};
 use uncertainty::Uncertainty;
 use viewport::Viewport;
@@ -100,6 +102,7 @@ pub struct App {
     shelf_largest: ShelfLargest,
     uncertainty: Uncertainty,
     nearest: NearestSearch,
+    language: LanguageChoice,
     notice: Option<Notice>,
     /// Notice about a position requested in this frame that does not fit the pocket.
     position_notice: Option<Notice>,
@@ -164,6 +167,7 @@ impl App {
             shelf_largest: ShelfLargest::default(),
             uncertainty: Uncertainty::default(),
             nearest: NearestSearch::default(),
+            language: LanguageChoice::default(),
             notice: None,
             position_notice: None,
             focus: Focus::default(),
@@ -210,6 +214,14 @@ impl App {
     /// Shows a notice to the user.
     pub fn notify(&mut self, text: &str) {
         self.notice = Some(Notice::info(text));
+    }
+
+    /// Shows that the app restarted after a crash.
+    pub fn notify_restart(&mut self) {
+        // The pins may be the cause of the error.
+        self.notice = Some(Notice::info(tr(
+            "The preview restarted after an error, with the scene that was open. A reload opens the kept pins.",
+        )));
     }
 
     /// Lets the Tab key leave the app after its last control, and before its first control backwards.
@@ -268,8 +280,8 @@ impl App {
         serde_json::to_string_pretty(&record).ok()
     }
 
-    /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, and
-    /// `least` and `most` of a number, the `choices` of a word or `characters` and `lines` of a text.
+    /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, `range` (the allowed
+    /// values in words), and `least` and `most` of a number, the `choices` of a word with their `words` on the screen, or `characters` and `lines` of a text.
     #[must_use]
     pub fn plan_json(&self) -> String {
         let fields = plan::fields(self.session.scene(), &self.plan);

@@ -3,6 +3,7 @@
 
 use super::plan::{Device, Hand};
 use super::studies::{Driver, Studies};
+use super::texts::{self, tr};
 use super::theme::SPACE;
 use super::widgets::remark;
 use super::{App, theme};
@@ -31,7 +32,7 @@ pub(super) fn applies(session: &Session) -> bool {
 
 /// What the missing answer means for the plan.
 pub(super) fn words(session: &Session) -> String {
-    NoAnswer::of(session.scene(), session.invalid()).words(session.scene())
+    texts::shown(&NoAnswer::of(session.scene(), session.invalid()).words(session.scene()))
 }
 
 /// Is there a shape to draw, of this plan or of the last one with an answer?
@@ -41,8 +42,8 @@ pub(super) fn has_picture(session: &Session) -> bool {
 
 /// Of which plan the picture is, without an answer to the present one; `None` without such a plan.
 pub(super) fn about_picture(session: &Session) -> Option<String> {
-    let size = size_in_words(&session.last_answer()?.scene);
-    Some(format!("The picture is of the last plan with an answer: {size}."))
+    let size = texts::shown(&size_in_words(&session.last_answer()?.scene));
+    Some(tr!("The picture is of the last plan with an answer: {size}.", size))
 }
 
 impl NearestSearch {
@@ -72,12 +73,12 @@ impl NearestSearch {
         let frame = egui::Frame::group(ui.style()).inner_margin(SPACE).corner_radius(8);
         let card = frame.show(ui, |ui| {
             ui.set_width(ui.available_width());
-            ui.label(RichText::new("No answer for this plan").strong());
+            ui.label(RichText::new(tr("No answer for this plan")).strong());
             let words = Device::of(ui.ctx()).words(&words(session));
             ui.add(egui::Label::new(words).wrap());
             let pressed = self.offer(ui, session, Hand::Mouse);
-            let header = egui::CollapsingHeader::new("Technical details").id_salt("no answer");
-            header.show_unindented(ui, |ui| remark(ui, no_shape(session.invalid())));
+            let header = egui::CollapsingHeader::new(tr("Technical details")).id_salt("no answer");
+            header.show_unindented(ui, |ui| remark(ui, tr(no_shape(session.invalid()))));
             pressed
         });
         card.inner
@@ -93,30 +94,30 @@ impl NearestSearch {
         let searches =
             [&self.driver, &self.wider].map(|driver| of(driver, session).map(Nearest::search));
         let words = match searches {
-            [None | Some(Search::Running), _] | [_, None | Some(Search::Running)] => SEARCHING,
+            [None | Some(Search::Running), _] | [_, None | Some(Search::Running)] => tr(SEARCHING),
             [Some(Search::Failed), _] => {
-                "The search for the nearest plan with an answer has failed."
+                tr("The search for the nearest plan with an answer has failed.")
             }
             [Some(Search::Found(_)), _] | [_, Some(Search::Found(_))] => {
-                "the nearest plan with an answer"
+                tr("the nearest plan with an answer")
             }
-            _ => {
-                "No smaller volume, no lesser insertion and no base up to 4 cm wider has an answer."
-            }
+            _ => tr(
+                "No smaller volume, no lesser insertion and no base up to 4 cm wider has an answer.",
+            ),
         };
         let line = ui.horizontal_wrapped(|ui| {
             ui.set_min_height(height);
             let palette = theme::palette(ui.visuals());
             let mut taken = None;
             for (k, plan) in self.found(session).enumerate() {
-                let text = RichText::new(&plan.words).strong();
+                let text = RichText::new(texts::shown(&plan.words)).strong();
                 let button = match k {
                     0 => egui::Button::new(text.color(palette.on_accent)).fill(palette.accent),
                     _ => egui::Button::new(text),
                 };
                 let button = ui.add(button.min_size(egui::vec2(0.0, height))).on_hover_text(
-                    "The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
-                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan.",
+                    tr("The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
+                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan."),
                 );
                 if button.clicked() {
                     taken = Some(&plan.scene);
@@ -125,9 +126,9 @@ impl NearestSearch {
             remark(ui, words);
             let last = session.last_answer().map(|answer| &answer.scene);
             let back = last.filter(|scene| {
-                let button = egui::Button::new(format!("Back to {}", size_in_words(scene)));
+                let button = egui::Button::new(tr!("Back to {size}", size = texts::shown(&size_in_words(scene))));
                 ui.add(button.min_size(egui::vec2(0.0, height)))
-                    .on_hover_text("The last plan with an answer")
+                    .on_hover_text(tr("The last plan with an answer"))
                     .clicked()
             });
             taken.or(back)
@@ -137,10 +138,13 @@ impl NearestSearch {
 
     /// The found plans in a sentence, for screen readers; empty without one.
     pub(super) fn summary(&self, session: &Session) -> String {
-        let words: Vec<&str> = self.found(session).map(|plan| plan.words.as_str()).collect();
+        let words: Vec<String> =
+            self.found(session).map(|plan| texts::shown(&plan.words)).collect();
         match words.as_slice() {
             [] => String::new(),
-            words => format!(" Nearest plan with an answer: {}.", words.join(", or: ")),
+            words => {
+                tr!(" Nearest plan with an answer: {plans}.", plans = words.join(tr(", or: ")))
+            }
         }
     }
 }

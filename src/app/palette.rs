@@ -4,6 +4,7 @@
 
 use super::commands::{self, COMMANDS, Entry};
 use super::device::Device;
+use super::texts::tr;
 use super::widgets::set_accessible_name;
 use super::{App, theme};
 use eframe::egui::{self, Key, Modifiers, RichText, Ui};
@@ -70,7 +71,7 @@ impl App {
         let mut picked = found.get(palette.chosen).copied().filter(|_| keys.is_entered);
         let width = SIZE.x.min(ctx.content_rect().width() - 6.0 * theme::SPACE);
         let mut is_open = !keys.is_escaped;
-        egui::Window::new(TITLE)
+        egui::Window::new(tr(TITLE))
             .open(&mut is_open)
             .collapsible(false)
             .resizable(false)
@@ -86,7 +87,7 @@ impl App {
                         }
                     }
                     if found.is_empty() {
-                        ui.weak("No command has these words in its name.");
+                        ui.weak(tr("No command has these words in its name."));
                     }
                 });
             });
@@ -106,7 +107,7 @@ impl App {
     fn search_field(&mut self, ui: &mut Ui) {
         let palette = &mut self.palette;
         let field = egui::TextEdit::singleline(&mut palette.text)
-            .hint_text(SEARCH)
+            .hint_text(tr(SEARCH))
             .char_limit(60)
             .desired_width(f32::INFINITY);
         let response = ui.add(field);
@@ -114,7 +115,7 @@ impl App {
         if palette.is_new {
             response.request_focus();
         }
-        set_accessible_name(&response, egui::Role::TextInput, SEARCH);
+        set_accessible_name(&response, egui::Role::TextInput, tr(SEARCH));
         if response.changed() {
             palette.chosen = 0;
         }
@@ -124,7 +125,7 @@ impl App {
     fn row(&self, ui: &mut Ui, entry: &Entry, k: usize, is_moved: bool) -> bool {
         let is_chosen = self.palette.chosen == k;
         let is_able = self.why_not(entry.action).is_none();
-        let words = self.plan.device.words(entry.name);
+        let words = self.plan.device.words(tr(entry.name));
         let name = RichText::new(&words);
         let name = if is_able { name } else { name.weak() };
         let keys = entry.keys(ui.ctx().os());
@@ -139,7 +140,7 @@ impl App {
         }
         let is_clicked = response.clicked();
         if !entry.tooltip.is_empty() {
-            response.on_hover_text(entry.tooltip);
+            response.on_hover_text(tr(entry.tooltip));
         }
         is_clicked
     }
@@ -149,12 +150,12 @@ impl App {
 fn found(text: &str, device: Device) -> Vec<&'static Entry> {
     let text = text.trim().to_lowercase();
     let has = |entry: &&Entry| {
-        let words = format!("{} {}", entry.name, entry.tooltip);
+        let words = format!("{} {}", tr(entry.name), tr(entry.tooltip));
         let words = device.words(&words).to_lowercase();
         text.split_whitespace().all(|word| words.contains(word))
     };
     let mut found: Vec<&Entry> = COMMANDS.iter().filter(has).collect();
-    found.sort_by_key(|entry| entry.name.to_lowercase().find(&text).unwrap_or(usize::MAX));
+    found.sort_by_key(|entry| tr(entry.name).to_lowercase().find(&text).unwrap_or(usize::MAX));
     if text.is_empty() {
         return COMMANDS.iter().collect();
     }

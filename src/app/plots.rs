@@ -4,6 +4,7 @@
 use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
 use super::device::Device;
+use super::texts::tr;
 use super::theme::{self, Palette};
 use super::viewport::Outline;
 use super::widgets::group;
@@ -31,13 +32,13 @@ type Polyline = Vec<[f64; 2]>;
 pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) {
     let greatest_strain = session.greatest_strain().filter(|_| previous == PreviousResults::Shown);
     let colors = theme::palette(ui.visuals()).curves;
-    group(ui, "Stress–strain curves", |ui| {
+    group(ui, tr("Stress–strain curves"), |ui| {
         fixed_plot("curves", 180.0)
             .legend(Legend::default().position(egui_plot::Corner::LeftTop))
-            .x_axis_label("strain")
+            .x_axis_label(tr("strain"))
             .x_grid_spacer(uniform_grid_spacer(|_| [1.0, 0.5, 0.1]))
             .x_axis_formatter(|mark, _| format!("{:.1}", mark.value))
-            .y_axis_label("stress (kPa)")
+            .y_axis_label(tr("stress (kPa)"))
             .show(ui, |plot| {
                 for k in 0..session.scene().layers.len() {
                     let color = colors[k % colors.len()];
@@ -45,14 +46,11 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
                 }
             });
         ui.small(greatest_strain.map_or_else(
-            || "The strains of this scene are being computed.".to_owned(),
+            || tr("The strains of this scene are being computed.").to_owned(),
             |strain| {
-                format!(
-                    "Dashed: extrapolated. Thick: how far this plan stretches it, up to {:.0} %. Dot: stress at that strain under \
+                tr!("Dashed: extrapolated. Thick: how far this plan stretches it, up to {strain:.0} %. Dot: stress at that strain under \
                      uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \
-                     plan's dome, where the stretch is biaxial.",
-                    100.0 * strain
-                )
+                     plan's dome, where the stretch is biaxial.", strain = 100.0 * strain)
             },
         ));
     });
@@ -67,7 +65,7 @@ fn layer_curve(
     greatest_strain: Option<f64>,
 ) {
     let (layer, material) = (&session.scene().layers[k], &session.problem().materials[k]);
-    let name = format!("{} {}", k + 1, layer.tissue);
+    let name = format!("{} {}", k + 1, tr(&layer.tissue));
     let curve = &material.curve;
     // Solid up to the end of the measurements, dashed beyond.
     let mut part = |end: f64, color: Color32, width: f32| {
@@ -100,7 +98,7 @@ pub(super) fn sampled(curve: &Curve, from: f64, to: f64) -> Polyline {
 /// Plots the section in the plane y = 0: implant, inner face and outer skin, the outer skin of the pins, and the skin of
 /// sampled patients (`band`), if any. Without a stable shape the tissue is missing.
 pub(super) fn section(ui: &mut Ui, session: &Session, compare: &Compare, band: &[SectionBand]) {
-    group(ui, "Cross-section", |ui| section_chart(ui, session, compare, band, 170.0));
+    group(ui, tr("Cross-section"), |ui| section_chart(ui, session, compare, band, 170.0));
 }
 
 /// The plot of [`section`] of a height \[points\], with its legend below.
@@ -114,26 +112,29 @@ pub(super) fn section_chart(
     let palette = theme::palette(ui.visuals());
     let problem = Subject::problem(session);
     let device = Device::of(ui.ctx());
-    let implant = ("implant", palette.accent, dome_outline(problem));
+    let implant = (tr("implant"), palette.accent, dome_outline(problem));
     let tissue = (!Subject::has_no_shape(session)).then(|| {
         let [inner, outer] = tissue_faces(session.solution());
-        [("skin", palette.curves[0], outer), ("inner face", palette.curves[1], inner)]
+        [(tr("skin"), palette.curves[0], outer), (tr("inner face"), palette.curves[1], inner)]
     });
     let radius = problem.sheet.radius_mm();
-    let wall = ("chest wall", palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
+    let wall = (tr("chest wall"), palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
     let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
     let silhouettes = drawn_silhouettes(session, compare, palette);
     let own = tissue.iter().flatten().chain([&implant, &wall]);
     let names: Vec<(String, Color32)> = own
         .map(|&(name, color, _)| (device.words(name), color))
-        .chain(pins.iter().map(|(pin, color)| (format!("skin of {}", pin.letter()), *color)))
+        .chain(
+            pins.iter()
+                .map(|(pin, color)| (tr!("skin of {letter}", letter = pin.letter()), *color)),
+        )
         .collect();
     fixed_plot("section", height)
         .data_aspect(1.0)
-        .x_axis_label("across (mm)")
+        .x_axis_label(tr("across (mm)"))
         .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
         .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
-        .y_axis_label("height (mm)")
+        .y_axis_label(tr("height (mm)"))
         .include_y(0.0)
         .show(ui, |plot| {
             skin_band(plot, palette.curves[0], &sampled_skin(session, band));
@@ -156,7 +157,7 @@ pub(super) fn section_chart(
             ui.label(RichText::new(name).small().color(color));
         }
         if !band.is_empty() {
-            let words = "shaded: skin of 8 in 10 sampled patients, dotted: median";
+            let words = tr("shaded: skin of 8 in 10 sampled patients, dotted: median");
             ui.label(RichText::new(words).small().color(palette.curves[0]));
         }
     });

@@ -3,6 +3,7 @@
 
 use super::range::{Sizes, with_size};
 use super::studies::{Driver, Studies};
+use super::texts::{self, tr};
 use crate::clinical::ShelfSize;
 use crate::scene::Scene;
 use crate::study::{FirstUsual, size_in_words};
@@ -66,11 +67,15 @@ impl ShelfLargest {
         };
         match search.found() {
             Some(k) => {
-                let size = self.scenes.get(k).map(size_in_words).unwrap_or_default();
+                let size = self
+                    .scenes
+                    .get(k)
+                    .map(|scene| texts::shown(&size_in_words(scene)))
+                    .unwrap_or_default();
                 let name = self.names.get(k).map_or("", String::as_str);
-                format!("Largest of the shelf that stays usual: {name} ({size}).")
+                tr!("Largest of the shelf that stays usual: {name} ({size}).", name, size)
             }
-            None => "No size of the shelf up to this width stays usual.".to_owned(),
+            None => tr("No size of the shelf up to this width stays usual.").to_owned(),
         }
     }
 }

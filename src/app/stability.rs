@@ -1,6 +1,7 @@
 //! Stability display of the paper's springs: the strains at which a uniformly stretched sheet of the
 //! chosen layers is unstable, known before any solve, and a button for the coupled springs.
 
+use super::texts::tr;
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::widgets::set_accessible_name;
 use crate::scene::{Scene, Springs};
@@ -18,40 +19,43 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
     let palette = theme::palette(ui.visuals());
     let first = Load::ALL.iter().filter_map(|&load| limits.first_loss(load)).reduce(f64::min);
     let Some(first) = first else {
-        ui.small(
+        ui.small(tr(
             "With these springs, uniformly stretched tissue is stable at all strains up to 100 %.",
-        );
+        ));
         return;
     };
     ui.add_space(SPACE_SMALL);
-    let words = format!("The 2013 model breaks down, first at {:.0} % stretch", 100.0 * first);
+    let words =
+        tr!("The 2013 model breaks down, first at {first:.0} % stretch", first = 100.0 * first);
     ui.label(RichText::new(words).strong().color(palette.caution));
-    ui.small(
+    ui.small(tr(
         "With these springs, uniformly stretched tissue is unstable at the strains marked below. A \
          scene in which much of the tissue has such strains may have no result.",
-    );
+    ));
     for load in Load::ALL {
         strip(ui, load, limits.of(load), greatest_strain);
     }
     axis(ui);
     ui.horizontal_wrapped(|ui| {
-        for (words, color) in [("thin: stable", palette.accent), ("thick: unstable", palette.bad)] {
+        for (words, color) in
+            [(tr("thin: stable"), palette.accent), (tr("thick: unstable"), palette.bad)]
+        {
             ui.label(RichText::new(words).small().color(color));
         }
     });
     // The row is always present, so that the controls below do not move when a result arrives.
     ui.small(greatest_strain.map_or_else(
-        || "vertical line: greatest strain, not yet computed".to_owned(),
+        || tr("vertical line: greatest strain, not yet computed").to_owned(),
         |greatest_strain| {
-            format!(
-                "vertical line: greatest strain in this scene, {:.0} %",
-                100.0 * greatest_strain
+            tr!(
+                "vertical line: greatest strain in this scene, {strain:.0} %",
+                strain = 100.0 * greatest_strain
             )
         },
     ));
-    let button = ui.button("Use the standard model");
+    let button = ui.button(tr("Use the standard model"));
     if button
-        .on_hover_text("Coupled springs use the same curves and are stable at all strains")
+        .on_hover_text(tr("Coupled springs use the same curves and are stable at all strains"))
         .clicked()
     {
         scene.springs = Springs::Coupled;
@@ -62,21 +66,21 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
 /// Description of a strip in words.
 fn words(load: Load, stretches: &[[f64; 2]]) -> String {
     let how = match load {
-        Load::Uniaxial => "Uniaxial stretch",
-        Load::Equibiaxial => "Equibiaxial stretch",
+        Load::Uniaxial => tr("Uniaxial stretch"),
+        Load::Equibiaxial => tr("Equibiaxial stretch"),
     };
     if stretches.is_empty() {
-        return format!("{how}: stable at all strains up to 100 %");
+        return tr!("{how}: stable at all strains up to 100 %", how);
     }
     let percent = |[from, to]: &[f64; 2]| {
         if *to < 1.0 {
-            format!("at {:.0}–{:.0} %", 100.0 * from, 100.0 * to)
+            tr!("at {from:.0}–{to:.0} %", from = 100.0 * from, to = 100.0 * to)
         } else {
-            format!("from {:.0} %", 100.0 * from)
+            tr!("from {from:.0} %", from = 100.0 * from)
         }
     };
     let list: Vec<String> = stretches.iter().map(percent).collect();
-    format!("{how}: unstable {}", list.join(" and "))
+    tr!("{how}: unstable {list}", how, list = list.join(tr(" and ")))
 }
 
 /// Shows a strip for strains from 0 to 100 %.
@@ -84,8 +88,8 @@ fn strip(ui: &mut Ui, load: Load, stretches: &[[f64; 2]], greatest_strain: Optio
     let palette = theme::palette(ui.visuals());
     let (rect, response) = row(ui, HEIGHT);
     let name = match load {
-        Load::Uniaxial => "Uniaxial",
-        Load::Equibiaxial => "Biaxial",
+        Load::Uniaxial => tr("Uniaxial"),
+        Load::Equibiaxial => tr("Biaxial"),
     };
     let painter = ui.painter();
     let (font, quiet) =
@@ -115,7 +119,7 @@ fn axis(ui: &mut Ui) {
     for (fraction, align, text) in [
         (0.0, Align2::LEFT_CENTER, "0"),
         (0.5, Align2::CENTER_CENTER, "50"),
-        (1.0, Align2::RIGHT_CENTER, "100 % strain"),
+        (1.0, Align2::RIGHT_CENTER, tr("100 % strain")),
     ] {
         let x = rect.left() + fraction * rect.width();
         ui.painter().text(pos2(x, rect.center().y), align, text, font.clone(), quiet);

@@ -1,5 +1,6 @@
 //! The status line: state of the computation, accuracy and cost.
 
+use super::texts::tr;
 use super::{advanced, theme};
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
@@ -8,7 +9,6 @@ use crate::solve::Displayed;
 use crate::springs::Springs;
 use eframe::egui::{RichText, Ui};
 use std::collections::VecDeque;
-use std::fmt::Write as _;
 
 /// Times of frames and solves \[ms\].
 #[derive(Clone, Debug, Default)]
@@ -88,53 +88,68 @@ fn status_text(session: &Session) -> StatusText {
     let quiet = |text, details: String| StatusText { text, details, is_warning: false };
     let warning = |text, details: String| StatusText { text, details, is_warning: true };
     if session.is_stopped() {
-        return warning("Stopped: not computed", "The computation was cancelled.".to_owned());
+        return warning(
+            tr("Stopped: not computed"),
+            tr("The computation was cancelled.").to_owned(),
+        );
     }
     let Some(outcome) = session.result() else {
         let details = match session.displayed() {
             Displayed::Draft if session.scene().springs == Springs::Nikolaev => {
-                "Provisional shape; the stability test is running.".to_owned()
+                tr("Provisional shape; the stability test is running.").to_owned()
             }
             Displayed::Draft => {
-                "Provisional shape: position error below 0.1 % of the base radius.".to_owned()
+                tr("Provisional shape: position error below 0.1 % of the base radius.").to_owned()
             }
-            Displayed::Coarse { nodes_per_side } => format!(
-                "Provisional shape on a coarse grid: {nodes_per_side} of {} nodes per side.",
-                session.problem().sheet.nodes_per_side()
+            Displayed::Coarse { nodes_per_side } => tr!(
+                "Provisional shape on a coarse grid: {nodes_per_side} of {all} nodes per side.",
+                nodes_per_side,
+                all = session.problem().sheet.nodes_per_side()
             ),
             Displayed::Previous | Displayed::Final => {
-                "The previous shape is still shown.".to_owned()
+                tr("The previous shape is still shown.").to_owned()
             }
         };
-        return quiet("Updating…", details);
+        return quiet(tr("Updating…"), details);
     };
     let error = outcome.solver.estimated_position_error;
     let percent = |error: f64| percent_text(100.0 * error);
     match outcome.status {
         Status::Converged => {
             let error = error.map_or_else(
-                || "below the tolerance".to_owned(),
-                |error| format!("at most {} of the base radius", percent(error)),
+                || tr("below the tolerance").to_owned(),
+                |error| tr!("at most {error} of the base radius", error = percent(error)),
             );
             let of_grid =
                 outcome.solver.estimated_discretisation_error.map_or_else(String::new, |error| {
-                    format!(" A finer grid would move the skin by about {}.", percent(error))
+                    tr!(
+                        " A finer grid would move the skin by about {distance}.",
+                        distance = percent(error)
+                    )
                 });
-            let details =
-                format!("Converged: the position error on this grid is {error}.{of_grid}");
-            quiet("Up to date", details)
+            let details = tr!(
+                "Converged: the position error on this grid is {error}.{of_grid}",
+                error,
+                of_grid
+            );
+            quiet(tr("Up to date"), details)
         }
         Status::NotConverged => {
             let error = match error {
                 Some(error) if error < 10.0 => {
-                    format!("the estimated position error is {} of the base radius", percent(error))
+                    tr!(
+                        "the estimated position error is {error} of the base radius",
+                        error = percent(error)
+                    )
                 }
-                _ => "there is no error estimate".to_owned(),
+                _ => tr("there is no error estimate").to_owned(),
             };
-            let text = "Not finished: do not use these numbers";
-            warning(text, format!("The solver stopped above its tolerance; {error}."))
+            let text = tr("Not finished: do not use these numbers");
+            warning(text, tr!("The solver stopped above its tolerance; {error}.", error))
         }
-        Status::Unstable => warning("No stable shape", no_shape(session.invalid()).to_owned()),
+        Status::Unstable => {
+            warning(tr("No stable shape"), tr(no_shape(session.invalid())).to_owned())
+        }
     }
 }
 
@@ -154,14 +169,12 @@ pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
     let StatusText { text, mut details, is_warning } = status_text(session);
     if let Some(outcome) = session.result() {
         let solver = &outcome.solver;
-        let _ = write!(
-            details,
-            "\nSolve: {:.0} ms, {:.0} work units (evaluations of all nodal forces), {} nodes. Frame: \
-             {:.1} ms.",
-            timing.solve_ms,
-            solver.work_units,
-            solver.nodes_solved,
-            timing.percentile(0.5),
+        details += &tr!(
+            "\nSolve: {time:.0} ms, {work:.0} work units (evaluations of all nodal forces), {nodes} nodes. Frame: {frame:.1} ms.",
+            time = timing.solve_ms,
+            work = solver.work_units,
+            nodes = solver.nodes_solved,
+            frame = timing.percentile(0.5)
         );
     }
     let text = if is_warning {
@@ -175,13 +188,13 @@ pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
 /// The model and the accuracy of a scene in a few words.
 pub(super) fn model(scene: &Scene) -> String {
     let law = match (scene.springs, scene.is_layered()) {
-        (Springs::Nikolaev, _) => "model of 2013",
-        (Springs::Coupled, true) => "standard model",
-        (Springs::Coupled, false) => "one sheet",
+        (Springs::Nikolaev, _) => tr("model of 2013"),
+        (Springs::Coupled, true) => tr("standard model"),
+        (Springs::Coupled, false) => tr("one sheet"),
     };
     let accuracy = advanced::accuracy_name(scene).map_or_else(
-        || format!("{} nodes per side", scene.solver.nodes_per_side),
-        |name| format!("{} accuracy", name.to_lowercase()),
+        || tr!("{nodes} nodes per side", nodes = scene.solver.nodes_per_side),
+        |name| tr!("{accuracy} accuracy", accuracy = name.to_lowercase()),
     );
     format!("{law}, {accuracy}")
 }

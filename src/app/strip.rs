@@ -3,6 +3,7 @@
 //! Uses `compare`, `plots`, `theme`, `viewport`. Used by `ui`.
 
 use super::compare::{self, Silhouette};
+use super::texts::tr;
 use super::theme;
 use super::uncertainty::Findings;
 use super::viewport::scale_bar;
@@ -68,7 +69,7 @@ impl App {
     fn strip_of(&self, ui: &Ui, area: Rect, subject: &impl Subject) -> Option<tissue::Place> {
         // Without focus: the keys act on the picture.
         let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
-        set_accessible_name(&response, egui::Role::Canvas, CROSS_SECTION);
+        set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
         let problem = subject.problem();
         let section = CrossSection::new(self.viewport.body(), &problem.sheet);
         let pins =
@@ -81,7 +82,7 @@ impl App {
         if !section.skin().is_empty() {
             let tissue = |layer: usize| {
                 let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
-                (name.to_owned(), color32(color::tissue(name, layer)))
+                (tr(name).to_owned(), color32(color::tissue(name, layer)))
             };
             paint_implant(ui, &painter, &place, problem);
             paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
@@ -90,8 +91,8 @@ impl App {
             paint_band(ui, &painter, &place, &band);
             let layers = (0..subject.scene().layers.len()).map(tissue);
             let accent = theme::palette(ui.visuals()).accent;
-            let implant = (self.plan.device.words("implant"), accent.gamma_multiply(0.22));
-            let sampled = ("skin of 8 in 10 sampled patients".to_owned(), band_color(ui));
+            let implant = (self.plan.device.words(tr("implant")), accent.gamma_multiply(0.22));
+            let sampled = (tr("skin of 8 in 10 sampled patients").to_owned(), band_color(ui));
             let sampled = (!band.is_empty()).then_some(sampled);
             legend(ui, &painter, area, layers.chain([implant]).chain(sampled));
         }
@@ -205,9 +206,9 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
         painter.text(at(x) + vec2(0.0, 2.0), align, words, font.clone(), color);
     };
     let weak = visuals.weak_text_color();
-    below(0.0, Align2::CENTER_TOP, "pocket", palette.text);
-    below(-place.reach_mm, Align2::LEFT_TOP, "midline", weak);
-    below(place.reach_mm, Align2::RIGHT_TOP, "side", weak);
+    below(0.0, Align2::CENTER_TOP, tr("pocket"), palette.text);
+    below(-place.reach_mm, Align2::LEFT_TOP, tr("midline"), weak);
+    below(place.reach_mm, Align2::RIGHT_TOP, tr("side"), weak);
 }
 
 fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {

@@ -3,6 +3,7 @@
 //! Each panel with a study has a [`Driver`]. The driver submits the study's jobs, a few at a time, and passes the cases
 //! to the study. A frame spends [`SLICE`] on all drivers at most, so a study of any size delays no frame.
 
+use super::texts::tr;
 use crate::measure::Status;
 use crate::session::Session;
 use crate::study::{Case, Cases, Finished, Job, Runner, Study};
@@ -200,8 +201,10 @@ impl<S: Study> Driver<S> {
     pub(super) fn failure(&self) -> Option<String> {
         let first = self.failure.as_ref()?;
         Some(match self.failed {
-            1 => format!("A scene was not solved: {first}"),
-            count => format!("{count} scenes or jobs were not solved. The first: {first}"),
+            1 => tr!("A scene was not solved: {first}", first),
+            count => {
+                tr!("{count} scenes or jobs were not solved. The first: {first}", count, first)
+            }
         })
     }
 }

@@ -3,6 +3,7 @@
 use super::commands::{Action, COMMANDS, Keyed};
 use super::messages::Notice;
 use super::report::Purpose;
+use super::texts::tr;
 use super::widgets::button_if;
 use super::{App, theme};
 use crate::export::{Format, Solid};
@@ -10,7 +11,7 @@ use crate::measure::surfaces;
 use crate::session::Command;
 use crate::solve::Solution;
 use eframe::egui::os::OperatingSystem;
-use eframe::egui::{self, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{self, Color32, FontId, RichText, Role, TextStyle, Ui, WidgetInfo};
 
 /// Arrangement of the screen, by its width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,21 +25,18 @@ impl App {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal(|ui| {
             if layout == Layout::Wide {
-                ui.label(RichText::new("Implant preview").strong());
+                ui.label(RichText::new(tr("Implant preview")).strong());
                 ui.separator();
             } else {
-                // Six buttons in 320 points.
-                let spacing = ui.spacing_mut();
-                spacing.item_spacing.x = theme::SPACE_SMALL;
-                spacing.button_padding.x = theme::SPACE_SMALL + 2.0;
+                fit_in_row(ui);
             }
             self.file_menu(ui);
             if layout == Layout::Wide {
                 self.view_menu(ui, layout);
             }
             for (name, enabled, command) in [
-                ("Undo", self.session.can_undo(), Command::Undo),
-                ("Redo", self.session.can_redo(), Command::Redo),
+                (tr("Undo"), self.session.can_undo(), Command::Undo),
+                (tr("Redo"), self.session.can_redo(), Command::Redo),
             ] {
                 if button_if(ui, enabled, name, name, "") {
                     self.execute(command);
@@ -46,10 +44,10 @@ impl App {
             }
             self.item(ui, Action::StartOver);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Help").clicked() {
+                if ui.button(tr("Help")).clicked() {
                     self.show_help = !self.show_help;
                 }
-                theme_menu(ui);
+                self.theme_menu(ui);
                 if layout == Layout::Wide {
                     disclaimer(ui, layout);
                 }
@@ -59,7 +57,7 @@ impl App {
     }
 
     fn file_menu(&mut self, ui: &mut Ui) {
-        ui.menu_button("File", |ui| {
+        ui.menu_button(tr("File"), |ui| {
             let ctx = ui.ctx().clone();
             for action in [
                 Action::OpenPlan,
@@ -79,7 +77,7 @@ impl App {
             ui.add_enabled_ui(has_shape, |ui| self.shape_menu(ui, &ctx));
             self.menu_item(ui, Action::SaveProfile);
             ui.separator();
-            ui.label(RichText::new("Examples").small().weak());
+            ui.label(RichText::new(tr("Examples")).small().weak());
             self.menu_item(ui, Action::UsualImplant);
             self.menu_item(ui, Action::HalfSphere);
         });
@@ -87,7 +85,7 @@ impl App {
 
     /// The menu of the picture's switches, with the list of all commands.
     pub(super) fn view_menu(&mut self, ui: &mut Ui, layout: Layout) {
-        ui.menu_button("View", |ui| {
+        ui.menu_button(tr("View"), |ui| {
             if layout == Layout::Wide {
                 self.menu_item(ui, Action::CrossSection);
             }
@@ -98,25 +96,49 @@ impl App {
         });
     }
 
+    /// The choice of theme and language.
+    fn theme_menu(&mut self, ui: &mut Ui) {
+        ui.menu_button(tr("Theme"), |ui| {
+            let mut preference = ui.ctx().options(|options| options.theme_preference);
+            for (choice, name) in [
+                (egui::ThemePreference::System, tr("System")),
+                (egui::ThemePreference::Light, tr("Light")),
+                (egui::ThemePreference::Dark, tr("Dark")),
+            ] {
+                if ui.radio_value(&mut preference, choice, name).clicked() {
+                    ui.ctx().set_theme(choice);
+                    ui.close();
+                }
+            }
+            ui.separator();
+            self.language_menu(ui);
+        });
+    }
+
     /// Meshes of the shape in place, for other programs and printers.
     fn shape_menu(&mut self, ui: &mut Ui, ctx: &egui::Context) {
-        ui.menu_button("Save shape (3-D)", |ui| {
-            ui.small("Closed meshes in mm; GLB in m");
+        ui.menu_button(tr("Save shape (3-D)"), |ui| {
+            ui.small(tr("Closed meshes in mm; GLB in m"));
             egui::Grid::new("shapes").show(ui, |ui| {
                 for (name, solid) in SOLIDS {
-                    let name = self.plan.device.words(name);
+                    let (file, name) =
+                        (self.plan.device.english(name), self.plan.device.words(tr(name)));
                     ui.label(&name);
                     for format in Format::ALL {
                         let extension = format.extension();
                         let button = ui.button(extension.to_uppercase());
-                        let label = format!("{name} as {}", extension.to_uppercase());
+                        let label = tr!(
+                            "{name} as {extension}",
+                            name,
+                            extension = extension.to_uppercase()
+                        );
                         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
                         if button.clicked() {
-                            let file = format!("{}.{extension}", name.to_lowercase());
+                            let file = format!("{}.{extension}", file.to_lowercase());
                             let solid = solid(self.session.solution());
                             if solid.vertices.is_empty() {
                                 self.notice =
-                                    Some(Notice::error(self.plan.device.words(NOT_INSERTED)));
+                                    Some(Notice::error(self.plan.device.words(tr(NOT_INSERTED))));
                             } else {
                                 self.files.save(ctx, &file, format.encode(&solid));
                             }
@@ -133,27 +155,27 @@ impl App {
         if self.show_help && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.show_help = false;
         }
-        egui::Window::new("Help")
+        egui::Window::new(tr("Help"))
             .open(&mut self.show_help)
             .collapsible(false)
             .resizable(false)
             .default_width(440.0)
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .show(ctx, |ui| {
-                ui.label(RichText::new("A preview, not a medical device.").strong());
+                ui.label(RichText::new(tr("A preview, not a medical device.")).strong());
                 ui.label(
-                    "The program computes how skin and fat stretch over an implant, from stress–strain curves, \
+                    tr("The program computes how skin and fat stretch over an implant, from stress–strain curves, \
                      in equilibrium and without friction. It does not model a patient's anatomy, healing or \
-                     blood supply. Do not base a decision on it alone.",
+                     blood supply. Do not base a decision on it alone."),
                 );
                 ui.label(
-                    "How wrong it is: a pinch gives the cover within a factor 1.3, a skin class the stretch \
-                     within a factor 2 (1 standard deviation); the computation itself is within 0.5 %.",
+                    tr("How wrong it is: a pinch gives the cover within a factor 1.3, a skin class the stretch \
+                     within a factor 2 (1 standard deviation); the computation itself is within 0.5 %."),
                 );
-                ui.label("All computation runs on this machine; no data leaves it.");
+                ui.label(tr("All computation runs on this machine; no data leaves it."));
                 ui.separator();
                 egui::Grid::new("keys").num_columns(2).spacing([2.0 * theme::SPACE, 2.0]).show(ui, |ui| {
-                    let fixed = KEYS.map(|(keys, effect)| (keys.to_owned(), effect.to_owned()));
+                    let fixed = KEYS.map(|(keys, effect)| (tr(keys).to_owned(), tr(effect).to_owned()));
                     for (keys, effect) in fixed.into_iter().chain(command_keys(ui.ctx().os())) {
                         ui.label(RichText::new(keys).strong());
                         ui.label(effect);
@@ -162,11 +184,33 @@ impl App {
                 });
                 ui.separator();
                 ui.small(
-                    "Based on S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
-                     deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94.",
+                    tr("Based on S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
+                     deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94."),
                 );
-                ui.small(format!("Version {}", env!("CARGO_PKG_VERSION")));
+                ui.small(tr!("Version {version}", version = env!("CARGO_PKG_VERSION")));
             });
+    }
+}
+
+/// Space and text of the six buttons of a row of 320 points. Long words are smaller.
+fn fit_in_row(ui: &mut Ui) {
+    const BUTTONS: [&str; 6] = ["File", "Undo", "Redo", "Start over", "Theme", "Help"];
+    let space = theme::SPACE_SMALL;
+    let font = TextStyle::Button.resolve(ui.style());
+    let width = |name: &str| {
+        let galley = ui.painter().layout_no_wrap(tr(name).to_owned(), font.clone(), Color32::WHITE);
+        galley.size().x
+    };
+    let text: f32 = BUTTONS.map(width).iter().sum();
+    let room = |padding: f32| ui.available_width() - 12.0 * padding - 5.0 * space;
+    let is_tight = text > room(space + 2.0);
+    let size = font.size * (room(space) / text).min(1.0);
+    let spacing = ui.spacing_mut();
+    spacing.item_spacing.x = space;
+    spacing.button_padding.x = if is_tight { space } else { space + 2.0 };
+    if is_tight {
+        let small = FontId { size, ..font };
+        ui.style_mut().text_styles.insert(TextStyle::Button, small);
     }
 }
 
@@ -198,9 +242,12 @@ fn command_keys(system: OperatingSystem) -> impl Iterator<Item = (String, String
     COMMANDS.iter().filter(|entry| !matches!(entry.action, Action::Colour(_))).filter_map(
         move |entry| {
             let keys = entry.keys(system);
-            let place =
-                if matches!(entry.keyed, Keyed::OnPicture(_)) { "on the picture: " } else { "" };
-            let name = entry.name.trim_end_matches('…').to_lowercase();
+            let place = if matches!(entry.keyed, Keyed::OnPicture(_)) {
+                tr("on the picture: ")
+            } else {
+                ""
+            };
+            let name = tr(entry.name).trim_end_matches('…').to_lowercase();
             (!keys.is_empty()).then(|| (keys, format!("{place}{name}")))
         },
     )
@@ -209,27 +256,13 @@ fn command_keys(system: OperatingSystem) -> impl Iterator<Item = (String, String
 /// The words that are always in sight.
 pub(super) fn disclaimer(ui: &mut Ui, layout: Layout) {
     let words = match layout {
-        Layout::Wide => "Not a medical device: a physical model, no patient's anatomy or healing.",
-        Layout::Narrow => "Not a medical device",
+        Layout::Wide => {
+            tr("Not a medical device: a physical model, no patient's anatomy or healing.")
+        }
+        Layout::Narrow => tr("Not a medical device"),
     };
     let words = RichText::new(words).small().color(ui.visuals().weak_text_color());
     ui.add(egui::Label::new(words).wrap_mode(egui::TextWrapMode::Truncate)).on_hover_text(
-        "A physical model of skin and fat over an implant: no patient's anatomy, no healing, no blood supply.",
+        tr("A physical model of skin and fat over an implant: no patient's anatomy, no healing, no blood supply."),
     );
-}
-
-fn theme_menu(ui: &mut Ui) {
-    ui.menu_button("Theme", |ui| {
-        let mut preference = ui.ctx().options(|options| options.theme_preference);
-        for (choice, name) in [
-            (egui::ThemePreference::System, "System"),
-            (egui::ThemePreference::Light, "Light"),
-            (egui::ThemePreference::Dark, "Dark"),
-        ] {
-            if ui.radio_value(&mut preference, choice, name).clicked() {
-                ui.ctx().set_theme(choice);
-                ui.close();
-            }
-        }
-    });
 }

@@ -2,6 +2,7 @@
 //! figures of the answer and tabs.
 
 use super::curve_editor::CurveWindow;
+use super::texts::tr;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
@@ -40,7 +41,7 @@ impl App {
         let left = side_panel(egui::Panel::left("plan"), plan).show(ui, |ui| {
             column("plan").show(ui, |ui| {
                 ui.add_space(theme::SPACE_SMALL);
-                ui.heading("Plan");
+                ui.heading(tr("Plan"));
                 self.plan(ui, scene);
                 self.focus.scroll_into_view(ui);
             });
@@ -111,7 +112,7 @@ impl App {
     fn tabs(&mut self, ui: &mut Ui) {
         ui.columns_const(|columns: &mut [Ui; 4]| {
             for (ui, (tab, name)) in columns.iter_mut().zip(TABS) {
-                let name = self.plan.device.words(name);
+                let name = self.plan.device.words(tr(name));
                 let size = egui::vec2(ui.available_width(), theme::TOUCH);
                 let button = egui::Button::selectable(self.narrow_tab == tab, name)
                     .frame_when_inactive(true);
@@ -163,13 +164,13 @@ impl App {
     /// The fold with numbers, cross-section and curves.
     fn details(&self, ui: &mut Ui, layout: Layout) {
         let (previous, findings) = (self.previous_results(), self.uncertainty.findings());
-        egui::CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
+        egui::CollapsingHeader::new(tr("Details")).id_salt("details").show_unindented(ui, |ui| {
             let outcome = answer::visible(&self.session, previous);
             match outcome.filter(|outcome| outcome.status != Status::Unstable) {
                 Some(outcome) => details::show(ui, outcome, findings),
                 None => {
                     ui.label(
-                        RichText::new("No numbers yet.").color(ui.visuals().weak_text_color()),
+                        RichText::new(tr("No numbers yet.")).color(ui.visuals().weak_text_color()),
                     );
                 }
             }
@@ -219,9 +220,9 @@ impl App {
     fn insertion_row(&mut self, ui: &mut Ui, scene: &mut Scene) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal(|ui| {
-            let name = if self.is_playing { "Pause" } else { "Show insertion" };
+            let name = if self.is_playing { tr("Pause") } else { tr("Show insertion") };
             let button = ui.add_sized([108.0, 24.0], egui::Button::new(name));
-            if button.on_hover_text(format!("{name} (space)")).clicked() {
+            if button.on_hover_text(tr!("{name} (space)", name)).clicked() {
                 self.toggle_playback();
             }
             let (slider, mut percent) = plan::insertion(scene);
@@ -318,7 +319,7 @@ fn hint(ui: &mut Ui, area: Rect) {
     let layout = egui::Layout::bottom_up(egui::Align::Max);
     let inner = area.shrink(2.0 * theme::SPACE);
     let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
-    let words = "Change width, volume or pinch · drag the picture to turn it";
+    let words = tr("Change width, volume or pinch · drag the picture to turn it");
     let words = RichText::new(words).color(ui.visuals().weak_text_color());
     ui.new_child(builder).add(egui::Label::new(words).selectable(false));
 }

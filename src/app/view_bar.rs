@@ -1,6 +1,7 @@
 //! The controls of the picture, on the picture: standard views, cut, grid, colours.
 
 use super::commands::{Action, entry_of};
+use super::texts::tr;
 use super::toolbar::Layout;
 use super::widgets::{Kind, NumberField, choice, set_accessible_name};
 use super::{App, theme};
@@ -26,8 +27,9 @@ impl App {
             self.cut_box(ui, layout);
             for switch in [Action::Grid, Action::Areola] {
                 let (entry, is_on) = (entry_of(switch), self.is_on(switch) == Some(true));
-                let button = egui::Button::selectable(is_on, entry.name).frame_when_inactive(true);
-                if ui.add(button).on_hover_text(entry.tooltip).clicked() {
+                let button =
+                    egui::Button::selectable(is_on, tr(entry.name)).frame_when_inactive(true);
+                if ui.add(button).on_hover_text(tr(entry.tooltip)).clicked() {
                     self.run(&ui.ctx().clone(), switch);
                 }
             }
@@ -43,7 +45,7 @@ impl App {
     fn cut_box(&mut self, ui: &mut Ui, layout: Layout) {
         let options = &mut self.options;
         let present = (options.section, options.section && options.half);
-        let name = |(section, half): (bool, bool)| entry_of(Action::Cut(section, half)).name;
+        let name = |(section, half): (bool, bool)| tr(entry_of(Action::Cut(section, half)).name);
         let response = egui::ComboBox::from_id_salt("cut")
             .width(if layout == Layout::Wide { 104.0 } else { 96.0 })
             .selected_text(name(present))
@@ -55,15 +57,15 @@ impl App {
                 }
             })
             .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Cut");
-        response.on_hover_text("Cut the tissue open to show its layers");
+        set_accessible_name(&response, egui::Role::ComboBox, tr("Cut"));
+        response.on_hover_text(tr("Cut the tissue open to show its layers"));
         if layout == Layout::Narrow {
             return;
         }
         // Always present, so that nothing moves; without a cut the direction waits for one.
         let mut angle = f64::from(options.section_azimuth_deg);
         let field = NumberField {
-            name: "Direction of the cut",
+            name: tr("Direction of the cut"),
             kind: Kind::Angle,
             allowed: -180.0..=180.0,
             decimals: 0,
@@ -77,24 +79,24 @@ impl App {
         }
         typed
             .response
-            .on_hover_text("Direction of the cut in degrees; the arrow keys turn the cut");
+            .on_hover_text(tr("Direction of the cut in degrees; the arrow keys turn the cut"));
     }
 
     fn quantity_box(&mut self, ui: &mut Ui) {
         let layers = &self.session.scene().layers;
         let is_layered = self.session.scene().is_layered();
-        let tissue = |k: usize| layers.get(k).map_or("layer", |layer| &layer.tissue);
+        let tissue = |k: usize| layers.get(k).map_or(tr("layer"), |layer| tr(&layer.tissue));
         let name = |quantity: Quantity| match quantity {
-            Quantity::Tissue => "Natural colours".to_owned(),
-            Quantity::Strain => "Skin stretch".to_owned(),
-            Quantity::AreaStretch => "Skin area".to_owned(),
-            Quantity::Stress(k) => format!("Stress, {}", tissue(k)),
-            Quantity::Pressure => "Pressure".to_owned(),
-            Quantity::LayerStrain(k) => format!("Stretch, {}", tissue(k)),
-            Quantity::Thickness(k) => format!("Thickness, {}", tissue(k)),
-            Quantity::Cover => self.plan.device.words("Cover over the implant"),
-            Quantity::Traction => "Pull at the pocket's edge".to_owned(),
-            Quantity::Wrinkles => "Wrinkles of the skin".to_owned(),
+            Quantity::Tissue => tr("Natural colours").to_owned(),
+            Quantity::Strain => tr("Skin stretch").to_owned(),
+            Quantity::AreaStretch => tr("Skin area").to_owned(),
+            Quantity::Stress(k) => tr!("Stress, {tissue}", tissue = tissue(k)),
+            Quantity::Pressure => tr("Pressure").to_owned(),
+            Quantity::LayerStrain(k) => tr!("Stretch, {tissue}", tissue = tissue(k)),
+            Quantity::Thickness(k) => tr!("Thickness, {tissue}", tissue = tissue(k)),
+            Quantity::Cover => self.plan.device.words(tr("Cover over the implant")),
+            Quantity::Traction => tr("Pull at the pocket's edge").to_owned(),
+            Quantity::Wrinkles => tr("Wrinkles of the skin").to_owned(),
         };
         let mut choices = vec![Quantity::Tissue, Quantity::Strain];
         if is_layered {
@@ -127,7 +129,7 @@ impl App {
                 }
             })
             .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Colour by");
-        response.on_hover_text("Quantity shown by the colours (keys 1–5)");
+        set_accessible_name(&response, egui::Role::ComboBox, tr("Colour by"));
+        response.on_hover_text(tr("Quantity shown by the colours (keys 1–5)"));
     }
 }

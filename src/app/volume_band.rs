@@ -1,6 +1,7 @@
 //! The largest volume that stays usual, for 8 of 10 sampled patients: computed while the bands are on, after them.
 
 use super::studies::{Driver, Studies};
+use super::texts::tr;
 use crate::scene::Scene;
 use crate::study::{
     Axis, BandsSettings, PATIENTS, Parameter, USUAL_STEP_ML, UsualRange, UsualVolumes, with_values,
@@ -52,7 +53,9 @@ impl VolumeBand {
     /// The band in brackets, as " (210–280 ml in 8 of 10 patients)"; empty while that is not known.
     pub(super) fn words(&self) -> String {
         let found = self.search.study().and_then(UsualRange::found);
-        found.map_or_else(String::new, |found| format!(" ({} in 8 of 10 patients)", range(found)))
+        found.map_or_else(String::new, |found| {
+            tr!(" ({range} in 8 of 10 patients)", range = range(found))
+        })
     }
 
     /// What the band is, for a hover; empty while the band is not known.
@@ -60,21 +63,23 @@ impl VolumeBand {
         if self.words().is_empty() {
             return String::new();
         }
-        format!(
-            " In brackets: 10th to 90th percentile of {PATIENTS} sampled patients, in steps of {USUAL_STEP_ML} ml; what varies is \
-             chosen under Uncertainty."
+        tr!(
+            " In brackets: 10th to 90th percentile of {count} sampled patients, in steps of {step} ml; what varies is chosen \
+             under Uncertainty.",
+            count = PATIENTS,
+            step = USUAL_STEP_ML
         )
     }
 }
 
 /// The range in words.
 fn range(UsualVolumes { low_ml, high_ml, is_open }: UsualVolumes) -> String {
-    let more = if is_open { " and more" } else { "" };
+    let more = if is_open { tr(" and more") } else { "" };
     match (low_ml, high_ml) {
         (Some(low), Some(high)) if high > low => format!("{low:.0}–{high:.0} ml{more}"),
         (Some(low), _) => format!("{low:.0} ml{more}"),
-        (None, Some(high)) => format!("none to {high:.0} ml{more}"),
-        (None, None) => "none".to_owned(),
+        (None, Some(high)) => tr!("none to {high:.0} ml{more}", high, more),
+        (None, None) => tr("none").to_owned(),
     }
 }
 

@@ -3,6 +3,7 @@
 //! used or the plan is edited.
 
 use super::studies::{Driver, Studies};
+use super::texts::{tr, word_of};
 use super::volume_band::VolumeBand;
 use super::volumes::{COUNT, volumes};
 use crate::clinical::{Shelf, ShelfSize};
@@ -151,30 +152,31 @@ impl VolumeMarks {
         };
         let [_, width] = volume_and_width(curve.base());
         let words = match largest(&curve.axes()[0], marks) {
-            None => format!("No volume on {width} cm stays usual"),
-            Some(volume) => format!("Up to {volume} stays usual on {width} cm"),
+            None => tr!("No volume on {width} cm stays usual", width),
+            Some(volume) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
         } + &self.band.words();
         let beside = self.beside_marks.as_ref().zip(self.beside.study()).map(|(marks, beside)| {
             let [_, width] = volume_and_width(beside.base());
-            let volume = largest(&beside.axes()[0], marks).unwrap_or_else(|| "none".to_owned());
-            format!("; {volume} on {width} cm")
+            let volume = largest(&beside.axes()[0], marks).unwrap_or_else(|| tr("none").to_owned());
+            tr!("; {volume} on {width} cm", volume, width)
         });
         format!("{words}{}.", beside.unwrap_or_default())
     }
 
     /// What [`Self::largest_usual`] is.
     pub(super) fn about_largest_usual(&self) -> String {
-        "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse grid, between \
-         two volumes on a line; in steps of 5 ml, rounded down."
-            .to_owned()
-            + &self.band.about()
+        let words = tr(
+            "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse grid, \
+             between two volumes on a line; in steps of 5 ml, rounded down.",
+        );
+        words.to_owned() + &self.band.about()
     }
 
     /// That a volume is within a tenth of the greatest one with an answer, in words; empty while that is not known.
     pub(super) fn near_end(&self, volume_ml: f64) -> String {
         match self.ends()[2] {
             Some(end) if volume_ml >= NEAR_END * end => {
-                format!("Near the model's limit: no answer above about {end:.0} ml at this width.")
+                tr!("Near the model's limit: no answer above about {end:.0} ml at this width.", end)
             }
             _ => String::new(),
         }
@@ -182,10 +184,17 @@ impl VolumeMarks {
 
     /// The marks in words; empty without any.
     pub(super) fn words(&self) -> String {
-        let word = |mark: &Mark| format!("\n{:.0} ml: {}", mark.volume_ml, mark.words.join(" "));
+        let word = |mark: &Mark| format!("\n{:.0} ml: {}", mark.volume_ml, words_of(mark));
         let words: String = self.marks.iter().flatten().map(word).collect();
-        if words.is_empty() { words } else { format!("\nAt this width, from about{words}") }
+        if words.is_empty() { words } else { tr!("\nAt this width, from about{words}", words) }
     }
+}
+
+/// The words of a mark.
+fn words_of(mark: &Mark) -> String {
+    let [name, word] = mark.words;
+    let word = if name == QUANTITIES[2].2 { word_of(&bands::PRESSURE, word) } else { tr(word) };
+    format!("{} {word}", tr(name))
 }
 
 /// The next width \[mm\]: the next one of the shelf within [`MOST_STEP_MM`], else the next whole centimetre at least half a
@@ -204,7 +213,7 @@ fn largest(axis: &Axis, marks: &[Mark]) -> Option<String> {
     match end {
         end if end <= axis.from => None,
         end if end < axis.to => Some(format!("{:.0} ml", whole(end))),
-        _ => Some(format!("{:.0} ml and more", whole(axis.to))),
+        _ => Some(tr!("{whole:.0} ml and more", whole = whole(axis.to))),
     }
 }
 

@@ -44,6 +44,9 @@ struct Window {
 
 impl Window {
     fn new(mut app: App, store: Option<Store>) -> Self {
+        // The texts of the notices below are in this language.
+        let kept = store.as_ref().and_then(|store| store.read(LANGUAGE).ok().flatten());
+        app.restore_language(kept.as_deref());
         for file in [PLAN, PINS, SHELF] {
             match store.as_ref().map(|store| store.read(file)) {
                 Some(Ok(Some(text))) if file == PLAN => app.restore_plan(&text),
@@ -61,6 +64,7 @@ impl Window {
             (PLAN, self.app.take_plan_to_store(is_closing)),
             (PINS, self.app.take_pins_to_store(is_closing)),
             (SHELF, self.app.take_shelf_to_store(is_closing)),
+            (LANGUAGE, self.app.take_language_to_store()),
         ] {
             if let Some(text) = text
                 && self.store.as_ref().is_none_or(|store| store.write(file, &text).is_err())
@@ -83,10 +87,11 @@ impl eframe::App for Window {
     }
 }
 
-/// Names of the files of the kept plan, of the kept pins and of the kept shelf.
+/// Names of the files of the kept plan, pins, shelf and language.
 const PLAN: &str = "plan.json";
 const PINS: &str = "pins.json";
 const SHELF: &str = "shelf.csv";
+const LANGUAGE: &str = "language.txt";
 
 /// The folder of the kept texts.
 struct Store(PathBuf);

@@ -23,10 +23,11 @@ const SUMMARY_REST_S: f64 = 0.6;
 /// Id of the link before the app; in the Tab order it precedes the app's first control.
 const SKIP: &str = "implant-preview-skip";
 
-/// Keys of the kept pins and of the kept plan in the storage of the page's origin.
+/// Keys of the kept pins, plan, shelf and language in the storage of the page's origin; `web/language.js` reads the last.
 const PINS: &str = "implant-preview/pins/1";
 const PLAN: &str = "implant-preview/plan/1";
 const SHELF: &str = "implant-preview/shelf/1";
+const LANGUAGE: &str = "implant-preview/language/1";
 
 /// Initial size of the heap \[bytes\], above that of a session at 129 nodes per side.
 const HEAP: usize = 26 << 20;
@@ -88,10 +89,13 @@ fn storage() -> Result<web_sys::Storage, JsValue> {
     Ok(window.local_storage()?.ok_or("the browser has no storage")?)
 }
 
+/// The kept text of a key; a missing storage is reported with the first change.
+fn kept(key: &str) -> Option<String> {
+    storage().and_then(|storage| storage.get_item(key)).ok().flatten()
+}
+
 /// Reads the kept plan and pins into a new app.
 fn restore(app: &mut App) {
-    // A missing storage is reported with the first change.
-    let kept = |key| storage().and_then(|storage| storage.get_item(key)).ok().flatten();
     if let Some(plan) = kept(PLAN) {
         app.restore_plan(&plan);
     }
@@ -121,6 +125,7 @@ fn store(app: &mut App, is_closing: bool) {
         (PINS, app.take_pins_to_store(is_closing)),
         (PLAN, app.take_plan_to_store(is_closing)),
         (SHELF, app.take_shelf_to_store(is_closing)),
+        (LANGUAGE, app.take_language_to_store()),
     ] {
         if let Some(text) = text
             && storage().and_then(|storage| storage.set_item(key, &text)).is_err()
@@ -215,21 +220,18 @@ impl PageHost {
             if let Some(app) = &mut *app {
                 app.move_to(&cc.egui_ctx, cc.gl.as_ref());
             } else {
-                let kept = call("implantPreviewKept", "").as_string();
+                let before = call("implantPreviewKept", "").as_string();
                 // A scene of an older version may be invalid.
-                let kept = kept.and_then(|json| Scene::from_json(&json).ok());
-                let is_kept = kept.is_some();
+                let before = before.and_then(|json| Scene::from_json(&json).ok());
+                let is_kept = before.is_some();
                 let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
-                let scene = kept.unwrap_or_else(Scene::opening);
+                let scene = before.unwrap_or_else(Scene::opening);
                 let new = App::new(ctx, gl, scene, |wake| Box::new(Workers::new(move || wake())))?;
                 let new = app.insert(new);
+                new.restore_language(kept(LANGUAGE).as_deref());
                 new.enable_page_navigation();
                 if is_kept {
-                    // The pins may be the cause of the error.
-                    new.notify(
-                        "The preview restarted after an error, with the scene that was open. A reload \
-                         opens the kept pins.",
-                    );
+                    new.notify_restart();
                 } else {
                     restore(new);
                     // Without a location, in some embedded views, there is no link.
@@ -242,6 +244,7 @@ impl PageHost {
                 next_summary: (String::new(), 0.0),
                 scene: None,
                 plan: String::new(),
+                language: "",
                 is_loading: true,
                 has_still: true,
                 is_decimal_keyboard: false,
@@ -333,6 +336,8 @@ struct PageApp {
     scene: Option<Scene>,
     /// The fields of the plan last passed to the page's form.
     plan: String,
+    /// The language last passed to the page.
+    language: &'static str,
     is_loading: bool,
     /// Does the page show the still picture of the opening plan?
     has_still: bool,
@@ -376,6 +381,11 @@ impl eframe::App for PageApp {
             // For a start after a crash, in the browser's storage: the visit is in the plan's file only.
             call("implantPreviewKeep", &scene.without_visit().to_json());
             self.scene = Some(scene.clone());
+        }
+        let language = app.language();
+        if self.language != language {
+            call("implantPreviewLanguage", language);
+            self.language = language;
         }
         let plan = app.plan_json();
         if self.plan != plan {
@@ -450,8 +460,8 @@ impl Handle {
         Ok(())
     }
 
-    /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, and
-    /// `least` and `most` of a number or the `choices` of a word.
+    /// The fields of the plan as a list (JSON text): `name`, `label`, `unit`, `text` (the value as shown), `hint`, `range` (the
+    /// allowed numbers in words), and `least` and `most` of a number or the `choices` of a word with their `words` on the screen.
     ///
     /// # Errors
     /// Throws if the app is not running.

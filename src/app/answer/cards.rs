@@ -1,6 +1,7 @@
 //! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own; the band of sampled
 //! patients stands in brackets, and its worse end decides the word.
 
+use crate::app::texts::{tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS};
@@ -42,6 +43,17 @@ pub(super) struct Answer {
 /// Band, counted from the lowest, and its word.
 type Verdict = (usize, &'static str);
 
+/// A verdict in the language of the user.
+fn in_words((band, word): Verdict) -> Verdict {
+    (band, tr(word))
+}
+
+/// The verdict of a contact pressure \[mmHg\].
+fn pressure_verdict(mmhg: f64) -> Verdict {
+    let (band, word) = bands::PRESSURE.verdict(mmhg);
+    (band, word_of(&bands::PRESSURE, word))
+}
+
 impl Answer {
     pub(super) fn new(outcome: Option<&Outcome>, scene: &Scene) -> Self {
         let strain = outcome.and_then(|outcome| outcome.strain.as_ref());
@@ -61,35 +73,35 @@ impl Answer {
 
     /// The word of the stretch.
     pub(super) fn stretch(&self) -> Option<Verdict> {
-        self.strain.map(|strain| bands::stretch(strain, self.reserve))
+        self.strain.map(|strain| in_words(bands::stretch(strain, self.reserve)))
     }
 
     /// The word of the cover; `None` for a cover that is not thin.
     pub(super) fn cover_word(&self) -> Option<Verdict> {
-        self.cover.and_then(bands::cover)
+        self.cover.and_then(bands::cover).map(in_words)
     }
 
     fn pressure_word(&self) -> Option<Verdict> {
-        self.pressure.map(|(_, most)| bands::PRESSURE.verdict(most))
+        self.pressure.map(|(_, most)| pressure_verdict(most))
     }
 
     /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
     pub(super) fn in_a_sentence(&self) -> String {
         let words = [
-            (self.stretch(), "skin stretch"),
-            (self.cover_word(), "cover"),
-            (self.pressure_word(), "pressure"),
+            (self.stretch(), tr("skin stretch")),
+            (self.cover_word(), tr("cover")),
+            (self.pressure_word(), tr("pressure")),
         ];
         let not_usual = words.into_iter().filter_map(|(verdict, name)| Some((verdict?, name)));
         // The first of equal ones.
         let worst =
             not_usual.rev().max_by_key(|((band, _), _)| *band).filter(|((band, _), _)| *band > 0);
-        let worst =
-            worst.map_or_else(|| "usual".to_owned(), |((_, word), name)| format!("{name} {word}"));
+        let worst = worst
+            .map_or_else(|| tr("usual").to_owned(), |((_, word), name)| format!("{name} {word}"));
         let figures = [
-            self.strain.map(|strain| format!("stretch {:.0} %", 100.0 * strain)),
-            self.cover.map(|mm| format!("cover {mm:.0} mm")),
-            self.pressure.map(|(_, most)| format!("pressure {most:.0} mmHg")),
+            self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
+            self.cover.map(|mm| tr!("cover {mm:.0} mm", mm)),
+            self.pressure.map(|(_, most)| tr!("pressure {most:.0} mmHg", most)),
         ];
         let figures: Vec<String> = figures.into_iter().flatten().collect();
         let figures = figures.join(", ");
@@ -189,7 +201,7 @@ fn worse(
 ) -> (Option<Verdict>, String) {
     match (own, of_band) {
         (Some(own), Some(worse)) if worse.0 > own.0 => {
-            (Some(worse), format!("this plan itself: {}. {line}", own.1))
+            (Some(worse), tr!("this plan itself: {word}. {line}", word = own.1, line))
         }
         (own, of_band) => (own.or(of_band), line),
     }
@@ -199,34 +211,35 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
     let range = sampled.range(Quantity::GreatestStrain);
     let reserve = sampled.range(Quantity::SkinReserveUsed);
-    let of_band = range.map(|[_, high]| bands::stretch(high, reserve.map(|[_, high]| high)));
+    let of_band =
+        range.map(|[_, high]| in_words(bands::stretch(high, reserve.map(|[_, high]| high))));
     let line = answer.strain.map_or_else(String::new, |_| {
         let missing = sampled.0.and_then(Findings::missing).unwrap_or_default();
         let share = match answer.reserve {
             Some(_) => String::new(),
-            None => format!(
-                "{} of the skin is above {:.0} %. ",
-                sampled.in_line(Quantity::AreaOver25, answer.share),
-                100.0 * SHARE_ABOVE.0
+            None => tr!(
+                "{share} of the skin is above {limit:.0} %. ",
+                share = sampled.in_line(Quantity::AreaOver25, answer.share),
+                limit = 100.0 * SHARE_ABOVE.0
             ),
         };
-        format!("{missing}{share}{FROM_REST}")
+        format!("{missing}{share}{}", tr(FROM_REST))
     });
     let (verdict, line) = worse(answer.stretch(), of_band, line);
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
     let (words, scale) = match answer.reserve {
         Some(share) => (
-            format!("longer: {:.0} % of its reserve", 100.0 * share),
+            tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
             BarScale::Bands { limits: &bands::RESERVE, most: MOST_RESERVE, in_percent: true },
         ),
         None => (
-            "longer, at most".to_owned(),
+            tr("longer, at most").to_owned(),
             BarScale::Bands { limits: &bands::STRAIN, most: MOST_STRAIN, in_percent: true },
         ),
     };
     Card {
-        title: "Skin stretch",
-        short: ("Stretch", figure.clone()),
+        title: tr("Skin stretch"),
+        short: (tr("Stretch"), figure.clone()),
         figure,
         beside: format!("{brackets}{words}"),
         verdict,
@@ -241,24 +254,26 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
 
 fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let line = match answer.apex {
-        Some(apex) => format!("{} at the top", sampled.in_line(Quantity::ApexCoverMm, apex)),
+        Some(apex) => {
+            tr!("{cover} at the top", cover = sampled.in_line(Quantity::ApexCoverMm, apex))
+        }
         None if answer.is_layered => String::new(),
-        None => "needs “Skin on solid layers” (Advanced)".to_owned(),
+        None => tr("needs “Skin on solid layers” (Advanced)").to_owned(),
     };
     let range = sampled.range(Quantity::LeastCoverMm);
-    let of_band = range.and_then(|[low, _]| bands::cover(low));
+    let of_band = range.and_then(|[low, _]| bands::cover(low)).map(in_words);
     let (verdict, line) = match (answer.cover_word(), of_band) {
-        (None, Some(worse)) => (Some(worse), format!("this plan itself is not. {line}")),
+        (None, Some(worse)) => (Some(worse), tr!("this plan itself is not. {line}", line)),
         (own, of_band) => (own.or(of_band), line),
     };
     let brackets = sampled.brackets(Quantity::LeastCoverMm, true);
     Card {
-        title: "Cover over implant",
-        short: ("Cover", text_of(answer.cover, |v| format!("{v:.0} mm"))),
+        title: tr("Cover over implant"),
+        short: (tr("Cover"), text_of(answer.cover, |v| format!("{v:.0} mm"))),
         figure: text_of(answer.cover, |v| format!("{v:.1} mm")),
-        beside: format!("{brackets}of {:.1} mm, at least", answer.rest),
+        beside: tr!("{brackets}of {rest:.1} mm, at least", brackets, rest = answer.rest),
         verdict,
-        no_verdict: "no published limit",
+        no_verdict: tr("no published limit"),
         line,
         value: answer.cover,
         range,
@@ -271,17 +286,17 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let most = answer.pressure.map(|(_, most)| most);
     let figure = text_of(most, |v| format!("{v:.0} mmHg"));
     let range = sampled.range(Quantity::GreatestPressureMmhg);
-    let of_band = range.map(|[_, high]| bands::PRESSURE.verdict(high));
+    let of_band = range.map(|[_, high]| pressure_verdict(high));
     let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
-        format!("{} on average", sampled.in_line(Quantity::MeanPressureMmhg, mean))
+        tr!("{pressure} on average", pressure = sampled.in_line(Quantity::MeanPressureMmhg, mean))
     });
     let (verdict, line) = worse(answer.pressure_word(), of_band, line);
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
     Card {
-        title: "Pressure on the tissue",
-        short: ("Pressure", figure.clone()),
+        title: tr("Pressure on the tissue"),
+        short: (tr("Pressure"), figure.clone()),
         figure,
-        beside: format!("{brackets}at most"),
+        beside: tr!("{brackets}at most", brackets),
         verdict,
         no_verdict: "",
         line,

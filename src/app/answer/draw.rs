@@ -3,6 +3,7 @@
 use super::cards::{BarScale, Card};
 use super::text_of;
 use crate::app::device::Device;
+use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::uncertainty::Findings;
 use crate::measure::bands;
@@ -36,14 +37,19 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
         .response;
     let mut tooltip = match card.scale {
         BarScale::Bands { limits, .. } => text_of(limits),
-        BarScale::Part { .. } => bands::COVER.to_owned(),
+        BarScale::Part { .. } => tr(bands::COVER).to_owned(),
     };
     if let Some(findings) = findings.filter(|_| card.range.is_some()) {
         let count = findings.answers();
-        tooltip = format!(
-            "In brackets: 10th to 90th percentile of {count} sampled patients{}. The word is that of the worse end; the \
+        tooltip = tr!(
+            "In brackets: 10th to 90th percentile of {count} sampled patients{median}. The word is that of the worse end; the \
              bar has a line over the range.\n{tooltip}",
-            card.median.as_ref().map_or_else(String::new, |median| format!(", median {median}"))
+            count,
+            median = card
+                .median
+                .as_ref()
+                .map_or_else(String::new, |median| tr!(", median {median}", median)),
+            tooltip
         );
     }
     response.on_hover_text(Device::of(ui.ctx()).words(&tooltip));

@@ -12,6 +12,7 @@ use super::device::Device;
 use super::no_answer;
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::uncertainty::Findings;
+use crate::app::texts::{self, tr, word_of};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, Status};
 use crate::session::Session;
@@ -40,15 +41,15 @@ pub(super) fn visible(session: &Session, previous: PreviousResults) -> Option<&O
 pub(super) fn heading(ui: &mut Ui, session: &Session) {
     ui.add_space(SPACE_SMALL);
     ui.horizontal(|ui| {
-        ui.heading("What happens");
+        ui.heading(tr("What happens"));
         if session.is_working() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(RichText::new("Updating…").color(ui.visuals().weak_text_color()));
+                ui.label(RichText::new(tr("Updating…")).color(ui.visuals().weak_text_color()));
             });
         }
     });
     if session.is_stopped() {
-        ui.label(RichText::new("Not computed.").color(ui.visuals().weak_text_color()));
+        ui.label(RichText::new(tr("Not computed.")).color(ui.visuals().weak_text_color()));
     }
 }
 
@@ -122,11 +123,11 @@ fn warnings(ui: &mut Ui, outcome: Option<&Outcome>) {
     let palette = theme::palette(ui.visuals());
     let Some(outcome) = outcome else { return };
     if outcome.status == Status::NotConverged {
-        let words = RichText::new("! Not finished: do not use these numbers.").strong();
+        let words = RichText::new(tr("! Not finished: do not use these numbers.")).strong();
         ui.add(egui::Label::new(words.color(palette.bad)).wrap());
     }
     for warning in &outcome.warnings {
-        let warning = Device::of(ui.ctx()).warning(warning);
+        let warning = Device::of(ui.ctx()).warning(&texts::shown(warning));
         let words = RichText::new(format!("! {warning}")).small().color(palette.caution);
         ui.add(egui::Label::new(words).wrap());
     }
@@ -135,18 +136,18 @@ fn warnings(ui: &mut Ui, outcome: Option<&Outcome>) {
 /// The limits of a quantity with their sources, one per line, and what a reader must know about them.
 fn text_of(limits: &Limits) -> String {
     let sources = limits.bands.iter().map(|band| band.source).filter(|source| !source.is_empty());
-    sources.chain([limits.note]).collect::<Vec<_>>().join("\n")
+    sources.chain([limits.note]).map(tr).collect::<Vec<_>>().join("\n")
 }
 
 /// All limits with their sources, for the plan of a device.
 pub(super) fn limits_in_words(device: Device) -> Vec<String> {
-    let texts = bands::LIMITS.map(text_of).into_iter().chain([bands::COVER.to_owned()]);
+    let texts = bands::LIMITS.map(text_of).into_iter().chain([tr(bands::COVER).to_owned()]);
     texts.map(|text| device.words(&text)).collect()
 }
 
 /// The fold with the sources of all limits.
 pub(super) fn sources(ui: &mut Ui) {
-    egui::CollapsingHeader::new("Where limits come from").id_salt("sources").show_unindented(
+    egui::CollapsingHeader::new(tr("Where limits come from")).id_salt("sources").show_unindented(
         ui,
         |ui| {
             for text in limits_in_words(Device::of(ui.ctx())) {
@@ -154,8 +155,8 @@ pub(super) fn sources(ui: &mut Ui) {
             }
             ui.label(
                 RichText::new(
-                    "Right after surgery. With tissue expanders about a third of such a gain of skin \
-                     remained.",
+                    tr("Right after surgery. With tissue expanders about a third of such a gain of skin \
+                     remained."),
                 )
                 .small(),
             );
@@ -169,13 +170,13 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     let [volume, width] = volume_and_width(session.scene());
     let part = match session.scene().insertion {
         full if full >= 1.0 => String::new(),
-        part => format!(", {:.0} % in place", 100.0 * part),
+        part => tr!(", {part:.0} % in place", part = 100.0 * part),
     };
     let answer = Answer::new(visible(session, previous), session.scene());
     let words = match answer.strain {
-        None if session.is_working() => "updating…".to_owned(),
-        None if no_answer::applies(session) => "no answer.".to_owned(),
-        None => "no result.".to_owned(),
+        None if session.is_working() => tr("updating…").to_owned(),
+        None if no_answer::applies(session) => tr("no answer.").to_owned(),
+        None => tr("no result.").to_owned(),
         Some(_) => answer.in_a_sentence(),
     };
     format!("{volume} ml, {width} cm{part}: {words}")
@@ -184,34 +185,47 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
 /// The answer of a device in a few sentences, for screen readers.
 pub(super) fn summary(session: &Session, device: Device) -> String {
     if session.is_stopped() {
-        return "Stopped: this plan has not been computed.".to_owned();
+        return tr("Stopped: this plan has not been computed.").to_owned();
     }
     let Some(outcome) = session.result() else {
-        return "Updating.".to_owned();
+        return tr("Updating.").to_owned();
     };
     let state = match outcome.status {
         Status::Unstable => {
-            return format!("No answer. {}", device.words(&no_answer::words(session)));
+            return tr!("No answer. {reason}", reason = device.words(&no_answer::words(session)));
         }
-        Status::NotConverged => "Not finished: do not use these numbers.",
-        Status::Converged => "Up to date.",
+        Status::NotConverged => tr("Not finished: do not use these numbers."),
+        Status::Converged => tr("Up to date."),
     };
     let [volume, width] = volume_and_width(session.scene());
     let answer = Answer::new(Some(outcome), session.scene());
     let strain =
         answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
-            format!(" Skin stretch {:.0} percent, {word}.", 100.0 * strain)
+            tr!(" Skin stretch {strain:.0} percent, {word}.", strain = 100.0 * strain, word)
         });
     let thin = answer.cover_word().map_or_else(String::new, |(_, word)| format!(", {word}"));
     let cover = answer.cover.map_or_else(String::new, |cover| {
-        format!(" Cover {cover:.0} of {:.0} mm{thin}.", answer.rest)
+        tr!(" Cover {cover:.0} of {rest:.0} mm{thin}.", cover, rest = answer.rest, thin)
     });
     let pressure = answer.pressure.map_or_else(String::new, |(mean, most)| {
-        let word = bands::pressure_word(most);
-        format!(" Pressure {mean:.0}, at most {most:.0} mmHg, {word}.")
+        let word = word_of(&bands::PRESSURE, bands::pressure_word(most));
+        tr!(" Pressure {mean:.0}, at most {most:.0} mmHg, {word}.", mean, most, word)
     });
-    let warnings = outcome.warnings.iter().map(|warning| format!(" {}", device.warning(warning)));
+    let warnings = outcome
+        .warnings
+        .iter()
+        .map(|warning| format!(" {}", device.warning(&texts::shown(warning))));
     let warnings: String = warnings.collect();
-    let name = device.words("implant");
-    format!("{volume} ml {name}, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}")
+    let name = device.words(tr("implant"));
+    tr!(
+        "{volume} ml {name}, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}",
+        volume,
+        name,
+        width,
+        strain,
+        cover,
+        pressure,
+        state,
+        warnings
+    )
 }

@@ -3,6 +3,7 @@
 use crate::app::App;
 use crate::app::messages::Notice;
 use crate::app::plan::Choices;
+use crate::app::texts::tr;
 use crate::clinical::Shelf;
 use crate::scene::Scene;
 use crate::scene::pins::{pins_from_json, pins_json};
@@ -71,7 +72,7 @@ impl App {
             Ok(()) => self.keep.revision = self.session.pins_revision(),
             Err(error) => {
                 self.notice =
-                    Some(Notice::caution(format!("The kept pins were not read: {error}")));
+                    Some(Notice::caution(tr!("The kept pins were not read: {error}", error)));
             }
         }
     }
@@ -89,7 +90,8 @@ impl App {
         match restored {
             Ok(plan) => self.keep.plan = plan,
             Err(error) => {
-                self.notice = Some(Notice::caution(format!("The kept plan was not read: {error}")));
+                self.notice =
+                    Some(Notice::caution(tr!("The kept plan was not read: {error}", error)));
             }
         }
     }
@@ -106,7 +108,7 @@ impl App {
             }
             Err(error) => {
                 self.notice =
-                    Some(Notice::caution(format!("The kept shelf was not read: {error}")));
+                    Some(Notice::caution(tr!("The kept shelf was not read: {error}", error)));
             }
         }
     }
@@ -138,9 +140,9 @@ impl App {
     pub fn report_storage_failure(&mut self) {
         if !self.keep.has_failed {
             self.keep.has_failed = true;
-            self.notify(
+            self.notify(tr(
                 "Plan and pins cannot be kept here for the next start; a saved plan contains them.",
-            );
+            ));
             self.request_frame();
         }
     }

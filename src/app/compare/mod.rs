@@ -15,6 +15,7 @@ pub(super) use table::rows;
 use super::App;
 use super::theme::{self, Palette};
 use super::widgets::{button_if, group, remark, set_accessible_name};
+use crate::app::texts::tr;
 use crate::measure::Status;
 use crate::scene::{Letter, Scene};
 use crate::session::{Command, Pin, Session};
@@ -72,10 +73,11 @@ pub(super) fn section<'a>(
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) -> Option<Command> {
     let mut command = None;
-    group(ui, "Compare", |ui| {
+    group(ui, tr("Compare"), |ui| {
         command = pin_button(ui, session);
         if session.pins().is_empty() {
-            let hint = "A pin keeps this scene with its result, to compare other scenes with it.";
+            let hint =
+                tr("A pin keeps this scene with its result, to compare other scenes with it.");
             remark(ui, hint);
             return;
         }
@@ -83,13 +85,14 @@ pub(super) fn section<'a>(
             command = pin_row(ui, pin, session, compare).or(command.take());
         }
         ui.horizontal_wrapped(|ui| {
-            ui.toggle_value(&mut compare.has_silhouettes, "Overlay")
-                .on_hover_text("Draw the skin of the pins over the picture and the cross-section");
-            ui.toggle_value(&mut compare.is_side_by_side, "Side by side").on_hover_text(
+            ui.toggle_value(&mut compare.has_silhouettes, tr("Overlay")).on_hover_text(tr(
+                "Draw the skin of the pins over the picture and the cross-section",
+            ));
+            ui.toggle_value(&mut compare.is_side_by_side, tr("Side by side")).on_hover_text(tr(
                 "Show the pins beside the picture, with one camera and one colour scale",
-            );
-            ui.toggle_value(&mut compare.has_differences, "Differences")
-                .on_hover_text("Show now minus pin in place of the pin's values");
+            ));
+            ui.toggle_value(&mut compare.has_differences, tr("Differences"))
+                .on_hover_text(tr("Show now minus pin in place of the pin's values"));
         });
         table::show(ui, session, compare.has_differences, sampled);
     });
@@ -98,11 +101,11 @@ pub(super) fn section<'a>(
 
 fn pin_button(ui: &mut Ui, session: &Session) -> Option<Command> {
     let Some(letter) = session.free_letter() else {
-        ui.weak("All four pins are in use. Remove a pin to pin this scene.");
+        ui.weak(tr("All four pins are in use. Remove a pin to pin this scene."));
         return None;
     };
-    let tip = "Keep this scene and its result for comparison";
-    let button = ui.button(format!("Pin as {letter}")).on_hover_text(tip);
+    let tip = tr("Keep this scene and its result for comparison");
+    let button = ui.button(tr!("Pin as {letter}", letter)).on_hover_text(tip);
     button.clicked().then_some(Command::Pin)
 }
 
@@ -115,21 +118,21 @@ fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> 
         ui.label(RichText::new(letter.to_string()).strong().color(style.color));
         command = name_field(ui, pin, compare);
         let is_present = session.scene().is_same_plan(pin.scene());
-        let tip = "Open this scene in place of the present one; Undo restores the present one";
-        if button_if(ui, !is_present, "Open", &format!("Open {letter}"), tip) {
+        let tip = tr("Open this scene in place of the present one; Undo restores the present one");
+        if button_if(ui, !is_present, tr("Open"), &tr!("Open {letter}", letter), tip) {
             command = Some(Command::OpenPin(letter));
         }
         let remove = ui.button("×");
-        set_accessible_name(&remove, egui::Role::Button, &format!("Remove {letter}"));
-        if remove.on_hover_text("Remove this pin").clicked() {
+        set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {letter}", letter));
+        if remove.on_hover_text(tr("Remove this pin")).clicked() {
             command = Some(Command::Unpin(letter));
         }
     });
     let note = match pin.outcome().map(|outcome| outcome.status) {
-        None => "is being computed",
+        None => tr("is being computed"),
         Some(Status::Converged) => return command,
-        Some(Status::NotConverged) => "is not finished: no numbers",
-        Some(Status::Unstable) => "has no stable shape",
+        Some(Status::NotConverged) => tr("is not finished: no numbers"),
+        Some(Status::Unstable) => tr("has no stable shape"),
     };
     remark(ui, format!("{letter} {note}"));
     command
@@ -143,12 +146,12 @@ fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> 
     let field = egui::TextEdit::singleline(&mut text)
         .id_salt(("name of a pin", letter))
         .char_limit(NAME_LENGTH)
-        .hint_text("name")
+        .hint_text(tr("name"))
         .desired_width((ui.available_width() - 110.0).clamp(60.0, 180.0));
     let response = ui.add(field);
     response.widget_info(|| egui::WidgetInfo {
-        label: Some(format!("Name of {letter}")),
-        ..egui::WidgetInfo::text_edit(true, "", &text, "name")
+        label: Some(tr!("Name of {letter}", letter)),
+        ..egui::WidgetInfo::text_edit(true, "", &text, tr("name"))
     });
     if response.lost_focus() {
         let is_accepted = !ui.input(|input| input.key_pressed(egui::Key::Escape));

@@ -1,7 +1,8 @@
 //! The table of the comparison: a column for each pin and one for the current scene.
 
 use crate::app::details::{figures, known_decimals, position_error};
-use crate::measure::bands::{pressure_word, strain_word};
+use crate::app::texts::{tr, word_of};
+use crate::measure::bands::{PRESSURE, pressure_word, strain_word};
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
@@ -25,7 +26,7 @@ const ROWS: [Row; 10] = [
     Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
     Row::new("Projection", "cm", 1, None, |scene, _| Some(0.1 * scene.implant.projection_mm)),
     Row {
-        word: Some(|percent| strain_word(0.01 * percent)),
+        word: Some(|percent| tr(strain_word(0.01 * percent))),
         ..Row::new("Most stretch", "%", 0, Some(Quantity::GreatestStrain), |_, outcome| {
             Some(100.0 * outcome.strain.as_ref()?.max_principal)
         })
@@ -40,7 +41,7 @@ const ROWS: [Row; 10] = [
         Some(outcome.contact_pressure_mmhg?.mean)
     }),
     Row {
-        word: Some(pressure_word),
+        word: Some(|mmhg| word_of(&PRESSURE, pressure_word(mmhg))),
         ..Row::new(
             "Most pressure",
             "mmHg",
@@ -124,13 +125,13 @@ pub(super) fn show<'a>(
                 for pin in pins {
                     let letter = pin.letter();
                     let head = if has_differences {
-                        format!("now − {letter}")
+                        tr!("now − {letter}", letter)
                     } else {
                         letter.to_string()
                     };
                     header(ui, &head).on_hover_text(name_of(pin));
                 }
-                header(ui, "now");
+                header(ui, tr("now"));
                 ui.end_row();
                 for row in &ROWS {
                     show_row(ui, row, session, has_differences, sampled);
@@ -156,14 +157,14 @@ pub(in crate::app) fn rows<'a>(
             name => format!("{letter}: {name}"),
         }
     });
-    let head = ["".to_owned(), "this plan".to_owned()].into_iter().chain(pins).collect();
+    let head = ["".to_owned(), tr("this plan").to_owned()].into_iter().chain(pins).collect();
     let cell = |row: &Row, (scene, outcome): (&Scene, Option<&Outcome>)| {
         let text = row.text(row.of(scene, outcome).as_ref());
         let band = row.band(sampled(scene), None);
         band.map_or(text.clone(), |band| format!("{text} ({})", range(band, row.decimals)))
     };
     let row = |row: &Row| {
-        let name = format!("{}, {}", row.name, row.unit);
+        let name = format!("{}, {}", tr(row.name), row.unit);
         [name].into_iter().chain(columns.iter().map(|column| cell(row, *column))).collect()
     };
     [head].into_iter().chain(ROWS.iter().map(row)).collect()
@@ -176,7 +177,7 @@ fn show_row<'a>(
     has_differences: bool,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) {
-    let name = format!("{}, {}", row.name, row.unit);
+    let name = format!("{}, {}", tr(row.name), row.unit);
     ui.add(egui::Label::new(name).wrap_mode(egui::TextWrapMode::Extend));
     let now = row.of(session.scene(), session.result());
     let of_now = sampled(session.scene());
@@ -207,7 +208,7 @@ fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Optio
         if let Some(band) = band {
             let text = RichText::new(range(band, row.decimals)).small();
             ui.add(egui::Label::new(text).extend()).on_hover_text(
-                "10th to 90th percentile of the sampled patients; of a difference, of the same patients",
+                tr("10th to 90th percentile of the sampled patients; of a difference, of the same patients"),
             );
         }
     });
@@ -217,7 +218,7 @@ fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Optio
 fn range(band: [f64; 2], decimals: usize) -> String {
     let [low, high] = band.map(|value| signed(value, decimals));
     // A minus after the dash of a range would not be read.
-    let dash = if high.starts_with('−') { " to " } else { "–" };
+    let dash = if high.starts_with('−') { tr(" to ") } else { "–" };
     format!("{low}{dash}{high}")
 }
 
@@ -235,7 +236,11 @@ fn header(ui: &mut Ui, text: &str) -> egui::Response {
 }
 
 fn name_of(pin: &Pin) -> String {
-    if pin.name().is_empty() { format!("Pin {}", pin.letter()) } else { pin.name().to_owned() }
+    if pin.name().is_empty() {
+        tr!("Pin {letter}", letter = pin.letter())
+    } else {
+        pin.name().to_owned()
+    }
 }
 
 #[cfg(test)]

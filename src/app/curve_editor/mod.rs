@@ -8,6 +8,7 @@ mod window;
 pub(super) use window::CurveWindow;
 
 use super::widgets::{Control, Kind, button_if, choice, labelled_box, remark};
+use crate::app::texts::tr;
 use crate::curve::{Curve, CurveSpec, Fat, Interpolation, ScaledCurve};
 use eframe::egui::Ui;
 use std::ops::RangeInclusive;
@@ -75,37 +76,45 @@ pub(super) fn show(ui: &mut Ui, curve: &mut ScaledCurve, tissue: &str) -> bool {
 /// Edits kind and parameters. Returns whether the window of the points is to be opened.
 fn edit(ui: &mut Ui, spec: &mut CurveSpec) -> bool {
     let present = kind(spec);
-    let selected = present.map_or("Sections (from a file)", |k| KINDS[k].0);
-    let response = labelled_box(ui, "Stress–strain curve", selected, |ui| {
+    let selected = present.map_or(tr("Sections (from a file)"), |k| tr(KINDS[k].0));
+    let response = labelled_box(ui, tr("Stress–strain curve"), selected, |ui| {
         for (k, (name, tooltip)) in KINDS.iter().enumerate() {
-            let choice = choice(ui, present == Some(k), *name);
-            if choice.on_hover_text(*tooltip).clicked() && present != Some(k) {
+            let choice = choice(ui, present == Some(k), tr(name));
+            if choice.on_hover_text(tr(tooltip)).clicked() && present != Some(k) {
                 *spec = converted(spec, k);
             }
         }
     });
-    response.on_hover_text("Nominal stress against engineering strain, as measured");
+    response.on_hover_text(tr("Nominal stress against engineering strain, as measured"));
     match spec {
         CurveSpec::Linear { modulus_kpa } => {
-            stress(ui, "Young's modulus", modulus_kpa, 100.0);
+            stress(ui, tr("Young's modulus"), modulus_kpa, 100.0);
         }
         CurveSpec::Arctangent { scale_kpa, rate: value } => {
-            stress(ui, "Scale", scale_kpa, 0.4);
+            stress(ui, tr("Scale"), scale_kpa, 0.4);
             rate(ui, value, 7.5, 0.1..=100.0);
         }
         CurveSpec::Exponential { scale_kpa, rate: value } => {
-            stress(ui, "Scale", scale_kpa, 2.0);
+            stress(ui, tr("Scale"), scale_kpa, 2.0);
             rate(ui, value, 4.0, 0.1..=9.0);
         }
         CurveSpec::Points { points, interpolation } => {
             let end = points.last().map_or(0.0, |point| 100.0 * point[0]);
             let form = match interpolation {
-                Interpolation::Line => "straight",
-                Interpolation::Spline => "smooth",
+                Interpolation::Line => tr("straight"),
+                Interpolation::Spline => tr("smooth"),
             };
-            remark(ui, format!("{} points up to {end:.0} % strain, {form} between", points.len()));
-            let tip = "Type or paste the points of a measured curve";
-            return button_if(ui, true, "Edit points…", "Edit points", tip);
+            remark(
+                ui,
+                tr!(
+                    "{count} points up to {end:.0} % strain, {form} between",
+                    count = points.len(),
+                    end,
+                    form
+                ),
+            );
+            let tip = tr("Type or paste the points of a measured curve");
+            return button_if(ui, true, tr("Edit points…"), tr("Edit points"), tip);
         }
         CurveSpec::Fat { variant } => fat(ui, variant),
         CurveSpec::Skin {} | CurveSpec::Adipose {} | CurveSpec::Sections { .. } => {}
@@ -116,25 +125,25 @@ fn edit(ui: &mut Ui, spec: &mut CurveSpec) -> bool {
 /// The choice among the curves within the range of the measurements.
 fn fat(ui: &mut Ui, variant: &mut Fat) {
     let name = |fat: Fat| match fat {
-        Fat::Low => "Soft",
-        Fat::Mid => "Usual",
-        Fat::High => "Firm",
+        Fat::Low => tr("Soft"),
+        Fat::Mid => tr("Usual"),
+        Fat::High => tr("Firm"),
     };
-    let response = labelled_box(ui, "Firmness", name(*variant), |ui| {
+    let response = labelled_box(ui, tr("Firmness"), name(*variant), |ui| {
         for fat in Fat::ALL {
             if choice(ui, *variant == fat, name(fat)).clicked() {
                 *variant = fat;
             }
         }
     });
-    response.on_hover_text("Low, middle and high end of what tests of human fat found");
+    response.on_hover_text(tr("Low, middle and high end of what tests of human fat found"));
 }
 
 fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
     Control {
         unit: "kPa",
         kind: Kind::Stress,
-        tooltip: "In vivo: breast fat about 3 kPa, breast skin 56–344 kPa.",
+        tooltip: tr("In vivo: breast fat about 3 kPa, breast skin 56–344 kPa."),
         ..parameter(label, 0.01..=1e4, reset)
     }
     .show(ui, value);
@@ -142,8 +151,8 @@ fn stress(ui: &mut Ui, label: &str, value: &mut f64, reset: f64) {
 
 fn rate(ui: &mut Ui, value: &mut f64, reset: f64, range: RangeInclusive<f64>) {
     Control {
-        tooltip: "How quickly the slope changes with strain.",
-        ..parameter("Rate", range, reset)
+        tooltip: tr("How quickly the slope changes with strain."),
+        ..parameter(tr("Rate"), range, reset)
     }
     .show(ui, value);
 }

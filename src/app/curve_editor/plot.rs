@@ -2,6 +2,7 @@
 
 use crate::app::plots::{fixed_plot, sampled};
 use crate::app::range::marks;
+use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
@@ -16,20 +17,20 @@ const AXIS_WIDTH: f32 = 24.0;
 /// Where the points of a preset come from; `None` for a curve that is no preset.
 fn source(spec: &CurveSpec) -> Option<&'static str> {
     match spec {
-        CurveSpec::Skin {} => Some(
+        CurveSpec::Skin {} => Some(tr(
             "Slope 100 kPa, within the 56–344 kPa measured on breast skin in vivo; ten times as steep from 70 % on, as \
              skin stiffens in tests of strips (Hendriks, in Nikolaev 2013).",
-        ),
-        CurveSpec::Fat { .. } => Some(
+        )),
+        CurveSpec::Fat { .. } => Some(tr(
             "At rest: mean of Alkhouli et al. 2013 (1.6 kPa), Sims et al. 2010 (1.6), elastography (2.25) and breast fat in \
              vivo (3.04). To 30 %: tension of human fat, Alkhouli et al., Am. J. Physiol. Endocrinol. Metab. 305, 2013 (1.6 ± \
              0.8 to 11.7 ± 6.4 kPa), × 0.77 for tissue at rest. Beyond: no slow test was found; a line with the end \
              slope.",
-        ),
-        CurveSpec::Adipose {} => Some(
+        )),
+        CurveSpec::Adipose {} => Some(tr(
             "The fat of Nikolaev 2013 (after Geerlings): 3 kPa at rest, breast fat in vivo 3.04 ± 1.17 kPa. Its plateau \
              beyond 60 % was found in no slow test of fat.",
-        ),
+        )),
         _ => None,
     }
 }
@@ -55,11 +56,14 @@ pub(super) fn show(ui: &mut Ui, scaled: &ScaledCurve, tissue: &str) {
     let measured = curve.measured_end();
     let is_extrapolated = measured < end;
     let words = if is_extrapolated {
-        format!("Solid: measured, to {:.0} % strain. Dashed: extrapolated.", 100.0 * measured)
+        tr!(
+            "Solid: measured, to {measured:.0} % strain. Dashed: extrapolated.",
+            measured = 100.0 * measured
+        )
     } else {
-        format!("Up to {:.0} % strain", 100.0 * end)
+        tr!("Up to {end:.0} % strain", end = 100.0 * end)
     };
-    let name = format!("Curve of {tissue}. {words}");
+    let name = tr!("Curve of {tissue}. {words}", tissue, words);
     set_accessible_name(&plot.response, egui::Role::Image, &name);
     plot.response.on_hover_text(source);
     if is_extrapolated {

@@ -5,6 +5,7 @@
 use super::table;
 use crate::app::plots::fixed_plot;
 use crate::app::range::marks;
+use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{
     Kind, NumberField, button_if, quantity, rejection_label, set_accessible_name,
@@ -67,26 +68,30 @@ impl CurveWindow {
         let is_escape = ctx.input(|input| input.key_pressed(Key::Escape));
         let (mut is_open, mut is_closed) = (true, is_escape && self.spec() == self.taken);
         let is_wide = ctx.content_rect().width() >= theme::NARROW;
-        egui::Window::new(format!("Curve of layer {}: {}", self.layer + 1, layer.tissue))
-            .id(egui::Id::unique("curve window"))
-            .open(&mut is_open)
-            .collapsible(false)
-            .resizable(false)
-            .pivot(egui::Align2::CENTER_CENTER)
-            .default_pos(ctx.content_rect().center())
-            .show(ctx, |ui| {
-                if is_wide {
-                    ui.horizontal_top(|ui| {
-                        ui.vertical(|ui| self.table(ui));
-                        ui.vertical(|ui| self.curve(ui));
-                    });
-                } else {
-                    self.table(ui);
-                    self.curve(ui);
-                }
-                ui.separator();
-                is_closed |= self.ending(ui, layer);
-            });
+        egui::Window::new(tr!(
+            "Curve of layer {number}: {tissue}",
+            number = self.layer + 1,
+            tissue = tr(&layer.tissue)
+        ))
+        .id(egui::Id::unique("curve window"))
+        .open(&mut is_open)
+        .collapsible(false)
+        .resizable(false)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(ctx.content_rect().center())
+        .show(ctx, |ui| {
+            if is_wide {
+                ui.horizontal_top(|ui| {
+                    ui.vertical(|ui| self.table(ui));
+                    ui.vertical(|ui| self.curve(ui));
+                });
+            } else {
+                self.table(ui);
+                self.curve(ui);
+            }
+            ui.separator();
+            is_closed |= self.ending(ui, layer);
+        });
         is_open && !is_closed
     }
 
@@ -94,16 +99,16 @@ impl CurveWindow {
     fn table(&mut self, ui: &mut Ui) {
         ui.set_width(WIDTH);
         ui.horizontal(|ui| {
-            ui.label("Strain as");
-            ui.radio_value(&mut self.is_percent, false, "fraction");
-            ui.radio_value(&mut self.is_percent, true, "percent");
+            ui.label(tr("Strain as"));
+            ui.radio_value(&mut self.is_percent, false, tr("fraction"));
+            ui.radio_value(&mut self.is_percent, true, tr("percent"));
         });
         let removed = self.rows(ui);
         if let Some(k) = removed {
             self.points.remove(k);
         }
-        let tip = "Add a point on the line through the last two points";
-        if button_if(ui, true, "Add point", "Add point", tip)
+        let tip = tr("Add a point on the line through the last two points");
+        if button_if(ui, true, tr("Add point"), tr("Add point"), tip)
             && let [.., [e0, s0], [e1, s1]] = self.points[..]
             && e1 < 9.0
             && e1 > e0
@@ -111,16 +116,24 @@ impl CurveWindow {
             self.points.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
         }
         ui.add_space(SPACE);
-        let hint = "Paste a table: a strain and a stress (kPa) per line";
+        let hint = tr("Paste a table: a strain and a stress (kPa) per line");
         let field = egui::TextEdit::multiline(&mut self.text).hint_text(hint).desired_rows(3);
         let field = ui.add(field.desired_width(WIDTH - SPACE));
-        set_accessible_name(&field, egui::Role::MultilineTextInput, "Table to read");
+        set_accessible_name(&field, egui::Role::MultilineTextInput, tr("Table to read"));
         if field.changed() {
             self.rejection = None;
         }
-        let tip = "Replace the points by those of the pasted table; tabs, semicolons, spaces, decimal commas and \
-                   units are read";
-        if button_if(ui, !self.text.trim().is_empty(), "Use the table", "Use the table", tip) {
+        let tip = tr(
+            "Replace the points by those of the pasted table; tabs, semicolons, spaces, decimal commas and \
+                   units are read",
+        );
+        if button_if(
+            ui,
+            !self.text.trim().is_empty(),
+            tr("Use the table"),
+            tr("Use the table"),
+            tip,
+        ) {
             match table::read(&self.text, self.is_percent) {
                 Ok(points) => {
                     self.points = points;
@@ -130,7 +143,7 @@ impl CurveWindow {
             }
         }
         if let Some(reason) = &self.rejection {
-            rejection_label(ui, &format!("{reason}. The points are unchanged."));
+            rejection_label(ui, &tr!("{reason}. The points are unchanged.", reason));
         }
     }
 
@@ -140,8 +153,8 @@ impl CurveWindow {
         let is_removable = self.points.len() > 2;
         let (mut removed, mut rejections) = (None, Vec::new());
         ui.horizontal(|ui| {
-            ui.add_sized([80.0, 16.0], egui::Label::new(RichText::new("Strain").small()));
-            ui.add_sized([80.0, 16.0], egui::Label::new(RichText::new("Stress (kPa)").small()));
+            ui.add_sized([80.0, 16.0], egui::Label::new(RichText::new(tr("Strain")).small()));
+            ui.add_sized([80.0, 16.0], egui::Label::new(RichText::new(tr("Stress (kPa)")).small()));
         });
         let height = (self.points.len().min(8) as f32) * (ROW + SPACE);
         let area = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
@@ -162,7 +175,7 @@ impl CurveWindow {
                         let is_marked = invalid == Some((k, axis));
                         rejections.extend(self.number(ui, k, axis, is_marked));
                     }
-                    let name = format!("Remove point {}", k + 1);
+                    let name = tr!("Remove point {number}", number = k + 1);
                     if button_if(ui, is_removable, "×", &name, "") {
                         removed = Some(k);
                     }
@@ -175,7 +188,8 @@ impl CurveWindow {
 
     /// The field of a strain (axis 0) or stress (axis 1); returns the reason of a rejected number.
     fn number(&mut self, ui: &mut Ui, k: usize, axis: usize, is_invalid: bool) -> Option<String> {
-        let name = format!("{} of point {}", ["Strain", "Stress"][axis], k + 1);
+        let name =
+            tr!("{value} of point {k}", value = [tr("Strain"), tr("Stress")][axis], k = k + 1);
         let is_percent = self.is_percent && axis == 0;
         let factor = if is_percent { 100.0 } else { 1.0 };
         let kind = match axis {
@@ -205,9 +219,9 @@ impl CurveWindow {
     fn curve(&mut self, ui: &mut Ui) {
         ui.set_width(WIDTH);
         ui.horizontal(|ui| {
-            ui.label("Between points");
-            ui.radio_value(&mut self.interpolation, Interpolation::Line, "straight");
-            ui.radio_value(&mut self.interpolation, Interpolation::Spline, "smooth");
+            ui.label(tr("Between points"));
+            ui.radio_value(&mut self.interpolation, Interpolation::Line, tr("straight"));
+            ui.radio_value(&mut self.interpolation, Interpolation::Spline, tr("smooth"));
         });
         let color = theme::palette(ui.visuals()).curves[self.layer % 4];
         let curve = Curve::new(&self.spec()).ok();
@@ -218,8 +232,8 @@ impl CurveWindow {
             .collect();
         fixed_plot("curve draft", 220.0)
             .x_grid_spacer(move |_| ticks.clone())
-            .x_axis_label("strain")
-            .y_axis_label("stress (kPa)")
+            .x_axis_label(tr("strain"))
+            .y_axis_label(tr("stress (kPa)"))
             .show(ui, |plot| {
                 if let Some(curve) = curve {
                     let strains = (0..=SAMPLES).map(|i| end * f64::from(i) / f64::from(SAMPLES));
@@ -238,17 +252,17 @@ impl CurveWindow {
     fn ending(&mut self, ui: &mut Ui, layer: &mut Layer) -> bool {
         let reason = self.invalid_reason();
         if let Some(reason) = &reason {
-            rejection_label(ui, &format!("{reason}. Until then the layer keeps its curve."));
+            rejection_label(ui, &tr!("{reason}. Until then the layer keeps its curve.", reason));
         }
         let spec = self.spec();
         ui.horizontal(|ui| {
             let is_able = reason.is_none() && spec != self.taken;
-            let tip = "The layer takes this curve; Undo restores the present one";
-            if button_if(ui, is_able, "Apply", "Apply the curve", tip) {
+            let tip = tr("The layer takes this curve; Undo restores the present one");
+            if button_if(ui, is_able, tr("Apply"), tr("Apply the curve"), tip) {
                 self.taken = spec.clone();
                 layer.curve = spec.into();
             }
-            ui.add(egui::Button::new("Close").min_size(vec2(60.0, ROW))).clicked()
+            ui.add(egui::Button::new(tr("Close")).min_size(vec2(60.0, ROW))).clicked()
         })
         .inner
     }
@@ -262,11 +276,17 @@ impl CurveWindow {
         let Some((k, axis)) = first_non_increasing(&self.points) else {
             return Curve::new(&self.spec()).err().map(|error| error.to_string());
         };
-        let (name, unit) = [("strain", ""), ("stress", " kPa")][axis];
+        let (name, unit) = [(tr("strain"), ""), (tr("stress"), " kPa")][axis];
         let value = |k: usize| quantity::format(self.points[k][axis], 0);
         let (point, here, before) = (k + 1, value(k), value(k - 1));
-        Some(format!(
-            "the {name} of point {point} ({here}{unit}) must be greater than that of point {k} ({before}{unit})"
+        Some(tr!(
+            "the {name} of point {point} ({here}{unit}) must be greater than that of point {k} ({before}{unit})",
+            name,
+            point,
+            here,
+            unit,
+            k,
+            before
         ))
     }
 }

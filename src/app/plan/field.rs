@@ -12,6 +12,8 @@ pub(in crate::app) struct Field {
     pub(super) text: String,
     /// What the field means.
     pub(super) hint: String,
+    /// The allowed numbers, or the greatest length of a text, in words; empty for a choice.
+    pub(super) range: String,
     #[serde(flatten)]
     pub(super) values: Values,
 }
@@ -24,8 +26,10 @@ pub(super) enum Values {
         least: f64,
         most: f64,
     },
+    /// The choices, which are English as in files, and their words on the screen.
     Words {
         choices: Vec<&'static str>,
+        words: Vec<&'static str>,
     },
     /// A text of so many characters and lines at most.
     Text {

@@ -3,8 +3,10 @@
 
 use super::field::{Field, Values};
 use super::{
-    Choices, Device, implant, insertion, mm, patient, pocket, position, set_insertion, visit,
+    Choices, Device, format_at_most, implant, insertion, mm, patient, pocket, position,
+    set_insertion, visit,
 };
+use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::clinical::{Dimension, SkinClass};
 use crate::scene::Scene;
@@ -50,6 +52,12 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
                 unit: control.unit,
                 text,
                 hint: choices.device.words(control.tooltip),
+                range: tr!(
+                    "{least} to {most} {unit}",
+                    least = format_at_most(*allowed.start(), 0, 2),
+                    most = format_at_most(*allowed.end(), 0, 2),
+                    unit = control.unit
+                ),
                 values,
             }
         }));
@@ -65,13 +73,17 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
 fn skin(scene: &Scene) -> Field {
     Field {
         name: SKIN,
-        label: "Skin feels",
+        label: tr("Skin feels"),
         unit: "",
         text: patient::measured(scene).skin_class.map_or("", SkinClass::word).to_owned(),
-        hint: "Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
-               very lax more than 4 cm."
+        hint: tr("Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
+               very lax more than 4 cm.")
             .to_owned(),
-        values: Values::Words { choices: SkinClass::ALL.map(SkinClass::word).to_vec() },
+        range: String::new(),
+        values: Values::Words {
+            choices: SkinClass::ALL.map(SkinClass::word).to_vec(),
+            words: SkinClass::ALL.map(|class| tr(class.word())).to_vec(),
+        },
     }
 }
 
@@ -88,7 +100,8 @@ pub(in crate::app) fn set(
     if name == SKIN {
         let allowed = SkinClass::ALL.map(SkinClass::word);
         let class = SkinClass::ALL.into_iter().find(|class| class.word() == text.trim());
-        let class = class.ok_or_else(|| format!("Skin feels: allowed: {}", allowed.join(", ")))?;
+        let class =
+            class.ok_or_else(|| tr!("Skin feels: allowed: {words}", words = allowed.join(", ")))?;
         let mut measured = patient::measured(scene);
         (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
         patient::measure(scene, measured);

@@ -1,6 +1,7 @@
 //! Implant or expander: width, volume, projection, of which one follows the other two; profile.
 
 use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, title};
+use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
@@ -24,7 +25,7 @@ pub(in crate::app) fn implant(
 ) {
     // The limits of a scene are those of a size.
     let Ok(size) = scene.implant.size() else { return };
-    title(ui, &choices.device.words("Implant"), |ui| device(ui, choices, hand));
+    title(ui, &choices.device.words(tr("Implant")), |ui| device(ui, choices, hand));
     let changed = match choices.device {
         Device::Implant => implant_rows(ui, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),
@@ -38,8 +39,12 @@ pub(in crate::app) fn implant(
 fn device(ui: &mut Ui, choices: &mut Choices, hand: Hand) {
     // From right to left.
     for (device, name, tooltip) in [
-        (Device::Expander, "expander", "A tissue expander: the fill raises a base of fixed width"),
-        (Device::Implant, "implant", "A round implant of fixed size"),
+        (
+            Device::Expander,
+            tr("expander"),
+            tr("A tissue expander: the fill raises a base of fixed width"),
+        ),
+        (Device::Implant, tr("implant"), tr("A round implant of fixed size")),
     ] {
         if chip(ui, hand, choices.device == device, name, tooltip) {
             choices.device = device;
@@ -60,7 +65,7 @@ fn implant_rows(
     // The marks are those of the present width.
     let is_marked = choices.follows != Dimension::BaseWidth;
     let marks_words = marks.as_ref().map(|marks| marks.words()).unwrap_or_default();
-    let volume_tooltip = format!("{VOLUME_TOOLTIP}{marks_words}");
+    let volume_tooltip = format!("{}{marks_words}", tr(VOLUME_TOOLTIP));
     for dimension in [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection] {
         let is_following = choices.follows == dimension;
         let before = value(size, dimension);
@@ -98,7 +103,7 @@ fn implant_rows(
     }
     chips(ui, |ui| {
         for class in ProfileClass::ALL {
-            let tooltip = "Projection for this width, in the middle of the class";
+            let tooltip = tr("Projection for this width, in the middle of the class");
             let is_chosen = size.profile() == class && !size.is_beyond_half_sphere();
             if chip(ui, hand, is_chosen, name_of(class), tooltip) {
                 let radius = 0.5 * size.base_width_mm();
@@ -115,9 +120,9 @@ fn implant_rows(
         }
     });
     let [a, b, c] = match choices.follows {
-        Dimension::BaseWidth => ["Width", "volume", "projection"],
-        Dimension::Volume => ["Volume", "width", "projection"],
-        Dimension::Projection => ["Projection", "width", "volume"],
+        Dimension::BaseWidth => [tr("Width"), tr("volume"), tr("projection")],
+        Dimension::Volume => [tr("Volume"), tr("width"), tr("projection")],
+        Dimension::Projection => [tr("Projection"), tr("width"), tr("volume")],
     };
     if let Some(marks) = marks {
         // Always a line, so that nothing moves.
@@ -125,8 +130,8 @@ fn implant_rows(
         remark(ui, words.unwrap_or_else(|| " ".to_owned()))
             .on_hover_ui(|ui| drop(ui.label(marks.about_largest_usual())));
     }
-    let unusual = if size.is_typical() { "" } else { " Outside the typical sizes." };
-    remark(ui, format!("{a} follows {b} and {c}.{unusual}")).on_hover_text(typical());
+    let unusual = if size.is_typical() { "" } else { tr(" Outside the typical sizes.") };
+    remark(ui, tr!("{a} follows {b} and {c}.{unusual}", a, b, c, unusual)).on_hover_text(typical());
     changed
 }
 
@@ -136,7 +141,7 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
     let none = |_: &mut Ui| {};
     let mut width = cm(size.base_width_mm());
     let control = Control {
-        tooltip: "Width of the expander's base, which the pocket holds.",
+        tooltip: tr("Width of the expander's base, which the pocket holds."),
         ..control_of(size, Dimension::BaseWidth, Dimension::Projection)
     };
     if row(ui, hand, control, &mut width, (MARK, none)).is_changed {
@@ -145,16 +150,16 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
     }
     let mut fill = significant(size.volume_ml());
     let control = Control {
-        label: "Fill",
-        tooltip: "Volume in the expander. The fill raises the dome over the base.",
+        label: tr("Fill"),
+        tooltip: tr("Volume in the expander. The fill raises the dome over the base."),
         ..control_of(size, Dimension::Volume, Dimension::Projection)
     };
     if row(ui, hand, control, &mut fill, (MARK, none)).is_changed {
         let expander = Expander::new(size.base_width_mm());
         changed = expander.and_then(|expander| expander.dome(fill)).ok().or(changed);
     }
-    remark(ui, format!("The fill raises the dome to {:.1} cm.", size.projection_cm())).on_hover_text(
-        "The shell is a half-ellipsoid at every fill; an expander with a built-in shape differs.",
+    remark(ui, tr!("The fill raises the dome to {height:.1} cm.", height = size.projection_cm())).on_hover_text(
+        tr("The shell is a half-ellipsoid at every fill; an expander with a built-in shape differs."),
     );
     changed
 }
@@ -165,7 +170,7 @@ fn follow_mark(ui: &mut Ui, dimension: Dimension, is_following: bool, hand: Hand
     let name = label(dimension).to_lowercase();
     let height = if hand == Hand::Finger { theme::TOUCH - 4.0 } else { 24.0 };
     let (rect, response) = ui.allocate_exact_size(vec2(MARK, height), Sense::click());
-    set_accessible_name(&response, egui::Role::Button, &format!("Let the {name} follow"));
+    set_accessible_name(&response, egui::Role::Button, &tr!("Let the {name} follow", name));
     let visuals = ui.visuals();
     let color =
         if response.hovered() { visuals.text_color() } else { theme::palette(visuals).edge };
@@ -183,27 +188,27 @@ fn follow_mark(ui: &mut Ui, dimension: Dimension, is_following: bool, hand: Hand
     }
     let is_pressed = response.clicked() && !is_following;
     response.on_hover_text(if is_following {
-        format!("The {name} follows the other two")
+        tr!("The {name} follows the other two", name)
     } else {
-        format!("The {name} is held. Press to let the {name} follow the other two")
+        tr!("The {name} is held. Press to let the {name} follow the other two", name)
     });
     is_pressed
 }
 
 fn label(dimension: Dimension) -> &'static str {
     match dimension {
-        Dimension::BaseWidth => "Width",
-        Dimension::Volume => "Volume",
-        Dimension::Projection => "Projection",
+        Dimension::BaseWidth => tr("Width"),
+        Dimension::Volume => tr("Volume"),
+        Dimension::Projection => tr("Projection"),
     }
 }
 
 fn name_of(class: ProfileClass) -> &'static str {
     match class {
-        ProfileClass::Low => "Low",
-        ProfileClass::Moderate => "Moderate",
-        ProfileClass::High => "High",
-        ProfileClass::HalfSphere => "Half sphere",
+        ProfileClass::Low => tr("Low"),
+        ProfileClass::Moderate => tr("Moderate"),
+        ProfileClass::High => tr("High"),
+        ProfileClass::HalfSphere => tr("Half sphere"),
     }
 }
 
@@ -227,7 +232,7 @@ pub(super) fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimensio
             allowed: Some(allowed),
             reset: 12.0,
             most_decimals,
-            tooltip: "Width of the implant's base. Round implants are 7.8–18 cm wide.",
+            tooltip: tr("Width of the implant's base. Round implants are 7.8–18 cm wide."),
             ..centimetres(label)
         },
         Dimension::Projection => Control {
@@ -235,7 +240,7 @@ pub(super) fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimensio
             allowed: Some(allowed),
             reset: 4.0,
             most_decimals,
-            tooltip: "Height of the implant above the chest. Round implants: 2–7.5 cm.",
+            tooltip: tr("Height of the implant above the chest. Round implants: 2–7.5 cm."),
             ..centimetres(label)
         },
         Dimension::Volume => Control {
@@ -248,7 +253,7 @@ pub(super) fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimensio
             decimals: 0,
             most_decimals: if is_following { 0 } else { 2 },
             step: 5.0,
-            tooltip: VOLUME_TOOLTIP,
+            tooltip: tr(VOLUME_TOOLTIP),
             ..Control::default()
         },
     }
@@ -288,9 +293,14 @@ pub(in crate::app) fn projection_in_words(scene: &Scene, choices: &Choices) -> V
     let allowed =
         allowed(size, Dimension::Projection, held(Dimension::Projection, choices.follows));
     let is_at_end = cm <= allowed.start() + 1e-6 || cm >= allowed.end() - 1e-6;
-    let limits =
-        || format!("Projection: {:.1} to {:.1} cm for this width", allowed.start(), allowed.end());
-    let reached = format!("Projection {cm:.1} cm, {ml:.0} ml");
+    let limits = || {
+        tr!(
+            "Projection: {least:.1} to {most:.1} cm for this width",
+            least = allowed.start(),
+            most = allowed.end()
+        )
+    };
+    let reached = tr!("Projection {cm:.1} cm, {ml:.0} ml", cm, ml);
     [reached].into_iter().chain(is_at_end.then(limits)).collect()
 }
 
@@ -356,10 +366,12 @@ pub(super) fn set_size(scene: &mut Scene, size: Size) {
 fn typical() -> String {
     let cm = |(least, most): (f64, f64)| format!("{}–{} cm", cm(least), cm(most));
     let (least, most) = limits::TYPICAL_VOLUME_ML;
-    format!(
-        "Typical round implants: width {}, projection {}, {least}–{most} ml.",
-        cm(limits::TYPICAL_WIDTH_MM),
-        cm(limits::TYPICAL_PROJECTION_MM),
+    tr!(
+        "Typical round implants: width {width}, projection {projection}, {least}–{most} ml.",
+        width = cm(limits::TYPICAL_WIDTH_MM),
+        projection = cm(limits::TYPICAL_PROJECTION_MM),
+        least,
+        most
     )
 }
 

@@ -26,6 +26,7 @@ pub(super) use super::device::Device;
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
 use super::widgets::{Control, ControlResponse, Kind};
+use crate::app::texts::tr;
 use crate::clinical::Dimension;
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
@@ -40,29 +41,39 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let centimetres = |mm: f64| format!("{} cm", format_at_most(cm(mm), 1, 2));
     let layer = |layer: &Layer| {
         let [thickness, ratio] = [layer.thickness_mm, layer.poisson_ratio].map(number);
-        format!("{} {thickness} mm (Poisson ratio {ratio})", layer.tissue)
+        tr!(
+            "{tissue} {thickness} mm (Poisson ratio {ratio})",
+            tissue = tr(&layer.tissue),
+            thickness,
+            ratio
+        )
     };
     let measured = scene.patient.as_ref().map(|patient| patient.measured);
-    let pinch = measured.and_then(|m| m.pinch_mm).map(|pinch| ("Pinch", centimetres(pinch)));
-    let class = measured.and_then(|m| m.skin_class).map(|class| ("Skin", class.word().to_owned()));
-    let pull =
-        measured.and_then(|m| m.skin_pull_mm).map(|pull| ("Pull of the skin", centimetres(pull)));
+    let pinch = measured.and_then(|m| m.pinch_mm).map(|pinch| (tr("Pinch"), centimetres(pinch)));
+    let class =
+        measured.and_then(|m| m.skin_class).map(|class| (tr("Skin"), tr(class.word()).to_owned()));
+    let pull = measured
+        .and_then(|m| m.skin_pull_mm)
+        .map(|pull| (tr("Pull of the skin"), centimetres(pull)));
     let [x, y] = implant.center_mm;
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
     let margin = scene.pocket_radius_mm - implant.base_radius_mm;
-    let volume = if device == Device::Expander { "Fill" } else { "Volume" };
+    let volume = if device == Device::Expander { tr("Fill") } else { tr("Volume") };
     [
-        Some(("Width", centimetres(width))),
+        Some((tr("Width"), centimetres(width))),
         size.map(|size| (volume, format!("{:.0} ml", size.volume_ml()))),
-        Some(("Projection", centimetres(implant.projection_mm))),
-        size.map(|size| ("Profile", size.profile_in_words().to_owned())),
+        Some((tr("Projection"), centimetres(implant.projection_mm))),
+        size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),
         pinch,
         class,
         pull,
-        Some(("Tissue", layers.join(", "))),
-        Some(("Pocket", format!("{} + {}", device.words("implant"), centimetres(margin)))),
-        Some(("Position", format!("{} to the side, {} up", centimetres(x), centimetres(y)))),
-        Some(("In place", format!("{:.0} %", 100.0 * scene.insertion))),
+        Some((tr("Tissue"), layers.join(", "))),
+        Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
+        Some((
+            tr("Position"),
+            tr!("{side} to the side, {up} up", side = centimetres(x), up = centimetres(y)),
+        )),
+        Some((tr("In place"), format!("{:.0} %", 100.0 * scene.insertion))),
     ]
     .into_iter()
     .flatten()

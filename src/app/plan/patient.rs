@@ -1,6 +1,7 @@
 //! What was measured on the patient, pinch and skin, and what the measurements become.
 
 use super::{Hand, centimetres, chip, chips, cm, mm, row, title, visit};
+use crate::app::texts::{self, tr};
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Scene, TissueModel};
@@ -11,7 +12,7 @@ const USUAL_PULL_MM: f64 = 25.0;
 
 /// Shows pinch and skin, and the entries for the file. Returns the text field with the focus.
 pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
-    title(ui, "Patient", |ui| visit::switch(ui, hand));
+    title(ui, tr("Patient"), |ui| visit::switch(ui, hand));
     let before = measured(scene);
     let mut now = before;
     pinch(ui, scene, &mut now, hand);
@@ -55,8 +56,10 @@ pub(super) fn pinch_control(scene: &Scene, measured: &Measurements) -> (Control<
         range: 0.5..=6.0,
         allowed: Some(cm(least)..=cm(most)),
         reset: 2.0,
-        tooltip: "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.",
-        ..centimetres("Pinch")
+        tooltip: tr(
+            "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.",
+        ),
+        ..centimetres(tr("Pinch"))
     };
     (control, pinch)
 }
@@ -68,7 +71,7 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
         .layers
         .iter()
         .map(|layer| {
-            let name = if layer.tissue == "adipose" { "fat" } else { layer.tissue.as_str() };
+            let name = if layer.tissue == "adipose" { tr("fat") } else { tr(&layer.tissue) };
             let name: String = name.chars().take(12).collect();
             format!("{name} {}", thickness(layer.thickness_mm))
         })
@@ -80,9 +83,14 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
         // 95 % of the people of this pinch.
         let (least, most) = derived.whole.range(2.0);
         let range = format!(" ({least:.0}–{most:.0})");
-        (range, format!("Range of 95 %. {}", derived.whole.source))
+        (range, tr!("Range of 95 %. {source}", source = tr(derived.whole.source)))
     });
-    let text = format!("Cover {} mm{range}: {}", thickness(whole), layers.join(" + "));
+    let text = tr!(
+        "Cover {whole} mm{range}: {layers}",
+        whole = thickness(whole),
+        range,
+        layers = layers.join(" + ")
+    );
     let line = remark(ui, text);
     if !source.is_empty() {
         line.on_hover_text(source);
@@ -91,13 +99,24 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
         scene.patient_values().into_iter().filter(|value| value.set_by_hand).collect();
     if !by_hand.is_empty() {
         ui.horizontal_wrapped(|ui| {
-            let count = if by_hand.len() == 1 { "1 value is" } else { "Values are" };
-            remark(ui, format!("{count} set by hand."));
+            let count = if by_hand.len() == 1 { tr("1 value is") } else { tr("Values are") };
+            remark(ui, tr!("{count} set by hand.", count));
             let values: Vec<String> = by_hand
                 .iter()
-                .map(|v| format!("{}: {}; {} gives {}", v.field, v.value, v.measured, v.derived))
+                .map(|v| {
+                    tr!(
+                        "{field}: {value}; {measured} gives {derived}",
+                        field = v.field,
+                        value = v.value,
+                        measured = texts::shown(&v.measured),
+                        derived = v.derived
+                    )
+                })
                 .collect();
-            if ui.small_button("Use the measurements").on_hover_text(values.join("\n")).clicked()
+            if ui
+                .small_button(tr("Use the measurements"))
+                .on_hover_text(values.join("\n"))
+                .clicked()
                 && let Some(patient) = scene.patient.take()
             {
                 measure(scene, patient.measured);
@@ -110,21 +129,20 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
 fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
     let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
     let is_pulled = measured.skin_pull_mm.is_some();
-    let word = if measured.skin_class.is_none() && !is_pulled { " (set in Advanced)" } else { "" };
-    remark(ui, format!("Skin feels{word}")).on_hover_text(format!(
-        "How far the skin stretches under a pull, as a factor of the preset's strains: {scale:.2}. Tight: \
+    let word =
+        if measured.skin_class.is_none() && !is_pulled { tr(" (set in Advanced)") } else { "" };
+    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(tr!("How far the skin stretches under a pull, as a factor of the preset's strains: {scale:.2}. Tight: \
          pulled less than 2 cm; normal: 2–3 cm; lax: 3–4 cm; very lax: more than 4 cm. Within a factor 2 \
-         (1 standard deviation).",
-    ));
+         (1 standard deviation).", scale));
     chips(ui, |ui| {
         for class in SkinClass::ALL {
-            let tooltip = "Class of the skin by its anterior pull";
-            if chip(ui, hand, measured.skin_class == Some(class), class.word(), tooltip) {
+            let tooltip = tr("Class of the skin by its anterior pull");
+            if chip(ui, hand, measured.skin_class == Some(class), tr(class.word()), tooltip) {
                 (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
             }
         }
-        let tooltip = "How far a grip of the fingertips lifts the skin, measured";
-        if chip(ui, hand, is_pulled, "pull…", tooltip) {
+        let tooltip = tr("How far a grip of the fingertips lifts the skin, measured");
+        if chip(ui, hand, is_pulled, tr("pull…"), tooltip) {
             measured.skin_class = None;
             measured.skin_pull_mm = Some(USUAL_PULL_MM);
             let (least, most) = limits::MEASURED_WIDTH_MM;
@@ -140,8 +158,8 @@ fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
             range: 1.0..=5.0,
             allowed: Some(cm(least)..=cm(most)),
             reset: cm(USUAL_PULL_MM),
-            tooltip: "How far a grip of the fingertips lifts the skin in front of the areola.",
-            ..centimetres("Pull")
+            tooltip: tr("How far a grip of the fingertips lifts the skin in front of the areola."),
+            ..centimetres(tr("Pull"))
         };
         if row(ui, hand, control, &mut pull, (0.0, none)).is_changed {
             measured.skin_pull_mm = Some(mm(pull));
@@ -152,8 +170,8 @@ fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
             range: 8.0..=18.0,
             allowed: Some(cm(least)..=cm(most)),
             reset: 12.0,
-            tooltip: "Measured base width of the breast; the pull depends on it.",
-            ..centimetres("Breast")
+            tooltip: tr("Measured base width of the breast; the pull depends on it."),
+            ..centimetres(tr("Breast"))
         };
         if row(ui, hand, control, &mut width, (0.0, none)).is_changed {
             measured.base_width_mm = Some(mm(width));

@@ -1,6 +1,7 @@
 //! The pocket as a margin around the implant.
 
 use super::{Hand, centimetres, cm, mm, row, title};
+use crate::app::texts::tr;
 use crate::app::widgets::{Control, quantity};
 use crate::scene::{Scene, limits};
 use eframe::egui::{RichText, Ui};
@@ -8,8 +9,8 @@ use eframe::egui::{RichText, Ui};
 /// Shows the margin of the pocket.
 pub(in crate::app) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     let width = quantity::format_at_most(cm(2.0 * scene.pocket_radius_mm), 1, 1);
-    title(ui, "Pocket", |ui| {
-        let words = format!("{width} cm wide");
+    title(ui, tr("Pocket"), |ui| {
+        let words = tr!("{width} cm wide", width);
         ui.label(RichText::new(words).small().color(ui.visuals().weak_text_color()));
     });
     let (control, mut margin) = margin(scene);
@@ -29,15 +30,17 @@ pub(super) fn margin(scene: &Scene) -> (Control<'static>, f64) {
     let control = Control {
         range: 0.0..=4.0_f64.max(least),
         allowed: Some(least.min(margin)..=most),
-        limit_reason: format!(
-            "{} to {} cm at this position",
-            quantity::format(least, 1),
-            quantity::format(most, 1)
+        limit_reason: tr!(
+            "{least} to {most} cm at this position",
+            least = quantity::format(least, 1),
+            most = quantity::format(most, 1)
         ),
         reset: 1.0_f64.max(least),
-        tooltip: "How much wider than the implant the pocket is, all round. Outside of the pocket the tissue \
+        tooltip: tr(
+            "How much wider than the implant the pocket is, all round. Outside of the pocket the tissue \
                   stays attached to the chest wall.",
-        ..centimetres("Margin")
+        ),
+        ..centimetres(tr("Margin"))
     };
     (control, margin)
 }

@@ -4,6 +4,7 @@
 use super::Device;
 use super::{Hand, centimetres, cm, mm, title};
 use crate::app::messages::{Notice, Offer};
+use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::widgets::{Control, arrow_keys, keep_press, quantity, set_accessible_name};
 use crate::scene::{Scene, limits};
@@ -20,7 +21,7 @@ const STEP_MM: f64 = 1.0;
 
 /// Shows the position. Returns a notice about a number that does not fit the pocket.
 pub(in crate::app) fn position(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Notice> {
-    title(ui, "Position", |_| {});
+    title(ui, tr("Position"), |_| {});
     let mut notice = None;
     ui.horizontal(|ui| {
         pad(ui, scene);
@@ -53,12 +54,12 @@ pub(in crate::app) fn position_in_words(scene: &Scene) -> Vec<String> {
     let [x, y] = scene.implant.center_mm;
     let room = scene.room_mm();
     let words = |mm: f64| quantity::format_at_most(cm((10.0 * mm).round() / 10.0), 1, 2);
-    let place = format!("{} cm to the side, {} cm up", words(x), words(y));
+    let place = tr!("{side} cm to the side, {up} cm up", side = words(x), up = words(y));
     let is_at_edge = x.hypot(y) >= room * (1.0 - 1e-9);
     let edge = is_at_edge.then(|| {
-        format!(
-            "At the pocket's edge, {} cm from the centre: a wider pocket has more room",
-            words(room)
+        tr!(
+            "At the pocket's edge, {distance} cm from the centre: a wider pocket has more room",
+            distance = words(room)
         )
     });
     [place].into_iter().chain(edge).collect()
@@ -111,13 +112,13 @@ fn pad(ui: &mut Ui, scene: &mut Scene) {
         scene.implant.center_mm = [0.0, 0.0];
     }
     let device = Device::of(ui.ctx());
-    let name = device.words("Position of the implant");
+    let name = device.words(tr("Position of the implant"));
     set_accessible_name(&response, egui::Role::Canvas, &name);
     if ui.is_rect_visible(rect) {
         paint(ui, rect, centre, scene);
     }
     response.on_hover_text(device.words(
-        "Drag the implant in its pocket, or use the arrow keys (1 mm). A double-click centres the implant.",
+        tr("Drag the implant in its pocket, or use the arrow keys (1 mm). A double-click centres the implant."),
     ));
 }
 
@@ -146,10 +147,10 @@ fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
         painter.text(at, align, words, font.clone(), color);
     };
     let inner = rect.shrink(4.0);
-    text(pos2(centre.x, inner.top() - 3.0), Align2::CENTER_TOP, "head");
-    text(pos2(centre.x, inner.bottom() + 3.0), Align2::CENTER_BOTTOM, "feet");
-    text(inner.left_bottom() + vec2(0.0, 3.0), Align2::LEFT_BOTTOM, "midline");
-    text(inner.right_bottom() + vec2(0.0, 3.0), Align2::RIGHT_BOTTOM, "side");
+    text(pos2(centre.x, inner.top() - 3.0), Align2::CENTER_TOP, tr("head"));
+    text(pos2(centre.x, inner.bottom() + 3.0), Align2::CENTER_BOTTOM, tr("feet"));
+    text(inner.left_bottom() + vec2(0.0, 3.0), Align2::LEFT_BOTTOM, tr("midline"));
+    text(inner.right_bottom() + vec2(0.0, 3.0), Align2::RIGHT_BOTTOM, tr("side"));
 }
 
 /// Position along one axis. A number outside of the pocket is rejected, with the offer of a larger pocket.
@@ -169,16 +170,21 @@ fn number(ui: &mut Ui, scene: &mut Scene, axis: usize, hand: Hand) -> Option<Not
 pub(super) fn offset(scene: &Scene, axis: usize) -> (Control<'static>, f64) {
     let (label, tooltip) = [
         (
-            "To the side",
-            "Offset of the implant from the pocket's centre towards the patient's side (−: the midline).",
+            tr("To the side"),
+            tr(
+                "Offset of the implant from the pocket's centre towards the patient's side (−: the midline).",
+            ),
         ),
-        ("Up", "Offset of the implant from the pocket's centre towards the head (−: the feet)."),
+        (
+            tr("Up"),
+            tr("Offset of the implant from the pocket's centre towards the head (−: the feet)."),
+        ),
     ][axis];
     let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
     let most = (room * room - other * other).max(0.0).sqrt();
     // A displayed limit is itself allowed.
     let shown = cm((10.0 * most + 1e-6).floor() / 10.0);
-    let limit_reason = format!("at most {} cm in this pocket", quantity::format(shown, 1));
+    let limit_reason = tr!("at most {most} cm in this pocket", most = quantity::format(shown, 1));
     let value = cm(scene.implant.center_mm[axis]);
     // The position of a file may lie on the pocket's rim by rounding.
     let reach = cm(most).max(value.abs());
@@ -202,7 +208,7 @@ fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
         scene.set_pocket_radius(pocket_radius_mm);
         scene.implant.center_mm[axis] = requested;
         let width = quantity::format(cm(2.0 * pocket_radius_mm), 1);
-        Offer { label: format!("Make the pocket {width} cm wide"), scene: Box::new(scene) }
+        Offer { label: tr!("Make the pocket {width} cm wide", width), scene: Box::new(scene) }
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::field::{Field, Values};
 use super::{Hand, chip, chips};
+use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{rejection_label, remark};
 use crate::scene::visit::{
@@ -38,12 +39,13 @@ pub(super) fn switch(ui: &mut Ui, hand: Hand) {
         Hand::Mouse => 24.0,
         Hand::Finger => theme::TOUCH - 8.0,
     };
-    let switch = egui::Button::selectable(is_open, "For the file")
+    let switch = egui::Button::selectable(is_open, tr("For the file"))
         .frame(true)
         .frame_when_inactive(true)
         .min_size(vec2(0.0, height));
-    let tooltip =
-        "Reference, side, date of the visit, surgeon, remarks: for the plan's file and the report";
+    let tooltip = tr(
+        "Reference, side, date of the visit, surgeon, remarks: for the plan's file and the report",
+    );
     if ui.add(switch).on_hover_text(tooltip).clicked() {
         ui.data_mut(|data| data.insert_temp(key(), !is_open));
     }
@@ -77,20 +79,25 @@ pub(super) fn form_fields(scene: &Scene) -> [Field; 5] {
     let visit = scene.visit.clone().unwrap_or_default();
     let text = |characters, lines| Values::Text { characters, lines };
     let side = visit.side.map_or(NOT_SAID, Side::word).to_owned();
-    let sides = Side::ALL.map(Side::word).into_iter().chain([NOT_SAID]).collect();
+    let choices: Vec<&str> = Side::ALL.map(Side::word).into_iter().chain([NOT_SAID]).collect();
+    let words = choices.iter().map(|word| tr(word)).collect();
     [
-        ("reference", "Reference", visit.reference, text(MAX_REFERENCE, 1)),
-        ("side", "Side", side, Values::Words { choices: sides }),
-        ("date", DATE_NAME, visit.date, text(MAX_DATE, 1)),
-        ("surgeon", "Surgeon", visit.surgeon, text(MAX_SURGEON, 1)),
-        ("remarks", "Remarks", visit.remarks, text(MAX_REMARKS, MAX_REMARK_LINES)),
+        ("reference", tr("Reference"), visit.reference, text(MAX_REFERENCE, 1)),
+        ("side", tr("Side"), side, Values::Words { choices, words }),
+        ("date", tr(DATE_NAME), visit.date, text(MAX_DATE, 1)),
+        ("surgeon", tr("Surgeon"), visit.surgeon, text(MAX_SURGEON, 1)),
+        ("remarks", tr("Remarks"), visit.remarks, text(MAX_REMARKS, MAX_REMARK_LINES)),
     ]
     .map(|(name, label, text, values)| Field {
         name,
         label,
         unit: "",
         text,
-        hint: KEPT.to_owned(),
+        hint: tr(KEPT).to_owned(),
+        range: match values {
+            Values::Text { characters, .. } => tr!("up to {characters} characters", characters),
+            Values::Numbers { .. } | Values::Words { .. } => String::new(),
+        },
         values,
     })
 }
@@ -114,14 +121,19 @@ pub(super) fn set_form_field(
             let side = Side::ALL.into_iter().find(|side| side.word() == text.trim());
             if side.is_none() && text.trim() != NOT_SAID {
                 let words = Side::ALL.map(Side::word).join(", ");
-                return Some(Err(format!("Side: allowed: {words}, {NOT_SAID}")));
+                return Some(Err(tr!("Side: allowed: {words}, {none}", words, none = NOT_SAID)));
             }
             now.side = side;
         }
         "date" => {
             let date = text.trim();
             if !(date.is_empty() || is_date(date)) {
-                return Some(Err(format!("{DATE_NAME}: {date:?} is no date; allowed: {DATE}")));
+                return Some(Err(tr!(
+                    "{name}: {text} is no date; allowed: {allowed}",
+                    name = tr(DATE_NAME),
+                    text = format_args!("{date:?}"),
+                    allowed = tr(DATE)
+                )));
             }
             date.clone_into(&mut now.date);
         }
@@ -136,7 +148,7 @@ pub(super) fn set_form_field(
 /// Reference and side in words; empty if none is stated.
 pub(in crate::app) fn patient_in_words(scene: &Scene) -> String {
     let Some(visit) = &scene.visit else { return String::new() };
-    let side = visit.side.map_or("", Side::words);
+    let side = visit.side.map_or("", |side| tr(side.words()));
     joined([visit.reference.trim(), side].map(str::to_owned))
 }
 
@@ -146,8 +158,8 @@ pub(in crate::app) fn visit_in_words(scene: &Scene) -> [String; 2] {
     let named = |name: &str, text: &str| {
         if text.is_empty() { String::new() } else { format!("{name} {text}") }
     };
-    let date = named("visit of", &visit.date);
-    let surgeon = named("surgeon", visit.surgeon.trim());
+    let date = named(tr("visit of"), &visit.date);
+    let surgeon = named(tr("surgeon"), visit.surgeon.trim());
     let line = joined([patient_in_words(scene), date, surgeon]);
     [line, visit.remarks.trim().to_owned()]
 }
@@ -164,11 +176,11 @@ fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
             focused = Some(response.id);
         }
     };
-    note(line(ui, "Reference", "number or initials", &mut visit.reference, MAX_REFERENCE));
-    named(ui, "Side", |ui| {
+    note(line(ui, tr("Reference"), tr("number or initials"), &mut visit.reference, MAX_REFERENCE));
+    named(ui, tr("Side"), |ui| {
         chips(ui, |ui| {
-            let choices = Side::ALL.map(|side| (Some(side), side.word()));
-            for (side, word) in choices.into_iter().chain([(None, NOT_SAID)]) {
+            let choices = Side::ALL.map(|side| (Some(side), tr(side.word())));
+            for (side, word) in choices.into_iter().chain([(None, tr(NOT_SAID))]) {
                 if chip(ui, hand, visit.side == side, word, "") {
                     visit.side = side;
                 }
@@ -176,9 +188,9 @@ fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
         });
     });
     note(date(ui, &mut visit.date));
-    note(line(ui, "Surgeon", "", &mut visit.surgeon, MAX_SURGEON));
+    note(line(ui, tr("Surgeon"), "", &mut visit.surgeon, MAX_SURGEON));
     note(remarks(ui, &mut visit.remarks));
-    remark(ui, KEPT);
+    remark(ui, tr(KEPT));
     focused
 }
 
@@ -209,10 +221,10 @@ fn line(ui: &mut Ui, name: &str, hint: &str, text: &mut String, most: usize) -> 
 }
 
 fn remarks(ui: &mut Ui, text: &mut String) -> Response {
-    ui.label(RichText::new("Remarks").color(ui.visuals().weak_text_color()));
+    ui.label(RichText::new(tr("Remarks")).color(ui.visuals().weak_text_color()));
     let mut typed = text.clone();
     let field = TextEdit::multiline(&mut typed).desired_rows(3).char_limit(MAX_REMARKS);
-    let response = add(ui, "Remarks", field, text);
+    let response = add(ui, tr("Remarks"), field, text);
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_role(egui::accesskit::Role::MultilineTextInput);
     });
@@ -229,9 +241,9 @@ fn date(ui: &mut Ui, date: &mut String) -> Response {
     // A draft belongs to the date that it is to replace.
     let draft = kept.filter(|(of, _)| of == date).map(|(_, draft)| draft);
     let mut typed = draft.unwrap_or_else(|| date.clone());
-    let response = named(ui, "Date", |ui| {
+    let response = named(ui, tr("Date"), |ui| {
         let field = TextEdit::singleline(&mut typed).hint_text("2026-01-31").char_limit(MAX_DATE);
-        add(ui, DATE_NAME, field, date)
+        add(ui, tr(DATE_NAME), field, date)
     });
     let text = typed.trim();
     let is_allowed = text.is_empty() || is_date(text);
@@ -248,7 +260,11 @@ fn date(ui: &mut Ui, date: &mut String) -> Response {
     if !is_allowed && !response.has_focus() {
         rejection_label(
             ui,
-            &format!("{text:?} is no date; allowed: {DATE}. The date is unchanged."),
+            &tr!(
+                "{text} is no date; allowed: {allowed}. The date is unchanged.",
+                text = format_args!("{text:?}"),
+                allowed = tr(DATE)
+            ),
         );
     }
     response

@@ -1,5 +1,6 @@
 //! The words on the areas of the chart: each band of a quantity at the place farthest from its border.
 
+use crate::app::texts::{tr, word_of};
 use crate::study::{Map, PointStatus, Quantity};
 
 /// The area of points without an answer.
@@ -12,8 +13,8 @@ pub(super) fn areas(map: &Map, quantity: Quantity) -> Vec<(&'static str, (f64, f
     let [x, y] = map.axes() else { return Vec::new() };
     let Some((limits, factor)) = quantity.limits() else { return Vec::new() };
     let word = |i: usize, j: usize| match map.displayed(quantity, i, j) {
-        Some((value, _)) => Some(limits.word(factor * value)),
-        None => (map.status(i, j) != PointStatus::Waiting).then_some(NO_ANSWER),
+        Some((value, _)) => Some(word_of(limits, limits.word(factor * value))),
+        None => (map.status(i, j) != PointStatus::Waiting).then_some(tr(NO_ANSWER)),
     };
     let words: Vec<Option<&str>> =
         (0..y.count).flat_map(|j| (0..x.count).map(move |i| word(i, j))).collect();

@@ -1,5 +1,6 @@
 //! The numbers that the range of implants varies: a surgeon's words and units, usual ranges, numbers of values.
 
+use crate::app::texts::tr;
 use crate::app::widgets::Kind;
 use crate::app::widgets::quantity::{format_at_most, significant};
 use crate::clinical::{self, Size};
@@ -50,23 +51,23 @@ impl Words {
         let cm = |name| new(name, Kind::Centimetres, "cm", 0.1, 0.05, 2);
         let plain = |name| new(name, Kind::Plain, "", 1.0, 0.005, 3);
         match field {
-            Parameter::BaseWidth => cm("Width"),
-            Parameter::Projection => cm("Projection"),
-            Parameter::Volume => new("Volume", Kind::Volume, "ml", 1.0, 5.0, 0),
-            Parameter::PocketMargin => cm("Margin of the pocket"),
-            Parameter::Pinch => cm("Pinch"),
-            Parameter::Thickness => cm("Thickness of the cover"),
-            Parameter::StrainScale(_) => plain("Slack of the skin (strain scale)"),
-            Parameter::StressScale(_) => plain("Stiffness of the skin (stress scale)"),
-            Parameter::PoissonRatio => plain("Poisson ratio"),
-            Parameter::CenterX => cm("Position, to the side"),
-            Parameter::CenterY => cm("Position, up"),
-            Parameter::Insertion => new("In place", Kind::Percent, "%", 100.0, 1.0, 0),
+            Parameter::BaseWidth => cm(tr("Width")),
+            Parameter::Projection => cm(tr("Projection")),
+            Parameter::Volume => new(tr("Volume"), Kind::Volume, "ml", 1.0, 5.0, 0),
+            Parameter::PocketMargin => cm(tr("Margin of the pocket")),
+            Parameter::Pinch => cm(tr("Pinch")),
+            Parameter::Thickness => cm(tr("Thickness of the cover")),
+            Parameter::StrainScale(_) => plain(tr("Slack of the skin (strain scale)")),
+            Parameter::StressScale(_) => plain(tr("Stiffness of the skin (stress scale)")),
+            Parameter::PoissonRatio => plain(tr("Poisson ratio")),
+            Parameter::CenterX => cm(tr("Position, to the side")),
+            Parameter::CenterY => cm(tr("Position, up")),
+            Parameter::Insertion => new(tr("In place"), Kind::Percent, "%", 100.0, 1.0, 0),
             Parameter::AttachmentStiffness => {
-                new("Attachment of the tissue", Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
+                new(tr("Attachment of the tissue"), Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
             }
             // Not on offer.
-            _ => plain("Number"),
+            _ => plain(tr("Number")),
         }
     }
 

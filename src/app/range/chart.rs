@@ -9,6 +9,7 @@ use super::plane::{Plane, nearest};
 use super::readout;
 use super::shelf::Sizes;
 use crate::app::device::Device;
+use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::viewport::pointer_box;
 use crate::app::widgets::{arrow_keys, set_accessible_name};
@@ -254,9 +255,9 @@ impl Chart {
         let shown = by_keys.or(hovered).or(chosen);
         self.shown = shown.or(self.cursor.map(|(point, _)| point)).or(self.shown);
         let device = Device::of(ui.ctx());
-        set_accessible_name(response, egui::Role::Canvas, &device.words(NAME));
+        set_accessible_name(response, egui::Role::Canvas, &device.words(tr(NAME)));
         let sentence = shown.map_or_else(
-            || device.words("Arrow keys choose an implant, Enter takes the implant."),
+            || device.words(tr("Arrow keys choose an implant, Enter takes the implant.")),
             |(i, j)| readout::sentence(map, i, j, quantity),
         );
         response.ctx.accesskit_node_builder(response.id, |node| node.set_value(sentence));
@@ -270,7 +271,7 @@ impl Chart {
                 .ctx
                 .accesskit_node_builder(response.id, |node| node.set_value(lines.join("; ")));
             ring(ui, at);
-            lines.push("Click takes this size".to_owned());
+            lines.push(tr("Click takes this size").to_owned());
             pointer_box(ui, ui.painter(), ui.max_rect(), at, &lines);
             return;
         }
@@ -289,7 +290,7 @@ impl Chart {
         if let Some(pin) = pin.filter(|_| by_keys.is_none()) {
             lines = vec![pin.to_owned()];
         } else if hovered.is_some() && by_keys.is_none() {
-            lines.push(device.words("Click takes this implant"));
+            lines.push(device.words(tr("Click takes this implant")));
         }
         pointer_box(ui, ui.painter(), ui.max_rect(), at, &lines);
     }

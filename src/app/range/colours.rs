@@ -3,6 +3,7 @@
 
 use super::plane::marks;
 use super::readout;
+use crate::app::texts::word_of;
 use crate::measure::bands::Limits;
 use crate::study::{Map, PointStatus, Quantity};
 use crate::view::color::{Rgb, in_band, sequential};
@@ -94,7 +95,7 @@ impl Scale {
             let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits).min(self.ends.1);
             let middle = (to > from).then_some(0.5 * (from + to));
             from = from.max(to);
-            Some((middle?, band.word))
+            Some((middle?, word_of(limits, band.word)))
         };
         limits.bands.iter().filter_map(word).collect()
     }

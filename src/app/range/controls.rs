@@ -4,6 +4,7 @@ use super::axes::{self, Words};
 use super::{FINENESS, Range, readout};
 use crate::app::commands::PICTURE;
 use crate::app::plan::{Hand, chip};
+use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{NumberField, button_if, choice, set_accessible_name};
@@ -27,12 +28,13 @@ impl Range {
         let mut rejections = Vec::new();
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL + 2.0;
-            if layout == Layout::Narrow && chip(ui, Hand::Mouse, false, PICTURE, "") {
+            if layout == Layout::Narrow && chip(ui, Hand::Mouse, false, tr(PICTURE), "") {
                 self.is_open = false;
             }
             self.quantity_box(ui, scene, layout);
             if layout == Layout::Narrow {
-                let axes = Button::selectable(self.shows_axes, "Axes").frame_when_inactive(true);
+                let axes =
+                    Button::selectable(self.shows_axes, tr("Axes")).frame_when_inactive(true);
                 if ui.add(axes).clicked() {
                     self.shows_axes = !self.shows_axes;
                 }
@@ -54,8 +56,8 @@ impl Range {
                 self.ends(ui, scene, false, &mut rejections);
             }
             let is_able = !self.is_around(scene);
-            let tip = "Sizes 2 cm around the plan, usual values of other numbers";
-            if button_if(ui, is_able, AROUND, AROUND, tip) {
+            let tip = tr("Sizes 2 cm around the plan, usual values of other numbers");
+            if button_if(ui, is_able, tr(AROUND), tr(AROUND), tip) {
                 self.go_around(scene);
             }
         });
@@ -67,7 +69,7 @@ impl Range {
             self.quantity = Quantity::GreatestStrain;
         }
         if layout == Layout::Wide {
-            quiet(ui, if self.up.is_some() { "Colour" } else { "Curve" });
+            quiet(ui, if self.up.is_some() { tr("Colour") } else { tr("Curve") });
         }
         let response = egui::ComboBox::from_id_salt("range quantity")
             .width(if layout == Layout::Wide { 170.0 } else { 150.0 })
@@ -83,14 +85,14 @@ impl Range {
                 }
             })
             .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Colour");
-        response.on_hover_text("The result shown by the colours, or by the curve");
+        set_accessible_name(&response, egui::Role::ComboBox, tr("Colour"));
+        response.on_hover_text(tr("The result shown by the colours, or by the curve"));
     }
 
     fn field_box(&mut self, ui: &mut Ui, scene: &Scene, is_across: bool) {
-        let name = if is_across { "Across" } else { "Up" };
+        let name = if is_across { tr("Across") } else { tr("Up") };
         let present = if is_across { Some(self.across.field) } else { self.up.map(|up| up.field) };
-        let selected = present.map_or(NOTHING, |field| Words::of(field).name);
+        let selected = present.map_or(tr(NOTHING), |field| Words::of(field).name);
         quiet(ui, name);
         let mut chosen = None;
         let response = egui::ComboBox::from_id_salt(name)
@@ -98,7 +100,7 @@ impl Range {
             .truncate()
             .selected_text(selected)
             .show_ui(ui, |ui| {
-                if !is_across && choice(ui, present.is_none(), NOTHING).clicked() {
+                if !is_across && choice(ui, present.is_none(), tr(NOTHING)).clicked() {
                     chosen = Some(None);
                 }
                 let is_free =
@@ -114,9 +116,9 @@ impl Range {
             .response;
         set_accessible_name(&response, egui::Role::ComboBox, name);
         response.on_hover_text(if is_across {
-            "The number of the plan that varies from left to right"
+            tr("The number of the plan that varies from left to right")
         } else {
-            "The number of the plan that varies upwards; without one the chart is a curve"
+            tr("The number of the plan that varies upwards; without one the chart is a curve")
         });
         if let Some(field) = chosen.filter(|field| *field != present) {
             self.set_field(is_across, field, scene);
@@ -132,9 +134,9 @@ impl Range {
         let (least, most) = axes::allowed(axis.field);
         let before = axis.ends(scene, middle);
         let mut ends = [before.0, before.1].map(|value| words.display(value));
-        let name = if is_across { "Across" } else { "Up" };
+        let name = if is_across { tr("Across") } else { tr("Up") };
         let mut is_changed = false;
-        for (end, side) in ends.iter_mut().zip(["from", "to"]) {
+        for (end, side) in ends.iter_mut().zip([tr("from"), tr("to")]) {
             let field = NumberField {
                 name: &format!("{name}, {side}"),
                 kind: words.kind,
@@ -147,7 +149,7 @@ impl Range {
             let typed = field.show(ui, end);
             is_changed |= typed.is_changed;
             rejections.extend(typed.rejection.map(|reason| format!("{name}, {side}: {reason}")));
-            if side == "from" {
+            if side == tr("from") {
                 quiet(ui, "–");
             }
         }
@@ -162,16 +164,16 @@ impl Range {
         let present = FINENESS.iter().find(|(_, count)| *count == self.fineness);
         let response = egui::ComboBox::from_id_salt("fineness")
             .width(70.0)
-            .selected_text(present.map_or("", |(name, _)| name))
+            .selected_text(present.map_or("", |(name, _)| tr(name)))
             .show_ui(ui, |ui| {
                 for (name, count) in FINENESS {
-                    if choice(ui, self.fineness == count, name).clicked() {
+                    if choice(ui, self.fineness == count, tr(name)).clicked() {
                         self.fineness = count;
                     }
                 }
             })
             .response;
-        set_accessible_name(&response, egui::Role::ComboBox, "Points");
-        response.on_hover_text("Number of plans: about 20 × 20, 40 × 40 or 60 × 60");
+        set_accessible_name(&response, egui::Role::ComboBox, tr("Points"));
+        response.on_hover_text(tr("Number of plans: about 20 × 20, 40 × 40 or 60 × 60"));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use super::{Range, readout};
+use crate::app::texts::tr;
 use crate::session::Session;
 use eframe::egui::Ui;
 
@@ -30,16 +31,19 @@ impl Range {
         session: &Session,
     ) -> Result<ReportChart<'_>, &'static str> {
         let is_solved = !self.map.is_running();
-        let map = self.map.study_mut().filter(|_| is_solved).ok_or(HOW)?;
+        let map = self.map.study_mut().filter(|_| is_solved).ok_or(tr(HOW))?;
         // The plan may have been edited since the page was open: another size on the chart keeps all points.
         if map.place(session.scene()).is_none() || !map.move_to(session.scene()) {
-            return Err(HOW);
+            return Err(tr(HOW));
         }
         self.pins.update(map, self.starts, session);
         self.sizes.update(map, self.starts);
-        let map = self.map.study().ok_or(HOW)?;
+        let map = self.map.study().ok_or(tr(HOW))?;
         Ok(ReportChart {
-            title: format!("Range of implants: {}", readout::name(self.quantity).to_lowercase()),
+            title: tr!(
+                "Range of implants: {quantity}",
+                quantity = readout::name(self.quantity).to_lowercase()
+            ),
             caption: self.caption_in_words(map),
             chart: Chart::default(),
             range: self,

@@ -23,6 +23,7 @@ pub(super) use readout::name as quantity_name;
 pub(super) use shelf::{Sizes, with_size};
 
 use super::studies::{Driver, Studies};
+use crate::app::texts::tr;
 use crate::scene::{Implant, Scene};
 use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
 use axes::Words;
@@ -252,11 +253,11 @@ impl Range {
 fn empty_axis(axes: &[Axis]) -> Option<String> {
     let axis = axes.iter().find(|axis| (axis.to - axis.from).abs() < f64::MIN_POSITIVE)?;
     let words = Words::of(axis.field);
-    Some(format!(
-        "{} from {} to {}; allowed: two different numbers.",
-        words.name,
-        words.text(axis.from),
-        words.text(axis.to)
+    Some(tr!(
+        "{name} from {from} to {to}; allowed: two different numbers.",
+        name = words.name,
+        from = words.text(axis.from),
+        to = words.text(axis.to)
     ))
 }
 

@@ -5,6 +5,7 @@ use super::{Range, readout};
 use crate::app::commands::{Action, entry_of};
 use crate::app::messages::Notice;
 use crate::app::plan::{Hand, chip};
+use crate::app::texts::tr;
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{rejection_label, remark};
 use crate::app::{App, theme};
@@ -35,25 +36,28 @@ impl Range {
         let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
         let mut words = Vec::new();
         if done < all {
-            words.push(format!("{done} of {all} plans computed."));
+            words.push(tr!("{done} of {all} plans computed.", done, all));
         } else {
-            words.push(format!("{all} plans computed. {}", self.accuracy(map)));
+            words.push(tr!("{all} plans computed. {accuracy}", all, accuracy = self.accuracy(map)));
         }
         if self.map.is_running() && done == all {
-            words.push(format!("The border of no answer is solved in full: {in_full} plans."));
+            words.push(tr!("The border of no answer is solved in full: {in_full} plans.", in_full));
         }
         let [not_computed, none] = missing(map);
         if none > 0 {
-            words.push(format!("Crossed: {none} without an answer."));
+            words.push(tr!("Crossed: {none} without an answer.", none));
         }
         if not_computed > 0 {
-            words.push(format!("Striped: {not_computed} not computed here; a click computes one."));
+            words.push(tr!(
+                "Striped: {not_computed} not computed here; a click computes one.",
+                not_computed
+            ));
         }
         if map.pocket_follows() {
-            words.push("The pocket keeps its margin.".to_owned());
+            words.push(tr("The pocket keeps its margin.").to_owned());
         }
         if map.present().is_none() {
-            words.push("The present plan is not on this chart.".to_owned());
+            words.push(tr("The present plan is not on this chart.").to_owned());
         }
         words.extend(Some(self.pins.beyond()).filter(|beyond| !beyond.is_empty()));
         words.join(" ")
@@ -62,9 +66,9 @@ impl Range {
     /// All values of the last point of pointer or keys, folded.
     fn values(&self, ui: &mut Ui) {
         // The header is always there, so that nothing moves.
-        egui::CollapsingHeader::new("All values").id_salt("range values").show(ui, |ui| {
+        egui::CollapsingHeader::new(tr("All values")).id_salt("range values").show(ui, |ui| {
             let Some((map, (i, j))) = self.map.study().zip(self.chart.shown()) else {
-                remark(ui, "Those of the plan at the pointer, or chosen by the arrow keys.");
+                remark(ui, tr("Those of the plan at the pointer, or chosen by the arrow keys."));
                 return;
             };
             remark(ui, format!("{}:", readout::place(map, i, j)));
@@ -80,15 +84,16 @@ impl Range {
             differences.into_iter().find(|found| found.quantity == self.quantity)
         });
         match within {
-            Some(found) => format!(
-                "{nodes} nodes a side, within {} of the fine grid ({} nodes).",
-                within_text(self.quantity, found.difference),
-                CHECK.nodes_per_side
+            Some(found) => tr!(
+                "{nodes} nodes a side, within {difference} of the fine grid ({fine} nodes).",
+                nodes,
+                difference = within_text(self.quantity, found.difference),
+                fine = CHECK.nodes_per_side
             ),
             None if self.check.is_running() => {
-                format!("{nodes} nodes a side; comparing with the fine grid.")
+                tr!("{nodes} nodes a side; comparing with the fine grid.", nodes)
             }
-            None => format!("{nodes} nodes a side."),
+            None => tr!("{nodes} nodes a side.", nodes),
         }
     }
 }
@@ -114,7 +119,7 @@ pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String
     let power = 10f64.powf(shown.log10().floor());
     let rounded = (shown / power - 1e-9).ceil() * power;
     let decimals = (-power.log10().round()).max(0.0) as usize;
-    let points = if unit == "%" { "% (points)" } else { unit };
+    let points = if unit == "%" { tr("% (points)") } else { unit };
     format!("{rounded:.decimals$} {points}")
 }
 impl App {
@@ -129,8 +134,8 @@ impl App {
                 let is_open = self.range.is_open;
                 for range in [false, true] {
                     let entry = entry_of(Action::ShowRange(range));
-                    let name = self.plan.device.words(entry.name);
-                    if chip(ui, Hand::Mouse, is_open == range, &name, entry.tooltip) {
+                    let name = self.plan.device.words(tr(entry.name));
+                    if chip(ui, Hand::Mouse, is_open == range, &name, tr(entry.tooltip)) {
                         self.range.is_open = range;
                     }
                 }
@@ -150,35 +155,36 @@ impl App {
         let (quantity, check) = (self.range.quantity, self.range.check.study());
         let check = check.filter(|_| !self.range.check.is_running());
         let mut notice = None;
-        let menu = ui.menu_button("Save chart", |ui| {
+        let menu = ui.menu_button(tr("Save chart"), |ui| {
             let ctx = ui.ctx().clone();
             let mut item = |name: &str| {
                 let item = ui.add_enabled(is_done, Button::new(name));
                 let is_clicked = item.clicked();
-                item.on_disabled_hover_text("The chart is being computed");
+                item.on_disabled_hover_text(tr("The chart is being computed"));
                 if is_clicked {
                     ui.close();
                 }
                 is_clicked
             };
-            if item("Table (CSV)…") {
+            if item(tr("Table (CSV)…")) {
                 self.files.save(&ctx, "range.csv", map.csv());
             }
-            if item("Numbers (JSON)…")
+            if item(tr("Numbers (JSON)…"))
                 && let Ok(text) = serde_json::to_string_pretty(&map.file(quantity, check))
             {
                 self.files.save(&ctx, "range.json", text + "\n");
             }
-            if item("Picture (SVG)…") {
+            if item(tr("Picture (SVG)…")) {
                 match scene_map::draw(map, quantity) {
                     Ok(text) => self.files.save(&ctx, "range.svg", text),
                     Err(error) => {
-                        notice = Some(Notice::error(format!("range.svg was not drawn: {error}")));
+                        notice =
+                            Some(Notice::error(tr!("range.svg was not drawn: {error}", error)));
                     }
                 }
             }
         });
-        menu.response.on_hover_text("Save all values of the chart, or its picture");
+        menu.response.on_hover_text(tr("Save all values of the chart, or its picture"));
         self.notice = notice.or(self.notice.take());
     }
 
@@ -205,7 +211,7 @@ impl App {
         let (mut taken, mut listed) = (None, None);
         bottom.show_separator_line(false).show(ui, |ui| {
             if layout == Layout::Narrow && self.range.chart.cursor().is_some() {
-                let button = Button::new(self.plan.device.words("Take this implant"));
+                let button = Button::new(self.plan.device.words(tr("Take this implant")));
                 let size = egui::vec2(ui.available_width(), theme::TOUCH - 8.0);
                 if ui.add_sized(size, button).clicked() {
                     taken = self.range.chart.cursor().map(Taken::Point);
@@ -227,7 +233,7 @@ impl App {
         self.show_notice(ui, area);
         match listed {
             Some(Ok(index)) => taken = Some(Taken::Size(index)),
-            Some(Err(table)) => self.notice = Some(self.read_shelf("The table", &table)),
+            Some(Err(table)) => self.notice = Some(self.read_shelf(tr("The table"), &table)),
             None => {}
         }
         match taken {
@@ -252,7 +258,8 @@ impl App {
             Ok(taken) => *scene = taken,
             Err(reason) => {
                 let place = readout::place(map, i, j);
-                self.notice = Some(Notice::caution(format!("{place} was not taken. {reason}")));
+                self.notice =
+                    Some(Notice::caution(tr!("{place} was not taken. {reason}", place, reason)));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::axes::Words;
 use super::plane::Plane;
+use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
 use crate::session::Session;
@@ -45,7 +46,7 @@ impl Pins {
                 continue;
             };
             let is_of_map = map.has_points_of(pin.scene());
-            let mut words = format!("Pin {letter}");
+            let mut words = tr!("Pin {letter}", letter);
             if !pin.name().is_empty() {
                 words += &format!(", {}", pin.name());
             }
@@ -56,7 +57,7 @@ impl Pins {
             });
             words += &place.collect::<Vec<_>>().join(", ");
             if !is_of_map {
-                words += "; other numbers of this pin are not those of the chart";
+                words += tr("; other numbers of this pin are not those of the chart");
             }
             self.on_chart.push(Pin { letter, at: (x, y), is_of_map, words });
         }
@@ -66,8 +67,8 @@ impl Pins {
     pub(super) fn beyond(&self) -> String {
         match &self.beyond[..] {
             [] => String::new(),
-            [one] => format!("Pin {one} is not on this chart."),
-            more => format!("Pins {} are not on this chart.", more.join(", ")),
+            [one] => tr!("Pin {one} is not on this chart.", one),
+            more => tr!("Pins {pins} are not on this chart.", pins = more.join(", ")),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The values of a point of the range in words: for the box at the pointer and for screen readers.
 
 use super::axes::Words;
+use crate::app::texts::{tr, word_of};
 use crate::measure::bands;
 use crate::study::{Map, Parameter, PointStatus, Quantity};
 
@@ -30,7 +31,7 @@ const NOT_COMPUTED: &str = "Not computed here: the quick method of the chart has
 /// A surgeon's word for a quantity.
 pub(in crate::app) fn name(quantity: Quantity) -> &'static str {
     let named = QUANTITIES.iter().find(|(known, _)| *known == quantity);
-    named.map_or(quantity.label(), |(_, name)| name)
+    tr(named.map_or(quantity.label(), |(_, name)| name))
 }
 
 /// Does a quantity exist in this tissue model?
@@ -81,28 +82,33 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
     let others = QUANTITIES.iter().map(|(quantity, _)| *quantity).filter(|q| *q != first);
     let values = std::iter::once(first).chain(others).filter_map(|quantity| {
         let (value, is_solved) = map.displayed(quantity, i, j)?;
-        let about = if is_solved { "" } else { "about " };
+        let about = if is_solved { "" } else { tr("about ") };
         let limits = quantity.limits();
         let word = limits.map_or_else(String::new, |(limits, factor)| {
-            format!(", {}", limits.word(factor * value))
+            format!(", {}", word_of(limits, limits.word(factor * value)))
         });
         Some(format!("{}: {about}{}{word}", name(quantity), text(quantity, value)))
     });
     let mut lines: Vec<String> = values.collect();
     let reason = match map.status(i, j) {
         PointStatus::Converged => None,
-        PointStatus::Waiting if lines.is_empty() => Some("Being computed.".to_owned()),
-        PointStatus::Waiting => Some("Values between computed points; being computed.".to_owned()),
+        PointStatus::Waiting if lines.is_empty() => Some(tr("Being computed.").to_owned()),
+        PointStatus::Waiting => {
+            Some(tr("Values between computed points; being computed.").to_owned())
+        }
         PointStatus::NotConverged | PointStatus::NoShape if !is_final(map, i, j) => {
-            Some(NOT_COMPUTED.to_owned())
+            Some(tr(NOT_COMPUTED).to_owned())
         }
         PointStatus::NotConverged => {
-            Some("No numbers: the solve stopped above its tolerance.".to_owned())
+            Some(tr("No numbers: the solve stopped above its tolerance.").to_owned())
         }
-        PointStatus::NoShape => Some("No stable shape.".to_owned()),
+        PointStatus::NoShape => Some(tr("No stable shape.").to_owned()),
         PointStatus::Invalid => {
             let error = map.case(i, j).and_then(|case| case.error.clone());
-            Some(format!("No answer: {}.", error.unwrap_or_else(|| "out of range".to_owned())))
+            Some(tr!(
+                "No answer: {reason}.",
+                reason = error.unwrap_or_else(|| tr("out of range").to_owned())
+            ))
         }
     };
     lines.splice(0..0, reason);
@@ -137,7 +143,8 @@ pub(super) fn worst(
         }
     }
     let (quantity, value, (_, word)) = worst;
-    let about = if is_solved { "" } else { "about " };
+    let word = quantity.limits().map_or(tr(word), |(limits, _)| word_of(limits, word));
+    let about = if is_solved { "" } else { tr("about ") };
     Some((quantity, format!("{}: {about}{}, {word}", name(quantity), text(quantity, value))))
 }
 
@@ -170,7 +177,7 @@ pub(super) fn sentence(map: &Map, i: usize, j: usize, first: Quantity) -> String
     const VALUES: usize = 4;
     let mut lines = lines(map, i, j, first);
     lines.truncate(VALUES);
-    let values = lines.join("; ").replace('%', "percent");
+    let values = lines.join("; ").replace('%', tr("percent"));
     format!("{}: {}.", place(map, i, j), values.trim_end_matches('.'))
 }
 

@@ -4,6 +4,7 @@ use super::axes::Words;
 use super::plane::Plane;
 use super::{Range, readout};
 use crate::app::messages::Notice;
+use crate::app::texts::tr;
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::app::{App, files::Files};
 use crate::clinical::{Listed, Shelf, ShelfSize};
@@ -104,11 +105,14 @@ fn words(size: &ShelfSize) -> String {
     let width = Words::of(Parameter::BaseWidth).text(size.width_mm());
     let listed = match size.listed() {
         Listed::Projection(projection) => {
-            format!("projection {}", Words::of(Parameter::Projection).text(projection))
+            tr!(
+                "projection {projection}",
+                projection = Words::of(Parameter::Projection).text(projection)
+            )
         }
         Listed::Volume(volume) => format!("{} ml", (volume * 100.0).round() / 100.0),
     };
-    format!("{}: width {width}, {listed}", size.name())
+    tr!("{name}: width {width}, {listed}", name = size.name(), width, listed)
 }
 
 /// The scene with a size of the shelf: exactly the listed numbers. The pocket keeps its margin.
@@ -129,26 +133,27 @@ impl Range {
         files: &Files,
     ) -> Option<Result<usize, String>> {
         let count = self.sizes.shelf.sizes().len();
-        let title = if count == 0 { "Shelf".to_owned() } else { format!("Shelf: {count} sizes") };
+        let title =
+            if count == 0 { tr("Shelf").to_owned() } else { tr!("Shelf: {count} sizes", count) };
         let mut event = None;
         egui::CollapsingHeader::new(title).id_salt("shelf").show(ui, |ui| {
             event = self.shelf_buttons(ui, files).map(Err);
             if count == 0 {
-                remark(ui, "The sizes of your clinic from a table (CSV) with the columns name, width_cm (or width_mm) and \
-                    projection_cm (or projection_mm) or volume_ml. The table stays on this machine.");
+                remark(ui, tr("The sizes of your clinic from a table (CSV) with the columns name, width_cm (or width_mm) and \
+                    projection_cm (or projection_mm) or volume_ml. The table stays on this machine."));
                 return;
             }
             let mut removed = None;
             egui::ScrollArea::vertical().max_height(LIST_HEIGHT).show(ui, |ui| {
                 egui::Grid::new("shelf sizes").num_columns(5).spacing([14.0, 3.0]).show(ui, |ui| {
-                    for title in ["Name", "Width", "Projection", "Volume"] {
+                    for title in [tr("Name"), tr("Width"), tr("Projection"), tr("Volume")] {
                         ui.label(RichText::new(title).small().weak());
                     }
                     ui.end_row();
                     for (index, size) in self.sizes.shelf.sizes().iter().enumerate() {
                         let take = ui.link(size.name());
-                        set_accessible_name(&take, egui::Role::Button, &format!("Take {}", size.name()));
-                        if take.on_hover_text("Take this size").clicked() {
+                        set_accessible_name(&take, egui::Role::Button, &tr!("Take {name}", name = size.name()));
+                        if take.on_hover_text(tr("Take this size")).clicked() {
                             event = Some(Ok(index));
                         }
                         let dome = size.size();
@@ -156,7 +161,7 @@ impl Range {
                         ui.label(Words::of(Parameter::Projection).text(dome.projection_mm()));
                         ui.label(format!("{:.0} ml", dome.volume_ml()));
                         let remove = ui.small_button("×");
-                        set_accessible_name(&remove, egui::Role::Button, &format!("Remove {}", size.name()));
+                        set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {name}", name = size.name()));
                         if remove.clicked() {
                             removed = Some(index);
                         }
@@ -177,19 +182,19 @@ impl Range {
         let mut table = None;
         ui.horizontal_wrapped(|ui| {
             if ui
-                .button("Open table…")
-                .on_hover_text("A table (CSV); dropping the file does the same")
+                .button(tr("Open table…"))
+                .on_hover_text(tr("A table (CSV); dropping the file does the same"))
                 .clicked()
             {
                 files.open_table(ui.ctx());
             }
-            if ui.button("Paste table").clicked() {
+            if ui.button(tr("Paste table")).clicked() {
                 self.sizes.pasted = match self.sizes.pasted {
                     Some(_) => None,
                     None => Some(String::new()),
                 };
             }
-            if self.sizes.is_in_use() && ui.button("Remove all").clicked() {
+            if self.sizes.is_in_use() && ui.button(tr("Remove all")).clicked() {
                 self.sizes.set(Shelf::default());
             }
         });
@@ -199,8 +204,8 @@ impl Range {
                 .desired_rows(3)
                 .desired_width(f32::INFINITY);
             let response = ui.add(field);
-            set_accessible_name(&response, egui::Role::MultilineTextInput, "Table of sizes");
-            if ui.button("Use this table").clicked() {
+            set_accessible_name(&response, egui::Role::MultilineTextInput, tr("Table of sizes"));
+            if ui.button(tr("Use this table")).clicked() {
                 table = Some(text.clone());
             }
         }
@@ -217,13 +222,17 @@ impl App {
                 self.range.sizes.set(shelf);
                 self.range.sizes.pasted = None;
                 self.request_frame();
-                Notice::info(format!(
-                    "{count} sizes of {name} are on the shelf, on the page Range of implants."
+                Notice::info(tr!(
+                    "{count} sizes of {name} are on the shelf, on the page Range of implants.",
+                    count,
+                    name
                 ))
             }
-            Err(error) => {
-                Notice::error(format!("{name} was not read; the shelf is unchanged. {error}."))
-            }
+            Err(error) => Notice::error(tr!(
+                "{name} was not read; the shelf is unchanged. {error}.",
+                name,
+                error
+            )),
         }
     }
 
@@ -233,7 +242,7 @@ impl App {
         match with_size(scene, size) {
             Ok(taken) => *scene = taken,
             Err(reason) => {
-                let words = format!("{} was not taken. {reason}", size.name());
+                let words = tr!("{name} was not taken. {reason}", name = size.name(), reason);
                 self.notice = Some(Notice::caution(words));
             }
         }
@@ -244,13 +253,13 @@ impl App {
         let implant = scene.implant;
         let shelf = &self.range.sizes.shelf;
         if let Some(name) = shelf.name_of(2.0 * implant.base_radius_mm, implant.projection_mm) {
-            remark(ui, format!("On the shelf: {name}."));
+            remark(ui, tr!("On the shelf: {name}.", name));
         }
         let largest = self.shelf_largest.words();
         if !largest.is_empty() {
             remark(ui, largest).on_hover_text(
-                "No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
-                 the shelf up to this width stays usual. Solved on a coarse grid.",
+                tr("No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
+                 the shelf up to this width stays usual. Solved on a coarse grid."),
             );
         }
     }

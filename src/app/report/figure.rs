@@ -1,5 +1,6 @@
 //! The composed picture of a plan: answer, picture with legend and scale, plan, cards, date.
 
+use crate::app::texts::tr;
 use crate::app::theme::{SPACE, SPACE_SMALL};
 use eframe::egui::{self, Margin, RichText, Ui, Vec2, vec2};
 
@@ -56,7 +57,7 @@ impl Figure {
     }
 
     fn plan(&self, ui: &mut Ui) {
-        ui.heading("Plan");
+        ui.heading(tr("Plan"));
         for (name, value) in &self.plan {
             ui.horizontal_top(|ui| {
                 let place = vec2(NAMES, ui.text_style_height(&egui::TextStyle::Body));
@@ -71,7 +72,7 @@ impl Figure {
     }
 
     fn answer(&self, ui: &mut Ui) {
-        ui.heading("What happens");
+        ui.heading(tr("What happens"));
         for [title, figure, word, line] in &self.cards {
             ui.horizontal_wrapped(|ui| {
                 ui.label(RichText::new(title).weak());

@@ -15,6 +15,7 @@ use super::theme::SPACE;
 use super::uncertainty::Findings;
 use super::viewport::Shown;
 use super::{App, files, no_answer, plan, plots, status};
+use crate::app::texts::{self, tr};
 use crate::session::Session;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
@@ -47,14 +48,14 @@ impl App {
             }),
             Purpose::Clipboard => self.figure().map(|image| {
                 ctx.copy_image(image);
-                self.notice = Some(Notice::info("The picture is in the clipboard."));
+                self.notice = Some(Notice::info(tr("The picture is in the clipboard.")));
             }),
             Purpose::Report => self.pictures().map(|(pictures, missing)| {
                 self.files.save(ctx, "report.html", self.report(pictures, missing).html());
             }),
         };
         if let Err(error) = done {
-            self.notice = Some(Notice::error(format!("No picture was made: {error}.")));
+            self.notice = Some(Notice::error(tr!("No picture was made: {error}.", error)));
         }
     }
 
@@ -104,14 +105,14 @@ impl App {
                 Ok::<(), String>(())
             };
             if no_answer::has_picture(session) {
-                take("Picture of the plan", PLAN, &mut |ui| viewport.show(ui, shown))?;
+                take(tr("Picture of the plan"), PLAN, &mut |ui| viewport.show(ui, shown))?;
             }
             if has_pins {
-                let name = "Pins and plan side by side";
+                let name = tr("Pins and plan side by side");
                 take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
             }
             let size = if range.is_ok() { HALF } else { SECTION };
-            take("Cross-section", size, &mut |ui| {
+            take(tr("Cross-section"), size, &mut |ui| {
                 egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
                     plots::section_chart(ui, session, compare, section, size.y - 48.0);
                 });
@@ -168,13 +169,17 @@ fn remarks(session: &Session, device: Device) -> Vec<String> {
         return [words].into_iter().chain(about_picture).collect();
     }
     let outcome = answer::visible(session, PreviousResults::Shown);
-    let warning = |warning: &String| device.warning(warning);
+    let warning = |warning: &String| device.warning(&texts::shown(warning));
     outcome.map_or_else(Vec::new, |outcome| outcome.warnings.iter().map(warning).collect())
 }
 
 /// Date and version, as "2026-01-31, 12:34 UTC · version 0.1.0".
 fn origin() -> String {
-    format!("{} · version {}", date_in_words(&files::date()), env!("CARGO_PKG_VERSION"))
+    tr!(
+        "{date} · version {version}",
+        date = date_in_words(&files::date()),
+        version = env!("CARGO_PKG_VERSION")
+    )
 }
 
 /// A date (UTC, RFC 3339) in words, as "2026-01-31, 12:34 UTC".

@@ -2,6 +2,7 @@
 
 use super::DISCLAIMER;
 use crate::app::fill_steps;
+use crate::app::texts::{self, tr};
 use crate::study::NOTES;
 use base64::Engine as _;
 use std::fmt::Write as _;
@@ -65,7 +66,7 @@ impl Page {
     pub(super) fn html(&self) -> String {
         let mut body = String::new();
         let page = &mut body;
-        put(page, "h1", "Implant preview");
+        put(page, "h1", tr("Implant preview"));
         let [visit, words] = &self.visit;
         for (class, text) in [("visit", visit), ("visit words", words)] {
             if !text.is_empty() {
@@ -73,35 +74,35 @@ impl Page {
             }
         }
         put(page, "p", &self.headline);
-        let _ = write!(page, "<p class=\"note\">{}</p>", escaped(DISCLAIMER));
+        let _ = write!(page, "<p class=\"note\">{}</p>", escaped(tr(DISCLAIMER)));
         let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.origin));
         let mut pictures = self.pictures.iter();
         page.push_str("<div class=\"lead\"><div>");
         pictures.next().into_iter().for_each(|first| picture(page, first));
         page.push_str("</div><div>");
-        put(page, "h2", "What happens");
+        put(page, "h2", tr("What happens"));
         table(page, "", None, self.cards.iter().map(|card| card.to_vec()));
         for remark in &self.remarks {
             let _ = write!(page, "<p class=\"note\">{}</p>", escaped(remark));
         }
         page.push_str("</div></div><div class=\"pair\"><div>");
-        put(page, "h2", "Plan");
+        put(page, "h2", tr("Plan"));
         let rows = self.plan.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]);
         table(page, "", None, rows);
         let _ = write!(page, "<p class=\"quiet\">{}</p></div><div>", escaped(&self.model));
         if let Some((head, rows)) = self.steps.split_first() {
-            put(page, "h2", "Fill steps by week");
+            put(page, "h2", tr("Fill steps by week"));
             table(page, "steps", Some(head), rows.iter().cloned());
-            let note = escaped(fill_steps::NOTE);
+            let note = escaped(tr(fill_steps::NOTE));
             let _ = write!(page, "<p class=\"quiet\">{note}</p></div><div>");
         }
-        put(page, "h2", "Numbers");
+        put(page, "h2", tr("Numbers"));
         if let Some((head, rows)) = self.table.split_first() {
             table(page, "numbers", Some(head), rows.iter().cloned());
         }
         page.push_str("</div></div>");
         if let Some(words) = &self.bands {
-            let notes = [words.as_str(), NOTES[0], NOTES[1]].map(escaped).join(" ");
+            let notes = [words.as_str(), tr(NOTES[0]), tr(NOTES[1])].map(escaped).join(" ");
             let _ = write!(page, "<p class=\"quiet\">{notes}</p>");
         }
         let (half, whole): (Vec<&Picture>, Vec<&Picture>) = pictures.partition(|it| it.is_half);
@@ -120,22 +121,24 @@ impl Page {
         if let Some(how) = &self.missing {
             let _ = write!(page, "<p class=\"quiet screen\">{}</p>", escaped(how));
         }
-        put(page, "h2", "Where limits come from");
+        put(page, "h2", tr("Where limits come from"));
         for limits in &self.limits {
             let lines: Vec<String> = limits.lines().map(escaped).collect();
             let _ = write!(page, "<p class=\"quiet\">{}</p>", lines.join("<br>"));
         }
         let _ = write!(
             page,
-            "<details><summary>The plan's file</summary><pre>{}</pre></details>",
+            "<details><summary>{}</summary><pre>{}</pre></details>",
+            escaped(tr("The plan's file")),
             escaped(&self.plan_json)
         );
+        let (language, title) = (texts::language().subtag(), tr("Implant preview: report"));
         format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+            "<!doctype html>\n<html lang=\"{language}\"><head><meta charset=\"utf-8\">\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
              style-src 'unsafe-inline'\">\
              <meta name=\"viewport\" content=\"width=device-width\">\
-             <title>Implant preview: report</title><style>{STYLE}</style></head><body>{body}</body></html>\n"
+             <title>{title}</title><style>{STYLE}</style></head><body>{body}</body></html>\n"
         )
     }
 }

@@ -1,6 +1,7 @@
 //! The chart: how much of the spread of a result each unknown explains.
 
 use super::unknowns::words;
+use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{choice, labelled_box, remark, set_accessible_name};
 use crate::study::{Band, Index, Quantity, Unknown};
@@ -15,7 +16,7 @@ const NUMBER_WIDTH: f32 = 34.0;
 pub(super) fn quantity(ui: &mut Ui, explained: &mut Quantity, bands: &[Band]) -> bool {
     let before = *explained;
     ui.add_space(SPACE_SMALL);
-    labelled_box(ui, "What matters most for", &name(before), |ui| {
+    labelled_box(ui, tr("What matters most for"), &name(before), |ui| {
         for band in bands {
             if choice(ui, band.quantity == before, name(band.quantity)).clicked() {
                 *explained = band.quantity;
@@ -27,16 +28,16 @@ pub(super) fn quantity(ui: &mut Ui, explained: &mut Quantity, bands: &[Band]) ->
 
 /// The quantity with its unit.
 fn name(quantity: Quantity) -> String {
-    format!("{} ({})", quantity.label(), quantity.display().1)
+    format!("{} ({})", tr(quantity.label()), quantity.display().1)
 }
 
 /// Shows one bar for each unknown, greatest first.
 pub(super) fn bars(ui: &mut Ui, importance: &[(Unknown, Index)], is_running: bool) {
     if importance.is_empty() {
         let words = if is_running {
-            "Computed after the sampled patients."
+            tr("Computed after the sampled patients.")
         } else {
-            "Too few sampled patients have an answer, or no unknown changes this number."
+            tr("Too few sampled patients have an answer, or no unknown changes this number.")
         };
         remark(ui, words);
         return;
@@ -48,10 +49,10 @@ pub(super) fn bars(ui: &mut Ui, importance: &[(Unknown, Index)], is_running: boo
     let rest = (1.0 - alone).max(0.0);
     remark(
         ui,
-        format!(
-            "Share of the spread (variance) that each unknown explains alone; {:.0} % is the effect of several \
+        tr!(
+            "Share of the spread (variance) that each unknown explains alone; {rest:.0} % is the effect of several \
              together.",
-            100.0 * rest
+            rest = 100.0 * rest
         ),
     );
 }
@@ -86,11 +87,13 @@ fn bar(ui: &mut Ui, unknown: Unknown, index: &Index) {
 fn description(unknown: Unknown, index: &Index) -> String {
     let percent = |share: f64| 100.0 * share.clamp(0.0, 1.0);
     let [alone, total] = index.standard_error.map(|error| 100.0 * error);
-    format!(
-        "{}: {:.0} ± {alone:.0} % of the spread alone, {:.0} ± {total:.0} % together with others",
-        words(unknown).name,
-        percent(index.first_order),
-        percent(index.total)
+    tr!(
+        "{name}: {first:.0} ± {alone:.0} % of the spread alone, {whole:.0} ± {total:.0} % together with others",
+        name = words(unknown).name,
+        first = percent(index.first_order),
+        alone,
+        whole = percent(index.total),
+        total
     )
 }
 

@@ -12,6 +12,7 @@ mod unknowns;
 pub(super) use panel::figure;
 
 use super::studies::{Driver, Studies};
+use crate::app::texts::tr;
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::session::Session;
@@ -91,7 +92,7 @@ impl Findings {
     /// The sampled patients without an answer in a sentence, for a card; `None` if all have one.
     pub(super) fn missing(&self) -> Option<String> {
         let share = 100.0 * self.without_answer();
-        (share > 0.0).then(|| format!("{share:.0} % of such patients have no answer. "))
+        (share > 0.0).then(|| tr!("{share:.0} % of such patients have no answer. ", share))
     }
 
     fn solved(&self) -> usize {
@@ -246,10 +247,12 @@ impl Uncertainty {
         let seed = self.driver.study()?.settings().seed;
         let count = match (findings.solved(), findings.samples) {
             (solved, all) if solved == all => all.to_string(),
-            (solved, all) => format!("{solved} of {all}"),
+            (solved, all) => tr!("{solved} of {all}", solved, all),
         };
-        let mut words = format!(
-            "In brackets: 10th to 90th percentile of {count} sampled patients (seed {seed})."
+        let mut words = tr!(
+            "In brackets: 10th to 90th percentile of {count} sampled patients (seed {seed}).",
+            count,
+            seed
         );
         if let Some(missing) = panel::without_answer(findings) {
             words += " ";
@@ -267,13 +270,13 @@ impl Uncertainty {
         let list: Vec<String> = panel::ANSWER
             .iter()
             .filter_map(|(quantity, name)| Some((findings.band(*quantity)?, name)))
-            .map(|(band, name)| format!("{} {}", name.to_lowercase(), band.text))
+            .map(|(band, name)| format!("{} {}", tr(name).to_lowercase(), band.text))
             .collect();
-        format!(
-            " Of {} sampled patients 8 in 10 lie between: {}. {}",
-            findings.samples,
-            list.join("; "),
-            panel::ILLUSTRATION
+        tr!(
+            " Of {count} sampled patients 8 in 10 lie between: {list}. {note}",
+            count = findings.samples,
+            list = list.join("; "),
+            note = tr(panel::ILLUSTRATION)
         )
     }
 }

@@ -1,6 +1,7 @@
 //! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
 
 use super::{Findings, Uncertainty, chart, has_answer};
+use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
 use crate::session::Session;
@@ -22,25 +23,24 @@ pub(super) const ANSWER: [(Quantity, &str); 3] = [
 impl Uncertainty {
     /// Shows the section.
     pub(in crate::app) fn show(&mut self, ui: &mut Ui, session: &Session) {
-        group(ui, "Uncertainty", |ui| {
-            ui.checkbox(&mut self.is_on, "Show what is not known").on_hover_text(
-                "The tissue of a person is never known exactly. The program repeats the computation for many \
-                 patients who could have these measurements, and shows how far their answers lie apart.",
+        group(ui, tr("Uncertainty"), |ui| {
+            ui.checkbox(&mut self.is_on, tr("Show what is not known")).on_hover_text(
+                tr("The tissue of a person is never known exactly. The program repeats the computation for many \
+                 patients who could have these measurements, and shows how far their answers lie apart."),
             );
             if self.is_on {
-                remark(ui, ILLUSTRATION);
+                remark(ui, tr(ILLUSTRATION));
                 self.state(ui, session);
                 if !self.findings.bands.is_empty() {
                     self.bands(ui, session);
                 }
             }
-            egui::CollapsingHeader::new("What is not known").id_salt("unknowns").show_unindented(
-                ui,
-                |ui| {
+            egui::CollapsingHeader::new(tr("What is not known"))
+                .id_salt("unknowns")
+                .show_unindented(ui, |ui| {
                     self.choices.show(ui, session.scene());
-                    remark(ui, INDEPENDENT);
-                },
-            );
+                    remark(ui, tr(INDEPENDENT));
+                });
         });
     }
 
@@ -53,26 +53,40 @@ impl Uncertainty {
             let is_coming = session.is_working() || has_answer(session);
             remark(
                 ui,
-                if is_coming { "Begins after the plan." } else { "This plan has no answer." },
+                if is_coming {
+                    tr("Begins after the plan.")
+                } else {
+                    tr("This plan has no answer.")
+                },
             );
         } else if self.driver.is_running() {
             let (done, all) = self.driver.progress();
             let words = if findings.solved() < findings.samples {
-                format!("{} of {} sampled patients", findings.solved(), findings.samples)
+                tr!(
+                    "{done} of {all} sampled patients",
+                    done = findings.solved(),
+                    all = findings.samples
+                )
             } else {
                 let part = 100.0 * done as f64 / all.max(1) as f64;
-                format!("What matters most: {part:.0} % computed")
+                tr!("What matters most: {part:.0} % computed", part)
             };
             let bar = egui::ProgressBar::new(done as f32 / all.max(1) as f32)
                 .desired_height(6.0)
                 .fill(theme::palette(ui.visuals()).accent);
             let role = egui::Role::ProgressIndicator;
-            set_accessible_name(&ui.add(bar), role, "Progress of the sampled patients");
+            set_accessible_name(&ui.add(bar), role, tr("Progress of the sampled patients"));
             remark(ui, words);
         } else if findings.bands.is_empty() {
-            remark(ui, format!("Too few of {} sampled patients have an answer.", findings.samples));
+            remark(
+                ui,
+                tr!(
+                    "Too few of {samples} sampled patients have an answer.",
+                    samples = findings.samples
+                ),
+            );
         } else {
-            remark(ui, format!("{} sampled patients.", findings.samples));
+            remark(ui, tr!("{samples} sampled patients.", samples = findings.samples));
         }
         if let Some(words) = without_answer(findings) {
             caution(ui, words);
@@ -85,18 +99,20 @@ impl Uncertainty {
     fn bands(&mut self, ui: &mut Ui, session: &Session) {
         remark(
             ui,
-            "In brackets in the cards: the range of 8 in 10 sampled patients (10th to 90th percentile).",
+            tr(
+                "In brackets in the cards: the range of 8 in 10 sampled patients (10th to 90th percentile).",
+            ),
         );
         let [x, y] = session.scene().implant.center_mm;
         let off_centre = if x.hypot(y) > 0.0 {
-            " The dome is off centre: the lines run from the centre of the pocket to the side only."
+            tr(
+                " The dome is off centre: the lines run from the centre of the pocket to the side only.",
+            )
         } else {
             ""
         };
-        ui.checkbox(&mut self.is_in_picture, "Envelopes in the picture").on_hover_text(format!(
-            "Lines of the skin on the cut, or on the outline without a cut. Solid: 9 in 10 sampled patients are \
-             below this line. Dashed: 1 in 10.{off_centre}"
-        ));
+        ui.checkbox(&mut self.is_in_picture, tr("Envelopes in the picture")).on_hover_text(tr!("Lines of the skin on the cut, or on the outline without a cut. Solid: 9 in 10 sampled patients are \
+             below this line. Dashed: 1 in 10.{off_centre}", off_centre));
         if chart::quantity(ui, &mut self.explained, &self.findings.bands) {
             self.explain();
         }
@@ -108,9 +124,9 @@ impl Uncertainty {
 /// The samples without an answer, in words; `None` if all have one.
 pub(super) fn without_answer(findings: &Findings) -> Option<String> {
     let causes = [
-        (PointStatus::NotConverged, "not finished"),
-        (PointStatus::NoShape, "without a stable shape"),
-        (PointStatus::Invalid, "beyond the limits of a plan"),
+        (PointStatus::NotConverged, tr("not finished")),
+        (PointStatus::NoShape, tr("without a stable shape")),
+        (PointStatus::Invalid, tr("beyond the limits of a plan")),
     ];
     let counts = causes.map(|(status, words)| (findings.count(status), words));
     let sum: usize = counts.iter().map(|(count, _)| count).sum();
@@ -121,9 +137,11 @@ pub(super) fn without_answer(findings: &Findings) -> Option<String> {
         .collect();
     (sum > 0).then(|| {
         let of = findings.samples;
-        format!(
-            "{sum} of {of} sampled patients have no answer and are left out: {}.",
-            list.join(", ")
+        tr!(
+            "{sum} of {of} sampled patients have no answer and are left out: {causes}.",
+            sum,
+            of,
+            causes = list.join(", ")
         )
     })
 }
@@ -135,24 +153,24 @@ fn scenarios(ui: &mut Ui, findings: &Findings) {
         return;
     }
     ui.add_space(SPACE_SMALL);
-    ui.label(RichText::new("If the measured stresses of the tissues are off").strong())
-        .on_hover_text(METHODS);
+    ui.label(RichText::new(tr("If the measured stresses of the tissues are off")).strong())
+        .on_hover_text(tr(METHODS));
     egui::Grid::new("scenarios").num_columns(4).spacing([SPACE, 2.0]).show(ui, |ui| {
-        ui.label(RichText::new("all stresses").small().weak());
+        ui.label(RichText::new(tr("all stresses")).small().weak());
         for Scenario { stress_factor, .. } in factors {
             ui.label(RichText::new(format!("× {stress_factor}")).small().weak());
         }
         ui.end_row();
         for (quantity, name) in ANSWER {
             let Some(band) = findings.band(quantity) else { continue };
-            ui.label(name);
+            ui.label(tr(name));
             for scenario in &band.scenarios {
                 ui.label(scenario.value.map_or_else(|| "–".to_owned(), |v| figure(quantity, v)));
             }
             ui.end_row();
         }
     });
-    remark(ui, "Beside the band, not in it: methods of measurement differ more than people.");
+    remark(ui, tr("Beside the band, not in it: methods of measurement differ more than people."));
 }
 
 /// A value as in the cards.

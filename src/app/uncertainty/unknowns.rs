@@ -1,5 +1,6 @@
 //! What is not known: each unknown switched on or off, with its spread.
 
+use crate::app::texts::tr;
 use crate::app::theme::SPACE_SMALL;
 use crate::app::widgets::{
     Kind, NumberField, button_if, quantity::significant, rejection_label, remark,
@@ -77,20 +78,20 @@ impl Choices {
         let mut samples = self.samples as f64;
         if whole(
             ui,
-            "Sampled patients",
-            "more are slower",
+            tr("Sampled patients"),
+            tr("more are slower"),
             &mut samples,
             (least as f64, most as f64),
         ) {
             self.samples = samples as usize;
         }
         let mut seed = f64::from(self.seed);
-        let tip = "equal numbers give equal patients";
-        if whole(ui, "Seed", tip, &mut seed, (0.0, f64::from(u32::MAX))) {
+        let tip = tr("equal numbers give equal patients");
+        if whole(ui, tr("Seed"), tip, &mut seed, (0.0, f64::from(u32::MAX))) {
             self.seed = seed as u32;
         }
         let is_usual = self.settings(scene) == Self::default().settings(scene);
-        let reset = "Back to the usual spread";
+        let reset = tr("Back to the usual spread");
         if button_if(ui, !is_usual, reset, reset, "") {
             *self = Self::default();
         }
@@ -131,7 +132,7 @@ fn row(ui: &mut Ui, unknown: Unknown, choice: &mut Choice, usual: Distribution) 
             ui.label(RichText::new(between).small().weak());
             rejections.extend(number(ui, &words, part, value, allowed));
         }
-        ui.label(RichText::new(words.unit).small().weak());
+        ui.label(RichText::new(tr(words.unit)).small().weak());
     });
     for rejection in rejections {
         rejection_label(ui, &rejection);
@@ -149,7 +150,7 @@ fn parts<'a>(unknown: Unknown, words: &Words, distribution: &'a mut Distribution
     let center = unknown.allowed();
     match distribution {
         Distribution::LogNormal { median, gsd } => {
-            [("", "median", median, center), ("× or ÷", "spread factor", gsd, (1.0, MOST_GSD))]
+            [("", "median", median, center), (tr("× or ÷"), "spread factor", gsd, (1.0, MOST_GSD))]
         }
         Distribution::Normal { mean, sd } => {
             [("", "mean", mean, center), ("±", "standard deviation", sd, (0.0, words.most_sd))]
@@ -175,7 +176,7 @@ fn number(
     let shown = |value: f64| significant(factor * value);
     let mut typed = shown(*value);
     let field = NumberField {
-        name: &format!("{}: {part}", words.name),
+        name: &format!("{}: {}", words.name, tr(part)),
         kind,
         allowed: shown(least)..=shown(most),
         decimals: 1,
@@ -214,68 +215,76 @@ pub(super) fn words(unknown: Unknown) -> Words {
     };
     match unknown {
         Unknown::SkinThickness => Words {
-            name: "Skin thickness",
-            tooltip: "Thickness of the skin of the breast; it replaces the plan's",
+            name: tr("Skin thickness"),
+            tooltip: tr("Thickness of the skin of the breast; it replaces the plan's"),
             unit: "mm",
             kind: Kind::Length,
             ..of_plan
         },
         Unknown::SkinStressScale => Words {
-            name: "Stiffness of the skin",
-            tooltip: "All stresses of the skin, as a factor on the plan's",
+            name: tr("Stiffness of the skin"),
+            tooltip: tr("All stresses of the skin, as a factor on the plan's"),
             ..of_plan
         },
         Unknown::SkinStrainScale => Words {
-            name: "Laxity of the skin",
-            tooltip: "How far the skin stretches before it stiffens (strain scale): with a class or a pull a factor \
+            name: tr("Laxity of the skin"),
+            tooltip: tr(
+                "How far the skin stretches before it stiffens (strain scale): with a class or a pull a factor \
                       on the plan's, without them the scale itself",
+            ),
             unit: "",
             ..of_plan
         },
         Unknown::FatModulus => Words {
-            name: "Stiffness of the fat",
-            tooltip: "Initial modulus of the fat; it replaces the plan's",
+            name: tr("Stiffness of the fat"),
+            tooltip: tr("Initial modulus of the fat; it replaces the plan's"),
             unit: "kPa",
             kind: Kind::Stress,
             ..of_plan
         },
         Unknown::CoverThickness => Words {
-            name: "Thickness of the fat",
-            tooltip: "The pinch gives the cover within a factor 1.3; a factor on the plan's layers below the skin",
+            name: tr("Thickness of the fat"),
+            tooltip: tr(
+                "The pinch gives the cover within a factor 1.3; a factor on the plan's layers below the skin",
+            ),
             ..of_plan
         },
         Unknown::PocketRadius => Words {
-            name: "Width of the pocket",
-            tooltip: "Difference of the pocket's radius from the plan",
+            name: tr("Width of the pocket"),
+            tooltip: tr("Difference of the pocket's radius from the plan"),
             unit: "mm, added",
             kind: Kind::Length,
             most_sd: 50.0,
             ..of_plan
         },
         Unknown::Projection => Words {
-            name: "Projection in the body",
-            tooltip: "Difference of the implant's projection in the body from the catalogue",
+            name: tr("Projection in the body"),
+            tooltip: tr("Difference of the implant's projection in the body from the catalogue"),
             unit: "%, added",
             kind: Kind::Percent,
             factor: 100.0,
             most_sd: 0.5,
         },
         Unknown::PoissonRatio => Words {
-            name: "Compressibility",
-            tooltip: "Poisson ratio of the skin and of all layers but fat as measured; 0.5: the volume of the tissue \
+            name: tr("Compressibility"),
+            tooltip: tr(
+                "Poisson ratio of the skin and of all layers but fat as measured; 0.5: the volume of the tissue \
                       stays. It replaces the plan's",
+            ),
             unit: "",
             kind: Kind::Fraction,
             ..of_plan
         },
         Unknown::FatStressScale => Words {
-            name: "Stiffness of the fat",
-            tooltip: "All stresses of the fat, as a factor on the plan's",
+            name: tr("Stiffness of the fat"),
+            tooltip: tr("All stresses of the fat, as a factor on the plan's"),
             ..of_plan
         },
         Unknown::FatPoissonRatio => Words {
-            name: "Compressibility of the fat",
-            tooltip: "Poisson ratio of the fat; 0.5: the volume of the fat stays. It replaces the plan's",
+            name: tr("Compressibility of the fat"),
+            tooltip: tr(
+                "Poisson ratio of the fat; 0.5: the volume of the fat stays. It replaces the plan's",
+            ),
             unit: "",
             kind: Kind::Fraction,
             ..of_plan

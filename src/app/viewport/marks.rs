@@ -3,6 +3,7 @@
 use super::overlay::pointer_box;
 use super::{Viewport, readout, viewport_point};
 use crate::app::device::Device;
+use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
 use crate::measure::Fields;
@@ -166,7 +167,7 @@ impl Viewport {
         }
         dot(ui, painter, at);
         let lines = lines(None, Some(place), marked.picture, marked.subject.scene());
-        labelled_box(ui, painter, area, (at, "Kept values"), &lines);
+        labelled_box(ui, painter, area, (at, tr("Kept values")), &lines);
         Some(at)
     }
 
@@ -183,7 +184,8 @@ impl Viewport {
         let Some(fields) = marked.picture.fields.as_deref() else { return };
         let body = &marked.picture.body;
         if ends.len() < 2 {
-            let words = ["Ruler: click a point of the skin", "Ruler: click the second point"];
+            let words =
+                [tr("Ruler: click a point of the skin"), tr("Ruler: click the second point")];
             hint(ui, painter, area, words[ends.len()]);
         }
         let mut ends = ends.clone();
@@ -205,7 +207,7 @@ impl Viewport {
         }
         let [Some(p), Some(q)] = measured.ends.map(|end| self.point(end, area)) else { return };
         painter.extend(Shape::dashed_line(&[p, q], Stroke::new(1.5, line.color), 5.0, 4.0));
-        labelled_box(ui, painter, area, (p.lerp(q, 0.5), "Ruler"), &measured.words());
+        labelled_box(ui, painter, area, (p.lerp(q, 0.5), tr("Ruler")), &measured.words());
     }
 }
 
@@ -230,9 +232,9 @@ impl Measured {
         // Of the lengths as they are shown.
         let gain = self.line.length_mm.round() - self.rest_mm.round();
         vec![
-            format!("Straight {}", cm(self.ends[0].distance(self.ends[1]))),
-            format!("Along the skin {}", cm(self.line.length_mm)),
-            format!("At rest {} ({:+.1} cm)", cm(self.rest_mm), 0.1 * gain),
+            tr!("Straight {length}", length = cm(self.ends[0].distance(self.ends[1]))),
+            tr!("Along the skin {length}", length = cm(self.line.length_mm)),
+            tr!("At rest {length} ({gain:+.1} cm)", length = cm(self.rest_mm), gain = 0.1 * gain),
         ]
     }
 }
@@ -255,7 +257,7 @@ fn show_values(
     ring(ui, painter, pointer);
     let heading = readout::heading(hit, scene, Device::of(ui.ctx()));
     let lines = lines(heading, place_of(hit, picture), picture, scene);
-    labelled_box(ui, painter, area, (pointer, "Values at the pointer"), &lines);
+    labelled_box(ui, painter, area, (pointer, tr("Values at the pointer")), &lines);
 }
 
 /// The lines of a box: what is there, and the values.

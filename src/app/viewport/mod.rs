@@ -16,6 +16,7 @@ pub(crate) use options::Options;
 pub(crate) use overlay::{pointer_box, scale_bar};
 
 use super::widgets::{arrow_keys, keep_press};
+use crate::app::texts::tr;
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
@@ -134,7 +135,7 @@ impl Viewport {
         (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
             Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
             Some(Err(error)) => (None, Some(error)),
-            None => (None, Some("OpenGL or WebGL 2 is missing".to_owned())),
+            None => (None, Some(tr("OpenGL or WebGL 2 is missing").to_owned())),
         };
     }
 
@@ -277,7 +278,7 @@ impl Viewport {
         let id = ui.scope_id().with("3-D view");
         let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
         keep_press(&response);
-        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "3-D view"));
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, tr("3-D view")));
         (self.id, self.area) = (Some(response.id), Some(area));
         response
     }
@@ -380,7 +381,8 @@ impl Viewport {
         let Drawn { number, numbers, picture, table, range, problem, section, net, areola } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
-            let text = format!("The 3-D view is not available: {why}.\nControls and results work.");
+            let text =
+                tr!("The 3-D view is not available: {why}.\nControls and results work.", why);
             let font = TextStyle::Body.resolve(ui.style());
             let color = ui.visuals().weak_text_color();
             painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);
@@ -432,8 +434,12 @@ impl Viewport {
         let radius =
             1.04 * self.picture.body.block_radius.max(session.problem().sheet.radius_mm() as f32);
         let at = |x: f32, y: f32| self.point(Vec3::new(radius * x, radius * y, 0.0), area);
-        let words =
-            [(0.0, 1.0, "head"), (0.0, -1.0, "feet"), (-1.0, 0.0, "midline"), (1.0, 0.0, "side")];
+        let words = [
+            (0.0, 1.0, tr("head")),
+            (0.0, -1.0, tr("feet")),
+            (-1.0, 0.0, tr("midline")),
+            (1.0, 0.0, tr("side")),
+        ];
         words.map(|(x, y, word)| (at(x, y), word))
     }
 

@@ -1,6 +1,7 @@
 //! Overlays of the picture: legend, directions, scale bar, box at the pointer.
 
 use super::Outline;
+use crate::app::texts::{self, tr};
 use crate::view::color::{Rgb, Scale};
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
@@ -34,9 +35,9 @@ const NARROW: f32 = 420.0;
 
 fn title(scale: &Scale) -> String {
     if scale.unit.is_empty() {
-        return scale.title.clone();
+        return texts::shown(&scale.title);
     }
-    format!("{} [{}]", scale.title, scale.unit)
+    format!("{} [{}]", texts::shown(&scale.title), scale.unit)
 }
 
 /// Position of a value in the bar, 0 to 1.
@@ -67,8 +68,9 @@ fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     let (font, text) = (font(ui), ui.visuals().text_color());
     let height = (area.height() * 0.42).clamp(70.0, 200.0);
     let layout = |words: &str| painter.layout_no_wrap(words.to_owned(), font.clone(), text);
-    let words: Vec<_> = scale.words.iter().map(|(value, word)| (*value, layout(word))).collect();
-    let labels: Vec<_> = scale.ticks.iter().map(|(_, label)| layout(label)).collect();
+    let words: Vec<_> =
+        scale.words.iter().map(|(value, word)| (*value, layout(tr(word)))).collect();
+    let labels: Vec<_> = scale.ticks.iter().map(|(_, label)| layout(tr(label))).collect();
     let width = |of: &mut dyn Iterator<Item = f32>| of.fold(0.0, f32::max);
     let word_width = width(&mut words.iter().map(|(_, galley)| galley.size().x));
     let label_width = width(&mut labels.iter().map(|galley| galley.size().x));
@@ -132,7 +134,7 @@ fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     // Words above, as far as there is room to the right of the title; numbers below.
     let mut free = left + 0.36 * bar.width();
     for (value, word) in &scale.words {
-        let galley = painter.layout_no_wrap((*word).to_owned(), font.clone(), text);
+        let galley = painter.layout_no_wrap(tr(word).to_owned(), font.clone(), text);
         let start = at(*value) - 0.5 * galley.size().x;
         if start > free && start + galley.size().x <= bar.right() {
             free = start + galley.size().x + 6.0;
@@ -141,7 +143,7 @@ fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     }
     let mut free = f32::NEG_INFINITY;
     for (value, label) in &scale.ticks {
-        let galley = painter.layout_no_wrap(label.clone(), font.clone(), text);
+        let galley = painter.layout_no_wrap(tr(label).to_owned(), font.clone(), text);
         let start =
             (at(*value) - 0.5 * galley.size().x).clamp(bar.left(), bar.right() - galley.size().x);
         if start > free {

@@ -2,6 +2,7 @@
 
 use super::marks::Marked;
 use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
+use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
 use crate::session::{Pin, Session};
 use crate::study::size_in_words;
@@ -97,7 +98,7 @@ impl Viewport {
         let section = drawn.section;
         self.draw(ui, &painter, own_area, drawn);
         self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
-        let caption = format!("now · {}", size_in_words(session.scene()));
+        let caption = tr!("now · {size}", size = texts::shown(&size_in_words(session.scene())));
         overlay::caption(ui, &painter, own_area, &caption);
         if let Some(scale) = &scale {
             overlay::legend(
@@ -165,15 +166,18 @@ fn pane(ui: &Ui, pin: &Pin, area: Rect) -> Response {
     // Without focus: the keys act on the picture of the current scene.
     let response = ui.interact(area, id, Sense::CLICK | Sense::DRAG);
     keep_press(&response);
-    let name = format!("3-D view of {}", pin.letter());
+    let name = tr!("3-D view of {letter}", letter = pin.letter());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, &name));
     response
 }
 
 /// Letter of a pin with its name, or with its size.
 fn title(pin: &Pin) -> String {
-    let words =
-        if pin.name().is_empty() { size_in_words(pin.scene()) } else { pin.name().to_owned() };
+    let words = if pin.name().is_empty() {
+        texts::shown(&size_in_words(pin.scene()))
+    } else {
+        pin.name().to_owned()
+    };
     format!("{} · {words}", pin.letter())
 }
 

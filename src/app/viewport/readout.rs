@@ -1,6 +1,7 @@
 //! The values at a point of the tissue, every layer of it, in the units and words of the cards.
 
 use crate::app::device::Device;
+use crate::app::texts::tr;
 use crate::measure::{Field, Fields, MMHG_PER_KPA};
 use crate::scene::Scene;
 use crate::view::body::Body;
@@ -48,17 +49,17 @@ fn depth_of(nodes: &Nodes, body: &Body, hit: &Hit) -> Option<f32> {
 pub(super) fn heading(hit: &Hit, scene: &Scene, device: Device) -> Option<String> {
     match hit.target {
         Target::Sheet(_) => None,
-        Target::Ring => Some("Outside the pocket (not computed)".to_owned()),
-        Target::Cut(layer) => Some(format!("In {}", name(scene, layer))),
+        Target::Ring => Some(tr("Outside the pocket (not computed)").to_owned()),
+        Target::Cut(layer) => Some(tr!("In {tissue}", tissue = name(scene, layer))),
         Target::Implant => {
-            let name = device.words("Implant");
-            Some(format!("{name}, {:.1} mm above the chest wall", hit.point.z))
+            let name = device.words(tr("Implant"));
+            Some(tr!("{name}, {height:.1} mm above the chest wall", name, height = hit.point.z))
         }
     }
 }
 
 fn name(scene: &Scene, layer: usize) -> &str {
-    scene.layers.get(layer).map_or("tissue", |layer| layer.tissue.as_str())
+    scene.layers.get(layer).map_or(tr("tissue"), |layer| tr(&layer.tissue))
 }
 
 /// The values at three nodes: skin, every layer now and at rest, cover, pressure; one per line.
@@ -68,14 +69,14 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
         let at = |&(node, weight): &(usize, f32)| fields.at(field, node).map(|v| v as f32 * weight);
         nodes.iter().map(at).sum::<Option<f32>>().unwrap_or(0.0)
     };
-    let mut lines = vec![format!(
-        "Skin stretch {:.0} %, area {:+.0} %",
-        100.0 * value(Field::PrincipalStrain),
-        100.0 * (value(Field::AreaStretch) - 1.0)
+    let mut lines = vec![tr!(
+        "Skin stretch {stretch:.0} %, area {area:+.0} %",
+        stretch = 100.0 * value(Field::PrincipalStrain),
+        area = 100.0 * (value(Field::AreaStretch) - 1.0)
     )];
     let folded = value(Field::WrinkleStrain);
     if folded > LEAST_FOLDED {
-        lines.push(format!("Skin in folds: {:.1} %", 100.0 * folded));
+        lines.push(tr!("Skin in folds: {folded:.1} %", folded = 100.0 * folded));
     }
     let materials = &fields.solution().problem().materials;
     for (k, thickness) in fields.solution().stack().thickness_mm.iter().enumerate() {
@@ -83,19 +84,30 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
         let now = nodes.iter().map(now).sum::<Option<f32>>().unwrap_or(0.0);
         let rest = materials.get(k).map_or(0.0, |material| material.thickness_mm);
         let stress = three_figures(value(Field::Stress(k)));
-        let (name, word) = (name(scene, k), if k == 0 { "tension" } else { "stress" });
-        lines.push(format!("{name} {now:.1} mm (at rest {rest:.1}), {word} {stress} kPa"));
+        let (name, word) = (name(scene, k), if k == 0 { tr("tension") } else { tr("stress") });
+        lines.push(tr!(
+            "{name} {now:.1} mm (at rest {rest:.1}), {word} {stress} kPa",
+            name,
+            now,
+            rest,
+            word,
+            stress
+        ));
     }
     let pressure = value(Field::ContactPressure);
     // Beside the implant the distance from the implant to the skin is no cover.
     if scene.is_layered() && pressure > 0.0 {
         let rest: f64 = materials.iter().map(|material| material.thickness_mm).sum();
-        lines.push(format!("Cover {:.1} mm (at rest {rest:.1})", value(Field::Cover)));
+        lines.push(tr!(
+            "Cover {cover:.1} mm (at rest {rest:.1})",
+            cover = value(Field::Cover),
+            rest
+        ));
     }
     lines.push(if pressure > 0.0 {
-        format!("Pressure {} mmHg", three_figures(pressure * MMHG_PER_KPA as f32))
+        tr!("Pressure {pressure} mmHg", pressure = three_figures(pressure * MMHG_PER_KPA as f32))
     } else {
-        "No pressure here".to_owned()
+        tr("No pressure here").to_owned()
     });
     lines
 }

@@ -5,6 +5,7 @@ use super::quantity::{self, Kind};
 use super::rail::Rail;
 use super::set_accessible_name;
 use crate::app::device::Device;
+use crate::app::texts::tr;
 use crate::app::theme;
 use eframe::egui::{self, Response, RichText, Sense, Ui, vec2};
 use std::ops::RangeInclusive;
@@ -111,9 +112,9 @@ impl Control<'_> {
         trailing: impl FnOnce(&mut Ui),
     ) -> ControlResponse {
         self.in_row(ui, value, theme::TOUCH - 4.0, |ui, line, value| {
-            line.step_button(ui, value, "−", "Less", -1.0);
+            line.step_button(ui, value, "−", tr("Less"), -1.0);
             line.field(ui, value);
-            line.step_button(ui, value, "+", "More", 1.0);
+            line.step_button(ui, value, "+", tr("More"), 1.0);
             line.unit(ui);
             trailing(ui);
         })
@@ -129,11 +130,11 @@ impl Control<'_> {
         let label = self.label(ui, self.label);
         self.line(ui, value, label, |ui, line, value| {
             if is_finger {
-                line.step_button(ui, value, "−", "Less", -1.0);
+                line.step_button(ui, value, "−", tr("Less"), -1.0);
             }
             line.field(ui, value);
             if is_finger {
-                line.step_button(ui, value, "+", "More", 1.0);
+                line.step_button(ui, value, "+", tr("More"), 1.0);
             }
             line.unit(ui);
         })
@@ -206,10 +207,10 @@ impl Control<'_> {
     }
 
     fn tooltip(&self) -> String {
-        format!(
-            "{}\nDouble-click the name to reset to {}.",
-            self.tooltip,
-            quantity::format_at_most(self.reset, 0, self.most_decimals)
+        tr!(
+            "{tooltip}\nDouble-click the name to reset to {value}.",
+            tooltip = self.tooltip,
+            value = quantity::format_at_most(self.reset, 0, self.most_decimals)
         )
     }
 
@@ -315,7 +316,7 @@ impl<'c, 'a> Line<'c, 'a> {
 /// Shows why an entry was rejected.
 pub(in crate::app) fn rejection_label(ui: &mut Ui, reason: &str) {
     let color = theme::palette(ui.visuals()).bad;
-    let words = RichText::new(format!("Not accepted: {reason}")).color(color);
+    let words = RichText::new(tr!("Not accepted: {reason}", reason)).color(color);
     let response = ui.add(egui::Label::new(words).wrap());
     // A new reason is scrolled into view, once.
     let (key, frame) = (response.id.with(reason), ui.ctx().cumulative_frame_nr());

@@ -1,5 +1,6 @@
 //! Numbers as text: decimal commas, units, exact values.
 
+use crate::app::texts::tr;
 use std::ops::RangeInclusive;
 
 /// Kind of a number, which determines the accepted units.
@@ -28,12 +29,12 @@ impl Kind {
     /// Description of a unit of this kind in messages.
     fn name(self) -> &'static str {
         match self {
-            Self::Length | Self::Centimetres => "a unit of length",
-            Self::Volume => "a unit of volume",
-            Self::Stress => "a unit of stress",
-            Self::Percent | Self::Fraction => "a percentage",
-            Self::Angle => "a unit of angle",
-            Self::Plain => "a unit of this number",
+            Self::Length | Self::Centimetres => tr("a unit of length"),
+            Self::Volume => tr("a unit of volume"),
+            Self::Stress => tr("a unit of stress"),
+            Self::Percent | Self::Fraction => tr("a percentage"),
+            Self::Angle => tr("a unit of angle"),
+            Self::Plain => tr("a unit of this number"),
         }
     }
 
@@ -81,12 +82,12 @@ impl Kind {
 pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {
-        return Err("enter a number".to_owned());
+        return Err(tr("enter a number").to_owned());
     }
     let ends = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
     let longest = ends.filter_map(|end| Some((end, number(&text[..end])?))).last();
     let Some((end, value)) = longest else {
-        return Err(format!("“{}” is not a number", truncated(text)));
+        return Err(tr!("“{typed}” is not a number", typed = truncated(text)));
     };
     let typed = text[end..].trim();
     let is_meant = |unit: &str| unit.to_lowercase() == typed.to_lowercase();
@@ -94,20 +95,25 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
         _ if typed.is_empty() => 1.0,
         Some((_, factor)) => *factor,
         None if typed.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '-')) => {
-            return Err(format!("“{}” is not a number", truncated(text)));
+            return Err(tr!("“{typed}” is not a number", typed = truncated(text)));
         }
         None => {
             let known: Vec<&str> = kind.units().iter().map(|(unit, _)| *unit).collect();
             let known = known.join(" ");
-            let known = if known.is_empty() { "none".to_owned() } else { known };
-            return Err(format!("“{}” is not {}; allowed: {known}", truncated(typed), kind.name()));
+            let known = if known.is_empty() { tr("none").to_owned() } else { known };
+            return Err(tr!(
+                "“{typed}” is not {kind}; allowed: {known}",
+                typed = truncated(typed),
+                kind = kind.name(),
+                known
+            ));
         }
     };
     let value = significant(value * factor);
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(format!("“{}” is too large", truncated(text)))
+        Err(tr!("“{typed}” is too large", typed = truncated(text)))
     }
 }
 
@@ -135,9 +141,9 @@ pub(in crate::app) fn parse_within(
     };
     let (least, most) = (*allowed.start(), *allowed.end());
     Err(if number < least {
-        format!("at least {}", end(least))
+        tr!("at least {least}", least = end(least))
     } else {
-        format!("at most {}", end(most))
+        tr!("at most {most}", most = end(most))
     })
 }
 

@@ -1,0 +1,191 @@
+//! The table and the code agree: every text of the code has a row, every row is a text of the code.
+
+use super::*;
+use crate::app::commands::COMMANDS;
+use crate::clinical::SkinClass;
+use crate::measure::{bands, no_shape};
+use crate::scene::visit::Side;
+use crate::solve::Invalid;
+use crate::study::NOTES;
+use std::collections::{BTreeSet, HashSet};
+use std::fs;
+use std::path::Path;
+
+/// A text of the code: the code before it, and its value.
+type Literal = (String, String);
+
+/// The texts of a Rust file up to its tests, without comments.
+fn literals(code: &str) -> Vec<Literal> {
+    let code = code.split("\nmod tests {").next().unwrap_or_default();
+    let mut found = Vec::new();
+    let (mut before, mut rest) = (String::new(), code);
+    while let Some(sign) = rest.chars().next() {
+        if rest.starts_with("//") {
+            rest = rest.split_once('\n').map_or("", |(_, after)| after);
+        } else if rest.starts_with("'\"'") || rest.starts_with("'\\\"'") {
+            rest = &rest[if rest.starts_with("'\"'") { 3 } else { 4 }..];
+        } else if sign == '"' {
+            let (text, after) = text_of(&rest[1..]);
+            found.push((std::mem::take(&mut before), text));
+            rest = after;
+        } else {
+            before.push(sign);
+            rest = &rest[sign.len_utf8()..];
+        }
+    }
+    found
+}
+
+/// The value of a literal from behind its first quote, and the code behind its last.
+fn text_of(code: &str) -> (String, &str) {
+    let mut text = String::new();
+    let mut signs = code.char_indices();
+    while let Some((at, sign)) = signs.next() {
+        match sign {
+            '"' => return (text, &code[at + 1..]),
+            '\\' => match signs.next().map(|(_, sign)| sign) {
+                // A continued line.
+                Some('\n') => {
+                    let after = signs.as_str();
+                    let blank = after.len() - after.trim_start().len();
+                    (0..blank).for_each(|_| drop(signs.next()));
+                }
+                Some('n') => text.push('\n'),
+                Some(other) => text.push(other),
+                None => {}
+            },
+            sign => text.push(sign),
+        }
+    }
+    (text, "")
+}
+
+/// All texts of the Rust files of a folder.
+fn literals_below(folder: &Path) -> Vec<Literal> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(literals_below(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.extend(literals(&fs::read_to_string(&path).unwrap()));
+        }
+    }
+    found
+}
+
+/// A text with empty places.
+fn without_names(text: &str) -> String {
+    parts(text).map(|part| if let Part::Text(words) = part { words } else { "{}" }).collect()
+}
+
+fn root(folder: &str) -> Vec<Literal> {
+    literals_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder))
+}
+
+#[test]
+fn every_text_to_translate_has_a_row() {
+    let rows: HashSet<String> = rows().map(|(english, _)| english).collect();
+    let keys = root("src/app").into_iter().filter(|(before, _)| {
+        let before = before.trim_end();
+        before.ends_with("tr(") || before.ends_with("tr!(")
+    });
+    let missing: BTreeSet<String> =
+        keys.map(|(_, text)| text).filter(|text| !rows.contains(text)).collect();
+    assert!(missing.is_empty(), "without a row: {missing:#?}");
+}
+
+#[test]
+fn every_row_is_a_text_of_the_code() {
+    let texts: HashSet<String> = ["src", "core"]
+        .iter()
+        .flat_map(|folder| root(folder))
+        .map(|(_, text)| without_names(&text))
+        .collect();
+    let unused: Vec<String> = rows()
+        .map(|(english, _)| english)
+        .filter(|english| {
+            let english = english.strip_prefix("pressure: ").unwrap_or(english);
+            !texts.contains(&without_names(english))
+        })
+        .collect();
+    assert!(unused.is_empty(), "no text of the code: {unused:#?}");
+}
+
+#[test]
+fn the_languages_have_the_same_places_and_spaces() {
+    let mut known = HashSet::new();
+    let ends = |text: &str| (text.starts_with([' ', '\n']), text.ends_with(' '));
+    let places = |text: &str| -> BTreeSet<String> {
+        let place = |part| {
+            if let Part::Place(name, format) = part {
+                Some(format!("{name}:{format}"))
+            } else {
+                None
+            }
+        };
+        parts(text).filter_map(place).collect()
+    };
+    for (english, spanish) in rows() {
+        assert!(known.insert(english.clone()), "two rows: {english}");
+        assert_eq!(places(&english), places(&spanish), "{english}");
+        assert_eq!(ends(&english), ends(&spanish), "{english}");
+        assert!(!spanish.trim().is_empty(), "{english}");
+    }
+}
+
+#[test]
+fn the_words_of_other_modules_have_rows() {
+    let bands = bands::LIMITS.iter().flat_map(|limits| limits.bands);
+    let causes = [
+        None,
+        Some(Invalid::Penetrated),
+        Some(Invalid::Inverted),
+        Some(Invalid::NotFound),
+        Some(Invalid::NotFinite),
+    ];
+    let words = bands
+        .flat_map(|band| [band.word, band.source])
+        .chain(bands::LIMITS.iter().map(|limits| limits.note))
+        .chain(COMMANDS.iter().flat_map(|entry| [entry.name, entry.tooltip]))
+        .chain(SkinClass::ALL.map(SkinClass::word))
+        .chain(Side::ALL.into_iter().flat_map(|side| [side.word(), side.words()]))
+        .chain(causes.map(no_shape))
+        .chain(NOTES)
+        .chain([bands::COVER, "skin", "adipose", "muscle"]);
+    let missing: BTreeSet<&str> =
+        words.filter(|word| !word.is_empty() && spanish(word).is_none()).collect();
+    assert!(missing.is_empty(), "without a row: {missing:#?}");
+}
+
+#[test]
+fn a_template_is_filled_with_signs_and_decimals() {
+    let values: [(&str, &dyn Display); 2] = [("gain", &1.26), ("name", &"A")];
+    assert_eq!(filled("{name}: {gain:+.1} or {gain:.0}, {gain}.", &values), "A: +1.3 or 1, 1.26.");
+    assert_eq!(filled("no place", &values), "no place");
+}
+
+#[test]
+fn a_finished_sentence_is_recognised_with_its_values() {
+    for (english, spanish) in [
+        (
+            "The model has no answer for 300 ml on 12 cm.",
+            "El modelo no tiene respuesta para 300 ml con 12 cm.",
+        ),
+        ("Use 280 ml", "Usar 280 ml"),
+        ("Stress in adipose", "Tensión: grasa"),
+        ("pinch 20 mm", "pellizco 20 mm"),
+        (
+            "skin: strains exceed the data of the stress–strain curve; the curve was extrapolated.",
+            "piel: las deformaciones superan los datos de la curva tensión–deformación; la curva se ha extrapolado.",
+        ),
+        ("A text of nobody", "A text of nobody"),
+    ] {
+        assert_eq!(sentence(english), spanish);
+    }
+    let folds = "Folds of the skin may be visible over the pocket: about 20 % of the skin on and around the implant is \
+         wrinkled or slack. The computed shape does not contain the height of folds.";
+    assert!(sentence(folds).starts_with(
+        "Pueden verse pliegues de la piel sobre el bolsillo: cerca del 20 % de la piel"
+    ));
+}

@@ -1,0 +1,51 @@
+// The language of the built page: that of the browser, or the one chosen beside the theme.
+
+import assert from "node:assert/strict";
+import { describe, test } from "node:test";
+import * as harness from "./harness.mjs";
+
+const fixture = harness.setUp();
+
+describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
+  test("is Spanish in a Spanish browser, and a choice is kept over a reload", async () => {
+    const { page, finish } = await fixture.openApp({ viewport: { width: 1000, height: 700 }, options: { locale: "es-ES" } });
+    const language = () => page.evaluate(() => document.documentElement.lang);
+    assert.equal(await language(), "es");
+    assert.match(
+      await harness.summary(page, "12 cm de anchura"),
+      /^Plan: implante de 300 ml, 12 cm de anchura\. Estiramiento de la piel \d+ por ciento, habitual\. .* Al día\./,
+    );
+    const form = page.getByRole("form", { name: "Plan" });
+    assert.deepEqual(await form.locator("label").allTextContents(), [
+      "Anchura (cm)",
+      "Volumen (ml)",
+      "Proyección (cm)",
+      "Pellizco (cm)",
+      "Tipo de piel",
+      "Margen (cm)",
+      "Al lado (cm)",
+      "Arriba (cm)",
+      "Insertado (%)",
+    ]);
+    const skin = form.getByLabel("Tipo de piel", { exact: true });
+    await skin.selectOption({ label: "muy laxa" });
+    assert.equal((await harness.scene(page)).patient.skin_class, "very_lax");
+    await form.getByLabel("Pellizco (cm)", { exact: true }).fill("1e308");
+    await page.keyboard.press("Enter");
+    assert.equal(await page.locator("#plan-pinch_cm-error").textContent(), "Pellizco: como máximo 12 cm");
+    assert.equal(await page.locator("#implant-preview-skip").textContent(), "Ir al resultado en palabras y al plan como formulario");
+    await harness.screenshot(page, "spanish");
+
+    await harness.control(page, "Tema");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    await harness.control(page, "English");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.documentElement.lang === "en");
+    await form.getByLabel("Skin feels", { exact: true }).waitFor({ state: "attached" });
+    await page.reload();
+    await harness.summary(page, "12 cm wide");
+    assert.equal(await language(), "en");
+    await finish();
+  });
+});

@@ -1,0 +1,275 @@
+//! The app's screens in Spanish, without a GPU. The language belongs to the process: these tests have a program of their own.
+
+#![cfg(all(feature = "app", not(target_arch = "wasm32")))]
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+#[path = "common/window.rs"]
+mod window;
+
+use eframe::egui::{self, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{By, NodeT, Queryable};
+use implant_preview::app::App;
+use implant_preview::curve::CurveSpec;
+use implant_preview::platform::runner::beside_window;
+use implant_preview::scene::Scene;
+use std::collections::BTreeSet;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use window::{cut_texts, painted_texts, settle, window};
+
+/// Tall enough for all folds.
+const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
+const DESKTOP: egui::Vec2 = egui::Vec2::new(1440.0, 900.0);
+const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
+
+/// The table of the texts.
+const TABLE: &str = include_str!("../src/app/texts/table.tsv");
+
+/// One test at a time: one of them changes the language.
+fn alone() -> MutexGuard<'static, ()> {
+    static LANGUAGE: Mutex<()> = Mutex::new(());
+    LANGUAGE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The app in a language, with a change of the opening plan on a small grid, solved and at rest.
+fn app(language: &str, size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
+    let mut scene = Scene::opening();
+    scene.solver.nodes_per_side = 33;
+    change(&mut scene);
+    let ctx = egui::Context::default();
+    let mut app = App::new(&ctx, None, scene, beside_window).unwrap();
+    app.restore_language(Some(language));
+    let mut harness = window(size, 400, app);
+    settle(&mut harness);
+    harness
+}
+
+fn press(harness: &mut Harness<'static, App>, button: &str) {
+    harness.get_by_role_and_label(Role::Button, button).click();
+    settle(harness);
+}
+
+/// Opens a fold, which may be scrolled out of sight.
+fn unfold(harness: &mut Harness<'static, App>, fold: &'static str) {
+    harness.get_by_label(fold).focus();
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+}
+
+/// All texts of the screen, for eyes and for screen readers.
+fn texts(harness: &Harness<'static, App>) -> BTreeSet<String> {
+    let everything = By::new().predicate(|_| true).recursive(true);
+    let named = harness.query_all(everything).flat_map(|node| {
+        let node = node.accesskit_node();
+        [node.label(), node.value()].into_iter().flatten()
+    });
+    named.chain(painted_texts(harness)).chain([harness.state().summary()]).collect()
+}
+
+/// English of a screen: texts of the table, and texts with frequent English words.
+fn english(harness: &Harness<'static, App>) -> Vec<String> {
+    const WORDS: [&str; 22] = [
+        "the", "of", "and", "with", "is", "are", "this", "skin", "cover", "pressure", "width",
+        "pinch", "pocket", "stretch", "answer", "usual", "high", "fat", "adipose", "percent",
+        "most", "up",
+    ];
+    // Titles of publications, and the choice of the language.
+    let stays = |text: &str| text.contains("Nikolaev, Non-linear") || text == "English";
+    let rows = TABLE.lines().filter_map(|line| line.split_once('\t'));
+    let words: BTreeSet<&str> =
+        rows.filter(|(english, spanish)| english != spanish).map(|(english, _)| english).collect();
+    let spanish: BTreeSet<&str> =
+        TABLE.lines().filter_map(|line| Some(line.split_once('\t')?.1)).collect();
+    texts(harness)
+        .into_iter()
+        .filter(|text| !stays(text) && !spanish.contains(text.as_str()))
+        .filter(|text| {
+            let mut tokens = text.split(|c: char| !c.is_alphabetic());
+            words.contains(text.as_str())
+                || tokens.any(|token| WORDS.contains(&token.to_lowercase().as_str()))
+        })
+        .collect()
+}
+
+#[track_caller]
+fn assert_spanish(harness: &Harness<'static, App>) {
+    assert_eq!(english(harness), Vec::<String>::new());
+}
+
+#[test]
+fn the_opening_plan_is_in_spanish() {
+    let _alone = alone();
+    let harness = app("es-ES", DESKTOP, |_| {});
+    for text in [
+        "Qué ocurre",
+        "Estiramiento de la piel",
+        "Cobertura mínima",
+        "sin límite publicado",
+        "Presión sobre el tejido",
+        "Pellizco",
+        "Cobertura 10 mm (6–17): piel 1.5 + grasa 8.5",
+        "Proyección según anchura y volumen.",
+        "Cambiar anchura, volumen o pellizco · arrastrar la imagen para girarla",
+        "Al día",
+        "modelo estándar, 33 nodos por lado",
+    ] {
+        assert!(harness.query_all_by_label(text).count() > 0, "{text}");
+    }
+    for slider in
+        ["Anchura (cm)", "Volumen (ml)", "Proyección (cm)", "Pellizco (cm)", "Margen (cm)"]
+    {
+        harness.get_by_role_and_label(Role::Slider, slider);
+    }
+    harness.get_by_label_contains("300 ml, 12 cm: habitual. Estiramiento 1");
+    let summary = harness.state().summary();
+    assert!(
+        summary.starts_with("Plan: implante de 300 ml, 12 cm de anchura. Estiramiento de la piel "),
+        "{summary}"
+    );
+    assert!(summary.contains(" mmHg, habitual.") && summary.contains(" Al día."), "{summary}");
+    assert_spanish(&harness);
+    // Files and the form's names stay English.
+    let form = harness.state().plan_json();
+    assert!(form.contains(r#""name":"width_cm","label":"Anchura""#), "{form}");
+    assert!(
+        form.contains(r#""choices":["tight","normal","#)
+            && form.contains(r#""words":["tensa","normal","#),
+        "{form}"
+    );
+    assert!(form.contains(" a 24 cm"), "{form}");
+}
+
+#[test]
+fn folds_menus_and_the_comparison_are_in_spanish() {
+    let _alone = alone();
+    let mut harness = app("es", WIDE, |_| {});
+    for fold in ["Avanzado", "Detalles", "Origen de los límites"] {
+        unfold(&mut harness, fold);
+    }
+    press(&mut harness, "Fijar como A");
+    assert_spanish(&harness);
+    for (menu, item) in
+        [("Archivo", "Guardar informe (HTML)…"), ("Ver", "Comandos…"), ("Tema", "Oscuro")]
+    {
+        press(&mut harness, menu);
+        assert!(harness.query_all_by_label(item).count() > 0, "{item}");
+        assert_spanish(&harness);
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+    }
+    press(&mut harness, "Ayuda");
+    harness.get_by_label("Una vista previa, no un producto sanitario.");
+    assert_spanish(&harness);
+}
+
+#[test]
+fn an_expander_is_an_expansor() {
+    let _alone = alone();
+    let mut harness = app("es", WIDE, |_| {});
+    press(&mut harness, "expansor");
+    for text in [
+        "Cobertura sobre el expansor",
+        "Posición del expansor",
+        "Gama de expansores",
+        "Llenado (ml)",
+    ] {
+        assert!(harness.query_all_by_label(text).count() > 0, "{text}");
+    }
+    assert!(harness.state().summary().starts_with("Plan: expansor de 300 ml"));
+    assert_spanish(&harness);
+}
+
+#[test]
+fn a_plan_without_an_answer_says_so_in_spanish() {
+    let _alone = alone();
+    for size in [DESKTOP, PHONE] {
+        let harness = app("es", size, |scene| {
+            scene.layers[1].curve = CurveSpec::Adipose {}.into();
+            scene.layers[1].poisson_ratio = 0.45;
+            scene.layers[0].curve.strain_scale = 0.15;
+        });
+        let words = "La piel es demasiado tensa para 300 ml con 12 cm, y una grasa tan blanda cede bajo ella.";
+        assert!(harness.query_all_by_label(words).count() > 0, "{size}");
+        assert!(harness.state().summary().contains(words));
+        assert!(harness.query_all_by_label("Sin respuesta para este plan").count() > 0);
+        assert_spanish(&harness);
+    }
+}
+
+#[test]
+fn the_range_of_implants_is_in_spanish() {
+    let _alone = alone();
+    let mut harness = app("es", DESKTOP, |_| {});
+    press(&mut harness, "Gama de implantes");
+    harness.run();
+    harness.get_by_role_and_label(Role::Canvas, "Gama de implantes, gráfico");
+    assert_spanish(&harness);
+}
+
+#[test]
+fn nothing_is_cut_on_screens_of_a_desk() {
+    let _alone = alone();
+    for size in [DESKTOP, egui::vec2(1280.0, 800.0), egui::vec2(1024.0, 768.0)] {
+        let mut harness = app("es", size, |_| {});
+        for chips in [&[][..], &["tirón…"][..], &["expansor"][..]] {
+            for chip in chips {
+                press(&mut harness, chip);
+            }
+            let status = harness.get_by_label("Al día").rect();
+            for fold in ["Avanzado", "Origen de los límites"] {
+                let fold = harness.get_by_label(fold).rect();
+                assert!(fold.bottom() < status.top(), "{size} {chips:?}: {fold:?}");
+            }
+            assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size} {chips:?}");
+        }
+        let picture = harness.get_by_role_and_label(Role::Canvas, "Vista 3D").rect();
+        assert!(picture.width() > 0.46 * size.x, "{size}: {picture:?}");
+    }
+}
+
+#[test]
+fn nothing_is_cut_on_a_phone() {
+    let _alone = alone();
+    let mut harness = app("es", PHONE, |_| {});
+    for tab in ["Implante", "Paciente", "Bolsillo", "Más"] {
+        press(&mut harness, tab);
+        for answer in ["Estiramiento", "Cobertura", "Presión"] {
+            assert!(harness.query_all_by_label(answer).count() > 0, "{answer}");
+        }
+        if tab != "Más" {
+            assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{tab}");
+        }
+        assert_spanish(&harness);
+    }
+    let harness = app("es", egui::vec2(320.0, 568.0), |_| {});
+    let buttons = ["Archivo", "Deshacer", "Rehacer", "Reiniciar", "Tema", "Ayuda"];
+    let rects = buttons.map(|name| harness.get_by_role_and_label(Role::Button, name).rect());
+    for (pair, names) in rects.windows(2).zip(buttons.windows(2)) {
+        assert!(pair[0].right() < pair[1].left(), "{names:?} overlap: {pair:?}");
+    }
+    assert!(rects[5].right() <= 320.0, "{:?}", rects[5]);
+}
+
+#[test]
+fn the_language_is_chosen_beside_the_theme_and_kept_once() {
+    let _alone = alone();
+    let mut harness = app("en-GB", DESKTOP, |_| {});
+    assert_eq!(harness.state_mut().take_language_to_store(), None);
+    press(&mut harness, "Theme");
+    harness.get_by_label("Español").click();
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "Archivo");
+    assert_eq!(harness.state_mut().take_language_to_store().as_deref(), Some("es"));
+    assert_eq!(
+        (harness.state_mut().take_language_to_store(), harness.state().language()),
+        (None, "es")
+    );
+    assert_spanish(&harness);
+    // An unknown text in the storage is no choice.
+    let mut harness = app("es", DESKTOP, |_| {});
+    press(&mut harness, "Tema");
+    harness.get_by_label("English").click();
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "File");
+}
