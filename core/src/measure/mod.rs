@@ -30,7 +30,7 @@ pub use surface::{Surfaces, surfaces};
 pub use wrinkles::RESULT_SCHEMA_3;
 
 use crate::clinical::PatientValue;
-use crate::model::layered::law::MAX_POISSON_RATIO;
+use crate::model::layered::curve_law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
 use crate::solve::{Invalid, Method, Problem, Report, Solution, Tissue, Verdict};
 use crate::springs::Springs;

@@ -3,7 +3,7 @@
 //! Uses `model` (the law). Used by `treloar`, `fat`, `verification`.
 
 use crate::curve::Curve;
-use crate::model::layered::law::SolidLaw;
+use crate::model::layered::curve_law::CurveLaw;
 use crate::springs::Material;
 use crate::springs::table::Table;
 
@@ -15,7 +15,7 @@ const SEARCH: f64 = 1.5;
 /// A homogeneous slab of one solid.
 #[derive(Debug)]
 pub struct Slab {
-    law: SolidLaw<f64, Table>,
+    law: CurveLaw<f64, Table>,
 }
 
 /// The zero of an increasing function in an interval.
@@ -31,7 +31,7 @@ impl Slab {
     /// A slab of a material; its thickness does not matter.
     #[must_use]
     pub fn new(material: &Material) -> Self {
-        Self { law: SolidLaw::new(material) }
+        Self { law: CurveLaw::new(material) }
     }
 
     /// Nominal stresses \[kPa\] of principal stretches \[-\].

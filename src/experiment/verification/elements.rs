@@ -110,7 +110,7 @@ fn patch_test(exact: &Exact, solid: &Material) -> Vec<Check> {
     let volume: f64 = sheet.triangles().map(|(t, weight)| weight * sheet.rest_area(t)).sum::<f64>()
         * solid.thickness_mm;
     let (_, equivalent) = law.response(F.to_cols_array_2d());
-    let expected = law.energy(equivalent) * volume;
+    let expected = law.energy_of(equivalent) * volume;
     let figure = (energy / expected - 1.0).abs();
     checks.push(Check::at_most("energy of a homogeneous deformation", BORDER, figure, 2e-3));
     checks

@@ -4,7 +4,7 @@
 //! parallelogram: the fourth corner is the linear continuation of the other three.
 
 use super::cell::{self, Corners, Modes, modes, on_faces, turned, turned_back};
-use super::law::log_volume;
+use super::law::{SolidLaw, Volume};
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
@@ -151,7 +151,7 @@ impl Border {
     ) {
         for (four, pressure) in self.fours.iter().zip(pressure) {
             let volume = cell::volume(&four.modes(u, layers), slope);
-            *pressure = law.renewed(law.pressure(log_volume(volume), *pressure));
+            *pressure = law.renewed(Volume::new(volume), *pressure);
         }
     }
 

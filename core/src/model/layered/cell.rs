@@ -9,10 +9,9 @@
 //! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell, J their mean. Accurate where a
 //!   softening tissue concentrates strain; 2.3 times the work.
 
-use super::law::{Deformed, LEAST_VOLUME, Matrix, SolidLaw, combined, log_volume, per_volume};
+use super::law::{Deformed, Energy, LEAST_VOLUME, Matrix, Slopes, SolidLaw, Volume, combined};
 use crate::mesh::vec3::{add, dot, scale, sub};
 use crate::number::Real;
-use crate::springs::table::{Buckets, Table};
 
 /// The coefficients of a cell's displacement without the mean, or the forces on the coefficients.
 #[derive(Clone, Copy, Debug, Default)]
@@ -186,10 +185,10 @@ pub(super) fn volume<R: Real>(modes: &Modes<R>, slope: R) -> R {
     Deformed::new(gradient(modes.linear, slope)).volume
 }
 
-/// The derivatives of the energy per rest volume by the modes, by the rule of one point; `augmented` is p of [`SolidLaw::pressure`].
+/// The derivatives of the energy per rest volume by the modes, by the rule of one point; `augmented` is p of [`SolidLaw`].
 #[inline(always)]
-pub(crate) fn center<R: Real, T: AsRef<Buckets<R>>>(
-    law: &SolidLaw<R, T>,
+pub(crate) fn center<R: Real>(
+    law: &impl SolidLaw<R>,
     modes: &Modes<R>,
     slope: R,
     variation: &Variation<R>,
@@ -197,10 +196,9 @@ pub(crate) fn center<R: Real, T: AsRef<Buckets<R>>>(
 ) -> Modes<R> {
     let deformed = Deformed::new(gradient(modes.linear, slope));
     let shape = deformed.isochoric();
-    let pi = law.pressure(deformed.log_volume(), augmented);
-    let secant = law.secant(law.equivalent(shape.g + variation.mean_square(modes), pi));
-    let shear = secant * law.shear;
-    let [x, y, z] = deformed.stress(&shape, shear, secant * per_volume(pi, deformed.volume));
+    let g = shape.g + variation.mean_square(modes);
+    let Slopes { shear: [shear], pressure } = law.slopes([g], deformed.volume(), augmented);
+    let [x, y, z] = deformed.stress(&shape, shear, pressure);
     Modes { linear: [x, y, scale(z, slope)], ..variation.weighted(shear).slopes(modes) }
 }
 
@@ -246,8 +244,8 @@ const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]
 
 /// The derivatives of the energy per rest volume by the modes, by the rule of four points.
 #[inline(always)]
-pub(crate) fn four_points<R: Real, T: AsRef<Buckets<R>>>(
-    law: &SolidLaw<R, T>,
+pub(crate) fn four_points<R: Real>(
+    law: &impl SolidLaw<R>,
     modes: &Modes<R>,
     slope: R,
     parity: R,
@@ -256,18 +254,16 @@ pub(crate) fn four_points<R: Real, T: AsRef<Buckets<R>>>(
     let quarter = R::splat(0.25);
     let points = at_points(modes, slope, parity).map(Deformed::new);
     let volume = mean_volume(&points);
-    let pi = law.pressure(log_volume(volume), augmented);
     let shapes = points.each_ref().map(Deformed::isochoric);
-    let secants = shapes.each_ref().map(|shape| law.secant(law.equivalent(shape.g, pi)));
-    let sum = (secants[0] + secants[1]) + (secants[2] + secants[3]);
-    let pressure = quarter * sum * per_volume(pi, volume);
+    let g = shapes.each_ref().map(|shape| shape.g);
+    let Slopes { shear, pressure } = law.slopes(g, Volume::new(volume), augmented);
     let mut forces = Modes::default();
     let point = R::splat(0.25 * POINT);
     let square = R::splat(0.25 * POINT * POINT) * parity;
     for (k, [sx, sy]) in SIGNS.into_iter().enumerate() {
         let (sx, sy) = (R::splat(sx), R::splat(sy));
         let sz = sx * sy * parity;
-        let [x, y, z] = points[k].stress(&shapes[k], secants[k] * law.shear, pressure);
+        let [x, y, z] = points[k].stress(&shapes[k], shear[k], pressure);
         let z = scale(z, slope);
         for (to, p) in forces.linear.iter_mut().zip([x, y, z]) {
             *to = add(*to, scale(p, quarter));
@@ -290,7 +286,7 @@ pub(super) fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {
 
 /// The energy per rest volume by either rule \[kPa\]; infinite where J is at the law's least.
 pub(crate) fn energy(
-    law: &SolidLaw<f64, Table>,
+    law: &impl Energy,
     modes: &Modes<f64>,
     slope: f64,
     parity: Option<f64>,
@@ -301,14 +297,12 @@ pub(crate) fn energy(
             return f64::INFINITY;
         }
         let square = Variation::new(slope).mean_square(modes);
-        let pi = law.pressure(deformed.log_volume(), 0.0);
-        return law.energy(law.equivalent(deformed.isochoric().g + square, pi));
+        return law.energy(deformed.isochoric().g + square, deformed.volume());
     };
     let points = at_points(modes, slope, parity).map(Deformed::new);
     if points.iter().any(|point| point.volume <= LEAST_VOLUME) {
         return f64::INFINITY;
     }
-    let pi = law.pressure(log_volume(mean_volume(&points)), 0.0);
-    points.iter().map(|point| law.energy(law.equivalent(point.isochoric().g, pi))).sum::<f64>()
-        / 4.0
+    let volume = Volume::new(mean_volume(&points));
+    points.iter().map(|point| law.energy(point.isochoric().g, volume)).sum::<f64>() / 4.0
 }

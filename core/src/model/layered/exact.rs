@@ -4,8 +4,9 @@ use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell::{self, Corners, Modes, Variation, modes, on_faces, turned, turned_back};
+use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
-use super::law::{Matrix, SolidLaw};
+use super::law::Matrix;
 use crate::mesh::part::Part;
 use crate::mesh::{Attachment, NodeKind, Sheet};
 use crate::model::membrane::assembly;
@@ -110,7 +111,7 @@ pub(super) struct Element<'a> {
     pub(super) cell: BorderCell,
     pub(super) layer: usize,
     solid: usize,
-    pub(super) law: &'a SolidLaw<f64, Table>,
+    pub(super) law: &'a CurveLaw<f64, Table>,
     /// Height at rest \[mm\].
     pub(super) height: f64,
     /// Spacing over height.
@@ -214,8 +215,8 @@ impl Exact<'_> {
     fn faces_forces(&self, element: &Element) -> [Corners<f64>; 2] {
         let Element { cell, law, modes, slope, .. } = element;
         let mut force = match element.parity {
-            Some(parity) => cell::four_points(law, modes, *slope, parity, 0.0),
-            None => cell::center(law, modes, *slope, &Variation::new(*slope), 0.0),
+            Some(parity) => cell::four_points(*law, modes, *slope, parity, 0.0),
+            None => cell::center(*law, modes, *slope, &Variation::new(*slope), 0.0),
         };
         force.linear = turned_back(force.linear, cell.sides());
         let weight = cell.area * self.sheet.spacing_mm() * element.height;
@@ -303,7 +304,7 @@ impl Exact<'_> {
         let area = self.sheet.spacing_mm().powi(2);
         self.each(places, x, |element| {
             let Element { cell, law, modes, slope, parity, height, .. } = &element;
-            energy += cell::energy(law, modes, *slope, *parity) * cell.area * area * height;
+            energy += cell::energy(*law, modes, *slope, *parity) * cell.area * area * height;
         });
         self.attached(|corners, integrals| {
             let moved = corners.map(|k| x[0][k] - self.sheet.rest_position(k));

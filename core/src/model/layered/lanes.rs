@@ -6,7 +6,7 @@ use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::Border;
 use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
-use super::law::{Matrix, log_volume};
+use super::law::{Matrix, SolidLaw, Volume};
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::Attachment;
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, shifted_right, store};
@@ -459,9 +459,10 @@ impl ElasticModel for Layered {
                         let mean = cell::deformed_points(&modes, shape.slope, sign).1;
                         volume = points.bitselect(mean, volume);
                     }
-                    let pi = cells.law.pressure(log_volume(volume), load(&scratch.pressure, at));
+                    let before = load(&scratch.pressure, at);
                     // Lanes beyond the row keep no pressure.
-                    let renewed = cells.law.renewed(pi) & row.counts(group);
+                    let renewed =
+                        cells.law.renewed(Volume::new(volume), before) & row.counts(group);
                     store(&mut scratch.pressure, at, renewed);
                 }
             }

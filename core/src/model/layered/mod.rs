@@ -1,16 +1,17 @@
 //! Tissue as a body: the skin, a membrane, on layers of solid tissue; one node a layer of cells and one more in a
 //! column.
 //!
-//! `law` (solid tissue) | `cell` (eight nodes) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
+//! `law` (solid tissue, any law) | `curve_law` (of a tissue's curve) | `cell` (eight nodes) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
 //! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64) | `tangent`
 //! (second derivatives in f64).
 
 pub(crate) mod attachment;
 mod border;
 mod cell;
+pub mod curve_law;
 pub mod exact;
 pub(crate) mod lanes;
-pub mod law;
+pub(crate) mod law;
 mod stiffness;
 pub(crate) mod tangent;
 
@@ -18,7 +19,7 @@ use super::columns::MAX_LAYERS;
 use super::membrane::law::SheetLaw;
 use crate::springs::Material;
 use crate::springs::table::Table;
-use law::SolidLaw;
+use curve_law::CurveLaw;
 
 /// The greatest number of cells through the thickness.
 pub(crate) const MAX_CELLS: usize = MAX_LAYERS - 1;
@@ -37,7 +38,7 @@ pub struct Cells {
 pub struct LayeredLaw {
     pub skin: SheetLaw,
     /// From the inner face outwards.
-    pub solids: Vec<SolidLaw<f64, Table>>,
+    pub solids: Vec<CurveLaw<f64, Table>>,
     /// From the inner face outwards.
     pub cells: Vec<Cells>,
 }
@@ -58,7 +59,7 @@ impl LayeredLaw {
             .collect();
         Self {
             skin: SheetLaw::of_skin(skin, skin_wrinkles),
-            solids: solids.iter().rev().map(SolidLaw::new).collect(),
+            solids: solids.iter().rev().map(CurveLaw::new).collect(),
             cells,
         }
     }

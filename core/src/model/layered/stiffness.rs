@@ -1,22 +1,19 @@
 //! The diagonal blocks of four cells' stiffness, positive by construction, at the middle of the cells.
 //!
-//! With g = F⁻ᵀ∇N and t = P∇N/sec of the nodes a and b,
+//! With g = F⁻ᵀ∇N and t of the nodes a and b, and the law's [`Curvature`],
 //!
-//! K_ab = sec·{½(3/I₁)(∇Nₐ·∇N_b) I + ½min(1, 3/I₁) g_b gₐᵀ − ⅓ gₐ g_bᵀ + variation}/(1+ν) + sec·gₐ g_bᵀ/(3(1−2ν))
-//! + (sec′/e) tₐ t_bᵀ,
+//! K_ab = shear·{½(3/I₁)(∇Nₐ·∇N_b) I + ½min(1, 3/I₁) g_b gₐᵀ − ⅓ gₐ g_bᵀ + variation} + bulk·gₐ g_bᵀ + bend·tₐ t_bᵀ,
 //!
-//! where the softening part sec′ < 0 is bounded.
+//! where a negative bend is bounded.
 
 use super::cell::{self, Modes, Variation};
-use super::law::{Deformed, Matrix, SolidLaw, combined, log_volume, per_volume};
+use super::curve_law::CurveLaw;
+use super::law::{Curvature, Deformed, Isochoric, Matrix, SolidLaw, Volume, combined};
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;
 use wide::f32x4;
 
-/// Least slope of the stress in the blocks, relative to the secant: a softening tissue keeps a fifth.
-const MOST_SOFTENING: f32 = 0.8;
-
-pub(super) type LaneLaw = SolidLaw<f32x4, Buckets<f32x4>>;
+pub(super) type LaneLaw = CurveLaw<f32x4, Buckets<f32x4>>;
 
 /// Column and row of the corners, counter-clockwise.
 pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
@@ -34,9 +31,9 @@ pub(super) struct Shape {
 /// What the stiffness of four cells is made of.
 pub(super) struct CellStiffness {
     deformed: Deformed<f32x4>,
-    /// Nominal stress per secant, by columns; the third times the slope.
+    /// α·½∂g/∂F + β·∂J/∂F, by columns; the third times the slope.
     pull: Matrix<f32x4>,
-    /// sec/(1+ν).
+    /// 2W_g.
     shear: f32x4,
     /// Coefficients of I (∇Nₐ·∇N_b), g_b gₐᵀ, gₐ g_bᵀ, tₐ t_bᵀ.
     isotropic: f32x4,
@@ -59,9 +56,11 @@ impl CellStiffness {
         augmented: f32x4,
     ) -> Self {
         let deformed = Deformed::new(cell::gradient(modes.linear, shape.slope));
-        let pi = law.pressure(deformed.log_volume(), augmented);
         let v = &shape.variation;
-        let mut new = Self::of(law, deformed, pi, v.mean_square(modes), shape.slope);
+        let iso = deformed.isochoric();
+        let g = iso.g + v.mean_square(modes);
+        let curvature = law.curvature(g, deformed.volume(), augmented);
+        let mut new = Self::of(deformed, &iso, &curvature, shape.slope);
         let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
         let along = v.through * half + v.d;
         new.variation = [
@@ -82,10 +81,13 @@ impl CellStiffness {
     ) -> [Self; 5] {
         let zero = f32x4::ZERO;
         let (points, volume) = cell::deformed_points(modes, shape.slope, parity);
-        let pi = law.pressure(log_volume(volume), augmented);
+        let log = Volume::new(volume).log;
         let quarter = f32x4::splat(0.25);
         let [a, b, c, d] = points.map(|(deformed, at)| {
-            let mut point = Self::of(law, deformed, pi, zero, shape.slope);
+            let iso = deformed.isochoric();
+            let volume = Volume { log, ..deformed.volume() };
+            let curvature = law.curvature(iso.g, volume, augmented);
+            let mut point = Self::of(deformed, &iso, &curvature, shape.slope);
             point.straight = -point.shear * f32x4::splat(1.0 / 3.0);
             for part in
                 [&mut point.isotropic, &mut point.crossed, &mut point.straight, &mut point.bend]
@@ -103,28 +105,23 @@ impl CellStiffness {
 
     #[inline(always)]
     fn of(
-        law: &LaneLaw,
         deformed: Deformed<f32x4>,
-        pi: f32x4,
-        mean_square: f32x4,
+        iso: &Isochoric<f32x4>,
+        curvature: &Curvature<f32x4>,
         slope: f32x4,
     ) -> Self {
-        let iso = deformed.isochoric();
-        let e = law.equivalent(iso.g + mean_square, pi);
-        let (secant, bend) = law.secant_and_bend(e);
+        let Curvature { shear, along, bend, least_bend, bulk, .. } = *curvature;
         let one = f32x4::ONE;
-        let [x, y, z] = deformed.stress(&iso, law.shear, per_volume(pi, deformed.volume));
+        let [x, y, z] = deformed.stress(iso, along[0], along[1]);
         let relief = f32x4::splat(3.0) / iso.i1;
         let limited = relief.fast_min(one);
-        let floor = -secant * MOST_SOFTENING / (e * e).fast_max(f32x4::splat(1e-6));
-        let softening = bend.fast_min(f32x4::ZERO).fast_max(floor) * limited;
-        let shear = secant * law.shear;
+        let softening = bend.fast_min(f32x4::ZERO).fast_max(least_bend) * limited;
         Self {
             pull: [x, y, scale(z, slope)],
             shear,
             isotropic: shear * f32x4::HALF * relief,
             crossed: shear * f32x4::HALF * limited,
-            straight: secant * law.bulk - shear * f32x4::splat(1.0 / 3.0),
+            straight: bulk - shear * f32x4::splat(1.0 / 3.0),
             bend: bend.fast_max(f32x4::ZERO) + softening,
             variation: [f32x4::ZERO; 2],
             at: [f32x4::ZERO; 3],
@@ -133,7 +130,7 @@ impl CellStiffness {
         }
     }
 
-    /// g, t and ∇N of a node, from the signs of its corner: F^(−T)∇N, P∇N/sec.
+    /// g, t and ∇N of a node, from the signs of its corner.
     #[inline(always)]
     fn vectors(&self, [sx, sy, sz]: [f32; 3]) -> [Vec3; 3] {
         let half = f32x4::HALF;

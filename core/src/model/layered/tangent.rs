@@ -1,19 +1,21 @@
 //! The second derivative of the body's energy in f64, cell by cell, without an assembled matrix.
 //!
-//! Of a cell, with D = ∂²/∂F² at its points (without the softening part), B the map from modes to the gradient at a
+//! Of a cell, with D = ∂²/∂F² at its points (without `bend` of [`Curvature`]), B the map from modes to the gradient at a
 //! point, and vectors t of all modes:
 //!
 //! H = Σ Bᵀ D B + diag(variation) + Σ c·t tᵀ.
 //!
-//! * One point: D of sec·½e², t = ∂(½e²)/∂modes, c = sec′/e.
+//! * One point: D with `volumetric`, t = α·½∂g/∂modes + β·∂J/∂modes, c = `bend`.
 //! * Four points: D of a quarter of the changes of shape at each point and of the common pressure; t of each point with
-//!   c = sec′/(4e), and t = ∂J̄/∂modes with c = mean sec·(1 − ln J̄)/(3(1−2ν) J̄²).
+//!   c = `bend`/4, and t = ∂J̄/∂modes with c the mean of `volumetric`.
 
 use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell::{self, Modes, Variation, modes, on_faces, turned, turned_back};
 use super::exact::{Element, Exact, Place};
-use super::law::{Deformed, LEAST_VOLUME, Matrix, Slopes, log_volume, per_volume, stress_slopes};
+use super::law::{
+    Curvature, Deformed, Matrix, SolidLaw, StressSlopes, Volume, nominal_stress, stress_slopes,
+};
 use super::stiffness::CORNERS;
 use crate::mesh::stencil::outer;
 use crate::mesh::vec3::{add, dot, scale};
@@ -48,7 +50,7 @@ struct Cell {
 #[derive(Clone, Debug)]
 struct Point {
     at: [f64; 3],
-    slopes: Slopes,
+    slopes: StressSlopes,
 }
 
 impl Tangent {
@@ -75,7 +77,7 @@ impl Tangent {
         let spacing = exact.sheet.spacing_mm();
         exact.each(places, x, |element| {
             let Element { law, modes, slope, height, cell: BorderCell { area, .. }, .. } = &element;
-            let (stress, _) = law.response(cell::gradient(modes.linear, *slope));
+            let stress = nominal_stress(*law, cell::gradient(modes.linear, *slope));
             let squares = dot(stress[0], stress[0]) + dot(stress[1], stress[1]);
             self.squared_forces += squares * (area * spacing * height).powi(2);
             let variation = match element.parity {
@@ -102,43 +104,38 @@ impl Tangent {
         let columns = cell::gradient(modes.linear, *slope);
         let deformed = Deformed::new(columns);
         let shape = deformed.isochoric();
-        let pi = law.pressure(deformed.log_volume(), 0.0);
         let variation = Variation::new(*slope);
-        let square = variation.mean_square(modes);
-        let (secant, bend) = law.secant_and_bend(law.equivalent(shape.g + square, pi));
-        let [x, y, z] = deformed.stress(&shape, law.shear, per_volume(pi, deformed.volume));
-        let variation = variation.weighted(law.shear);
+        let g = shape.g + variation.mean_square(modes);
+        let Curvature { shear, pressure, along: [alpha, beta], bend, volumetric, .. } =
+            law.curvature(g, deformed.volume(), 0.0);
+        let [x, y, z] = deformed.stress(&shape, alpha, beta);
         let linear = [x, y, scale(z, *slope)];
-        self.vectors.push((bend, Modes { linear, ..variation.slopes(modes) }));
-        let slopes = stress_slopes(columns, secant * law.shear, secant * law.bulk, 0.0);
+        self.vectors.push((bend, Modes { linear, ..variation.weighted(alpha).slopes(modes) }));
+        let slopes = stress_slopes(columns, shear, pressure, volumetric);
         self.points.push(Point { at: [0.0; 3], slopes });
-        variation.weighted(secant)
+        variation.weighted(shear)
     }
 
     /// Adds the points and the vectors of a cell.
     fn four_points(&mut self, element: &Element, parity: f64) {
         let Element { law, modes, slope, .. } = element;
         let (points, volume) = cell::deformed_points(modes, *slope, parity);
-        let log = log_volume(volume);
-        let pi = law.pressure(log, 0.0);
-        let least = volume.max(LEAST_VOLUME);
+        let volume = Volume::new(volume);
         let shapes = points.map(|(point, _)| point.isochoric());
-        let responses = shapes.map(|shape| law.secant_and_bend(law.equivalent(shape.g, pi)));
-        let mean = 0.25 * responses.iter().map(|(secant, _)| secant).sum::<f64>();
-        let pressure = 0.25 * mean * per_volume(pi, volume);
+        let curvatures = shapes.map(|shape| law.curvature(shape.g, volume, 0.0));
+        let pressure = 0.25 * mean(curvatures.map(|curvature| curvature.pressure));
         let mut volume_slope = Modes::default();
         for (point, at) in &points {
             volume_slope = sum(&volume_slope, &to_modes(point.cofactors, *at, *slope, 0.25));
         }
         for (k, (point, at)) in points.iter().enumerate() {
-            let (secant, bend) = responses[k];
-            let shape = point.stress(&shapes[k], law.shear, 0.0);
-            let along = volume_slope.weighted(per_volume(pi, volume));
-            self.vectors.push((0.25 * bend, sum(&to_modes(shape, *at, *slope, 1.0), &along)));
-            let slopes = stress_slopes(point.columns, 0.25 * secant * law.shear, 0.0, pressure);
+            let Curvature { shear, along: [alpha, beta], bend, .. } = curvatures[k];
+            let shape = to_modes(point.stress(&shapes[k], alpha, 0.0), *at, *slope, 1.0);
+            self.vectors.push((0.25 * bend, sum(&shape, &volume_slope.weighted(beta))));
+            let slopes = stress_slopes(point.columns, 0.25 * shear, pressure, 0.0);
             self.points.push(Point { at: *at, slopes });
         }
-        let volumetric = mean * law.bulk * (1.0 - log) / (least * least);
+        let volumetric = mean(curvatures.map(|curvature| curvature.volumetric));
         self.vectors.push((volumetric, volume_slope));
     }
 
@@ -221,6 +218,10 @@ impl Tangent {
             }
         }
     }
+}
+
+fn mean(values: [f64; 4]) -> f64 {
+    0.25 * values.iter().sum::<f64>()
 }
 
 fn sum(a: &Modes<f64>, b: &Modes<f64>) -> Modes<f64> {
