@@ -87,7 +87,7 @@ pub fn measure(
         })
     };
     let Some(references) = references else { return Ok(None) };
-    let radius = problem.obstacle.dome.base_radius;
+    let radius = problem.obstacle.dome.reference_length();
     let (n, sheet) = (nodes_per_side, &problem.sheet);
     let errors = |x: &[DVec3], reference: &[DVec3]| {
         let mut errors = Errors::default();

@@ -59,6 +59,12 @@ impl Dome {
         self.base_radius * (1.0 - height * height).max(0.0).sqrt()
     }
 
+    /// The length that tolerances and errors are relative to \[mm\]: the base radius.
+    #[must_use]
+    pub fn reference_length(&self) -> f64 {
+        self.base_radius
+    }
+
     /// The greatest half-axis \[mm\]: no point of the surface moves further than this length times a change of the gauge.
     #[must_use]
     pub fn greatest_half_axis(&self) -> f64 {

@@ -225,7 +225,7 @@ impl Solver {
             (_, _, Some(newton)) => newton.error(),
             _ => f64::INFINITY,
         };
-        error / self.problem.obstacle.dome.base_radius
+        error / self.problem.obstacle.dome.reference_length()
     }
 
     /// See [`Report::estimated_discretisation_error`].
@@ -242,7 +242,7 @@ impl Solver {
         let change = self.multigrid.as_ref()?.change_by_refinement()?;
         Some(
             discretisation::error(change, &self.law, sheet.spacing_mm())
-                / obstacle.dome.base_radius,
+                / obstacle.dome.reference_length(),
         )
     }
 

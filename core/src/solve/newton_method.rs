@@ -61,7 +61,7 @@ impl NewtonMethod {
         let Problem { springs, obstacle, tolerance, .. } = problem;
         match (self, law.layered()) {
             (Self::Sheet(newton), _) => {
-                let tolerance_mm = tolerance * obstacle.dome.base_radius;
+                let tolerance_mm = tolerance * obstacle.dome.reference_length();
                 newton.step(*springs, law.membrane(), obstacle, tolerance_mm)
             }
             (Self::Layered(newton), Some(law)) => newton.step(law, problem),

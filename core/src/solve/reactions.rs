@@ -60,7 +60,7 @@ pub(super) fn of(solution: &Solution) -> PartReactions {
     let (sheet, dome, wall) = (&problem.sheet, &problem.obstacle.dome, problem.obstacle.wall);
     let x = solution.inner();
     let part = solution.part();
-    let touch = TOUCH * dome.base_radius;
+    let touch = TOUCH * dome.reference_length();
     let mut normal = vec![DVec3::ZERO; part.len()];
     let mut touching = vec![false; part.len()];
     for (index, k) in part.nodes().enumerate() {

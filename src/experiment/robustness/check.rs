@@ -57,7 +57,7 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
     if broken > 0 || solver.verdict() == Verdict::Unstable || solver.invalid().is_some() {
         return findings;
     }
-    let tolerance = problem.tolerance * dome.base_radius;
+    let tolerance = problem.tolerance * dome.reference_length();
     require_at_most(&mut findings, "depth in the dome, mm", depth_in_dome(solver), tolerance);
     let depth = x.iter().map(|x| -x.z).fold(0.0, f64::max);
     require_at_most(&mut findings, "depth below the wall, mm", depth, tolerance);
@@ -156,7 +156,7 @@ fn relative_residual(solver: &Solver) -> f64 {
         solver.solution().balanced().into_owned(),
         solver.forces_and_scale(),
     );
-    let touch = 1e-5 * dome.base_radius;
+    let touch = 1e-5 * dome.reference_length();
     let mut has_offset = vec![false; x.len()];
     solver.offset_nodes().iter().for_each(|&(k, _)| has_offset[k] = true);
     let mut residual = 0.0;

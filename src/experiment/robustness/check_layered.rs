@@ -34,7 +34,7 @@ pub(super) fn check(solver: &Solver) -> Checked {
         require_at_most(findings, "converged without a valid shape", found, 0.0);
         return checked;
     }
-    let tolerance = problem.tolerance * problem.obstacle.dome.base_radius;
+    let tolerance = problem.tolerance * problem.obstacle.dome.reference_length();
     require_at_most(findings, "depth in the dome, mm", depth_in_dome(solver), tolerance);
     let depth = solver.positions().iter().map(|x| -x.z).fold(0.0, f64::max);
     require_at_most(findings, "depth below the wall, mm", depth, tolerance);

@@ -84,7 +84,7 @@ impl Ground {
     /// Greatest distances of the nodes from the grid's own equilibrium and from the reference; NaN if a position is not
     /// a number.
     fn errors(&self, x: &[DVec3]) -> Errors {
-        let radius = self.problem.obstacle.dome.base_radius;
+        let radius = self.problem.obstacle.dome.reference_length();
         let length = self.problem.sheet.len();
         let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         let greatest = |x: &[DVec3], solution: &[DVec3]| {

@@ -152,11 +152,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         let is_slow = self.convergence.estimate_error(change, self.parameters);
         // Skin in folds has a slow mode: close to the end further cycles cost less than another attempt.
-        if self.model.layers() > 1 && change <= NEAR_END * self.tolerance * self.base_radius {
+        if self.model.layers() > 1 && change <= NEAR_END * self.tolerance * self.reference_length {
             self.convergence.slow_cycles = 0;
         }
         let parameters = self.parameters;
-        if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.base_radius {
+        if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.reference_length {
             self.mode = Mode::Robust;
         }
         if self.is_on_finest() { self.check_solution() } else { self.check_start() }
@@ -164,14 +164,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Ends a cycle of a coarser grid, whose solution is only a start.
     fn check_start(&mut self) -> State {
-        let Self { convergence, grid, base_radius, parameters, .. } = self;
+        let Self { convergence, grid, reference_length, parameters, .. } = self;
         let (tolerance, most) = match grid {
             grid if *grid == parameters.first_grid => {
                 (parameters.coarsest_tolerance, parameters.max_coarsest_cycles)
             }
             _ => (parameters.start_tolerance, parameters.max_start_cycles),
         };
-        let is_enough = convergence.ending.error <= tolerance * *base_radius;
+        let is_enough = convergence.ending.error <= tolerance * *reference_length;
         if is_enough || convergence.cycles >= most {
             // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well.
             if self.grid == self.parameters.first_grid && !is_enough {
@@ -225,7 +225,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         self.begin_cycle();
         let error = self.convergence.ending.error;
-        if self.draft_tolerance.is_some_and(|draft| error <= draft * self.base_radius) {
+        if self.draft_tolerance.is_some_and(|draft| error <= draft * self.reference_length) {
             self.draft_tolerance = None;
             return State::Draft;
         }
@@ -243,23 +243,23 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Is the error, including neglected contact offsets, within the tolerance?
     fn is_error_tolerable(&self) -> bool {
         let Convergence { ending, neglected_offset, .. } = &self.convergence;
-        ending.error + neglected_offset <= self.tolerance * self.base_radius
+        ending.error + neglected_offset <= self.tolerance * self.reference_length
     }
 
     /// Tests the balance of forces: a small residual is convergence; `max_stagnations` tests whose residual fell by
     /// less than `stagnation_factor` since the previous test are failure.
     fn check_balance(&mut self) -> State {
         self.find_relative_residual();
-        let Self { convergence, base_radius, tolerance, parameters, .. } = self;
+        let Self { convergence, reference_length, tolerance, parameters, .. } = self;
         let residual = convergence.ending.relative_residual;
-        let least = parameters.error_per_residual * residual * *base_radius;
+        let least = parameters.error_per_residual * residual * *reference_length;
         convergence.ending.error =
             convergence.ending.error.max(least) + convergence.neglected_offset;
         let (low, high) = parameters.residual_bounds;
         if convergence.ending.has_inverted_cell && self.stop == Stop::Tolerance {
             return State::Failed;
         }
-        let is_balanced = convergence.ending.error <= *tolerance * *base_radius
+        let is_balanced = convergence.ending.error <= *tolerance * *reference_length
             && (residual <= tolerance.clamp(low, high)
                 || residual <= high && self.levels[self.grid].is_rounded(parameters.roundings));
         if is_balanced || self.stop != Stop::Tolerance {
@@ -294,8 +294,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let spacing = self.grid_spacing();
         let level = &mut self.levels[grid];
         let squares = level.find_residual(&self.model, Contact::OneSided);
-        let greatest = level.find_contact_offsets() * spacing / self.base_radius;
-        self.convergence.neglected_offset = contact_edge::neglected(greatest) * self.base_radius;
+        let greatest = level.find_contact_offsets() * spacing / self.reference_length;
+        self.convergence.neglected_offset =
+            contact_edge::neglected(greatest) * self.reference_length;
         // Offsets within the tolerance are neglected without another cycle.
         let mut fraction = if self.is_error_tolerable() && !is_study {
             0.0
@@ -316,7 +317,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             return Offsets::Neglected;
         }
         self.convergence.neglected_offset = 0.0;
-        let error = self.convergence.ending.error / self.base_radius;
+        let error = self.convergence.ending.error / self.reference_length;
         let is_clear =
             is_study || contact_edge::is_clear(error, greatest) || self.convergence.slow_cycles > 0;
         if !is_clear {

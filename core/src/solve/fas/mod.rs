@@ -67,7 +67,8 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     levels: Vec<Level<M>>,
     model: M,
     parameters: &'static Parameters,
-    base_radius: f64,
+    /// [`Dome::reference_length`](crate::contact::Dome::reference_length) \[mm\].
+    reference_length: f64,
     /// Of the finest grid \[mm\].
     spacing: f64,
     /// Relative to the base radius.
@@ -112,7 +113,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let finest = levels[sides.len() - 1].layout.len();
         Self {
             parameters,
-            base_radius: 1.0,
+            reference_length: 1.0,
             spacing: 1.0,
             tolerance: 0.0,
             stop: Stop::Tolerance,
@@ -232,7 +233,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let Problem { sheet, obstacle, tolerance, .. } = problem;
         self.stop = stop;
         self.draft_tolerance = draft_tolerance;
-        self.base_radius = obstacle.dome.base_radius;
+        self.reference_length = obstacle.dome.reference_length();
         self.spacing = sheet.spacing_mm();
         self.tolerance = tolerance.max(self.parameters.least_tolerance);
         let finest = self.levels.len() - 1;

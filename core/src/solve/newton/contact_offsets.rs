@@ -29,11 +29,11 @@ impl Newton {
             self.contact.offset[k] = offset;
             greatest = greatest.max(offset.abs() * dome.greatest_half_axis());
         }
-        let radius = dome.base_radius;
-        let fraction = contact_edge::fraction(greatest / radius, tolerance / radius);
+        let length = dome.reference_length();
+        let fraction = contact_edge::fraction(greatest / length, tolerance / length);
         self.contact.offset.iter_mut().for_each(|offset| *offset *= fraction);
         if fraction <= 0.0 {
-            self.contact.neglected_offset = contact_edge::neglected(greatest / radius) * radius;
+            self.contact.neglected_offset = contact_edge::neglected(greatest / length) * length;
             return false;
         }
         for &k in &self.free {

@@ -54,7 +54,7 @@ impl Newton {
         if self.model.totals.outside_law {
             return State::Unstable;
         }
-        let touch = TOUCH * obstacle.dome.base_radius;
+        let touch = TOUCH * obstacle.dome.reference_length();
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;
             self.find_contact(obstacle, k, touch);

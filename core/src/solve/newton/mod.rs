@@ -296,7 +296,7 @@ impl Newton {
     /// Finds the active constraints, and adds the dome's curvature under active nodes to the model unless
     /// curvature is off; returns whether all diagonal blocks with curvature are positive definite.
     fn add_contact(&mut self, obstacle: &Obstacle) -> bool {
-        let touch = TOUCH_F64 * obstacle.dome.base_radius;
+        let touch = TOUCH_F64 * obstacle.dome.reference_length();
         let mut is_definite = true;
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;

@@ -101,7 +101,7 @@ impl NestedNewton {
     ) -> State {
         let is_finest = self.is_on_finest();
         let tolerance =
-            if is_finest { tolerance } else { COARSE_TOLERANCE * obstacle.dome.base_radius };
+            if is_finest { tolerance } else { COARSE_TOLERANCE * obstacle.dome.reference_length() };
         let level = &mut self.levels[self.grid];
         let state = level.step(law, obstacle, tolerance);
         if self.start == Start::FromSolution {

@@ -276,7 +276,7 @@ impl Newton {
 
     /// Finds the active constraints, their reactions and the curvature under the reactions.
     fn find_contact(&mut self, obstacle: &Obstacle) {
-        let touch = TOUCH_F64 * obstacle.dome.base_radius;
+        let touch = TOUCH_F64 * obstacle.dome.reference_length();
         self.curvature.clear();
         for &k in &self.free {
             let k = k as usize;

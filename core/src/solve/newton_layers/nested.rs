@@ -97,18 +97,18 @@ impl NestedLayers {
             return State::Stalled;
         }
         let is_finest = self.is_on_finest();
-        let radius = problem.obstacle.dome.base_radius;
+        let length = problem.obstacle.dome.reference_length();
         if self.raised < 1.0 {
             let obstacle = raised(problem.obstacle, self.raised);
             let level = &mut self.levels[0];
-            let tolerance = RISING_TOLERANCE * radius;
+            let tolerance = RISING_TOLERANCE * length;
             if level.step(law, problem, &obstacle, tolerance) != State::Working {
                 self.raised = (self.raised + RAISE).min(1.0);
                 level.start(law, problem, &raised(problem.obstacle, self.raised));
             }
             return State::Working;
         }
-        let tolerance = radius * if is_finest { problem.tolerance } else { COARSE_TOLERANCE };
+        let tolerance = length * if is_finest { problem.tolerance } else { COARSE_TOLERANCE };
         let level = &mut self.levels[self.grid];
         let state = level.step(law, problem, &problem.obstacle, tolerance);
         let is_slow = state == State::Working && level.iterations > MAX_WARM_ITERATIONS;

@@ -176,7 +176,7 @@ impl Newton {
             self.phase = Phase::Robust(SafeguardPhase::ExactHessian { row, purpose });
             return;
         }
-        let touch = TOUCH_F64 * obstacle.dome.base_radius;
+        let touch = TOUCH_F64 * obstacle.dome.reference_length();
         for k in 0..self.free.len() {
             let k = self.free[k] as usize;
             let reaction = self.find_contact(obstacle, k, touch);
