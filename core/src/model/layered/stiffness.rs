@@ -1,6 +1,6 @@
 //! The diagonal blocks of four cells' stiffness, positive by construction, at the middle of the cells.
 //!
-//! With g = F⁻ᵀ∇N and t of the nodes a and b, and the law's [`Curvature`],
+//! With g = F⁻ᵀ∇N and t = (α·½∂g/∂F + β·∂J/∂F)∇N of the nodes a and b, and the law's [`Curvature`],
 //!
 //! K_ab = shear·{½(3/I₁)(∇Nₐ·∇N_b) I + ½min(1, 3/I₁) g_b gₐᵀ − ⅓ gₐ g_bᵀ + variation} + bulk·gₐ g_bᵀ + bend·tₐ t_bᵀ,
 //!
@@ -13,6 +13,7 @@ use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;
 use wide::f32x4;
 
+/// The law of a layer of cells.
 pub(super) type LaneLaw = CurveLaw<f32x4, Buckets<f32x4>>;
 
 /// Column and row of the corners, counter-clockwise.
@@ -85,6 +86,7 @@ impl CellStiffness {
         let quarter = f32x4::splat(0.25);
         let [a, b, c, d] = points.map(|(deformed, at)| {
             let iso = deformed.isochoric();
+            // The cell's change of volume at the point's own J.
             let volume = Volume { log, ..deformed.volume() };
             let curvature = law.curvature(iso.g, volume, augmented);
             let mut point = Self::of(deformed, &iso, &curvature, shape.slope);
