@@ -1,15 +1,14 @@
 //! Preview how skin and adipose stretch over an implant or a tissue expander.
 //!
-//! The window, the page, the command line and the experiments; all modules of the core, [`implant_preview_core`], are
-//! modules here, too. Module order; imports point left only (`tests/modules.rs`):
+//! The window, the page and the command line; all modules of the core, [`implant_preview_core`], are modules here, too.
+//! Module order; imports point left only (`tests/modules.rs`):
 //!
-//! core → `experiment` → `view` → `app` → `platform`
+//! core → charts → lab → `view` → `app` → `platform`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
 #[cfg(feature = "app")]
 pub mod app;
-pub mod experiment;
 pub mod platform;
 pub mod view;
 
@@ -17,5 +16,3 @@ pub use implant_preview_core::{
     clinical, contact, curve, export, measure, mesh, scene, session, simulate, solve, springs,
     study,
 };
-// Of interest to experiments and drawing only.
-use implant_preview_core::model;

@@ -5,12 +5,12 @@
 use glam::DVec2;
 use implant_preview::contact::Dome;
 use implant_preview::curve::Curve;
-use implant_preview::experiment::axisymmetric::{self, AxisymmetricError, Solution};
 use implant_preview::scene::Scene;
 use implant_preview::simulate::simulate;
 use implant_preview::solve::Problem;
 use implant_preview::springs::Material;
 use implant_preview::springs::coupled::equivalent_strain;
+use implant_preview_lab::axisymmetric::{self, AxisymmetricError, Solution};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
 

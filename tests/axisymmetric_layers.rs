@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::curve::{Curve, CurveSpec};
-use implant_preview::experiment::axisymmetric_layers::{self, Attachment, Input, Solution};
 use implant_preview::springs::Material;
+use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, Solution};
 use serde_json::{Value, json};
 
 fn number(of: &Value, name: &str) -> f64 {

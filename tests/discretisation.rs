@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::experiment::robustness::clinical::Clinical;
-use implant_preview::experiment::work_precision::{Face, axisymmetric};
 use implant_preview::mesh::NodeKind;
 use implant_preview::scene::{CellsThrough, Scene};
 use implant_preview::solve::{Solver, Verdict};
+use implant_preview_lab::robustness::clinical::Clinical;
+use implant_preview_lab::work_precision::{Face, axisymmetric};
 
 /// The estimate over the greatest distance of a node of the skin from the limit; `None` without a reference.
 fn ratio(scene: &Scene) -> Option<f64> {

@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::experiment::axisymmetric;
 use implant_preview::measure::Fields;
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::mesh::NodeKind;
@@ -10,6 +9,7 @@ use implant_preview::scene::Scene;
 use implant_preview::simulate::{measure, simulate};
 use implant_preview::solve::{Method, Options, Progress, Solver, Verdict};
 use implant_preview::springs::coupled::{CoupledLaw, LawLayer};
+use implant_preview_lab::axisymmetric;
 use serde_json::{Value, json};
 use std::sync::Arc;
 

@@ -5,12 +5,12 @@
 
 use dhat::{HeapStats, Profiler};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
-use implant_preview::experiment::work_precision::Plan;
 use implant_preview::measure::Status;
 use implant_preview::scene::pins::{PINS_SCHEMA, pins_from_json, pins_json};
 use implant_preview::scene::{CheckedScene, Document, Scene, SceneError, read};
 use implant_preview::simulate::simulate;
 use implant_preview::study::{Axis, Bands, BandsSettings, Map, MapSettings};
+use implant_preview_lab::work_precision::Plan;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};

@@ -3,13 +3,13 @@
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec};
-use implant_preview::experiment::sample::{STABILITY_THRESHOLD, Sample};
-use implant_preview::experiment::stability::row;
 use implant_preview::springs::Material;
 use implant_preview::springs::Springs;
 use implant_preview::springs::coupled::{CoupledLaw, LawLayer};
 use implant_preview::springs::paper::{self, Spring};
 use implant_preview::springs::stability::{Lattice, Limits, Load, Search, Stack, Wave};
+use implant_preview_lab::sample::{STABILITY_THRESHOLD, Sample};
+use implant_preview_lab::stability::row;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
 const LAWS: [Springs; 2] = [Springs::Nikolaev, Springs::Coupled];

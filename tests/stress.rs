@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::experiment::robustness::{
-    Ending, LayeredSummary, Population, Summary, check, examine, run, run_of, scene_of,
-};
 use implant_preview::scene::Scene;
 use implant_preview::solve::Solver;
+use implant_preview_lab::robustness::{
+    Ending, LayeredSummary, Population, Summary, check, examine, run, run_of, scene_of,
+};
 
 /// Scenes that once failed, converged to a wrong position or converged prematurely, with their outcome.
 const ONCE_FAILED: [(&str, &str, Ending); 35] = [
@@ -222,7 +222,7 @@ fn a_random_layered_scene_depends_on_population_seed_and_number_alone() {
         assert!((0..50).all(|case| of(case).is_layered() && of(case).solver.nodes_per_side <= 33));
     }
     let sheet = scene_of(Population::Sheet, 3, 7, 33);
-    assert_eq!(sheet, implant_preview::experiment::robustness::scene(3, 7, 33));
+    assert_eq!(sheet, implant_preview_lab::robustness::scene(3, 7, 33));
     assert!(!sheet.is_layered());
 }
 

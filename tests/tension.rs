@@ -2,9 +2,9 @@
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve};
-use implant_preview::experiment::sample::Sample;
-use implant_preview::experiment::tension::{LOADS, Protocol, Report, Status, Test, run};
 use implant_preview::springs::Springs;
+use implant_preview_lab::sample::Sample;
+use implant_preview_lab::tension::{LOADS, Protocol, Report, Status, Test, run};
 
 /// The Poisson ratios of the paper's charts.
 const POISSON_RATIOS: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.45, 0.49];

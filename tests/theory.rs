@@ -5,12 +5,12 @@
 
 use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec};
-use implant_preview::experiment::axisymmetric;
-use implant_preview::experiment::sample::Sample;
 use implant_preview::scene::Scene;
 use implant_preview::simulate::simulate;
 use implant_preview::solve::{Method, Options, Problem, Progress, Solver};
 use implant_preview::springs::Springs;
+use implant_preview_lab::axisymmetric;
+use implant_preview_lab::sample::Sample;
 use serde_json::json;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 

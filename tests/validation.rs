@@ -3,14 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::curve::{Curve, ScaledCurve};
-use implant_preview::experiment::axisymmetric_layers::{self, Attachment, Input, Solution};
-use implant_preview::experiment::measurements::{
-    Comparison, Row, expander, fat, skin_pull, treloar,
-};
-use implant_preview::experiment::verification;
 use implant_preview::scene::Scene;
 use implant_preview::simulate::simulate;
 use implant_preview::springs::Material;
+use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, Solution};
+use implant_preview_lab::measurements::{Comparison, Row, expander, fat, skin_pull, treloar};
+use implant_preview_lab::verification;
 use serde_json::{Value, json};
 
 fn number(of: &Value, name: &str) -> f64 {

@@ -120,7 +120,7 @@ async fn rest() {
 
 #[wasm_bindgen_test]
 async fn random_scenes_satisfy_all_invariants() {
-    use implant_preview::experiment::robustness::{Ending, run};
+    use implant_preview_lab::robustness::{Ending, run};
     for number in 0..500 {
         let case = run(5, number, 25);
         assert!(case.ending != Ending::Failed, "{case:?}");

@@ -1,9 +1,9 @@
 //! The study of run time against error: properties of its rows.
 
-use implant_preview::experiment::work_precision::{
+use implant_preview::scene::Scene;
+use implant_preview_lab::work_precision::{
     Case, Face, Method, Plan, Profile, Row, Status, Study, axisymmetric, run, table, time_to,
 };
-use implant_preview::scene::Scene;
 use serde_json::{Value, json};
 use std::time::Instant;
 

@@ -2,7 +2,7 @@
 //!
 //! Command line, JavaScript API and studies compute by [`run`].
 //!
-//! Uses `scene` and all to its left. Used by `study`, `session`, `experiment`, `platform`.
+//! Uses `scene` and all to its left. Used by `study`, `session`, the lab, `platform`.
 
 use crate::measure::{self, Fields, Outcome, Selection};
 use crate::scene::{CheckedScene, Scene, SceneError};

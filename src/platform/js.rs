@@ -3,12 +3,12 @@
 //! Scenes and results are JSON text, as documented in `docs/formats.md` and by [`schema`].
 
 use super::text::{text, text_or_nothing};
-use crate::experiment::charts::work_precision::draw;
-use crate::experiment::work_precision::{Plan, Study, axisymmetric};
 use crate::measure::Selection;
 use crate::scene::{self, CheckedScene, Scene};
 use crate::simulate::Simulator;
 use crate::solve::Options;
+use implant_preview_lab::charts::work_precision::draw;
+use implant_preview_lab::work_precision::{Plan, Study, axisymmetric};
 use std::cell::RefCell;
 use wasm_bindgen::prelude::*;
 

@@ -6,9 +6,9 @@
 
 use crate::measure::Stack;
 use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
-use crate::model::membrane::stack::offset;
 use crate::solve::{Problem, Solution};
 use glam::{Vec2, Vec3};
+use implant_preview_core::model::membrane::stack::offset;
 
 /// Width of the ring of unsimulated tissue, relative to the pocket radius, at least twice the stack.
 const RING_WIDTH: f32 = 0.2;

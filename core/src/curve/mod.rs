@@ -5,7 +5,7 @@
 //! the description in a scene file, [`ScaledCurve`] adds the scales of strain and stress, [`Curve`] is the validated,
 //! callable curve.
 //!
-//! Uses no other module of this crate. Used by `springs`, `scene`, `experiment` and the views.
+//! Uses no other module of this crate. Used by `springs`, `scene`, the lab and the views.
 //!
 //! Three assumptions that the paper does not state:
 //! * compression is the odd extension, `Ef(−ε) = −Ef(ε)`;

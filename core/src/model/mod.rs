@@ -3,7 +3,7 @@
 //! `ElasticModel` is the interface between a body and full multigrid. `membrane`: a sheet of bonded layers
 //! without bending stiffness, one node in a column. `layered`: skin on solid layers. `columns`: what a smoother inverts.
 //!
-//! Uses `number`, `springs`, `mesh`, `contact` (the dome's apex). Used by `solve`, `measure`, `experiment` and `view`.
+//! Uses `number`, `springs`, `mesh`, `contact` (the dome's apex). Used by `solve`, `measure`, the lab and `view`.
 
 pub(crate) mod columns;
 pub mod layered;

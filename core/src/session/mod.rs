@@ -3,7 +3,7 @@
 //! The app and the page send [`Command`]s; [`Session::apply`] executes a command, and a rejected command changes
 //! nothing. [`Session::advance`] runs a slice of the solve, [`Session::advance_pins`] of the solve of a pinned scene.
 //!
-//! Uses all modules to its left. Used by `experiment`, `view`, `app` and `platform`.
+//! Uses all modules to its left. Used by the lab, `view`, `app` and `platform`.
 
 mod command;
 mod pins;

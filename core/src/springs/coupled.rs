@@ -14,7 +14,7 @@
 //! The reference: [`biot_stress`] and [`principal_response`], from the curve itself. [`CoupledLaw`]: a stack of layers
 //! with tables, by principal strains here, by invariants in `closed_form`.
 //!
-//! Uses `curve`, `number`. Used by `model`, `measure`, `experiment`.
+//! Uses `curve`, `number`. Used by `model`, `measure`, the lab.
 
 use super::closed_form::{self, Group, GroupNumbers};
 use super::table::{Buckets, Table, Weight};

@@ -1,7 +1,7 @@
 //! Level lines and level regions of values on a rectangular grid, by marching squares.
 //!
 //! Values are interpolated linearly along the grid's edges. Lines end at cells with a missing value (not a number).
-//! Uses no other module of this crate. Used by `map` and by the charts of `experiment`.
+//! Uses no other module of this crate. Used by `map` and by the charts of the lab.
 
 use std::collections::BTreeMap;
 

@@ -9,10 +9,10 @@ use crate::app::texts::tr;
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{rejection_label, remark};
 use crate::app::{App, theme};
-use crate::experiment::charts::scene_map;
 use crate::scene::Scene;
 use crate::study::{CHECK, Map, Parameter, PointStatus, Quantity, with_values};
 use eframe::egui::{self, Button, RichText, Ui};
+use implant_preview_charts::scene_map;
 
 impl Range {
     /// The lines below the chart: progress, accuracy, pocket, points without an answer, failures.

@@ -3,9 +3,9 @@
 use super::output::{self, File, OutputFolder};
 use super::stress::tissue_model;
 use super::{ExitStatus, InputError};
-use crate::experiment::charts::work_precision::draw;
-use crate::experiment::work_precision::{Case, Plan, Study, axisymmetric};
 use crate::scene::TissueModel;
+use implant_preview_lab::charts::work_precision::draw;
+use implant_preview_lab::work_precision::{Case, Plan, Study, axisymmetric};
 use std::path::Path;
 use std::time::Instant;
 

@@ -3,12 +3,12 @@
 use super::output::{self, File, OutputFolder, springs_name};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
-use crate::experiment::charts::stability_map::{Map, draw};
-use crate::experiment::stability::{Point, row};
 use crate::export::number;
 use crate::scene::limits;
 use crate::springs::Springs;
 use crate::springs::stability::Load;
+use implant_preview_lab::charts::stability_map::{Map, draw};
+use implant_preview_lab::stability::{Point, row};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::Path;

@@ -2,9 +2,11 @@
 
 use super::output::{self, File, STANDARD};
 use super::{ExitStatus, InputError, in_range};
-use crate::experiment::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
-use crate::experiment::robustness::{Case, LayeredSummary, Population, Summary, panicked, run_of};
 use crate::scene::{TissueModel, limits};
+use implant_preview_lab::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
+use implant_preview_lab::robustness::{
+    Case, LayeredSummary, Population, Summary, panicked, run_of,
+};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -2,7 +2,6 @@
 
 use super::output::{self, File, OutputFolder};
 use super::{ExitStatus, InputError, in_range, input};
-use crate::experiment::charts::scene_map;
 use crate::export::number;
 use crate::platform::runner::{Threads, evaluate};
 use crate::scene::read::{self, Format};
@@ -11,6 +10,7 @@ use crate::study::{
     Axis, Bands, BandsSettings, Cases, Job, Map, MapSettings, NOTES, PointStatus, Quantity,
     SAMPLES, Study, Unknown, run as run_study,
 };
+use implant_preview_charts::scene_map;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 

@@ -3,11 +3,11 @@
 use super::output::{self, File, springs_name};
 use super::{ExitStatus, InputError, in_range, input};
 use crate::curve::{Curve, CurveSpec, Fat};
-use crate::experiment::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
 use crate::export::{number, quoted};
 use crate::scene::read;
 use crate::springs::Springs;
 use clap::ValueEnum;
+use implant_preview_lab::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
 use std::path::{Path, PathBuf};
 
 /// Header of the table.

@@ -2,10 +2,10 @@
 
 use super::output::{self, File, OutputFolder};
 use super::{ExitStatus, InputError};
-use crate::experiment::accuracy::{csv, markdown, measure};
-use crate::experiment::charts::measurement::draw;
-use crate::experiment::work_precision::Case;
-use crate::experiment::{measurements, verification};
+use implant_preview_lab::accuracy::{csv, markdown, measure};
+use implant_preview_lab::charts::measurement::draw;
+use implant_preview_lab::work_precision::Case;
+use implant_preview_lab::{measurements, verification};
 use std::path::Path;
 
 #[derive(clap::Args)]

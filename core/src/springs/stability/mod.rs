@@ -5,7 +5,7 @@
 //! ([`Lattice::weakest_wave`]) and out of the plane ([`Lattice::out_of_plane`]); [`Limits`] the strains
 //! without a stable homogeneous state.
 //!
-//! Uses `curve`, `coupled` and `paper`. Used by `session`, `experiment`, `view` and `app`.
+//! Uses `curve`, `coupled` and `paper`. Used by `session`, the lab, `view` and `app`.
 
 mod lattice;
 

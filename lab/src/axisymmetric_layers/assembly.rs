@@ -1,0 +1,237 @@
+//! Mesh and elastic energy of the tissue: cells of the solids, rings of the skin and of the attachment.
+//!
+//! Node (i, j): column i from the axis, row j from the inner face; its coordinates r, z are the numbers 2(i·rows + j)
+//! and the next one.
+//!
+//! Uses `springs`, `banded`, `element`, `law`. Used by `newton`, `mod`.
+
+use super::banded::Banded;
+use super::element::{Attachment, Quadrilateral, Skin, SkinRing};
+use super::law::SolidLaw;
+use implant_preview_core::springs::Material;
+
+/// Fraction of the cells within the pocket, relative to the pocket's fraction of the patch radius \[-\]. A column of
+/// nodes is at the pocket's radius.
+const POCKET_REFINEMENT: f64 = 1.2;
+
+/// The tissue: elements with their laws.
+pub(super) struct Tissue {
+    /// Numbers of columns and rows of nodes.
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    /// Coordinates at rest \[mm\].
+    pub(super) rest: Vec<f64>,
+    skin: Skin,
+    rings: Vec<SkinRing>,
+    laws: Vec<SolidLaw>,
+    /// Number of the law of each row of cells.
+    law_of_row: Vec<usize>,
+    /// Cells, column after column.
+    cells: Vec<Quadrilateral>,
+    /// Attachment of each ring of the inner face, \[M₀₀, M₀₁, M₁₁\] \[kPa·mm\].
+    attachment: Vec<[f64; 3]>,
+}
+
+impl Tissue {
+    /// Layers from the skin inwards, at least two, and whether the skin wrinkles; `cells`: along the radius, through the solids.
+    pub(super) fn new(
+        (layers, skin_wrinkles): (&[Material], bool),
+        [columns, rows]: [usize; 2],
+        patch_radius_mm: f64,
+        (attachment, pocket_radius_mm): (Attachment, f64),
+    ) -> Self {
+        let solids: Vec<&Material> = layers[1..].iter().rev().collect();
+        let thickness: Vec<f64> = solids.iter().map(|solid| solid.thickness_mm).collect();
+        let mut heights = Vec::new();
+        let mut law_of_row = Vec::new();
+        for (number, count) in shared_cells(&thickness, rows).into_iter().enumerate() {
+            heights.extend(std::iter::repeat_n(thickness[number] / count as f64, count));
+            law_of_row.extend(std::iter::repeat_n(number, count));
+        }
+        let within = POCKET_REFINEMENT * pocket_radius_mm / patch_radius_mm * columns as f64;
+        let within = (within.round() as usize).clamp(1, columns - 1);
+        let radius = |i: usize| {
+            if i <= within {
+                pocket_radius_mm * i as f64 / within as f64
+            } else {
+                let share = (i - within) as f64 / (columns - within) as f64;
+                pocket_radius_mm + share * (patch_radius_mm - pocket_radius_mm)
+            }
+        };
+        let ring = |i: usize| [radius(i), radius(i + 1)];
+        let mut rest = Vec::new();
+        for i in 0..=columns {
+            let mut height = 0.0;
+            rest.extend([radius(i), height]);
+            for cell in &heights {
+                height += cell;
+                rest.extend([radius(i), height]);
+            }
+        }
+        let cells = (0..columns)
+            .flat_map(|i| heights.iter().map(move |height| Quadrilateral::new(ring(i), *height)));
+        Self {
+            columns: columns + 1,
+            rows: heights.len() + 1,
+            rest,
+            skin: Skin { material: layers[0].clone(), wrinkles: skin_wrinkles },
+            rings: (0..columns).map(|i| SkinRing::new(ring(i))).collect(),
+            laws: solids.iter().map(|s| SolidLaw::new(&s.curve, s.poisson_ratio)).collect(),
+            law_of_row,
+            cells: cells.collect(),
+            attachment: (0..columns).map(|i| attachment.ring(ring(i), pocket_radius_mm)).collect(),
+        }
+    }
+
+    /// Material radius of a column \[mm\].
+    pub(super) fn radius(&self, column: usize) -> f64 {
+        self.rest[self.number(column, 0)]
+    }
+
+    /// The cell with a material radius \[mm\], and the fraction of its width within that radius \[-\].
+    pub(super) fn locate(&self, radius_mm: f64) -> (usize, f64) {
+        let (mut low, mut high) = (0, self.columns - 1);
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            if self.radius(middle) <= radius_mm { low = middle } else { high = middle }
+        }
+        (low, (radius_mm - self.radius(low)) / (self.radius(high) - self.radius(low)))
+    }
+
+    /// Positions of this mesh at the nodes of another one of the same tissue, bilinear in each cell.
+    pub(super) fn interpolate(&self, x: &[f64], other: &Self) -> Vec<f64> {
+        let heights: Vec<f64> = (0..self.rows).map(|row| self.rest[2 * row + 1]).collect();
+        let node = |rest: &[f64]| {
+            let (column, a) = self.locate(rest[0]);
+            let row = heights.partition_point(|h| *h <= rest[1]).clamp(1, self.rows - 1) - 1;
+            let b = (rest[1] - heights[row]) / (heights[row + 1] - heights[row]);
+            let corner = |i: usize, j: usize, k: usize| x[self.number(column + i, row + j) + k];
+            [0, 1].map(|k| {
+                (1.0 - b) * ((1.0 - a) * corner(0, 0, k) + a * corner(1, 0, k))
+                    + b * ((1.0 - a) * corner(0, 1, k) + a * corner(1, 1, k))
+            })
+        };
+        let mut found: Vec<f64> = other.rest.chunks_exact(2).flat_map(node).collect();
+        for n in other.fixed() {
+            found[n] = other.rest[n];
+        }
+        found
+    }
+
+    /// Number of the coordinate r of a node; the next number is z.
+    pub(super) fn number(&self, column: usize, row: usize) -> usize {
+        2 * (column * self.rows + row)
+    }
+
+    /// Coordinates without a degree of freedom: r on the axis, both on the rim.
+    pub(super) fn fixed(&self) -> impl Iterator<Item = usize> + '_ {
+        let axis = (0..self.rows).map(|row| self.number(0, row));
+        axis.chain(self.number(self.columns - 1, 0)..self.rest.len())
+    }
+
+    pub(super) fn matrix(&self) -> Banded {
+        Banded::zero(self.rest.len(), 2 * self.rows + 3)
+    }
+
+    fn cell_numbers(&self, column: usize, row: usize) -> [usize; 8] {
+        let (a, b) = (self.number(column, row), self.number(column + 1, row));
+        [a, a + 1, b, b + 1, b + 2, b + 3, a + 2, a + 3]
+    }
+
+    fn ring_numbers(&self, column: usize, row: usize) -> [usize; 4] {
+        let (a, b) = (self.number(column, row), self.number(column + 1, row));
+        [a, a + 1, b, b + 1]
+    }
+
+    /// Elastic energy \[µJ\]; infinite if a cell is inverted.
+    pub(super) fn energy(&self, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for column in 0..self.columns - 1 {
+            for (row, law) in self.law_of_row.iter().enumerate() {
+                let at = self.cell_numbers(column, row).map(|n| x[n]);
+                sum += self.cells[column * (self.rows - 1) + row].energy(&self.laws[*law], &at);
+            }
+            let top = self.ring_numbers(column, self.rows - 1).map(|n| x[n]);
+            sum += self.rings[column].energy(&self.skin, &top);
+            let bottom = self.ring_numbers(column, 0);
+            let [r0, z0, r1, z1] = bottom.map(|n| x[n] - self.rest[n]);
+            let [m00, m01, m11] = self.attachment[column];
+            sum += 0.5 * (m00 * (r0 * r0 + z0 * z0) + m11 * (r1 * r1 + z1 * z1))
+                + m01 * (r0 * r1 + z0 * z1);
+        }
+        sum
+    }
+
+    /// Energy \[µJ\]; writes gradient \[mN\] and Hessian \[N/m\]. `None` if a cell is inverted.
+    pub(super) fn linearise(
+        &self,
+        x: &[f64],
+        gradient: &mut [f64],
+        hessian: &mut Banded,
+    ) -> Option<f64> {
+        gradient.fill(0.0);
+        hessian.clear();
+        let mut sum = 0.0;
+        for column in 0..self.columns - 1 {
+            for (row, law) in self.law_of_row.iter().enumerate() {
+                let numbers = self.cell_numbers(column, row);
+                let cell = self.cells[column * (self.rows - 1) + row]
+                    .linearise(&self.laws[*law], &numbers.map(|n| x[n]))?;
+                sum += cell.energy;
+                scatter(&numbers, &cell.gradient, &cell.hessian, gradient, hessian);
+            }
+            let numbers = self.ring_numbers(column, self.rows - 1);
+            let ring = self.rings[column].linearise(&self.skin, &numbers.map(|n| x[n]));
+            sum += ring.energy;
+            scatter(&numbers, &ring.gradient, &ring.hessian, gradient, hessian);
+            let numbers = self.ring_numbers(column, 0);
+            let u = numbers.map(|n| x[n] - self.rest[n]);
+            let [m00, m01, m11] = self.attachment[column];
+            let m = [
+                [m00, 0.0, m01, 0.0],
+                [0.0, m00, 0.0, m01],
+                [m01, 0.0, m11, 0.0],
+                [0.0, m01, 0.0, m11],
+            ];
+            let force = m.map(|row| row.iter().zip(&u).map(|(m, u)| m * u).sum());
+            sum += 0.5 * force.iter().zip(&u).map(|(f, u): (&f64, &f64)| f * u).sum::<f64>();
+            scatter(&numbers, &force, &m, gradient, hessian);
+        }
+        Some(sum)
+    }
+}
+
+fn scatter<const N: usize>(
+    numbers: &[usize; N],
+    from: &[f64; N],
+    stiffness: &[[f64; N]; N],
+    gradient: &mut [f64],
+    hessian: &mut Banded,
+) {
+    for i in 0..N {
+        gradient[numbers[i]] += from[i];
+        for j in 0..N {
+            hessian.add(numbers[i], numbers[j], stiffness[i][j]);
+        }
+    }
+}
+
+/// Numbers of cells of the solids: by thickness, rounded (ties to even), at least one each.
+fn shared_cells(thickness: &[f64], cells: usize) -> Vec<usize> {
+    let total: f64 = thickness.iter().sum();
+    let one = |h: &f64| ((cells as f64 * h / total).round_ties_even() as usize).max(1);
+    thickness.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_shared_by_thickness_and_every_solid_has_one() {
+        assert_eq!(shared_cells(&[10.0], 4), [4]);
+        assert_eq!(shared_cells(&[6.0, 10.0], 4), [2, 2]);
+        assert_eq!(shared_cells(&[6.0, 10.0], 12), [4, 8]);
+        assert_eq!(shared_cells(&[0.5, 30.0, 1.0], 1), [1, 1, 1]);
+    }
+}

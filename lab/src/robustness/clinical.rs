@@ -1,0 +1,258 @@
+//! Random patients under round implants: solved once each, without comparisons.
+//!
+//! Distributions: spread between people as in `clinical::spread`; base radius 45–75 mm and volume 120–600 ml with
+//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant.
+
+use super::{
+    Case, Ending, Endings, Population, check_layered, nodes, random, scenes::uniform, solve,
+};
+use fastrand::Rng;
+use implant_preview_core::clinical::Size;
+use implant_preview_core::curve::{CurveSpec, Fat};
+use implant_preview_core::scene::{Scene, limits};
+use implant_preview_core::solve::{Method, Options, Solver, Verdict};
+use implant_preview_core::study::normal_quantile;
+use serde::Serialize;
+
+/// Base radius \[mm\].
+const BASE_RADIUS_MM: (f64, f64) = (45.0, 75.0);
+/// Volume of the implant \[ml\].
+const VOLUME_ML: (f64, f64) = (120.0, 600.0);
+/// Projection relative to the base radius \[-\].
+const PROJECTION: (f64, f64) = (0.4, 1.0);
+/// Pinch \[mm\]; half of it is the cover.
+const PINCH_MM: (f64, f64) = (10.0, 50.0);
+/// Pocket beyond the implant: mean and standard deviation \[mm\].
+const MARGIN_MM: (f64, f64) = (10.0, 2.5);
+/// Thickness of the skin: mean and standard deviation \[mm\].
+const SKIN_MM: (f64, f64) = (1.55, 0.25);
+/// Strain scale of the skin: median, geometric standard deviation \[-\].
+const STRAIN_SCALE: (f64, f64) = (0.65, 1.9);
+/// Bounds of the strain scale \[-\].
+const STRAIN_SCALES: (f64, f64) = (0.15, 3.0);
+/// Stress scale of the skin, factor of the cover: median, geometric standard deviation \[-\].
+const FACTOR: (f64, f64) = (1.0, 1.3);
+/// Stress scale of the fat: median, geometric standard deviation \[-\].
+const FAT_SCALE: (f64, f64) = (1.0, 1.6);
+/// Initial modulus of an exponential fat: median \[kPa\], geometric standard deviation \[-\].
+const MODULUS_KPA: (f64, f64) = (4.0, 1.8);
+
+/// What all scenes of a run share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Clinical {
+    /// Poisson ratio of the fat \[-\].
+    pub fat_poisson_ratio: f64,
+    /// Rate of an exponential in place of the curve `fat` \[-\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fat_rate: Option<f64>,
+    /// Nodes per side.
+    pub nodes_per_side: usize,
+    /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
+    pub measures_errors: bool,
+}
+
+/// Tolerance of the solution that errors are measured against \[base radius\].
+pub const FINE_TOLERANCE: f64 = 1e-5;
+
+fn normal(rng: &mut Rng, (mean, deviation): (f64, f64)) -> f64 {
+    mean + deviation * normal_quantile(rng.f64().clamp(1e-9, 1.0 - 1e-9))
+}
+
+fn log_normal(rng: &mut Rng, (median, factor): (f64, f64)) -> f64 {
+    median * factor.powf(normal(rng, (0.0, 1.0)))
+}
+
+impl Clinical {
+    /// The random scene of a case, of tolerance 1e-3.
+    #[must_use]
+    pub fn scene(self, seed: u64, case: u64) -> Scene {
+        let rng = &mut random(seed, case);
+        let mut scene = Scene::opening();
+        scene.patient = None;
+        let (radius, projection) = loop {
+            let radius = uniform(rng, BASE_RADIUS_MM);
+            let volume = uniform(rng, VOLUME_ML);
+            let Ok(size) = Size::of_width_and_volume(2.0 * radius, volume) else { continue };
+            let projection = size.projection_mm();
+            if (PROJECTION.0..=PROJECTION.1).contains(&(projection / radius)) {
+                break (radius, projection);
+            }
+        };
+        scene.implant.base_radius_mm = radius;
+        scene.implant.projection_mm = projection;
+        let cover = 0.5 * uniform(rng, PINCH_MM) * log_normal(rng, FACTOR);
+        let skin = normal(rng, SKIN_MM).max(0.5);
+        scene.layers[0].thickness_mm = skin;
+        scene.layers[0].curve.strain_scale =
+            log_normal(rng, STRAIN_SCALE).clamp(STRAIN_SCALES.0, STRAIN_SCALES.1);
+        scene.layers[0].curve.stress_scale = log_normal(rng, FACTOR);
+        let fat = &mut scene.layers[1];
+        let (least, most) = limits::THICKNESS_MM;
+        fat.thickness_mm = (cover - skin).clamp(least, most);
+        fat.poisson_ratio = self.fat_poisson_ratio;
+        match self.fat_rate {
+            None => {
+                fat.curve.spec = CurveSpec::Fat { variant: Fat::Mid };
+                fat.curve.stress_scale = log_normal(rng, FAT_SCALE);
+            }
+            Some(rate) => {
+                let scale_kpa = log_normal(rng, MODULUS_KPA) / rate;
+                fat.curve.spec = CurveSpec::Exponential { scale_kpa, rate };
+            }
+        }
+        scene.set_pocket_radius(radius + normal(rng, MARGIN_MM).max(0.0));
+        scene.solver.nodes_per_side = self.nodes_per_side;
+        scene.solver.tolerance = 1e-3;
+        scene
+    }
+
+    /// Solves the scene of a case and checks its invariants.
+    #[must_use]
+    pub fn run(self, seed: u64, case: u64, clock: super::Clock) -> ClinicalCase {
+        let scene = self.scene(seed, case);
+        let start = clock.map(|clock| clock());
+        let solver = solve(&scene, Options::default());
+        let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
+        let mut outcome =
+            Case { case, time_ms, population: Population::Realistic, ..Case::of(scene) };
+        let Some(solver) = solver else {
+            return ClinicalCase { case: outcome, attempts: 0, by_newton: false, error: None };
+        };
+        let checked = check_layered::check(&solver);
+        outcome.findings = checked.findings;
+        outcome.least_volume_ratio = checked.least_volume_ratio;
+        outcome.inverted_corners = checked.inverted_corners;
+        outcome.end(&solver, false);
+        let by_newton = solver.report().method == Method::Newton;
+        let is_measured = self.measures_errors && outcome.ending == Ending::Converged;
+        let error = is_measured.then(|| error(&outcome.scene, &solver)).flatten();
+        ClinicalCase { case: outcome, attempts: solver.attempts(), by_newton, error }
+    }
+}
+
+/// Greatest distance of a node from the solution of a smaller tolerance on the same grid \[base radius\]; `None` if that solve
+/// does not converge.
+fn error(scene: &Scene, solver: &Solver) -> Option<f64> {
+    let mut fine = scene.clone();
+    fine.solver.tolerance = FINE_TOLERANCE;
+    let fine = solve(&fine, Options::default()).filter(|s| s.verdict() == Verdict::Converged)?;
+    let distances = nodes(solver).into_iter().zip(nodes(&fine)).map(|(a, b)| a.distance(b));
+    Some(distances.fold(0.0, f64::max) / scene.implant.base_radius_mm)
+}
+
+/// A case of a clinical run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClinicalCase {
+    /// The case.
+    #[serde(flatten)]
+    pub case: Case,
+    /// Attempts of the solver; 0 of a rejected scene.
+    pub attempts: u32,
+    /// Did Newton's method end the solve?
+    pub by_newton: bool,
+    /// Greatest position error \[base radius\], if measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+}
+
+/// The summary of a clinical run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClinicalSummary {
+    /// The seed.
+    pub seed: u64,
+    /// What all scenes share.
+    #[serde(flatten)]
+    pub clinical: Clinical,
+    /// Numbers of cases by outcome.
+    #[serde(flatten)]
+    pub endings: Endings,
+    /// Cases that converged in the first attempt.
+    pub first_attempt: u64,
+    /// Cases that converged by multigrid.
+    pub by_multigrid: u64,
+    /// Work \[force evaluations of the finest grid\]: median, 95th percentile, greatest.
+    pub work_units: [f64; 3],
+    /// Time of a solve \[ms\]: median, 95th percentile, greatest; `None` without a clock.
+    pub time_ms: Option<[f64; 3]>,
+    /// Measured position error \[base radius\]: median, 95th percentile, greatest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<[f64; 3]>,
+    /// Measured error relative to its estimate \[-\]: median, 95th percentile, greatest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_per_estimate: Option<[f64; 3]>,
+    /// Cases whose measured error is above the tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub above_tolerance: Option<u64>,
+    /// Cases that did not converge or failed a check, and the case of most work.
+    pub worst: Vec<ClinicalCase>,
+}
+
+/// Median, 95th percentile and greatest number.
+fn spread(mut numbers: Vec<f64>) -> Option<[f64; 3]> {
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len().checked_sub(1)?;
+    let at = |share: f64| numbers[(share * last as f64).round() as usize];
+    Some([at(0.5), at(0.95), at(1.0)])
+}
+
+impl ClinicalSummary {
+    /// Summarises cases in their order.
+    #[must_use]
+    pub fn new(seed: u64, clinical: Clinical, cases: &[ClinicalCase]) -> Self {
+        let mut endings = Endings::default();
+        cases.iter().for_each(|case| endings.add(&case.case));
+        let is_converged = |c: &&ClinicalCase| c.case.ending == Ending::Converged;
+        let converged = || cases.iter().filter(is_converged);
+        let errors = || cases.iter().filter_map(|c| Some((c, c.error?)));
+        let is_above = |(c, error): &(&ClinicalCase, f64)| *error > c.case.scene.solver.tolerance;
+        let per_estimate =
+            |(c, error): (&ClinicalCase, f64)| Some(error / c.case.estimated_position_error?);
+        let costliest = cases.iter().max_by(|a, b| a.case.work_units.total_cmp(&b.case.work_units));
+        Self {
+            seed,
+            clinical,
+            endings,
+            first_attempt: converged().filter(|c| c.attempts == 1).count() as u64,
+            by_multigrid: converged().filter(|c| !c.by_newton).count() as u64,
+            work_units: spread(cases.iter().map(|c| c.case.work_units).collect())
+                .unwrap_or_default(),
+            time_ms: spread(cases.iter().filter_map(|c| c.case.time_ms).collect()),
+            error: spread(errors().map(|(_, error)| error).collect()),
+            error_per_estimate: spread(errors().filter_map(per_estimate).collect()),
+            above_tolerance: clinical
+                .measures_errors
+                .then(|| errors().filter(is_above).count() as u64),
+            worst: cases.iter().filter(|c| !is_converged(c)).chain(costliest).cloned().collect(),
+        }
+    }
+
+    /// Did every case converge?
+    #[must_use]
+    pub fn all_converged(&self) -> bool {
+        self.endings.converged == self.endings.cases
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_is_valid_and_within_the_distributions() {
+        for (fat_rate, nodes_per_side) in [(None, 65), (Some(10.0), 33)] {
+            let clinical = Clinical {
+                fat_poisson_ratio: 0.49,
+                fat_rate,
+                nodes_per_side,
+                measures_errors: false,
+            };
+            for case in 0..500 {
+                let scene = clinical.scene(7, case);
+                assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
+                let slope = scene.implant.projection_mm / scene.implant.base_radius_mm;
+                assert!((PROJECTION.0..=PROJECTION.1).contains(&slope));
+                assert!(scene.skin_wrinkles());
+            }
+        }
+    }
+}

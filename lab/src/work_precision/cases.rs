@@ -1,0 +1,150 @@
+//! Scenes of the study: centred domes with an axisymmetric reference solution.
+
+use implant_preview_core::curve::CurveSpec;
+use implant_preview_core::scene::{
+    AttachmentSettings, Body, CellsThrough, Implant, Layer, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene,
+    SolverSettings, Springs, TissueModel,
+};
+use serde::{Deserialize, Serialize};
+
+/// A scene of the study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Case {
+    /// The default scene of the app: skin and adipose on a 55 mm hemisphere, pocket 70 mm.
+    Default,
+    /// One linear layer, ν = 1/3, pocket 1.5 times as wide as the dome.
+    LinearThird,
+    /// Skin alone, pocket as wide as the dome: the sheet is stretched to twice its area.
+    SkinEquator,
+    /// Skin and adipose, the dome raised to 60 % of its height.
+    SkinAdiposeHalf,
+    /// Adipose alone, pocket as wide as the dome.
+    AdiposeEquator,
+    /// Layered tissue: a 55 mm hemisphere under 1.5 mm of skin and 10 mm of adipose, pocket 70 mm.
+    LayeredDefault,
+    /// Layered tissue: a flat dome under 15 mm of adipose.
+    LayeredFlat,
+    /// Layered tissue: linear curves, ν = 1/3.
+    LayeredLinear,
+    /// Layered tissue: adipose over muscle.
+    LayeredMuscle,
+}
+
+impl Case {
+    /// All sheets.
+    pub const ALL: [Self; 5] = [
+        Self::Default,
+        Self::LinearThird,
+        Self::SkinEquator,
+        Self::SkinAdiposeHalf,
+        Self::AdiposeEquator,
+    ];
+
+    /// All scenes of layered tissue, those of `tests/reference/layered.json`.
+    pub const LAYERED: [Self; 4] =
+        [Self::LayeredDefault, Self::LayeredFlat, Self::LayeredLinear, Self::LayeredMuscle];
+
+    /// Is the tissue layered?
+    #[must_use]
+    pub fn is_layered(self) -> bool {
+        Self::LAYERED.contains(&self)
+    }
+
+    /// Name of the scene in tables and titles.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Default => "default",
+            Self::LinearThird => "linear-third",
+            Self::SkinEquator => "skin-equator",
+            Self::SkinAdiposeHalf => "skin-adipose-half",
+            Self::AdiposeEquator => "adipose-equator",
+            Self::LayeredDefault => "layered-default",
+            Self::LayeredFlat => "layered-flat",
+            Self::LayeredLinear => "layered-linear",
+            Self::LayeredMuscle => "layered-muscle",
+        }
+    }
+
+    /// The scene on a grid with the given nodes per side and a tolerance \[fraction of the base radius\]. The sheets
+    /// except the default are in `tests/reference/membrane.json`.
+    #[must_use]
+    pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {
+        let sheet = |radius: f64, pocket_radius_mm: f64, layers: Vec<Layer>| Scene {
+            schema: SCENE_SCHEMA.to_owned(),
+            implant: Implant { base_radius_mm: radius, projection_mm: radius, center_mm: [0.0; 2] },
+            pocket_radius_mm,
+            body: None,
+            insertion: 1.0,
+            layers,
+            patient: None,
+            visit: None,
+            springs: Springs::Coupled,
+            solver: SolverSettings { nodes_per_side, tolerance, cells_through: None },
+        };
+        let layered = |[radius, projection]: [f64; 2], pocket: f64, kpa_per_mm, layers| {
+            let mut scene = sheet(radius, pocket, layers);
+            scene.schema = SCENE_SCHEMA_2.to_owned();
+            scene.implant.projection_mm = projection;
+            let attachment = AttachmentSettings { stiffness_kpa_per_mm: kpa_per_mm, ramp_mm: 10.0 };
+            let tissue_model = TissueModel::Layered;
+            scene.body =
+                Some(Body { tissue_model, patch_radius_mm: pocket_patch(pocket), attachment });
+            scene.solver.cells_through = Some(CellsThrough::Auto);
+            scene
+        };
+        match self {
+            Self::Default => sheet(55.0, 70.0, vec![Layer::skin(), Layer::paper_adipose()]),
+            Self::LinearThird => sheet(40.0, 60.0, vec![linear_third()]),
+            Self::SkinEquator => sheet(40.0, 40.0, vec![Layer::skin()]),
+            Self::SkinAdiposeHalf => Scene {
+                insertion: 0.6,
+                ..sheet(40.0, 60.0, vec![Layer::skin(), Layer::paper_adipose()])
+            },
+            Self::AdiposeEquator => {
+                sheet(40.0, 40.0, vec![Layer { poisson_ratio: 0.3, ..Layer::paper_adipose() }])
+            }
+            Self::LayeredDefault => {
+                layered([55.0, 55.0], 70.0, 2.0, vec![Layer::skin(), Layer::paper_adipose()])
+            }
+            Self::LayeredFlat => {
+                let adipose = Layer { thickness_mm: 15.0, ..Layer::paper_adipose() };
+                layered([62.0, 38.0], 70.0, 2.0, vec![Layer::skin(), adipose])
+            }
+            Self::LayeredLinear => {
+                let linear = |thickness_mm, modulus_kpa| Layer {
+                    thickness_mm,
+                    poisson_ratio: 1.0 / 3.0,
+                    curve: CurveSpec::Linear { modulus_kpa }.into(),
+                    ..Layer::paper_adipose()
+                };
+                layered([40.0, 40.0], 55.0, 2.0, vec![linear(1.5, 50.0), linear(12.0, 5.0)])
+            }
+            Self::LayeredMuscle => {
+                let skin = Layer { thickness_mm: 1.6, ..Layer::skin() };
+                let adipose = Layer { poisson_ratio: 0.47, ..Layer::paper_adipose() };
+                let muscle = Layer {
+                    tissue: "muscle".to_owned(),
+                    thickness_mm: 6.0,
+                    poisson_ratio: 0.45,
+                    curve: CurveSpec::Exponential { scale_kpa: 3.0, rate: 3.0 }.into(),
+                };
+                layered([58.0, 45.0], 66.0, 3.0, vec![skin, adipose, muscle])
+            }
+        }
+    }
+}
+
+/// Radius of the patch around a pocket in `tests/reference/layered.json` \[mm\].
+fn pocket_patch(pocket_radius_mm: f64) -> f64 {
+    if pocket_radius_mm < 60.0 { pocket_radius_mm + 50.0 } else { pocket_radius_mm + 60.0 }
+}
+
+fn linear_third() -> Layer {
+    Layer {
+        poisson_ratio: 1.0 / 3.0,
+        curve: CurveSpec::Linear { modulus_kpa: 10.0 }.into(),
+        ..Layer::skin()
+    }
+}

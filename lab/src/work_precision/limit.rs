@@ -1,0 +1,80 @@
+//! The limit of all grids: axisymmetric references.
+
+use crate::axisymmetric_layers::{Attachment, Input};
+use crate::{axisymmetric as sheet, axisymmetric_layers as layers};
+use implant_preview_core::scene::Scene;
+use implant_preview_core::solve::{Problem, Tissue};
+use implant_preview_core::springs::Springs;
+
+/// A face of the tissue; both are the sheet's only face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// The inner face.
+    Inner,
+    /// The skin's membrane.
+    Skin,
+}
+
+/// Deformed (r, z) \[mm\] of a face at the material radius s \[mm\].
+pub type Profile = Box<dyn Fn(Face, f64) -> (f64, f64)>;
+
+/// Computes the limit of all grids, if known.
+pub type Reference = fn(&Scene) -> Option<Profile>;
+
+/// Cells of the two meshes of the layered reference, along the radius and through the solids.
+const MESHES: [[usize; 2]; 2] = [[144, 8], [216, 12]];
+/// Weight of the difference of both meshes in the limit: errors are of first order in the width of the cells.
+const EXTRAPOLATION: f64 = 2.0;
+
+/// The reference of a centred dome: of a sheet under coupled springs [`sheet`], of layered tissue [`layers`],
+/// extrapolated from two meshes.
+#[must_use]
+pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
+    let problem = scene.problem().ok()?;
+    if problem.obstacle.dome.mirrored() != [true; 2] {
+        return None;
+    }
+    match problem.tissue {
+        Tissue::Layered { skin_wrinkles, .. } => of_layers(scene, &problem, skin_wrinkles),
+        Tissue::Sheet if problem.springs == Springs::Coupled => of_sheet(&problem),
+        Tissue::Sheet => None,
+    }
+}
+
+fn of_sheet(Problem { patch, obstacle, materials, .. }: &Problem) -> Option<Profile> {
+    let solution = sheet::solve(&obstacle.dome, patch.pocket_radius_mm, materials).ok()?;
+    Some(Box::new(move |_, s_mm| {
+        let point = solution.point(s_mm);
+        (point.r_mm, point.z_mm)
+    }))
+}
+
+fn of_layers(scene: &Scene, problem: &Problem, skin_wrinkles: bool) -> Option<Profile> {
+    let Problem { patch, obstacle, materials, .. } = problem;
+    let attachment = patch.attachment()?;
+    let on = |cells: [usize; 2]| {
+        layers::solve(&Input {
+            base_radius_mm: obstacle.dome.base_radius,
+            projection_mm: obstacle.dome.projection,
+            insertion: scene.insertion,
+            pocket_radius_mm: patch.pocket_radius_mm,
+            patch_radius_mm: patch.radius_mm,
+            attachment: Attachment {
+                stiffness_kpa_per_mm: attachment.stiffness_kpa_per_mm,
+                ramp_mm: attachment.ramp_mm,
+            },
+            layers: materials.clone(),
+            skin_wrinkles,
+            cells,
+        })
+    };
+    let [fine, finest] = [on(MESHES[0]).ok()?, on(MESHES[1]).ok()?];
+    Some(Box::new(move |face, s_mm| {
+        let [a, b] = [&fine, &finest].map(|solution| {
+            let (inner, skin) = solution.point(s_mm);
+            if face == Face::Inner { inner } else { skin }
+        });
+        let limit = |k: usize| b[k] + EXTRAPOLATION * (b[k] - a[k]);
+        (limit(0), limit(1))
+    }))
+}
