@@ -93,7 +93,8 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     });
     const { hint, ...width } = seen.width;
     assert.ok(hint.length > 10);
-    assert.deepEqual(width, { name: "width_cm", label: "Width", unit: "cm", text: "12.0", least: 7, most: 24 });
+    const expected = { name: "width_cm", label: "Width", unit: "cm", text: "12.0", range: "7 to 24 cm", least: 7, most: 24 };
+    assert.deepEqual(width, expected);
     assert.equal(seen.refusals[0], "Width: “NaN” is not a number");
     assert.match(seen.refusals[1], /^the plan has no field of this name; allowed: width_cm, /);
     assert.equal(seen.refusals[2], "value is not text; allowed: a string");

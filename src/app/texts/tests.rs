@@ -48,7 +48,9 @@ fn text_of(code: &str) -> (String, &str) {
                 Some('\n') => {
                     let after = signs.as_str();
                     let blank = after.len() - after.trim_start().len();
-                    (0..blank).for_each(|_| drop(signs.next()));
+                    for _ in 0..blank {
+                        signs.next();
+                    }
                 }
                 Some('n') => text.push('\n'),
                 Some(other) => text.push(other),
