@@ -104,6 +104,7 @@ mod tests {
         let input = egui::RawInput { screen_rect: Some(rect), ..egui::RawInput::default() };
         let mut output = ctx.run_ui(input.clone(), |ui| chart.show(ui));
         output.append(ctx.run_ui(input, |ui| chart.show(ui)));
+        output.textures_delta.clear();
         let text = |clipped: egui::epaint::ClippedShape| match clipped.shape {
             Shape::Text(text) => Some(text.galley.text().to_owned()),
             _ => None,
