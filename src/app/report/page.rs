@@ -54,12 +54,12 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     h1{font-size:22px;margin:0}h2{font-size:17px;margin:22px 0 6px}img{max-width:100%;border:1px solid #ccc}\
     table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
-    .wide{overflow-x:auto}.numbers td:not(:first-child),.steps td{white-space:nowrap}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
+    .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 28px}.pair>div{flex:1 1 300px}\
     .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
     @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:9px 0 2px}p{margin:4px 0}.quiet{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
-    .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead h2{margin-top:0}img{max-height:50mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}}";
+    .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead h2{margin-top:0}img{max-height:50mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
 
 impl Page {
     /// The file, without scripts and outside addresses.
