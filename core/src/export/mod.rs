@@ -10,4 +10,4 @@ mod table;
 
 pub use formats::Format;
 pub use solid::{Part, Solid};
-pub use table::{csv, number, profile, quoted, read_csv};
+pub use table::{csv, number, profile, quoted};

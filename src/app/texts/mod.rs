@@ -56,7 +56,7 @@ fn spanish(english: &str) -> Option<&'static str> {
 }
 
 /// An English text in the present language.
-pub(super) fn tr<'a>(english: &'a str) -> &'a str {
+pub(super) fn tr(english: &str) -> &str {
     match language() {
         Language::English => english,
         Language::Spanish => spanish(english).unwrap_or(english),
