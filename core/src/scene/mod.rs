@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `layer` (a layer and its file format) | `patient`
+//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `error` | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
 //!
@@ -12,6 +12,8 @@
 
 mod body;
 mod checked;
+mod error;
+mod file;
 mod layer;
 mod patient;
 pub mod pins;
@@ -20,20 +22,22 @@ mod repair;
 pub mod visit;
 
 use crate::clinical::{ClinicalError, Size};
-use crate::curve::{CurveError, List, Pair, number, object};
+use crate::curve::number;
 use crate::solve::Problem;
 pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
+pub use error::SceneError;
+use error::{check_words, one_line, out_of_range, problem, within};
+use file::{SceneFile, full_insertion, newest_schema};
 pub use layer::Layer;
-use layer::{LayerFile, default_layers};
+use layer::default_layers;
 pub use patient::Patient;
-use patient::PatientFile;
 pub use pins::{Document, Letter, PinnedScene};
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 pub use visit::{Side, Visit};
 
 /// The schema of a sheet.
@@ -157,215 +161,6 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> Self {
         Self { nodes_per_side: 129, tolerance: 1e-4, cells_through: None }
-    }
-}
-
-/// A scene in a file; fields with a default are optional.
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
-#[schemars(rename = "Scene")]
-struct SceneFile {
-    /// `implant-preview/scene/1`, a sheet, `implant-preview/scene/2` or `implant-preview/scene/3`. Default: the newest.
-    #[serde(default = "newest_schema")]
-    schema: String,
-    #[serde(deserialize_with = "object")]
-    implant: ImplantFile,
-    /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
-    pocket_radius_mm: Option<f64>,
-    /// From `scene/2` on. Default: layered.
-    tissue_model: Option<TissueModel>,
-    /// From `scene/2` on: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
-    patch_radius_mm: Option<f64>,
-    /// From `scene/2` on.
-    #[serde(default, deserialize_with = "some_object")]
-    attachment: Option<AttachmentSettings>,
-    #[serde(default = "full_insertion")]
-    insertion: f64,
-    /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
-    #[serde(default, deserialize_with = "layers")]
-    #[schemars(with = "Vec<LayerFile>")]
-    layers: Option<Vec<LayerFile>>,
-    /// From `scene/2` on: what was measured on a person.
-    #[serde(default, deserialize_with = "some_object")]
-    patient: Option<PatientFile>,
-    /// From `scene/2` on: reference, side, date of the visit, surgeon, remarks; a computation ignores them.
-    #[serde(default, deserialize_with = "some_object")]
-    visit: Option<Visit>,
-    #[serde(default)]
-    springs: Springs,
-    #[serde(default, deserialize_with = "object")]
-    solver: SolverSettings,
-    /// From `scene/2` on: up to 4 scenes for comparison; a computation ignores them.
-    #[serde(default, deserialize_with = "pins::list")]
-    #[schemars(with = "Vec<pins::PinFile>")]
-    pins: Option<Vec<pins::PinFile>>,
-}
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
-#[schemars(rename = "Implant")]
-struct ImplantFile {
-    base_radius_mm: f64,
-    /// Default: the base radius (a hemisphere).
-    projection_mm: Option<f64>,
-    #[serde(default)]
-    #[schemars(with = "[f64; 2]")]
-    center_mm: Pair,
-}
-
-fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
-    reader: D,
-) -> Result<Option<T>, D::Error> {
-    object(reader).map(Some)
-}
-
-fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<LayerFile>>, D::Error> {
-    #[derive(Deserialize)]
-    struct Entry(#[serde(deserialize_with = "object")] LayerFile);
-    let list = List::<Entry, { limits::LAYERS.1 }>::deserialize(reader)?;
-    Ok(Some(list.0.into_iter().map(|entry| entry.0).collect()))
-}
-
-fn newest_schema() -> String {
-    SCENE_SCHEMA_3.to_owned()
-}
-fn full_insertion() -> f64 {
-    1.0
-}
-/// Error of an invalid scene, in one line: field, value, allowed range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SceneError {
-    /// Not JSON, or a field is unknown, missing or of the wrong type.
-    #[error("{path}: {problem}")]
-    Json {
-        /// The field's path, or `scene`.
-        path: String,
-        /// Description of the error, with line and column.
-        problem: String,
-    },
-    /// A value is out of range.
-    #[error("{field} is {value}; allowed: {allowed}")]
-    OutOfRange {
-        /// The field's path.
-        field: String,
-        /// The given value.
-        value: String,
-        /// The allowed range, with its unit.
-        allowed: String,
-    },
-    /// A layer's curve is invalid.
-    #[error("layers[{layer}].curve: {source}")]
-    Curve {
-        /// The layer, counted from the skin, from 0.
-        layer: usize,
-        /// The error of the curve.
-        source: CurveError,
-    },
-    /// A measurement of the patient is invalid, or gives a value out of its range.
-    #[error("patient.{field}: {source}")]
-    Patient {
-        /// The field in `patient`.
-        field: &'static str,
-        /// The error of the measurement.
-        source: ClinicalError,
-    },
-    /// The scene of a pin is invalid.
-    #[error("pins[{pin}].scene: {source}")]
-    Pin {
-        /// The pin in its list, from 0.
-        pin: usize,
-        /// The error of its scene.
-        source: Box<SceneError>,
-    },
-    /// A curve in a file of its own is invalid.
-    #[error("{0}")]
-    CurveFile(CurveError),
-    /// A scene in a file of several scenes is invalid.
-    #[error("line {line}: {source}")]
-    Line {
-        /// The line, from 1.
-        line: usize,
-        /// The error of the scene in that line.
-        source: Box<SceneError>,
-    },
-}
-
-impl TryFrom<SceneFile> for Scene {
-    type Error = SceneError;
-
-    fn try_from(file: SceneFile) -> Result<Self, SceneError> {
-        CheckedScene::new(file.filled()?).map(CheckedScene::into_scene)
-    }
-}
-
-impl SceneFile {
-    /// Fills omitted fields with defaults; checks the pins and drops them.
-    ///
-    /// # Errors
-    /// A field of `scene/2` in a scene of `scene/1`, an invalid pin; all other checks are those of [`CheckedScene::new`].
-    fn filled(self) -> Result<Scene, SceneError> {
-        let mut file = self;
-        file.take_pins()?;
-        let is_first = file.schema == SCENE_SCHEMA;
-        if is_first {
-            for (field, is_given) in [
-                ("tissue_model", file.tissue_model.is_some()),
-                ("patch_radius_mm", file.patch_radius_mm.is_some()),
-                ("attachment", file.attachment.is_some()),
-                ("solver.cells_through", file.solver.cells_through.is_some()),
-                ("patient", file.patient.is_some()),
-                ("visit", file.visit.is_some()),
-            ] {
-                if is_given {
-                    return Err(body::in_first(field));
-                }
-            }
-            let mut layers = file.layers.iter().flatten().enumerate();
-            if let Some((k, field)) = layers.find_map(|(k, layer)| Some((k, layer.given_scale()?)))
-            {
-                return Err(body::in_first(&format!("layers[{k}].{field}")));
-            }
-        }
-        let radius = file.implant.base_radius_mm;
-        let center_mm = file.implant.center_mm.0;
-        let [x, y] = center_mm;
-        let pocket_radius_mm = file
-            .pocket_radius_mm
-            .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM));
-        let body = (!is_first).then(|| {
-            let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
-            Body {
-                patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
-                attachment: file.attachment.unwrap_or_default(),
-                ..default
-            }
-        });
-        // For each layer of the file the fields that a patient may fill.
-        let given = file.layers.iter().flatten().map(patient::Given::of).collect::<Vec<_>>();
-        let layers = match file.layers {
-            Some(layers) => layers.into_iter().map(Layer::from).collect(),
-            None => default_layers(Version::of(&file.schema).unwrap_or(Version::Third)),
-        };
-        let mut scene = Scene {
-            schema: file.schema,
-            implant: Implant {
-                base_radius_mm: radius,
-                projection_mm: file.implant.projection_mm.unwrap_or(radius),
-                center_mm,
-            },
-            pocket_radius_mm,
-            body,
-            insertion: file.insertion,
-            layers,
-            patient: None,
-            visit: file.visit,
-            springs: file.springs,
-            solver: file.solver,
-        };
-        if let Some(patient) = file.patient {
-            patient.fill(&mut scene, &given)?;
-        }
-        Ok(scene)
     }
 }
 
@@ -566,55 +361,4 @@ impl Scene {
 pub fn schema() -> String {
     let schema = schemars::schema_for!(Scene);
     serde_json::to_string_pretty(&schema).unwrap_or_default()
-}
-
-fn within(
-    field: &str,
-    value: f64,
-    (least, most): (f64, f64),
-    unit: &str,
-) -> Result<(), SceneError> {
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        let allowed = format!("{} to {}{unit}", number(least), number(most));
-        Err(out_of_range(field, number(value), &allowed))
-    }
-}
-
-/// Checks a name or words of a user.
-fn check_words(field: &str, text: &str, most_bytes: usize) -> Result<(), SceneError> {
-    if text.len() > most_bytes {
-        let allowed = format!("up to {most_bytes} bytes");
-        return Err(out_of_range(field, format!("{} bytes long", text.len()), &allowed));
-    }
-    if text.contains(char::is_control) {
-        let allowed = "text without line breaks and control characters";
-        return Err(out_of_range(field, one_line(text, 40), allowed));
-    }
-    Ok(())
-}
-
-fn out_of_range(field: &str, value: String, allowed: &str) -> SceneError {
-    SceneError::OutOfRange { field: field.to_owned(), value, allowed: allowed.to_owned() }
-}
-
-fn problem(path: &str, problem: &str) -> SceneError {
-    SceneError::Json { path: one_line(path, 30), problem: one_line(problem, 90) }
-}
-
-/// The text in one line without control characters and marks of direction; a long text is shortened to its first
-/// `start` characters and its end.
-fn one_line(text: &str, start: usize) -> String {
-    let is_mark = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    let is_blank = |c: char| c.is_whitespace() || c.is_control() || is_mark(c);
-    let words: Vec<&str> = text.split(is_blank).filter(|word| !word.is_empty()).collect();
-    let line = words.join(" ");
-    let (count, end) = (line.chars().count(), start + start / 3);
-    if count <= start + end {
-        return line;
-    }
-    let first: String = line.chars().take(start).collect();
-    let last: String = line.chars().skip(count - end).collect();
-    format!("{first} … {last}")
 }

@@ -1,0 +1,165 @@
+//! A scene in a file: optional fields and their defaults.
+
+use super::layer::{LayerFile, default_layers};
+use super::patient::PatientFile;
+use super::{
+    AttachmentSettings, Body, CheckedScene, Implant, Layer, SCENE_SCHEMA, SCENE_SCHEMA_3, Scene,
+    SceneError, SolverSettings, TissueModel, Version, Visit, body, limits, patient, pins,
+};
+use crate::curve::{List, Pair, object};
+use crate::springs::Springs;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer};
+
+/// A scene in a file; fields with a default are optional.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "Scene")]
+pub(super) struct SceneFile {
+    /// `implant-preview/scene/1`, a sheet, `implant-preview/scene/2` or `implant-preview/scene/3`. Default: the newest.
+    #[serde(default = "newest_schema")]
+    pub(super) schema: String,
+    #[serde(deserialize_with = "object")]
+    pub(super) implant: ImplantFile,
+    /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
+    pub(super) pocket_radius_mm: Option<f64>,
+    /// From `scene/2` on. Default: layered.
+    pub(super) tissue_model: Option<TissueModel>,
+    /// From `scene/2` on: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
+    pub(super) patch_radius_mm: Option<f64>,
+    /// From `scene/2` on.
+    #[serde(default, deserialize_with = "some_object")]
+    pub(super) attachment: Option<AttachmentSettings>,
+    #[serde(default = "full_insertion")]
+    pub(super) insertion: f64,
+    /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
+    #[serde(default, deserialize_with = "layers")]
+    #[schemars(with = "Vec<LayerFile>")]
+    pub(super) layers: Option<Vec<LayerFile>>,
+    /// From `scene/2` on: what was measured on a person.
+    #[serde(default, deserialize_with = "some_object")]
+    pub(super) patient: Option<PatientFile>,
+    /// From `scene/2` on: reference, side, date of the visit, surgeon, remarks; a computation ignores them.
+    #[serde(default, deserialize_with = "some_object")]
+    pub(super) visit: Option<Visit>,
+    #[serde(default)]
+    pub(super) springs: Springs,
+    #[serde(default, deserialize_with = "object")]
+    pub(super) solver: SolverSettings,
+    /// From `scene/2` on: up to 4 scenes for comparison; a computation ignores them.
+    #[serde(default, deserialize_with = "pins::list")]
+    #[schemars(with = "Vec<pins::PinFile>")]
+    pub(super) pins: Option<Vec<pins::PinFile>>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "Implant")]
+pub(super) struct ImplantFile {
+    base_radius_mm: f64,
+    /// Default: the base radius (a hemisphere).
+    projection_mm: Option<f64>,
+    #[serde(default)]
+    #[schemars(with = "[f64; 2]")]
+    center_mm: Pair,
+}
+
+fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    object(reader).map(Some)
+}
+
+fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<LayerFile>>, D::Error> {
+    #[derive(Deserialize)]
+    struct Entry(#[serde(deserialize_with = "object")] LayerFile);
+    let list = List::<Entry, { limits::LAYERS.1 }>::deserialize(reader)?;
+    Ok(Some(list.0.into_iter().map(|entry| entry.0).collect()))
+}
+
+pub(super) fn newest_schema() -> String {
+    SCENE_SCHEMA_3.to_owned()
+}
+
+pub(super) fn full_insertion() -> f64 {
+    1.0
+}
+
+impl TryFrom<SceneFile> for Scene {
+    type Error = SceneError;
+
+    fn try_from(file: SceneFile) -> Result<Self, SceneError> {
+        CheckedScene::new(file.filled()?).map(CheckedScene::into_scene)
+    }
+}
+
+impl SceneFile {
+    /// Fills omitted fields with defaults; checks the pins and drops them.
+    ///
+    /// # Errors
+    /// A field of `scene/2` in a scene of `scene/1`, an invalid pin; all other checks are those of [`CheckedScene::new`].
+    pub(super) fn filled(self) -> Result<Scene, SceneError> {
+        let mut file = self;
+        file.take_pins()?;
+        let is_first = file.schema == SCENE_SCHEMA;
+        if is_first {
+            for (field, is_given) in [
+                ("tissue_model", file.tissue_model.is_some()),
+                ("patch_radius_mm", file.patch_radius_mm.is_some()),
+                ("attachment", file.attachment.is_some()),
+                ("solver.cells_through", file.solver.cells_through.is_some()),
+                ("patient", file.patient.is_some()),
+                ("visit", file.visit.is_some()),
+            ] {
+                if is_given {
+                    return Err(body::in_first(field));
+                }
+            }
+            let mut layers = file.layers.iter().flatten().enumerate();
+            if let Some((k, field)) = layers.find_map(|(k, layer)| Some((k, layer.given_scale()?)))
+            {
+                return Err(body::in_first(&format!("layers[{k}].{field}")));
+            }
+        }
+        let radius = file.implant.base_radius_mm;
+        let center_mm = file.implant.center_mm.0;
+        let [x, y] = center_mm;
+        let pocket_radius_mm = file
+            .pocket_radius_mm
+            .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM));
+        let body = (!is_first).then(|| {
+            let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
+            Body {
+                patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
+                attachment: file.attachment.unwrap_or_default(),
+                ..default
+            }
+        });
+        // For each layer of the file the fields that a patient may fill.
+        let given = file.layers.iter().flatten().map(patient::Given::of).collect::<Vec<_>>();
+        let layers = match file.layers {
+            Some(layers) => layers.into_iter().map(Layer::from).collect(),
+            None => default_layers(Version::of(&file.schema).unwrap_or(Version::Third)),
+        };
+        let mut scene = Scene {
+            schema: file.schema,
+            implant: Implant {
+                base_radius_mm: radius,
+                projection_mm: file.implant.projection_mm.unwrap_or(radius),
+                center_mm,
+            },
+            pocket_radius_mm,
+            body,
+            insertion: file.insertion,
+            layers,
+            patient: None,
+            visit: file.visit,
+            springs: file.springs,
+            solver: file.solver,
+        };
+        if let Some(patient) = file.patient {
+            patient.fill(&mut scene, &given)?;
+        }
+        Ok(scene)
+    }
+}
