@@ -26,6 +26,11 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Al lado (cm)",
       "Arriba (cm)",
       "Insertado (%)",
+      "Referencia",
+      "Lado",
+      "Fecha de la visita",
+      "Cirujano",
+      "Observaciones",
     ]);
     const skin = form.getByLabel("Tipo de piel", { exact: true });
     await skin.selectOption({ label: "muy laxa" });
