@@ -301,7 +301,7 @@ fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
     let mut percent = 100.0 * *tolerance;
     let change = Control {
         label: tr("Tolerance"),
-        unit: "% of the base radius",
+        unit: tr("% of the base radius"),
         kind: Kind::Percent,
         range: 100.0 * least.max(1e-6)..=100.0 * most,
         allowed: Some(100.0 * least..=100.0 * most),

@@ -210,7 +210,7 @@ fn fit_in_row(ui: &mut Ui) {
     spacing.button_padding.x = if is_tight { space } else { space + 2.0 };
     if is_tight {
         let small = FontId { size, ..font };
-        ui.style_mut().text_styles.insert(TextStyle::Button, small);
+        ui.style_mut().override_font_id = Some(small);
     }
 }
 

@@ -63,7 +63,7 @@ pub(super) fn show(ui: &mut Ui, scaled: &ScaledCurve, tissue: &str) {
     } else {
         tr!("Up to {end:.0} % strain", end = 100.0 * end)
     };
-    let name = tr!("Curve of {tissue}. {words}", tissue, words);
+    let name = tr!("Curve of {tissue}. {words}", tissue = tr(tissue), words);
     set_accessible_name(&plot.response, egui::Role::Image, &name);
     plot.response.on_hover_text(source);
     if is_extrapolated {

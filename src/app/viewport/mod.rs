@@ -135,7 +135,7 @@ impl Viewport {
         (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
             Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
             Some(Err(error)) => (None, Some(error)),
-            None => (None, Some(tr("OpenGL or WebGL 2 is missing").to_owned())),
+            None => (None, Some("OpenGL or WebGL 2 is missing".to_owned())),
         };
     }
 
@@ -381,8 +381,10 @@ impl Viewport {
         let Drawn { number, numbers, picture, table, range, problem, section, net, areola } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
-            let text =
-                tr!("The 3-D view is not available: {why}.\nControls and results work.", why);
+            let text = tr!(
+                "The 3-D view is not available: {why}.\nControls and results work.",
+                why = tr(why)
+            );
             let font = TextStyle::Body.resolve(ui.style());
             let color = ui.visuals().weak_text_color();
             painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);
