@@ -33,7 +33,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Observaciones",
     ]);
     const skin = form.getByLabel("Tipo de piel", { exact: true });
-    await skin.selectOption({ label: "muy laxa" });
+    await skin.selectOption({ label: "flácida" });
     assert.equal((await harness.scene(page)).patient.skin_class, "very_lax");
     await form.getByLabel("Pellizco (cm)", { exact: true }).fill("1e308");
     await page.keyboard.press("Enter");
