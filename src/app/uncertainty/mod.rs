@@ -211,9 +211,10 @@ impl Uncertainty {
         self.findings.importance = found;
     }
 
-    /// The choices of the bands of a plan while they are on, and whether the bands are complete.
+    /// The choices of the bands of a plan while they are on, and whether the bands are complete; the importance takes longer.
     pub(super) fn choices(&self, scene: &Scene) -> Option<(BandsSettings, bool)> {
-        let is_complete = self.driver.study().is_some() && !self.driver.is_running();
+        let samples = self.findings.samples;
+        let is_complete = samples > 0 && self.findings.solved() == samples;
         self.is_on.then(|| (self.choices.settings(scene), is_complete))
     }
 
