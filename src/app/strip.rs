@@ -6,7 +6,7 @@ use super::compare::{self, Silhouette};
 use super::texts::tr;
 use super::theme;
 use super::uncertainty::Findings;
-use super::viewport::scale_bar;
+use super::viewport::{scale_bar, veil};
 use super::widgets::set_accessible_name;
 use super::{App, plots};
 use crate::solve::Problem;
@@ -57,7 +57,11 @@ impl App {
     /// Shows the strip, after its picture.
     pub(super) fn strip(&mut self, ui: &Ui, area: Rect) {
         let kept = match LastAnswer::of(&self.session) {
-            Some(answer) => self.strip_of(ui, area, &answer),
+            Some(answer) => {
+                let kept = self.strip_of(ui, area, &answer);
+                veil(ui, area);
+                kept
+            }
             None => self.strip_of(ui, area, &self.session),
         };
         if let Some(kept) = kept {

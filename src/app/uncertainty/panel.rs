@@ -153,8 +153,8 @@ fn scenarios(ui: &mut Ui, findings: &Findings) {
         return;
     }
     ui.add_space(SPACE_SMALL);
-    ui.label(RichText::new(tr("If the measured stresses of the tissues are off")).strong())
-        .on_hover_text(tr(METHODS));
+    let title = RichText::new(tr("If the measured stresses of the tissues are off")).strong();
+    ui.add(egui::Label::new(title).wrap()).on_hover_text(tr(METHODS));
     egui::Grid::new("scenarios").num_columns(4).spacing([SPACE, 2.0]).show(ui, |ui| {
         ui.label(RichText::new(tr("all stresses")).small().weak());
         for Scenario { stress_factor, .. } in factors {
@@ -163,7 +163,7 @@ fn scenarios(ui: &mut Ui, findings: &Findings) {
         ui.end_row();
         for (quantity, name) in ANSWER {
             let Some(band) = findings.band(quantity) else { continue };
-            ui.label(tr(name));
+            ui.label(RichText::new(tr(name)).small());
             for scenario in &band.scenarios {
                 ui.label(scenario.value.map_or_else(|| "–".to_owned(), |v| figure(quantity, v)));
             }

@@ -206,8 +206,7 @@ impl Viewport {
             Some(answer) => {
                 let area = ui.available_rect_before_wrap();
                 self.show_subject(ui, &answer, Shown { envelope: &[], outlines: &[], ..shown });
-                let veil = ui.visuals().panel_fill.gamma_multiply(VEIL);
-                ui.painter_at(area).rect_filled(area, 0.0, veil);
+                veil(ui, area);
             }
             None => self.show_subject(ui, shown.session, shown),
         }
@@ -492,4 +491,10 @@ fn radius_of(problem: &Problem) -> f32 {
     let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
     let radius = problem.sheet.radius_mm();
     (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.obstacle.dome.projection) as f32
+}
+
+/// Draws the veil over the last answer of a scene without one.
+pub(super) fn veil(ui: &Ui, area: Rect) {
+    let veil = ui.visuals().panel_fill.gamma_multiply(VEIL);
+    ui.painter_at(area).rect_filled(area, 0.0, veil);
 }
