@@ -86,7 +86,7 @@ impl Filling {
         }
         self.curve.advance(studies);
         if self.check.study().is_none()
-            && let Some(curve) = self.curve.study().filter(|_| !self.curve.is_running())
+            && let Some(curve) = self.curve.finished()
             && let Some(check) = curve.check()
         {
             self.check.start(check, studies);
@@ -123,16 +123,12 @@ impl Filling {
         (0..COUNT).filter_map(point).collect()
     }
 
-    /// The curve, once all its fills are solved.
-    fn solved(&self) -> Option<&Map> {
-        self.curve.study().filter(|_| !self.curve.is_running())
-    }
-
     /// The fill steps up to the fill of a plan, heads first; empty before the curve of that plan is solved.
     pub(super) fn steps(&self, scene: &Scene) -> Vec<Vec<String>> {
         let is_of_plan = self.started.as_ref().is_some_and(|started| started.is_same_plan(scene));
         let full_ml = Parameter::Volume.value(scene).filter(|_| is_of_plan);
-        let rows = self.solved().zip(full_ml).map(|(curve, full)| self.steps.rows(curve, full));
+        let rows =
+            self.curve.finished().zip(full_ml).map(|(curve, full)| self.steps.rows(curve, full));
         rows.unwrap_or_default()
     }
 
@@ -155,7 +151,7 @@ impl Filling {
         if let Some(failure) = self.curve.failure().or_else(|| self.check.failure()) {
             ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
         }
-        let (solved, mut steps) = (self.solved(), self.steps);
+        let (solved, mut steps) = (self.curve.finished(), self.steps);
         let save = ui.add_enabled(solved.is_some(), egui::Button::new(tr("Save table (CSV)…")));
         let is_saved = save.on_hover_text(tr("All results of all fills")).clicked();
         let curve = solved?;
@@ -233,7 +229,7 @@ impl Filling {
             ));
         }
         let nodes = SETTINGS.nodes_per_side;
-        let check = self.check.study().filter(|_| !self.check.is_running());
+        let check = self.check.finished();
         let differences = check.map(|check| curve.differences(check)).unwrap_or_default();
         let of = |quantity: Quantity| {
             let found = differences.iter().find(|found| found.quantity == quantity)?;

@@ -62,7 +62,7 @@ impl ShelfLargest {
 
     /// The name of the size with its numbers, in words; empty while that is not known or without a shelf.
     pub(super) fn words(&self) -> String {
-        let Some(search) = self.search.study().filter(|_| !self.search.is_running()) else {
+        let Some(search) = self.search.finished() else {
             return String::new();
         };
         match search.found() {

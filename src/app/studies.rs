@@ -117,6 +117,11 @@ impl<S: Study> Driver<S> {
         self.study = Some(study);
     }
 
+    /// The study, once no job of it is left.
+    pub(super) fn finished(&self) -> Option<&S> {
+        self.study().filter(|_| !self.is_running())
+    }
+
     /// A study that is not started: for tests of what is read from it.
     #[cfg(test)]
     pub(super) fn set(&mut self, study: S) {

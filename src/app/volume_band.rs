@@ -11,8 +11,8 @@ use crate::study::{
 #[derive(Default)]
 pub(super) struct VolumeBand {
     search: Driver<UsualRange>,
-    /// The scene at the least volume, and the choices, of the search.
-    started: Option<(Scene, BandsSettings)>,
+    /// The choices of the search.
+    started: Option<BandsSettings>,
 }
 
 impl VolumeBand {
@@ -25,29 +25,30 @@ impl VolumeBand {
         studies: &mut Studies,
         is_busy: bool,
     ) {
-        let Some((settings, is_complete)) = choices else {
-            if self.started.take().is_some() {
-                self.search.cancel(studies);
-            }
-            return;
-        };
-        if let Some((scene, axis)) = curve.filter(|_| !is_busy) {
+        let Some((settings, is_complete)) = choices else { return self.cancel(studies) };
+        if self.started.as_ref().is_some_and(|started| *started != settings) {
+            self.cancel(studies);
+        }
+        if self.started.is_none()
+            && is_complete
+            && let Some((scene, axis)) = curve.filter(|_| !is_busy)
+        {
             // Another volume is no other search.
-            let least = [(Parameter::Volume, axis.from)];
-            let of = with_values(scene, &least).ok().map(|least| (least, settings));
-            if of != self.started {
-                self.search.cancel(studies);
-                if is_complete && let Some((least, settings)) = &of {
-                    if let Ok(search) = UsualRange::new(least, settings, (axis.from, axis.to)) {
-                        self.search.start(search, studies);
-                    }
-                    self.started = of;
-                } else {
-                    self.started = None;
-                }
+            let least = with_values(scene, &[(Parameter::Volume, axis.from)]).ok();
+            let search = |least| UsualRange::new(&least, &settings, (axis.from, axis.to)).ok();
+            if let Some(search) = least.and_then(search) {
+                self.search.start(search, studies);
             }
+            self.started = Some(settings);
         }
         self.search.advance(studies);
+    }
+
+    /// Cancels the search: its curve is another one's, or the bands are off.
+    pub(super) fn cancel(&mut self, studies: &mut Studies) {
+        if self.started.take().is_some() {
+            self.search.cancel(studies);
+        }
     }
 
     /// The band in brackets, as " (210–280 ml in 8 of 10 patients)"; empty while that is not known.

@@ -74,7 +74,7 @@ impl VolumeMarks {
         }
         self.curve.advance(studies);
         if self.marks.is_none()
-            && let Some(curve) = self.curve.study().filter(|_| !self.curve.is_running())
+            && let Some(curve) = self.curve.finished()
         {
             self.marks = Some(marks(&curve.axes()[0], |quantity, i| curve.value(quantity, i, 0)));
         }
@@ -105,7 +105,7 @@ impl VolumeMarks {
         }
         self.beside.advance(studies);
         if self.beside_marks.is_none()
-            && let Some(beside) = self.beside.study().filter(|_| !self.beside.is_running())
+            && let Some(beside) = self.beside.finished()
         {
             let value = |quantity, i| beside.value(quantity, i, 0);
             self.beside_marks = Some(marks(&beside.axes()[0], value));
@@ -125,6 +125,7 @@ impl VolumeMarks {
         (self.marks, self.beside_marks) = (None, None);
         self.curve.cancel(studies);
         self.beside.cancel(studies);
+        self.band.cancel(studies);
         if let Ok(curve) = Map::new(&base, &[axis], SETTINGS) {
             self.curve.start(curve.with_full_border(), studies);
         }

@@ -9,21 +9,18 @@ mod command;
 mod pins;
 mod reading;
 
-use crate::measure::{Field, Fields, Outcome, Status};
+use crate::measure::{Fields, Outcome};
 use crate::scene::pins::document_json;
 use crate::scene::{CheckedScene, Document, Scene, SceneError};
 use crate::simulate;
-use crate::solve::{Displayed, Invalid, Options, Problem, Progress, Solution, Solver};
-use crate::springs::Springs;
+use crate::solve::{Displayed, Invalid, Options, Progress, Solver};
 use crate::springs::stability::Limits;
 pub use command::{Command, CommandError};
-use glam::DVec3;
 pub use pins::Pin;
 use pins::{PinSolve, Solved};
 use serde::Serialize;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// Undo steps kept.
 const HISTORY: usize = 100;

@@ -1,6 +1,13 @@
 //! What of a session is read: shape, fields, result, counters.
 
-use super::*;
+use super::{Counters, Session};
+use crate::measure::{Field, Fields, Outcome, Status};
+use crate::solve::{Displayed, Invalid, Problem, Solution, Solver};
+use crate::springs::Springs;
+use crate::springs::stability::Limits;
+use glam::DVec3;
+use std::rc::Rc;
+use std::sync::Arc;
 
 impl Session {
     /// Is a solve running?

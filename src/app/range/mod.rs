@@ -136,7 +136,7 @@ impl Range {
             self.done = None;
         }
         self.check.advance(studies);
-        let Some(map) = self.map.study().filter(|_| !self.map.is_running()) else { return };
+        let Some(map) = self.map.finished() else { return };
         if self.check.study().is_some() {
             return;
         }

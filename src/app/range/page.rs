@@ -79,7 +79,7 @@ impl Range {
     /// Grid of the points, and the greatest difference from a finer grid once it is known.
     fn accuracy(&self, map: &Map) -> String {
         let nodes = map.settings().nodes_per_side;
-        let within = self.check.study().filter(|_| !self.check.is_running()).and_then(|check| {
+        let within = self.check.finished().and_then(|check| {
             let differences = map.differences(check);
             differences.into_iter().find(|found| found.quantity == self.quantity)
         });
@@ -152,8 +152,7 @@ impl App {
     fn range_files(&mut self, ui: &mut Ui) {
         let Some(map) = self.range.map.study() else { return };
         let is_done = !self.range.map.is_running();
-        let (quantity, check) = (self.range.quantity, self.range.check.study());
-        let check = check.filter(|_| !self.range.check.is_running());
+        let (quantity, check) = (self.range.quantity, self.range.check.finished());
         let mut notice = None;
         let menu = ui.menu_button(tr("Save chart"), |ui| {
             let ctx = ui.ctx().clone();

@@ -49,10 +49,25 @@ fn rows() -> impl Iterator<Item = (String, String)> {
     rows.map(|(english, spanish)| (english.replace("\\n", "\n"), spanish.replace("\\n", "\n")))
 }
 
+/// The table, read once.
+struct Table {
+    /// Spanish by English.
+    texts: HashMap<String, String>,
+    /// The rows with places.
+    templates: Vec<(String, String)>,
+}
+
+fn table() -> &'static Table {
+    static READ: OnceLock<Table> = OnceLock::new();
+    READ.get_or_init(|| Table {
+        texts: rows().collect(),
+        templates: rows().filter(|(english, _)| english.contains('{')).collect(),
+    })
+}
+
 /// The Spanish text of an English one.
 fn spanish(english: &str) -> Option<&'static str> {
-    static TEXTS: OnceLock<HashMap<String, String>> = OnceLock::new();
-    TEXTS.get_or_init(|| rows().collect()).get(english).map(String::as_str)
+    table().texts.get(english).map(String::as_str)
 }
 
 /// An English text in the present language.
@@ -141,28 +156,21 @@ fn sentence(english: &str) -> String {
     if let Some(text) = spanish(english) {
         return text.to_owned();
     }
-    let with_places = rows().filter(|(template, _)| template.contains('{'));
-    let matching = with_places.filter_map(|(template, spanish)| {
-        let values = values_of(&template, english)?;
-        let values: Vec<(String, String)> =
-            values.into_iter().map(|(name, value)| (name.to_owned(), sentence(value))).collect();
+    let matching = table().templates.iter().filter_map(|(template, spanish)| {
         let words: usize =
-            parts(&template).map(|p| if let Part::Text(t) = p { t.len() } else { 0 }).sum();
-        Some((words, spanish, values))
+            parts(template).map(|p| if let Part::Text(t) = p { t.len() } else { 0 }).sum();
+        Some((words, spanish, values_of(template, english)?))
     });
     let Some((_, spanish, values)) = matching.max_by_key(|(words, ..)| *words) else {
         return english.to_owned();
     };
-    let values: Vec<(&str, &dyn Display)> =
-        values.iter().map(|(name, value)| (name.as_str(), value as &dyn Display)).collect();
+    let value = |name: &str| values.iter().find(|(known, _)| *known == name);
     // The values have their digits already.
-    let plain: String = parts(&spanish)
-        .map(|part| match part {
-            Part::Text(words) => words.to_owned(),
-            Part::Place(name, _) => format!("{{{name}}}"),
-        })
-        .collect();
-    filled(&plain, &values)
+    let part = |part| match part {
+        Part::Text(words) => words.to_owned(),
+        Part::Place(name, _) => value(name).map(|(_, value)| sentence(value)).unwrap_or_default(),
+    };
+    parts(spanish).map(part).collect()
 }
 
 /// The values of the places of a template in a finished text; `None` if the words differ.

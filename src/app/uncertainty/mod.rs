@@ -99,6 +99,11 @@ impl Findings {
         self.counts.values().sum()
     }
 
+    /// Are all samples solved?
+    fn is_sampled(&self) -> bool {
+        self.samples > 0 && self.solved() == self.samples
+    }
+
     fn count(&self, status: PointStatus) -> usize {
         self.counts.get(status.word()).copied().unwrap_or(0)
     }
@@ -160,8 +165,7 @@ impl Uncertainty {
             self.read();
         }
         // The present plan first, the pins at rest.
-        let is_sampled = self.driver.study().is_some() && !self.driver.is_running();
-        let is_free = is_sampled && !is_busy;
+        let is_free = self.driver.finished().is_some() && !is_busy;
         self.pins.advance(session, |scene| self.choices.settings(scene), studies, is_free);
     }
 
@@ -195,7 +199,7 @@ impl Uncertainty {
             self.findings.values = study.values();
             self.findings.section = study.section();
         }
-        if self.findings.solved() == self.findings.samples {
+        if self.findings.is_sampled() {
             self.explain();
         }
     }
@@ -213,9 +217,7 @@ impl Uncertainty {
 
     /// The choices of the bands of a plan while they are on, and whether the bands are complete; the importance takes longer.
     pub(super) fn choices(&self, scene: &Scene) -> Option<(BandsSettings, bool)> {
-        let samples = self.findings.samples;
-        let is_complete = samples > 0 && self.findings.solved() == samples;
-        self.is_on.then(|| (self.choices.settings(scene), is_complete))
+        self.is_on.then(|| (self.choices.settings(scene), self.findings.is_sampled()))
     }
 
     /// Numbers of computed plans and of all plans of the study; both 0 without one.
