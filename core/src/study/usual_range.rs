@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Number of sampled patients.
 pub const PATIENTS: usize = 32;
-/// Step of the volumes \[ml\], as far as [`MOST_STEPS`] allows.
+/// Step of the volumes \[ml\], and more where this makes more than 64 steps.
 pub const USUAL_STEP_ML: f64 = 10.0;
 /// Greatest number of steps between the least and the greatest volume.
 const MOST_STEPS: f64 = 64.0;
