@@ -576,7 +576,9 @@ fn the_computed_radius_follows_the_pocket_until_set() {
 
 #[test]
 fn an_idle_app_solves_nothing_and_requests_no_repaint() {
-    let mut harness = app(WIDE, |_| {});
+    let mut harness = app(WIDE, |scene| *scene = opening());
+    largest_usual(&mut harness);
+    harness.run();
     let counters = harness.state().session().counters();
     let revision = harness.state().session().revision();
     for _ in 0..5 {
@@ -905,7 +907,7 @@ fn a_pasted_table_becomes_the_curve_of_its_layer() {
     assert_eq!(points[..], [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
 }
 
-/// Starts of the marks on the rail of the volume \[points\], computed once the pointer is on the rail.
+/// Starts of the marks on the rail of the volume \[points\].
 fn volume_marks(model: TissueModel) -> Vec<f32> {
     let mut harness = app(DESKTOP, |scene| {
         *scene = Scene::opening();
@@ -926,8 +928,6 @@ fn volume_marks(model: TissueModel) -> Vec<f32> {
             .map(|(points, _)| points[0].x)
             .collect()
     };
-    (0..20).for_each(|_| harness.step());
-    assert!(marks(&harness).is_empty(), "computed without need");
     harness.hover_at(rail.center());
     let start = std::time::Instant::now();
     while marks(&harness).is_empty() {
@@ -938,24 +938,55 @@ fn volume_marks(model: TissueModel) -> Vec<f32> {
     marks(&harness)
 }
 
-#[test]
-fn the_largest_volume_that_stays_usual_is_known_after_an_edit() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
-    let line = |harness: &Harness<'static, App>| {
-        let lines = harness.query_all_by_label_contains(" stays usual on 12 cm; ");
-        lines.filter_map(|node| node.accesskit_node().label().or(node.value())).next()
-    };
-    assert_eq!(line(&harness), None);
-    press(&mut harness, "tight");
+/// The sentence with the largest volume that stays usual on 12 cm and the next width, once that is known.
+fn largest_usual(harness: &mut Harness<'static, App>) -> String {
     let start = std::time::Instant::now();
-    while line(&harness).is_none() {
+    loop {
+        let lines = harness.query_all_by_label_contains(" stays usual on 12 cm; ");
+        let words = lines.filter_map(|node| node.accesskit_node().label().or(node.value())).next();
+        if let Some(words) = words {
+            return words;
+        }
         assert!(start.elapsed().as_secs() < 300, "no largest volume");
         harness.step();
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let words = line(&harness).unwrap();
-    let largest: f64 =
-        words.strip_prefix("Up to ").unwrap().split(' ').next().unwrap().parse().unwrap();
+}
+
+/// The volume of the sentence \[ml\].
+fn volume_of(words: &str) -> f64 {
+    words.strip_prefix("Up to ").unwrap().split(' ').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn the_largest_volume_that_stays_usual_is_known_without_an_edit_and_is_taken_by_a_press() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = app(size, |scene| *scene = opening());
+        let words = largest_usual(&mut harness);
+        assert!(harness.state().summary().contains(&words), "{words}");
+        harness.get_by_label(&words).click();
+        settle(&mut harness);
+        let volume = harness.state().outcome().unwrap().implant_volume_ml;
+        assert!((volume - volume_of(&words)).abs() < 1e-6, "{words}: {volume}");
+        // The volume alone changes; one step of the history.
+        assert_eq!(harness.state().session().scene().implant.base_radius_mm, 60.0);
+        harness.get_by_role_and_label(Role::Button, "Undo").click();
+        settle(&mut harness);
+        assert!(!harness.state().session().can_undo());
+        // An expander has the same line.
+        press(&mut harness, "expander");
+        harness.run();
+        assert_eq!(largest_usual(&mut harness), words);
+    }
+}
+
+#[test]
+fn the_largest_volume_that_stays_usual_is_that_of_single_solves() {
+    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    press(&mut harness, "tight");
+    settle(&mut harness);
+    let words = largest_usual(&mut harness);
+    let largest = volume_of(&words);
     let is_usual = |width: f64, volume: f64| {
         let mut scene = harness.state().session().scene().clone();
         scene.solver.nodes_per_side = 65;
@@ -976,6 +1007,34 @@ fn the_largest_volume_that_stays_usual_is_known_after_an_edit() {
     let wider = words.split_once("; ").unwrap().1.strip_suffix(" ml on 13 cm.").unwrap();
     let wider: f64 = wider.parse().unwrap();
     assert!(is_usual(130.0, wider - 10.0) && !is_usual(130.0, wider + 15.0), "{words}");
+}
+
+#[test]
+fn the_sentence_of_the_answer_has_size_and_figures_of_one_plan() {
+    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let sentence = |harness: &Harness<'static, App>| {
+        let found = harness.get_by_label_contains(" ml, 12 cm: ");
+        found.accesskit_node().label().or(found.accesskit_node().value()).unwrap()
+    };
+    let before = sentence(&harness);
+    assert!(before.starts_with("300 ml, 12 cm: usual. Stretch 14 %"), "{before}");
+    harness.state_mut().set_plan("volume_ml", "400").unwrap();
+    // Frame by frame, a draft included.
+    let mut sentences = Vec::new();
+    while harness.state().session().is_working() || sentences.len() < 3 {
+        harness.step();
+        sentences.push(sentence(&harness));
+    }
+    settle(&mut harness);
+    let last = sentence(&harness);
+    assert!(last.starts_with("400 ml, 12 cm: ") && last.contains("Stretch "), "{last}");
+    for words in &sentences {
+        let is_updating = words.ends_with("updating…");
+        let is_old_figure = words.contains("Stretch 14 %");
+        let is_old_size = words.starts_with("300 ml");
+        assert!(is_updating || is_old_figure == is_old_size, "{words}");
+    }
+    assert!(!last.contains("Stretch 14 %"), "{last}");
 }
 
 #[test]

@@ -104,7 +104,7 @@ fn curve(map: &Map, quantity: Quantity, top: f64) -> Vec<Element<(f64, f64)>> {
     let (factor, unit) = quantity.display();
     let axis = map.axes()[0];
     let mut elements = Vec::new();
-    for level in quantity.limit_values().into_iter().map(|level| factor * level) {
+    for level in map.limit_values(quantity).into_iter().map(|level| factor * level) {
         if level < top {
             let line = vec![(axis.from, level), (axis.to, level)];
             elements.push(Element::Dashes(line, VOLUME_DASH, pen(VOLUME, 2)));

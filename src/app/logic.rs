@@ -144,6 +144,7 @@ impl App {
         let shelf = &self.range.sizes.shelf;
         let bands = self.uncertainty.choices(self.session.scene());
         let plan = (self.session.scene(), shelf);
+        self.volume_marks.want_after_rest(ctx, is_busy);
         self.volume_marks.advance(plan, bands, &mut self.studies, is_busy);
         let sizes = &self.range.sizes;
         self.shelf_largest.advance(self.session.scene(), sizes, &mut self.studies, is_busy);

@@ -68,15 +68,20 @@ impl NearestSearch {
         searches.map(|driver| found(driver, session)).into_iter().flatten()
     }
 
-    /// The card in place of those of an answer; returns the plan of its button.
-    fn card(&self, ui: &mut Ui, session: &Session) -> Option<Scene> {
+    /// The card in place of those of an answer; returns the plan of its button. `largest`: see [`Self::offer`].
+    fn card(
+        &self,
+        ui: &mut Ui,
+        session: &Session,
+        largest: Option<(Scene, String)>,
+    ) -> Option<Scene> {
         let frame = egui::Frame::group(ui.style()).inner_margin(SPACE).corner_radius(8);
         let card = frame.show(ui, |ui| {
             ui.set_width(ui.available_width());
             ui.label(RichText::new(tr("No answer for this plan")).strong());
             let words = Device::of(ui.ctx()).words(&words(session));
             ui.add(egui::Label::new(words).wrap());
-            let pressed = self.offer(ui, session, Hand::Mouse);
+            let pressed = self.offer(ui, session, largest, Hand::Mouse);
             let header = egui::CollapsingHeader::new(tr("Technical details")).id_salt("no answer");
             header.show_unindented(ui, |ui| remark(ui, tr(no_shape(session.invalid()))));
             pressed
@@ -84,9 +89,15 @@ impl NearestSearch {
         card.inner
     }
 
-    /// The buttons of the nearest plans and of the last plan with an answer, and what is known of the searches, from a least
-    /// height; returns the plan of a pressed button.
-    pub(super) fn offer(&self, ui: &mut Ui, session: &Session, hand: Hand) -> Option<Scene> {
+    /// The buttons of the largest plan that stays usual, of the nearest plans and of the last plan with an answer, and what is known
+    /// of the searches, from a least height; returns the plan of a pressed button. `largest`: the plan and its words, if known.
+    pub(super) fn offer(
+        &self,
+        ui: &mut Ui,
+        session: &Session,
+        largest: Option<(Scene, String)>,
+        hand: Hand,
+    ) -> Option<Scene> {
         let height = match hand {
             Hand::Mouse => ui.spacing().interact_size.y,
             Hand::Finger => theme::TOUCH,
@@ -108,19 +119,29 @@ impl NearestSearch {
         let line = ui.horizontal_wrapped(|ui| {
             ui.set_min_height(height);
             let palette = theme::palette(ui.visuals());
-            let mut taken = None;
-            for (k, plan) in self.found(session).enumerate() {
-                let text = RichText::new(texts::shown(&plan.words)).strong();
-                let button = match k {
-                    0 => egui::Button::new(text.color(palette.on_accent)).fill(palette.accent),
-                    _ => egui::Button::new(text),
+            let mut is_first = true;
+            let mut is_pressed = |ui: &mut Ui, words: &str, tooltip: &str| {
+                let text = RichText::new(words).strong();
+                let button = if std::mem::take(&mut is_first) {
+                    egui::Button::new(text.color(palette.on_accent)).fill(palette.accent)
+                } else {
+                    egui::Button::new(text)
                 };
-                let button = ui.add(button.min_size(egui::vec2(0.0, height))).on_hover_text(
-                    tr("The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
-                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan."),
-                );
-                if button.clicked() {
-                    taken = Some(&plan.scene);
+                let button = ui.add(button.min_size(egui::vec2(0.0, height)));
+                button.on_hover_text(tooltip).clicked()
+            };
+            // A plan that stays usual comes before one that has an answer only just.
+            let mut taken = largest
+                .filter(|(_, words)| {
+                    let tooltip = tr("The largest volume at this width for which no word of the cards is above usual, on a coarse grid.");
+                    is_pressed(ui, &tr!("Use {plan}", plan = words), tooltip)
+                })
+                .map(|(scene, _)| scene);
+            for plan in self.found(session) {
+                let tooltip = tr("The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
+                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan.");
+                if is_pressed(ui, &texts::shown(&plan.words), tooltip) {
+                    taken = Some(plan.scene.clone());
                 }
             }
             remark(ui, words);
@@ -131,9 +152,9 @@ impl NearestSearch {
                     .on_hover_text(tr("The last plan with an answer"))
                     .clicked()
             });
-            taken.or(back)
+            taken.or_else(|| back.cloned())
         });
-        line.inner.cloned()
+        line.inner
     }
 
     /// The found plans in a sentence, for screen readers; empty without one.
@@ -172,7 +193,8 @@ impl App {
         if !applies(&self.session) {
             return false;
         }
-        if let Some(scene) = self.nearest.card(ui, &self.session) {
+        let largest = self.volume_marks.largest_plan(self.session.scene());
+        if let Some(scene) = self.nearest.card(ui, &self.session, largest) {
             self.take_nearest(scene);
         }
         true

@@ -75,9 +75,16 @@ impl App {
     pub fn summary(&self) -> String {
         let answer = answer::summary(&self.session, self.plan.device)
             + &self.nearest.summary(&self.session)
+            + &self.largest_in_words()
             + &self.uncertainty.summary()
             + &self.pinned();
         self.range.summary().map_or(answer.clone(), |point| format!("{point} {answer}"))
+    }
+
+    /// The largest volume that stays usual, in a sentence; empty while that is not known.
+    pub(super) fn largest_in_words(&self) -> String {
+        let words = self.volume_marks.largest_usual();
+        if words.is_empty() { words } else { format!(" {words}") }
     }
 
     /// The pins in a sentence; empty without pins.

@@ -92,7 +92,7 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        plan::implant(ui, scene, &mut self.plan, Some(&mut self.volume_marks), Hand::Mouse);
+        plan::implant(ui, scene, &mut self.plan, &mut self.volume_marks, Hand::Mouse);
         self.shelf_line(ui, scene);
         self.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
@@ -126,7 +126,8 @@ impl App {
     fn narrow_tab(&mut self, ui: &mut Ui, scene: &mut Scene) {
         match self.narrow_tab {
             NarrowTab::Implant => {
-                plan::implant(ui, scene, &mut self.plan, None, Hand::Finger);
+                let marks = &mut self.volume_marks;
+                plan::implant(ui, scene, &mut self.plan, marks, Hand::Finger);
                 self.shelf_line(ui, scene);
                 self.insertion_row(ui, scene);
             }
@@ -147,11 +148,7 @@ impl App {
         answer::heading(ui, &self.session);
         if !self.no_answer(ui) {
             let findings = self.uncertainty.findings();
-            let size = self.session.scene().implant.size();
-            let near_end = size.map_or_else(
-                |_| String::new(),
-                |size| self.volume_marks.near_end(size.volume_ml()),
-            );
+            let near_end = self.volume_marks.near_end(self.session.scene());
             answer::show(ui, &self.session, self.previous_results(), findings, &near_end);
         }
         answer::sources(ui);
@@ -210,7 +207,11 @@ impl App {
     /// The answer in one sentence.
     fn headline(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            let text = answer::headline(&self.session, self.previous_results());
+            let mut text = answer::headline(&self.session, self.previous_results());
+            if self.is_long() {
+                // A plan without an answer takes the longest.
+                text = format!("{text} {}", self.volume_marks.near_end(self.session.scene()));
+            }
             ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
         });
         ui.add_space(theme::SPACE_SMALL);
@@ -259,7 +260,8 @@ impl App {
             }
             ui.add_space(theme::SPACE_SMALL);
             if layout == Layout::Narrow {
-                accepted = self.nearest.offer(ui, &self.session, Hand::Finger);
+                let largest = self.volume_marks.largest_plan(self.session.scene());
+                accepted = self.nearest.offer(ui, &self.session, largest, Hand::Finger);
             }
             messages::standard_model(ui, scene);
         };

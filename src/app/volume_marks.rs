@@ -1,6 +1,6 @@
 //! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
-//! that stays usual: the implant's volumes at its width, each one solved scene on a coarse grid. Computed once the slider is
-//! used or the plan is edited.
+//! that stays usual: the implant's volumes at its width, each one solved scene on a coarse grid. Computed once the first plan
+//! has rested, the slider is used or the plan is edited.
 
 use super::studies::{Driver, Studies};
 use super::texts::{tr, word_of};
@@ -12,6 +12,8 @@ use crate::scene::Scene;
 use crate::study::{
     Axis, BandsSettings, Map, MapSettings, Parameter, Quantity, volume_and_width, with_values,
 };
+use eframe::egui;
+use web_time::{Duration, Instant};
 
 /// Grid and tolerance of the volumes.
 const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -21,12 +23,10 @@ const MOST_RATIO: f64 = 1.3;
 const NEAR_END: f64 = 0.9;
 /// Greatest step to the next width of the shelf \[mm\].
 const MOST_STEP_MM: f64 = 20.0;
-/// The quantities of the cards with limits, and their names there.
-const QUANTITIES: [(Quantity, &Limits, &str); 3] = [
-    (Quantity::GreatestStrain, &bands::STRAIN, "skin stretch"),
-    (Quantity::SkinReserveUsed, &bands::RESERVE, "skin stretch"),
-    (Quantity::GreatestPressureMmhg, &bands::PRESSURE, "pressure"),
-];
+/// Rest of the first plan before its marks are computed.
+const REST: Duration = Duration::from_millis(300);
+/// The quantities of the cards with limits.
+const QUANTITIES: [Quantity; 2] = [Quantity::GreatestStrain, Quantity::GreatestPressureMmhg];
 
 /// The study behind the marks.
 #[derive(Default)]
@@ -35,6 +35,8 @@ pub(super) struct VolumeMarks {
     /// The scene of the present curve.
     started: Option<Scene>,
     is_wanted: bool,
+    /// Start of the rest of the first plan.
+    rests_since: Option<Instant>,
     /// The marks of a curve that is solved.
     marks: Option<Vec<Mark>>,
     /// The curve of the next width, and its marks.
@@ -50,14 +52,31 @@ struct Mark {
     volume_ml: f64,
     /// Index of the band above the volume, 1 or more; `None`: no answer.
     band: Option<usize>,
-    /// Quantity and word of the band, or what is missing.
-    words: [&'static str; 2],
+    /// The quantity of the card; `None`: no answer.
+    quantity: Option<Quantity>,
+    /// The word of the band.
+    word: &'static str,
 }
 
 impl VolumeMarks {
     /// The slider or the plan is in use: the marks are computed from now on.
     pub(super) fn want(&mut self) {
         self.is_wanted = true;
+    }
+
+    /// The marks are computed from a rest of the first plan on: a page that opens has its picture first. `is_busy`: the plan is
+    /// being solved or edited.
+    pub(super) fn want_after_rest(&mut self, ctx: &egui::Context, is_busy: bool) {
+        if self.is_wanted {
+            return;
+        }
+        let since = if is_busy { None } else { self.rests_since.or_else(|| Some(Instant::now())) };
+        self.rests_since = since;
+        match since.map(|since| since.elapsed()) {
+            Some(rest) if rest >= REST => self.is_wanted = true,
+            Some(rest) => ctx.request_repaint_after(REST - rest),
+            None => {}
+        }
     }
 
     /// Starts and continues the studies, once a frame. `bands`: the choices of the bands while they are on, and whether the bands
@@ -76,7 +95,7 @@ impl VolumeMarks {
         if self.marks.is_none()
             && let Some(curve) = self.curve.finished()
         {
-            self.marks = Some(marks(&curve.axes()[0], |quantity, i| curve.value(quantity, i, 0)));
+            self.marks = Some(marks_of(curve));
         }
         self.advance_beside(shelf, studies, is_busy);
         let curve = self.curve.study().filter(|_| self.marks.is_some());
@@ -107,16 +126,14 @@ impl VolumeMarks {
         if self.beside_marks.is_none()
             && let Some(beside) = self.beside.finished()
         {
-            let value = |quantity, i| beside.value(quantity, i, 0);
-            self.beside_marks = Some(marks(&beside.axes()[0], value));
+            self.beside_marks = Some(marks_of(beside));
         }
     }
 
     /// Starts the curve of a scene. Another volume leaves the curve as it is.
     fn restart(&mut self, scene: &Scene, studies: &mut Studies) {
         self.started = Some(scene.clone());
-        let mut base = scene.clone();
-        base.insertion = 1.0;
+        let base = full(scene);
         let axis = volumes(2.0 * scene.implant.base_radius_mm, MOST_RATIO);
         let is_equal = |curve: &mut Map| curve.axes() == [axis] && curve.move_to(&base);
         if self.curve.study_mut().is_some_and(is_equal) {
@@ -164,6 +181,17 @@ impl VolumeMarks {
         format!("{words}{}.", beside.unwrap_or_default())
     }
 
+    /// The largest volume of a plan that stays usual, as a plan and in words; `None` while that is not known, or without one.
+    pub(super) fn largest_plan(&self, plan: &Scene) -> Option<(Scene, String)> {
+        let (marks, curve) = self.marks.as_ref().zip(self.curve.study())?;
+        if self.started.as_ref() != Some(plan) {
+            return None;
+        }
+        let volume = largest_ml(&curve.axes()[0], marks)?;
+        let scene = with_values(curve.base(), &[(Parameter::Volume, volume)]).ok()?;
+        Some((scene, tr!("{volume:.0} ml, the largest that stays usual", volume)))
+    }
+
     /// What [`Self::largest_usual`] is.
     pub(super) fn about_largest_usual(&self) -> String {
         let words = tr(
@@ -173,9 +201,25 @@ impl VolumeMarks {
         words.to_owned() + &self.band.about()
     }
 
-    /// That a volume is within a tenth of the greatest one with an answer, in words; empty while that is not known.
-    pub(super) fn near_end(&self, volume_ml: f64) -> String {
+    /// That the volume of a plan is above or within a tenth of the greatest one with an answer, in words; empty while that is not
+    /// known.
+    pub(super) fn near_end(&self, plan: &Scene) -> String {
+        // Also during the solve of another volume.
+        let is_of_plan = self.curve.study().is_some_and(|curve| curve.has_points_of(&full(plan)));
+        let Some(volume_ml) = Parameter::Volume.value(plan).filter(|_| is_of_plan) else {
+            return String::new();
+        };
+        self.near_end_of(volume_ml)
+    }
+
+    fn near_end_of(&self, volume_ml: f64) -> String {
         match self.ends()[2] {
+            Some(end) if volume_ml > end => {
+                tr!(
+                    "Probably no answer: the model has none above about {end:.0} ml at this width.",
+                    end
+                )
+            }
             Some(end) if volume_ml >= NEAR_END * end => {
                 tr!("Near the model's limit: no answer above about {end:.0} ml at this width.", end)
             }
@@ -193,8 +237,14 @@ impl VolumeMarks {
 
 /// The words of a mark.
 fn words_of(mark: &Mark) -> String {
-    let [name, word] = mark.words;
-    let word = if name == QUANTITIES[2].2 { word_of(&bands::PRESSURE, word) } else { tr(word) };
+    let name = match mark.quantity {
+        Some(Quantity::GreatestPressureMmhg) => "pressure",
+        Some(Quantity::LeastCoverMm) => "cover",
+        Some(_) => "skin stretch",
+        None => "the model has",
+    };
+    let limits = mark.quantity.and_then(|quantity| quantity.limits(None));
+    let word = limits.map_or(tr(mark.word), |(limits, _)| word_of(limits, mark.word));
     format!("{} {word}", tr(name))
 }
 
@@ -207,28 +257,47 @@ fn next_width(width_mm: f64, shelf: &Shelf) -> f64 {
     if next.is_finite() { next } else { 10.0 * ((width_mm + 5.0) / 10.0).ceil() }
 }
 
-/// The largest volume of an axis that stays usual, as "360 ml", in whole 5 ml, downwards; `None` if none does.
-fn largest(axis: &Axis, marks: &[Mark]) -> Option<String> {
-    let end = marks.first().map_or(f64::INFINITY, |mark| mark.volume_ml);
-    let whole = |volume: f64| 5.0 * (volume / 5.0).floor();
-    match end {
-        end if end <= axis.from => None,
-        end if end < axis.to => Some(format!("{:.0} ml", whole(end))),
-        _ => Some(tr!("{whole:.0} ml and more", whole = whole(axis.to))),
-    }
+/// A plan with the whole implant in place.
+fn full(plan: &Scene) -> Scene {
+    Scene { insertion: 1.0, ..plan.clone() }
 }
 
-/// The volumes at which the quantities exceed their limits and the answers end, in their order. `value`: a quantity at a
-/// volume of the axis; `None` without an answer.
-fn marks(axis: &Axis, value: impl Fn(Quantity, usize) -> Option<f64>) -> Vec<Mark> {
+/// The largest volume of an axis that stays usual \[ml\], in whole 5 ml, downwards; `None` if none does.
+fn largest_ml(axis: &Axis, marks: &[Mark]) -> Option<f64> {
+    let end = marks.first().map_or(axis.to, |mark| mark.volume_ml.min(axis.to));
+    (end > axis.from).then_some(5.0 * (end / 5.0).floor())
+}
+
+/// The largest volume of an axis that stays usual, as "360 ml"; `None` if none does.
+fn largest(axis: &Axis, marks: &[Mark]) -> Option<String> {
+    let volume = largest_ml(axis, marks)?;
+    let is_open = marks.first().is_none_or(|mark| mark.volume_ml >= axis.to);
+    let more = if is_open { tr(" and more") } else { "" };
+    Some(format!("{volume:.0} ml{more}"))
+}
+
+/// The marks of a solved curve.
+fn marks_of(curve: &Map) -> Vec<Mark> {
+    let value = |quantity, i| curve.value(quantity, i, 0);
+    marks(&curve.axes()[0], |quantity| curve.limits(quantity), value)
+}
+
+/// The volumes at which the quantities exceed their limits and the answers end, in their order. `limits`: those of a quantity,
+/// and the factor from a value to their unit; `value`: a quantity at a volume of the axis; `None` without an answer.
+fn marks(
+    axis: &Axis,
+    limits: impl Fn(Quantity) -> Option<(&'static Limits, f64)>,
+    value: impl Fn(Quantity, usize) -> Option<f64>,
+) -> Vec<Mark> {
     let point = |quantity: Quantity, i: usize| Some([axis.value(i), value(quantity, i)?]);
     let mut marks = Vec::new();
-    for (quantity, limits, name) in QUANTITIES {
+    for quantity in QUANTITIES {
+        let Some((limits, factor)) = limits(quantity) else { continue };
         let line: Vec<[f64; 2]> = (0..COUNT).filter_map(|i| point(quantity, i)).collect();
         for (k, limit) in limits.bands.iter().filter_map(|band| band.limit).enumerate() {
-            if let Some(volume_ml) = crossing(&line, limit) {
-                let words = [name, limits.bands[k + 1].word];
-                marks.push(Mark { volume_ml, band: Some(k + 1), words });
+            if let Some(volume_ml) = crossing(&line, limit / factor) {
+                let word = limits.bands[k + 1].word;
+                marks.push(Mark { volume_ml, band: Some(k + 1), quantity: Some(quantity), word });
             }
         }
     }
@@ -237,13 +306,14 @@ fn marks(axis: &Axis, value: impl Fn(Quantity, usize) -> Option<f64>) -> Vec<Mar
         .filter_map(|i| point(Quantity::LeastCoverMm, i).map(|[volume, cover]| [volume, -cover]))
         .collect();
     if let Some(volume_ml) = crossing(&line, -bands::THIN_COVER_MM) {
-        marks.push(Mark { volume_ml, band: Some(1), words: ["cover", "thin"] });
+        let quantity = Some(Quantity::LeastCoverMm);
+        marks.push(Mark { volume_ml, band: Some(1), quantity, word: "thin" });
     }
     // Between the last volume with an answer and the next one.
     let last = (0..COUNT).rev().find_map(|i| Some((i, point(Quantity::GreatestStrain, i)?[0])));
     if let Some((_, volume)) = last.filter(|(i, _)| i + 1 < COUNT) {
         let volume_ml = volume + 0.5 * (axis.value(1) - axis.value(0));
-        marks.push(Mark { volume_ml, band: None, words: ["the model has", "no answer"] });
+        marks.push(Mark { volume_ml, band: None, quantity: None, word: "no answer" });
     }
     marks.sort_by(|a, b| a.volume_ml.total_cmp(&b.volume_ml));
     marks
@@ -289,16 +359,16 @@ mod tests {
         };
         let curve: Vec<Outcome> =
             axis.values().iter().map(|v| solved(*v, SETTINGS.nodes_per_side)).collect();
-        let marks = marks(&axis, |quantity, i| quantity.of(&curve[i]));
-        let of_stretch = |mark: &&Mark| mark.words[0] == "skin stretch";
+        let limits = |quantity: Quantity| quantity.limits(scene.skin_knee());
+        let marks = marks(&axis, limits, |quantity, i| quantity.of(&curve[i]));
+        let of_stretch = |mark: &&Mark| mark.quantity == Some(Quantity::GreatestStrain);
         assert!(marks.iter().filter(of_stretch).count() >= 2, "{marks:?}");
         for mark in &marks {
-            let Some(band) = mark.band else { continue };
-            let of_mark = |found: &(Quantity, &Limits, &str)| found.2 == mark.words[0];
-            let (quantity, limits, _) = QUANTITIES.into_iter().find(of_mark).unwrap();
-            for (factor, expected) in [(0.97, band - 1), (1.03, band)] {
-                let value = quantity.of(&solved(factor * mark.volume_ml, 129)).unwrap();
-                assert_eq!(limits.band(value), expected, "{mark:?}: {value}");
+            let Some((band, quantity)) = mark.band.zip(mark.quantity) else { continue };
+            let (limits, factor) = limits(quantity).unwrap();
+            for (share, expected) in [(0.97, band - 1), (1.03, band)] {
+                let value = quantity.of(&solved(share * mark.volume_ml, 129)).unwrap();
+                assert_eq!(limits.band(factor * value), expected, "{mark:?}: {value}");
             }
         }
     }
@@ -318,7 +388,8 @@ mod tests {
 
     #[test]
     fn the_largest_volume_is_rounded_down_and_stands_beside_that_of_the_next_width() {
-        let mark = |volume_ml| Mark { volume_ml, band: Some(1), words: ["skin stretch", "high"] };
+        let quantity = Some(Quantity::GreatestStrain);
+        let mark = |volume_ml| Mark { volume_ml, band: Some(1), quantity, word: "high" };
         let axis = volumes(120.0, MOST_RATIO);
         assert_eq!(largest(&axis, &[mark(364.0)]).as_deref(), Some("360 ml"));
         assert_eq!(largest(&axis, &[mark(axis.from)]), None);
@@ -342,11 +413,21 @@ mod tests {
 
     #[test]
     fn a_volume_within_a_tenth_of_the_last_answer_is_near_the_limit() {
-        let end = Mark { volume_ml: 400.0, band: None, words: ["the model has", "no answer"] };
+        let end = Mark { volume_ml: 400.0, band: None, quantity: None, word: "no answer" };
         let marks = VolumeMarks { marks: Some(vec![end]), ..VolumeMarks::default() };
-        assert_eq!(marks.near_end(359.0), "");
-        assert!(marks.near_end(361.0).contains("above about 400 ml"));
-        assert_eq!(VolumeMarks::default().near_end(361.0), "");
+        assert_eq!(marks.near_end_of(359.0), "");
+        assert!(
+            marks
+                .near_end_of(361.0)
+                .starts_with("Near the model's limit: no answer above about 400 ml")
+        );
+        assert!(
+            marks
+                .near_end_of(401.0)
+                .starts_with("Probably no answer: the model has none above about 400 ml")
+        );
+        assert_eq!(VolumeMarks::default().near_end_of(361.0), "");
+        assert_eq!(marks.near_end(&Scene::opening()), "");
     }
 
     #[test]
@@ -354,7 +435,11 @@ mod tests {
         let axis = volumes(120.0, 1.0);
         let end = |count: usize| {
             let value = |quantity| if quantity == Quantity::LeastCoverMm { 10.0 } else { 0.1 };
-            marks(&axis, |quantity, i| (i < count).then_some(value(quantity)))
+            marks(
+                &axis,
+                |quantity| quantity.limits(None),
+                |quantity, i| (i < count).then_some(value(quantity)),
+            )
         };
         assert_eq!(end(COUNT), []);
         let found = end(10);

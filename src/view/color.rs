@@ -1,6 +1,6 @@
 //! Colours of quantities and tissues, and scales of the colour bar.
 
-use crate::measure::{Field, MMHG_PER_KPA, STRAIN_BANDS, bands};
+use crate::measure::{Field, MMHG_PER_KPA, bands};
 use crate::scene::{Layer, Scene};
 
 /// A colour as sRGB, 0 to 1 each.
@@ -23,7 +23,7 @@ pub enum Quantity {
     Stress(usize),
     /// Contact pressure on the implant.
     Pressure,
-    /// Layered tissue: greatest principal strain of a layer, counted from the skin, in the clinical bands.
+    /// Layered tissue: greatest principal strain of a layer, counted from the skin; that of the skin in the clinical bands.
     LayerStrain(usize),
     /// Layered tissue: thickness of a layer relative to its thickness at rest.
     Thickness(usize),
@@ -88,15 +88,25 @@ impl Quantity {
         }
     }
 
-    /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue.
+    /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue. `knee`: strain at which the
+    /// curve of the skin turns steep \[-\], if the skin has a reserve ([`Problem::skin_knee`](crate::solve::Problem::skin_knee)).
     #[must_use]
-    pub fn scale(&self, greatest: f32, layers: &[Layer]) -> Option<Scale> {
+    pub fn scale(&self, greatest: f32, layers: &[Layer], knee: Option<f64>) -> Option<Scale> {
         let name = |layer: usize| layers.get(layer).map_or("layer", |l| l.tissue.as_str());
         Some(match *self {
             Self::Tissue => return None,
-            Self::Strain => strain_scale(greatest),
+            Self::Strain => strain_scale(greatest, knee),
+            Self::LayerStrain(0) => {
+                let title = format!("Stretch of {}", name(0));
+                Scale { title, ..strain_scale(greatest, knee) }
+            }
+            // The limits are those of skin.
             Self::LayerStrain(layer) => {
-                Scale { title: format!("Stretch of {}", name(layer)), ..strain_scale(greatest) }
+                let high = nice_above(f64::from(greatest).max(0.2)) as f32;
+                let title = format!("Stretch of {}", name(layer));
+                let ticks = (0..=4).map(|k| 0.25 * k as f32 * high);
+                let ticks = ticks.map(|v| (v, format!("{:.0}", 100.0 * v))).collect();
+                Scale { ticks, ..even(title, "%", 0.0, high, sequential) }
             }
             Self::Thickness(layer) => {
                 let high = nice_above(f64::from(greatest).max(1.0)) as f32;
@@ -212,14 +222,10 @@ pub fn band(band: usize) -> Rgb {
 /// The cover over the implant in the bar of its card.
 pub const COVER: Rgb = [0.80, 0.66, 0.36];
 
-/// Upper end of the colours of strain \[-\]; greater strains have the last colour.
+/// Upper ends of the colours of strain \[-\], for a skin without a reserve and relative to the reserve; greater strains have the
+/// last colour.
 const MOST_STRAIN: f64 = 0.8;
-
-/// Colour of a strain by its band.
-#[must_use]
-pub fn strain_bands(strain: f32) -> Rgb {
-    in_band(&bands::STRAIN, MOST_STRAIN, strain)
-}
+const MOST_RESERVE: f64 = 1.5;
 
 /// Colour of a value by its band \[unit of the limits\]; values above `most` have the last colour.
 #[must_use]
@@ -237,26 +243,29 @@ pub fn in_band(limits: &bands::Limits, most: f64, value: f32) -> Rgb {
     BANDS[BANDS.len() - 1].1
 }
 
-fn strain_scale(greatest: f32) -> Scale {
-    let (low, high) = (0.0, MOST_STRAIN as f32);
-    let [strain_high, very_high, failure] = STRAIN_BANDS;
-    let marks = [0.0, strain_high, very_high, failure, MOST_STRAIN];
-    let mut from = low;
-    let mut words = Vec::new();
-    for band in bands::STRAIN.bands {
-        let to = band.limit.unwrap_or(MOST_STRAIN) as f32;
-        words.push((0.5 * (from + to), band.word));
+/// The strain of a skin in the bands of its limits: those of its reserve, if its curve turns steep.
+fn strain_scale(greatest: f32, knee: Option<f64>) -> Scale {
+    let (limits, to_limits) = bands::strain_limits(knee);
+    let most = if knee.is_some() { MOST_RESERVE } else { MOST_STRAIN };
+    let strain = |limit: f64| (limit / to_limits) as f32;
+    let tick = |value: f32| (value, format!("{:.0}", 100.0 * value));
+    let (mut from, mut words) = (0.0, Vec::new());
+    for band in limits.bands {
+        let to = band.limit.unwrap_or(most);
+        words.push((strain(0.5 * (from + to)), band.word));
         from = to;
     }
+    let inner = limits.bands.iter().filter_map(|band| band.limit);
+    let ticks = [0.0].into_iter().chain(inner).chain([most]);
     Scale {
         title: "Skin stretch".to_owned(),
         unit: "%",
-        low,
-        high,
-        ticks: marks.iter().map(|m| (*m as f32, format!("{:.0}", 100.0 * m))).collect(),
+        low: 0.0,
+        high: strain(most),
+        ticks: ticks.map(|limit| tick(strain(limit))).collect(),
         words,
         greatest: Some(greatest),
-        table: table(|t| strain_bands(low + (high - low) * t)),
+        table: table(|t| in_band(limits, most, t * most as f32)),
     }
 }
 
@@ -358,31 +367,43 @@ mod tests {
     }
 
     #[test]
-    fn strain_bands_darken_throughout_and_jump_at_their_limits() {
-        let mut last = f32::INFINITY;
-        for k in 0..800 {
-            let now = luminance(strain_bands(k as f32 / 1000.0));
-            assert!(now < last, "at {k} ‰: {now} after {last}");
-            last = now;
+    fn bands_of_strain_darken_throughout_and_jump_at_their_limits() {
+        for (limits, most) in [(&bands::STRAIN, MOST_STRAIN), (&bands::RESERVE, MOST_RESERVE)] {
+            let color = |value: f64| in_band(limits, most, value as f32);
+            let mut last = f32::INFINITY;
+            for k in 0..800 {
+                let now = luminance(color(most * f64::from(k) / 800.0));
+                assert!(now < last, "at {k}: {now} after {last}");
+                last = now;
+            }
+            for limit in limits.bands.iter().filter_map(|band| band.limit) {
+                let (a, b) = (color(limit - 1e-4), color(limit + 1e-4));
+                let jump: f32 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+                assert!(jump > 0.15, "{limit}: {jump}");
+            }
+            assert!(luminance(color(0.0)) > 4.0 * luminance(color(0.99 * most)));
+            assert!(color(2.0).iter().zip(color(most)).all(|(a, b)| (a - b).abs() < 1e-6));
         }
-        for limit in STRAIN_BANDS {
-            let (a, b) = (strain_bands(limit as f32 - 1e-4), strain_bands(limit as f32 + 1e-4));
-            let jump: f32 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
-            assert!(jump > 0.15, "{limit}: {jump}");
-        }
-        assert!(luminance(strain_bands(0.0)) > 4.0 * luminance(strain_bands(0.79)));
-        assert!(strain_bands(2.0).iter().zip(strain_bands(0.8)).all(|(a, b)| (a - b).abs() < 1e-6));
     }
 
     #[test]
-    fn the_legend_of_strain_has_the_words_of_the_limits() {
-        let scale = strain_scale(0.21);
-        let words: Vec<&str> = scale.words.iter().map(|(_, word)| *word).collect();
-        assert_eq!(words, ["usual", "high", "very high", "beyond"]);
-        assert_eq!(scale.greatest, Some(0.21));
-        for (value, word) in scale.words {
-            assert_eq!(bands::strain_word(f64::from(value)), word);
-        }
+    fn the_legend_of_strain_has_the_words_of_the_cards() {
+        let of_skin = |knee: Option<f64>, expected: &[&str]| {
+            let scale = strain_scale(0.21, knee);
+            let words: Vec<&str> = scale.words.iter().map(|(_, word)| *word).collect();
+            assert_eq!(words, expected);
+            assert_eq!(scale.greatest, Some(0.21));
+            for (value, word) in scale.words {
+                let strain = f64::from(value);
+                assert_eq!(bands::stretch(strain, knee.map(|knee| strain / knee)).1, word);
+            }
+            scale.ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>()
+        };
+        let of_sheet = of_skin(None, &["usual", "high", "very high", "beyond"]);
+        assert_eq!(of_sheet, ["0", "25", "50", "54", "80"]);
+        // A skin that turns steep at 20 %.
+        let of_reserve = of_skin(Some(0.2), &["usual", "high", "very high"]);
+        assert_eq!(of_reserve, ["0", "16", "20", "30"]);
     }
 
     #[test]

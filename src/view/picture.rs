@@ -136,7 +136,8 @@ impl Picture {
         let values =
             quantity.field().filter(|_| is_shown).map(|field| subject.fields().values(field));
         self.greatest = values.map_or(0.0, color::greatest);
-        let scale = quantity.scale(self.greatest, &subject.scene().layers);
+        let scale =
+            quantity.scale(self.greatest, &subject.scene().layers, subject.problem().skin_knee());
         self.scale = scale.filter(|_| is_shown);
         let room = take_unused(&mut self.tissues_before);
         let mut vertices = mesh::tissue_vertices(room, &self.body, colors, values);

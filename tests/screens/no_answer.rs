@@ -78,6 +78,37 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
 }
 
 #[test]
+fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
+    let mut harness = app(DESKTOP, |scene| {
+        *scene = opening();
+        scene.implant.projection_mm = 119.0;
+    });
+    assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+    let start = std::time::Instant::now();
+    const WORDS: &str = " ml, the largest that stays usual";
+    while harness.query_all_by_label_contains(WORDS).count() == 0 {
+        assert!(start.elapsed().as_secs() < 300, "no largest volume");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    wait(&mut harness);
+    let button = harness.get_by_label_contains(WORDS);
+    let label = button.accesskit_node().label().unwrap();
+    let volume: f64 =
+        label.strip_prefix("Use ").unwrap().strip_suffix(WORDS).unwrap().parse().unwrap();
+    // Before the nearest plan with an answer, which is larger and under more pressure.
+    let (nearest, nearest_volume) = offer(&harness);
+    let nearest = harness.get_by_role_and_label(Role::Button, &nearest).rect();
+    let place = |rect: egui::Rect| (rect.top(), rect.left());
+    assert!(place(button.rect()) < place(nearest) && volume < nearest_volume, "{label}");
+    button.click();
+    settle(&mut harness);
+    let outcome = harness.state().outcome().unwrap();
+    assert!((outcome.implant_volume_ml - volume).abs() < 1e-6);
+    harness.get_by_label_contains(" ml, 12 cm: usual. ");
+}
+
+#[test]
 fn a_plan_without_an_answer_offers_a_wider_base_of_the_same_volume() {
     let mut harness = app(DESKTOP, without_answer);
     let before = harness.state().session().scene().clone();

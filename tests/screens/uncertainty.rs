@@ -120,13 +120,16 @@ fn bands_are_those_of_the_study_and_stand_beside_every_number() {
     let is_zero = |bar: &String| bar.contains(": 0 ± 0 % of the spread alone");
     assert!(!is_zero(&by_volume[0]) && by_volume[1..].iter().all(is_zero), "{by_volume:?}");
 
-    // Scenarios of the method of measurement stand in a table of their own.
+    // Scenarios of the method of measurement stand in a table of their own; without a factor the figure is that of the card.
     for factor in ["× 0.4", "× 1", "× 2.5"] {
         harness.get_by_label(factor);
     }
-    for scenario in &band(&bands, Quantity::GreatestPressureMmhg).scenarios {
-        let text = format!("{:.0} mmHg", scenario.value.unwrap());
-        assert!(harness.query_all_by_label(&text).count() > 0, "{text}");
+    let own = Quantity::GreatestPressureMmhg.of(&harness.state().outcome().unwrap()).unwrap();
+    let scenarios = &band(&bands, Quantity::GreatestPressureMmhg).scenarios;
+    let [low, unchanged, high] = [0, 1, 2].map(|k| scenarios[k].value.unwrap());
+    for (change, count) in [(low / unchanged, 1), (1.0, 2), (high / unchanged, 1)] {
+        let text = format!("{:.0} mmHg", own * change);
+        assert!(harness.query_all_by_label(&text).count() >= count, "{text}");
     }
 
     press(&mut harness, "Details");

@@ -33,7 +33,7 @@ pub struct Limits {
     pub note: &'static str,
 }
 
-/// Greatest principal strain of the skin \[-\], against the model's own rest.
+/// Greatest principal strain of the skin \[-\], against the model's own rest; for a skin without a reserve.
 pub const STRAIN: Limits = Limits {
     quantity: "greatest principal strain",
     unit: "",
@@ -142,13 +142,18 @@ impl Limits {
     }
 }
 
-/// Band and word of the stretch of a skin: the worse of its greatest principal strain \[-\] and of its share of the reserve
-/// \[-\], if the skin has one.
+/// Band and word of the stretch of a skin: those of its share of the reserve \[-\], or of its greatest principal strain \[-\]
+/// if the skin has no reserve.
 #[must_use]
 pub fn stretch(strain: f64, reserve: Option<f64>) -> (usize, &'static str) {
-    let by_strain = STRAIN.verdict(strain);
-    let by_reserve = reserve.map(|share| RESERVE.verdict(share));
-    by_reserve.filter(|(band, _)| *band > by_strain.0).unwrap_or(by_strain)
+    reserve.map_or_else(|| STRAIN.verdict(strain), |share| RESERVE.verdict(share))
+}
+
+/// The limits of the greatest principal strain of a skin whose curve turns steep at the strain `knee` \[-\], and the factor
+/// from a strain to their unit: the words are those of [`stretch`].
+#[must_use]
+pub fn strain_limits(knee: Option<f64>) -> (&'static Limits, f64) {
+    knee.map_or((&STRAIN, 1.0), |knee| (&RESERVE, 1.0 / knee))
 }
 
 /// Band and word of a thin cover \[mm\]; `None` for any other.

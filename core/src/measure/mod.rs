@@ -292,8 +292,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
 
 /// Greatest strain of a skin that wrinkles, relative to the strain at which its curve turns steep.
 fn reserve_used(problem: &Problem, strain: Option<&Strains>) -> Option<f64> {
-    let skin = problem.materials.first().filter(|_| problem.tissue.skin_wrinkles())?;
-    Some(strain?.max_principal.max(0.0) / skin.curve.knee()?)
+    Some(strain?.max_principal.max(0.0) / problem.skin_knee()?)
 }
 
 /// Fields that depend on the membrane's deformation.

@@ -4,7 +4,7 @@ use super::{
     SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, limits, out_of_range,
     problem, within,
 };
-use crate::curve::number;
+use crate::curve::{Curve, number};
 use crate::mesh::{Attachment, Edge, Patch};
 use crate::model::layered::{automatic_cells, balanced_cells};
 use crate::solve::Tissue;
@@ -158,6 +158,14 @@ impl Scene {
     #[must_use]
     pub fn skin_wrinkles(&self) -> bool {
         self.is_layered() && Version::of(&self.schema) == Some(Version::Third)
+    }
+
+    /// Strain at which the curve of the skin turns steep \[-\], the skin's reserve ([`Curve::knee`]); `None` for a skin that
+    /// does not wrinkle, or whose curve does not stiffen so far.
+    #[must_use]
+    pub fn skin_knee(&self) -> Option<f64> {
+        let skin = self.layers.first().filter(|_| self.skin_wrinkles())?;
+        Curve::scaled(&skin.curve).ok()?.knee()
     }
 
     /// Sets the tissue model; a scene of `scene/1` becomes one of `scene/3`. Layered tissue has the coupled springs, and

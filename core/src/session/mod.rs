@@ -104,6 +104,8 @@ pub struct Session {
     outcome: Option<Outcome>,
     /// Does [`Self::outcome`] belong to the current scene, draft included?
     is_outcome_present: bool,
+    /// The scene of [`Self::outcome`] if that does not belong to the current scene.
+    measured: Option<Scene>,
     is_measured: bool,
     is_stopped: bool,
     /// The last scene with a valid solution.
@@ -144,6 +146,7 @@ impl Session {
             stability_limits: OnceCell::new(),
             outcome: None,
             is_outcome_present: false,
+            measured: None,
             is_measured: true,
             is_stopped: false,
             counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
@@ -279,9 +282,12 @@ impl Session {
         self.is_shape_known &= self.fields.get().is_some();
         self.working = true;
         self.is_stopped = false;
-        self.is_outcome_present = false;
         self.count(|c| c.solves += 1);
-        std::mem::replace(&mut self.scene, checked.into_scene())
+        let before = std::mem::replace(&mut self.scene, checked.into_scene());
+        if std::mem::take(&mut self.is_outcome_present) {
+            self.measured = Some(before.clone());
+        }
+        before
     }
 
     /// Replaces the current scene by a scene whose solution a pin has; returns the previous scene.

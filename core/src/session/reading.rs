@@ -2,6 +2,7 @@
 
 use super::{Counters, Session};
 use crate::measure::{Field, Fields, Outcome, Status};
+use crate::scene::Scene;
 use crate::solve::{Displayed, Invalid, Problem, Solution, Solver};
 use crate::springs::Springs;
 use crate::springs::stability::Limits;
@@ -121,6 +122,13 @@ impl Session {
     #[must_use]
     pub fn is_outcome_present(&self) -> bool {
         self.is_outcome_present && self.outcome.is_some()
+    }
+
+    /// The scene of [`Self::outcome`]: during a solve the previous scene, until there is a draft of the current one.
+    #[must_use]
+    pub fn outcome_scene(&self) -> &Scene {
+        let measured = self.measured.as_ref().filter(|_| !self.is_outcome_present);
+        measured.unwrap_or_else(|| self.scene())
     }
 
     /// The result of the current scene; `None` until the solve has ended.

@@ -39,6 +39,14 @@ impl Problem {
     pub fn solids(&self) -> &[Material] {
         &self.materials[self.membrane().len()..]
     }
+
+    /// Strain at which the curve of the skin turns steep \[-\], the skin's reserve
+    /// ([`Curve::knee`](crate::curve::Curve::knee)); `None` for a skin that does not wrinkle, or whose curve does not stiffen so
+    /// far.
+    #[must_use]
+    pub fn skin_knee(&self) -> Option<f64> {
+        self.materials.first().filter(|_| self.tissue.skin_wrinkles())?.curve.knee()
+    }
 }
 
 /// The tissue model.

@@ -9,6 +9,7 @@ use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::number;
 use crate::measure::Status;
+use crate::measure::bands::Limits;
 use crate::scene::{Scene, TissueModel, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -141,6 +142,16 @@ pub struct Map {
     pub(super) queue: Queue,
     /// The points that are solved in full.
     pub(super) border: Border,
+    skin: Skin,
+}
+
+/// What judges the strain of the skins of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Skin {
+    /// All skins turn steep at one strain \[-\], or have no reserve.
+    Same(Option<f64>),
+    /// The skins of the points turn steep at different strains.
+    Different,
 }
 
 impl Map {
@@ -165,8 +176,13 @@ impl Map {
             return Err(MapError::Same(x.field.name(), y.field.name()));
         }
         let (axes, queue, border) = (axes.to_vec(), Queue::default(), Border::default());
-        let mut map = Self { base, axes, settings, queue, border };
+        let mut map = Self { base, axes, settings, queue, border, skin: Skin::Different };
         map.check_ends()?;
+        let knee = |(i, j)| map.scene(i, j).ok().and_then(|scene| scene.skin_knee());
+        let [first, others @ ..] = map.corners().map(knee);
+        if others.into_iter().all(|other| other == first) {
+            map.skin = Skin::Same(first);
+        }
         map.queue = Queue::new(map.order());
         Ok(map)
     }
@@ -204,12 +220,15 @@ impl Map {
     #[must_use]
     pub fn has_points_of(&self, scene: &Scene) -> bool {
         let (axes, settings) = (self.axes.clone(), self.settings);
-        let (queue, border) = (Queue::default(), Border::default());
-        let other = Self { base: base_scene(scene), axes, settings, queue, border };
-        let (columns, rows) = self.shape();
+        let (queue, border, skin) = (Queue::default(), Border::default(), self.skin);
+        let other = Self { base: base_scene(scene), axes, settings, queue, border, skin };
         // The axes set the same fields at all points.
-        let corners = [(0, 0), (columns - 1, 0), (0, rows - 1), (columns - 1, rows - 1)];
-        corners.into_iter().all(|(i, j)| self.scene(i, j) == other.scene(i, j))
+        self.corners().into_iter().all(|(i, j)| self.scene(i, j) == other.scene(i, j))
+    }
+
+    fn corners(&self) -> [(usize, usize); 4] {
+        let (columns, rows) = self.shape();
+        [(0, 0), (columns - 1, 0), (0, rows - 1), (columns - 1, rows - 1)]
     }
 
     /// The points from coarse to fine: lattices of half the step of the lattice before. Within a lattice the axis whose
@@ -339,10 +358,28 @@ impl Map {
         Field { x: &xs, y: &ys, values: &values }.lines(level)
     }
 
+    /// The limits of a quantity with words and sources, and the factor from a value to the unit of the limits. The strain has
+    /// none where the skins of the points turn steep at different strains.
+    #[must_use]
+    pub fn limits(&self, quantity: Quantity) -> Option<(&'static Limits, f64)> {
+        match (quantity, self.skin) {
+            (Quantity::GreatestStrain, Skin::Different) => None,
+            (_, Skin::Different) => quantity.limits(None),
+            (_, Skin::Same(knee)) => quantity.limits(knee),
+        }
+    }
+
+    /// The limits of a quantity \[unit of the quantity\]; empty without any.
+    #[must_use]
+    pub fn limit_values(&self, quantity: Quantity) -> Vec<f64> {
+        let Some((limits, factor)) = self.limits(quantity) else { return Vec::new() };
+        limits.bands.iter().filter_map(|band| Some(band.limit? / factor)).collect()
+    }
+
     /// The levels of the contour lines \[unit of the quantity\]: its limits, or round numbers within its range on this map.
     #[must_use]
     pub fn levels(&self, quantity: Quantity) -> Vec<f64> {
-        let limits = quantity.limit_values();
+        let limits = self.limit_values(quantity);
         if !limits.is_empty() {
             return limits;
         }
@@ -484,5 +521,28 @@ mod tests {
             assert!(!map.move_to(&other));
             assert_eq!(map.present(), present);
         }
+    }
+
+    #[test]
+    fn the_strain_has_the_limits_of_the_skin_unless_the_skin_differs_from_point_to_point() {
+        let scene = Scene::opening();
+        let limits = |axis: &str, scene: &Scene| {
+            let axis = Axis::parse(axis).unwrap();
+            let map = Map::new(scene, &[axis], MapSettings::default()).unwrap();
+            map.limit_values(Quantity::GreatestStrain)
+        };
+        // 80 and 100 % of the strain at which the curve turns steep.
+        let knee = scene.skin_knee().unwrap();
+        let of_width = limits("base_width_mm=100:140:3", &scene);
+        for (limit, share) in of_width.iter().zip([0.8, 1.0]) {
+            assert!((limit - share * knee).abs() < 1e-12, "{of_width:?}");
+        }
+        let mut lax = scene.clone();
+        lax.layers[0].curve.strain_scale *= 2.0;
+        let of_lax = limits("base_width_mm=100:140:3", &lax);
+        assert!((of_lax[1] - 2.0 * of_width[1]).abs() < 1e-6, "{of_lax:?}");
+        assert!(limits("strain_scale=0.5:2:3", &scene).is_empty());
+        // A sheet has no reserve.
+        assert_eq!(limits("strain_scale=0.5:2:3", &Scene::sheet()), [0.25, 0.5, 0.54]);
     }
 }

@@ -1,6 +1,6 @@
 //! The figures of a result that a study compares.
 
-use crate::measure::bands::{Limits, PRESSURE, RESERVE, STRAIN};
+use crate::measure::bands::{Limits, PRESSURE, RESERVE, strain_limits};
 use crate::measure::{MMHG_PER_KPA, Outcome};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -170,22 +170,17 @@ impl Quantity {
     }
 
     /// The limits with words and sources, if the quantity has any, and the factor from a value to the unit of the limits.
+    /// `knee`: strain at which the curve of the skin turns steep \[-\], if the skin has a reserve
+    /// ([`Scene::skin_knee`](crate::scene::Scene::skin_knee)).
     #[must_use]
-    pub fn limits(self) -> Option<(&'static Limits, f64)> {
+    pub fn limits(self, knee: Option<f64>) -> Option<(&'static Limits, f64)> {
         match self {
-            Self::GreatestStrain => Some((&STRAIN, 1.0)),
+            Self::GreatestStrain => Some(strain_limits(knee)),
             Self::SkinReserveUsed => Some((&RESERVE, 1.0)),
             Self::MeanPressureMmhg | Self::GreatestPressureMmhg => Some((&PRESSURE, 1.0)),
             Self::MeanPressureKpa | Self::GreatestPressureKpa => Some((&PRESSURE, MMHG_PER_KPA)),
             _ => None,
         }
-    }
-
-    /// The limits between the bands, in the unit of the values.
-    #[must_use]
-    pub fn limit_values(self) -> Vec<f64> {
-        let Some((limits, factor)) = self.limits() else { return Vec::new() };
-        limits.bands.iter().filter_map(|band| Some(band.limit? / factor)).collect()
     }
 
     /// The value in a result; `None` if the result does not contain the quantity.
@@ -270,10 +265,22 @@ mod tests {
 
     #[test]
     fn limits_are_in_the_unit_of_the_values() {
-        assert_eq!(Quantity::GreatestStrain.limit_values(), [0.25, 0.50, 0.54]);
-        assert_eq!(Quantity::GreatestPressureMmhg.limit_values(), [60.0, 80.0]);
-        let kpa = Quantity::GreatestPressureKpa.limit_values();
-        assert!((kpa[0] - 7.999).abs() < 1e-3 && (kpa[1] - 10.666).abs() < 1e-3, "{kpa:?}");
-        assert!(Quantity::ForceN.limit_values().is_empty());
+        let word = |quantity: Quantity, knee: Option<f64>, value: f64| {
+            let (limits, factor) = quantity.limits(knee).unwrap();
+            limits.word(factor * value)
+        };
+        let pressures = [(7.99, "usual"), (8.01, "high"), (10.66, "high"), (10.67, "very high")];
+        for (kpa, expected) in pressures {
+            assert_eq!(word(Quantity::GreatestPressureKpa, None, kpa), expected);
+            assert_eq!(word(Quantity::GreatestPressureMmhg, None, MMHG_PER_KPA * kpa), expected);
+        }
+        for (strain, expected) in [(0.25, "usual"), (0.26, "high"), (0.55, "beyond")] {
+            assert_eq!(word(Quantity::GreatestStrain, None, strain), expected);
+        }
+        // A skin with a reserve: 80 and 100 % of the strain at which its curve turns steep.
+        for (strain, expected) in [(0.159, "usual"), (0.161, "high"), (0.201, "very high")] {
+            assert_eq!(word(Quantity::GreatestStrain, Some(0.2), strain), expected);
+        }
+        assert!(Quantity::ForceN.limits(None).is_none());
     }
 }

@@ -15,6 +15,7 @@ use super::uncertainty::Findings;
 use crate::app::texts::{self, tr, word_of};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, Status};
+use crate::scene::Scene;
 use crate::session::Session;
 use crate::springs::Springs;
 use crate::study::volume_and_width;
@@ -35,6 +36,18 @@ pub(super) fn visible(session: &Session, previous: PreviousResults) -> Option<&O
     let is_near = session.is_outcome_present() && session.scene().springs == Springs::Coupled;
     let outcome = session.outcome().filter(|_| is_near || previous == PreviousResults::Shown);
     outcome.filter(|_| !session.is_stopped())
+}
+
+/// The plan of the figures to show: that of the visible result.
+fn visible_plan(session: &Session, previous: PreviousResults) -> &Scene {
+    match visible(session, previous) {
+        Some(_) => session.outcome_scene(),
+        None => session.scene(),
+    }
+}
+
+fn answer(session: &Session, previous: PreviousResults) -> Answer {
+    Answer::new(visible(session, previous), visible_plan(session, previous))
 }
 
 /// Shows the heading with the state of the computation.
@@ -62,7 +75,7 @@ pub(super) fn show(
     findings: Option<&Findings>,
     near_end: &str,
 ) {
-    let answer = Answer::new(visible(session, previous), session.scene());
+    let answer = answer(session, previous);
     for card in cards(&answer, findings) {
         show_card(ui, &card, findings);
     }
@@ -80,7 +93,7 @@ pub(super) fn show_short(
     previous: PreviousResults,
     findings: Option<&Findings>,
 ) {
-    let answer = Answer::new(visible(session, previous), session.scene());
+    let answer = answer(session, previous);
     ui.columns_const(|columns: &mut [Ui; 3]| {
         for (ui, card) in columns.iter_mut().zip(cards(&answer, findings)) {
             ui.spacing_mut().item_spacing.y = 0.0;
@@ -104,8 +117,7 @@ pub(super) fn rows(
     device: Device,
     findings: Option<&Findings>,
 ) -> Vec<[String; 4]> {
-    let outcome = visible(session, PreviousResults::Shown);
-    let cards = cards(&Answer::new(outcome, session.scene()), findings);
+    let cards = cards(&answer(session, PreviousResults::Shown), findings);
     let row = |card: Card| {
         let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
         [
@@ -167,12 +179,14 @@ pub(super) fn sources(ui: &mut Ui) {
 
 /// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
 pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
-    let [volume, width] = volume_and_width(session.scene());
-    let part = match session.scene().insertion {
+    // Size and figures are those of one plan.
+    let plan = visible_plan(session, previous);
+    let [volume, width] = volume_and_width(plan);
+    let part = match plan.insertion {
         full if full >= 1.0 => String::new(),
         part => tr!(", {part:.0} % in place", part = 100.0 * part),
     };
-    let answer = Answer::new(visible(session, previous), session.scene());
+    let answer = answer(session, previous);
     let words = match answer.strain {
         None if session.is_working() => tr("updating…").to_owned(),
         None if no_answer::applies(session) => tr("no answer.").to_owned(),

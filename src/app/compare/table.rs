@@ -2,8 +2,7 @@
 
 use crate::app::details::{figures, known_decimals, position_error};
 use crate::app::texts::{tr, word_of};
-use crate::measure::bands::{PRESSURE, pressure_word, strain_word};
-use crate::measure::{Outcome, Status};
+use crate::measure::{Outcome, Status, bands};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::study::{Quantity, Samples};
@@ -17,8 +16,8 @@ struct Row {
     /// The quantity of a study with the same value; none for what is given.
     quantity: Option<Quantity>,
     value: fn(&Scene, &Outcome) -> Option<f64>,
-    /// Word for a value.
-    word: Option<fn(f64) -> &'static str>,
+    /// Word of a result.
+    word: Option<fn(&Outcome) -> Option<&'static str>>,
 }
 
 const ROWS: [Row; 10] = [
@@ -26,7 +25,10 @@ const ROWS: [Row; 10] = [
     Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
     Row::new("Projection", "cm", 1, None, |scene, _| Some(0.1 * scene.implant.projection_mm)),
     Row {
-        word: Some(|percent| tr(strain_word(0.01 * percent))),
+        word: Some(|outcome| {
+            let strain = outcome.strain.as_ref()?.max_principal;
+            Some(tr(bands::stretch(strain, outcome.skin_reserve_used).1))
+        }),
         ..Row::new("Most stretch", "%", 0, Some(Quantity::GreatestStrain), |_, outcome| {
             Some(100.0 * outcome.strain.as_ref()?.max_principal)
         })
@@ -41,7 +43,10 @@ const ROWS: [Row; 10] = [
         Some(outcome.contact_pressure_mmhg?.mean)
     }),
     Row {
-        word: Some(|mmhg| word_of(&PRESSURE, pressure_word(mmhg))),
+        word: Some(|outcome| {
+            let mmhg = outcome.contact_pressure_mmhg?.max;
+            Some(word_of(&bands::PRESSURE, bands::pressure_word(mmhg)))
+        }),
         ..Row::new(
             "Most pressure",
             "mmHg",
@@ -73,7 +78,8 @@ impl Row {
     fn of(&self, scene: &Scene, outcome: Option<&Outcome>) -> Option<Entry> {
         let outcome = outcome.filter(|outcome| outcome.status == Status::Converged)?;
         let value = (self.value)(scene, outcome)?;
-        Some(Entry { value, error: position_error(outcome) })
+        let word = self.word.and_then(|word| word(outcome));
+        Some(Entry { value, error: position_error(outcome), word })
     }
 
     /// The band of a sampled scene, or of its differences from another one, in the unit of the row.
@@ -103,10 +109,11 @@ impl Row {
     }
 }
 
-/// A value with its relative position error.
+/// A value with its relative position error and its word.
 struct Entry {
     value: f64,
     error: f64,
+    word: Option<&'static str>,
 }
 
 /// Shows the table, with the bands of the `sampled` scenes; `has_differences` replaces the pins' values by now minus pin.
@@ -202,8 +209,8 @@ fn show_row<'a>(
 fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Option<[f64; 2]>) {
     ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
         let response = ui.monospace(text);
-        if let Some((entry, word)) = entry.zip(row.word) {
-            response.on_hover_text(word(entry.value));
+        if let Some(word) = entry.and_then(|entry| entry.word) {
+            response.on_hover_text(word);
         }
         if let Some(band) = band {
             let text = RichText::new(range(band, row.decimals)).small();
@@ -250,7 +257,7 @@ mod tests {
     #[test]
     fn a_difference_has_a_sign_and_no_more_digits_than_both_values() {
         let row = &ROWS[4];
-        let entry = |(value, error)| Entry { value, error };
+        let entry = |(value, error)| Entry { value, error, word: None };
         let difference = |now, pin| row.difference(Some(&entry(now)), Some(&entry(pin)));
         assert_eq!(difference((6.9, 1e-6), (7.3, 1e-6)), "−0.4");
         assert_eq!(difference((7.34, 1e-6), (7.3, 1e-6)), "0.0");

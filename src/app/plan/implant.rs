@@ -7,7 +7,7 @@ use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
 use crate::clinical::{Dimension, Expander, ProfileClass, Size, limits};
 use crate::scene::{self, Scene};
-use eframe::egui::{self, Rect, Sense, Stroke, Ui, vec2};
+use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, vec2};
 use std::ops::RangeInclusive;
 
 /// Width of the mark of the dimension that follows \[points\].
@@ -15,12 +15,12 @@ const MARK: f32 = 24.0;
 const VOLUME_TOOLTIP: &str =
     "Volume of the implant, of a half-ellipsoid dome. Round implants: 95–965 ml. 1 ml = 1 cc.";
 
-/// Shows the implant, with the marks of its volumes if a slider shows the volume.
+/// Shows the implant, with the marks of its volumes on a slider and the largest volume that stays usual.
 pub(in crate::app) fn implant(
     ui: &mut Ui,
     scene: &mut Scene,
     choices: &mut Choices,
-    marks: Option<&mut VolumeMarks>,
+    marks: &mut VolumeMarks,
     hand: Hand,
 ) {
     // The limits of a scene are those of a size.
@@ -30,9 +30,27 @@ pub(in crate::app) fn implant(
         Device::Implant => implant_rows(ui, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),
     };
-    if let Some(size) = changed {
+    let largest = largest_usual(ui, scene, choices.device, marks);
+    if let Some(size) = largest.or(changed) {
         set_size(scene, size);
     }
+}
+
+/// The largest volume that stays usual, as a link; returns its size if that is pressed.
+fn largest_usual(ui: &mut Ui, scene: &Scene, device: Device, marks: &VolumeMarks) -> Option<Size> {
+    let words = marks.largest_usual();
+    if words.is_empty() {
+        // Always a line, so that nothing moves.
+        remark(ui, " ");
+        return None;
+    }
+    let about = |ui: &mut Ui| drop(ui.label(device.words(&marks.about_largest_usual())));
+    let Some((largest, _)) = marks.largest_plan(scene) else {
+        remark(ui, words).on_hover_ui(about);
+        return None;
+    };
+    let link = ui.link(RichText::new(words).small()).on_hover_ui(about);
+    link.clicked().then(|| largest.implant.size().ok())?
 }
 
 /// The switch between implant and expander.
@@ -58,14 +76,13 @@ fn implant_rows(
     ui: &mut Ui,
     size: Size,
     choices: &mut Choices,
-    mut marks: Option<&mut VolumeMarks>,
+    marks: &mut VolumeMarks,
     hand: Hand,
 ) -> Option<Size> {
     let mut changed = None;
     // The marks are those of the present width.
     let is_marked = choices.follows != Dimension::BaseWidth;
-    let marks_words = marks.as_ref().map(|marks| marks.words()).unwrap_or_default();
-    let volume_tooltip = format!("{}{marks_words}", tr(VOLUME_TOOLTIP));
+    let volume_tooltip = format!("{}{}", tr(VOLUME_TOOLTIP), marks.words());
     for dimension in [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection] {
         let is_following = choices.follows == dimension;
         let before = value(size, dimension);
@@ -74,7 +91,7 @@ fn implant_rows(
         let mut control = control_of(size, dimension, choices.follows);
         let top = ui.cursor().top();
         if dimension == Dimension::Volume && is_marked {
-            control.marks = marks.as_ref().map(|marks| marks.ends()).unwrap_or_default();
+            control.marks = marks.ends();
             control.tooltip = &volume_tooltip;
         }
         let response = row(
@@ -90,7 +107,6 @@ fn implant_rows(
         if dimension == Dimension::Volume
             && is_marked
             && (response.is_changed || ui.rect_contains_pointer(line))
-            && let Some(marks) = &mut marks
         {
             marks.want();
         }
@@ -124,12 +140,6 @@ fn implant_rows(
         Dimension::Volume => [tr("Volume"), tr("width"), tr("projection")],
         Dimension::Projection => [tr("Projection"), tr("width"), tr("volume")],
     };
-    if let Some(marks) = marks {
-        // Always a line, so that nothing moves.
-        let words = Some(marks.largest_usual()).filter(|words| !words.is_empty());
-        remark(ui, words.unwrap_or_else(|| " ".to_owned()))
-            .on_hover_ui(|ui| drop(ui.label(marks.about_largest_usual())));
-    }
     let unusual = if size.is_typical() { "" } else { tr(" Outside the typical sizes.") };
     remark(ui, tr!("{a} follows {b} and {c}.{unusual}", a, b, c, unusual)).on_hover_text(typical());
     changed

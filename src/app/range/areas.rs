@@ -11,7 +11,7 @@ const LEAST_DISTANCE: usize = 2;
 /// The words of a map of two axes, each with its place in the units of the axes.
 pub(super) fn areas(map: &Map, quantity: Quantity) -> Vec<(&'static str, (f64, f64))> {
     let [x, y] = map.axes() else { return Vec::new() };
-    let Some((limits, factor)) = quantity.limits() else { return Vec::new() };
+    let Some((limits, factor)) = map.limits(quantity) else { return Vec::new() };
     let word = |i: usize, j: usize| match map.displayed(quantity, i, j) {
         Some((value, _)) => Some(word_of(limits, limits.word(factor * value))),
         None => (map.status(i, j) != PointStatus::Waiting).then_some(tr(NO_ANSWER)),

@@ -138,7 +138,7 @@ impl Chart {
             drawn.is_previous = true;
             return;
         }
-        let scale = Scale::new(quantity, range);
+        let scale = Scale::new(quantity, map.limits(quantity), range);
         let texture = (map.axes().len() == 2).then(|| {
             let stripes = theme::palette(ui.visuals()).edge;
             let image: ColorImage = picture(map, quantity, &scale, stripes);

@@ -27,10 +27,14 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// The scale of a quantity; `range`: its least and greatest value on the map.
-    pub(super) fn new(quantity: Quantity, range: Option<(f64, f64)>) -> Self {
+    /// The scale of a quantity with its limits on a map, if it has any; `range`: its least and greatest value there.
+    pub(super) fn new(
+        quantity: Quantity,
+        limits: Option<(&'static Limits, f64)>,
+        range: Option<(f64, f64)>,
+    ) -> Self {
         let (factor, unit) = quantity.display();
-        let limits = quantity.limits().map(|(limits, to_limits)| (limits, to_limits / factor));
+        let limits = limits.map(|(limits, to_limits)| (limits, to_limits / factor));
         let ends = match (limits, range) {
             (Some((limits, to_limits)), range) => {
                 let greatest = range.map_or(f64::INFINITY, |(_, most)| factor * most);
@@ -203,7 +207,9 @@ mod tests {
 
     #[test]
     fn colours_change_at_the_limits_and_the_words_stand_in_their_bands() {
-        let scale = Scale::new(Quantity::GreatestStrain, None);
+        let scale_of_range =
+            |quantity: Quantity, range| Scale::new(quantity, quantity.limits(None), range);
+        let scale = scale_of_range(Quantity::GreatestStrain, None);
         assert!((scale.ends.1 - 67.5).abs() < 1e-9);
         let labels: Vec<String> = scale.marks().into_iter().map(|(_, label)| label).collect();
         assert_eq!(labels, ["25", "50", "54"]);
@@ -211,17 +217,17 @@ mod tests {
         let words = scale.words();
         assert_eq!(words.iter().map(|(_, word)| *word).collect::<Vec<_>>()[0], "usual");
         assert!(words.windows(2).all(|pair| pair[0].0 < pair[1].0));
-        let scale_of = |most| Scale::new(Quantity::GreatestPressureMmhg, Some((1.0, most)));
-        let pressure = Scale::new(Quantity::GreatestPressureMmhg, Some((1.0, 2.0)));
+        let scale_of = |most| scale_of_range(Quantity::GreatestPressureMmhg, Some((1.0, most)));
+        let pressure = scale_of_range(Quantity::GreatestPressureMmhg, Some((1.0, 2.0)));
         assert_eq!((pressure.ends, pressure.words()), ((0.0, 60.0), vec![(30.0, "usual")]));
         assert_eq!((pressure.marks().len(), pressure.color(59.0)), (1, scale_of(90.0).color(59.0)));
         assert_eq!((scale_of(90.0).ends, scale_of(90.0).words().len()), ((0.0, 100.0), 3));
         assert_eq!((scale_of(70.0).ends, scale_of(70.0).words().len()), ((0.0, 80.0), 2));
         // The legend begins at the last limit below the values.
-        let strained = Scale::new(Quantity::GreatestStrain, Some((0.3, 0.45)));
+        let strained = scale_of_range(Quantity::GreatestStrain, Some((0.3, 0.45)));
         assert_eq!((strained.ends, strained.words()), ((25.0, 50.0), vec![(37.5, "high")]));
         assert_eq!(strained.color(0.3), scale.color(0.3));
-        let cover = Scale::new(Quantity::LeastCoverMm, Some((3.0, 9.0)));
+        let cover = scale_of_range(Quantity::LeastCoverMm, Some((3.0, 9.0)));
         assert_eq!((cover.ends, cover.words().len()), ((3.0, 9.0), 0));
         assert_ne!(cover.color(3.0), cover.color(9.0));
     }
@@ -233,7 +239,7 @@ mod tests {
         let settings = MapSettings { nodes_per_side: 17, ..MapSettings::default() };
         let mut map = Map::new(&Scene::sheet(), &axes, settings).unwrap();
         let quantity = Quantity::SkinProjectionMm;
-        let scale = Scale::new(quantity, Some((30.0, 60.0)));
+        let scale = Scale::new(quantity, None, Some((30.0, 60.0)));
         let image = |map: &Map| picture(map, quantity, &scale, Color32::RED).pixels;
         assert!(image(&map).iter().all(|pixel| *pixel == Color32::TRANSPARENT));
         let mut store = Cases::default();

@@ -83,10 +83,8 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
     let values = std::iter::once(first).chain(others).filter_map(|quantity| {
         let (value, is_solved) = map.displayed(quantity, i, j)?;
         let about = if is_solved { "" } else { tr("about ") };
-        let limits = quantity.limits();
-        let word = limits.map_or_else(String::new, |(limits, factor)| {
-            format!(", {}", word_of(limits, limits.word(factor * value)))
-        });
+        let word =
+            word(map, quantity, value, (i, j)).map_or_else(String::new, |w| format!(", {w}"));
         Some(format!("{}: {about}{}{word}", name(quantity), text(quantity, value)))
     });
     let mut lines: Vec<String> = values.collect();
@@ -113,6 +111,16 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
     };
     lines.splice(0..0, reason);
     lines
+}
+
+/// The word of a value at a point: that of the cards.
+fn word(map: &Map, quantity: Quantity, value: f64, (i, j): (usize, usize)) -> Option<&'static str> {
+    if quantity == Quantity::GreatestStrain {
+        let reserve = map.displayed(Quantity::SkinReserveUsed, i, j);
+        return Some(tr(bands::stretch(value, reserve.map(|(share, _)| share)).1));
+    }
+    let (limits, factor) = quantity.limits(None)?;
+    Some(word_of(limits, limits.word(factor * value)))
 }
 
 /// Is the missing answer of a point that of a plan? The quick solve of a sheet is the full one.
@@ -143,7 +151,7 @@ pub(super) fn worst(
         }
     }
     let (quantity, value, (_, word)) = worst;
-    let word = quantity.limits().map_or(tr(word), |(limits, _)| word_of(limits, word));
+    let word = quantity.limits(None).map_or(tr(word), |(limits, _)| word_of(limits, word));
     let about = if is_solved { "" } else { tr("about ") };
     Some((quantity, format!("{}: {about}{}, {word}", name(quantity), text(quantity, value))))
 }

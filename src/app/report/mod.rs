@@ -142,7 +142,7 @@ impl App {
             missing: missing.map(|how| device.words(how)),
             visit: plan::visit_in_words(session.scene()),
             origin: origin(),
-            headline: answer::headline(session, PreviousResults::Shown),
+            headline: answer::headline(session, PreviousResults::Shown) + &self.largest_in_words(),
             plan: plan::rows(session.scene(), device),
             model: status::model(session.scene()),
             cards: cards(session, device, findings),

@@ -4,6 +4,7 @@ use super::{Findings, Uncertainty, chart, has_answer};
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
+use crate::measure::Outcome;
 use crate::session::Session;
 use crate::study::{NOTES, PointStatus, Quantity, Scenario};
 use eframe::egui::{self, RichText, Ui};
@@ -117,7 +118,7 @@ impl Uncertainty {
             self.explain();
         }
         chart::bars(ui, &self.findings.importance, self.driver.is_running());
-        scenarios(ui, &self.findings);
+        scenarios(ui, &self.findings, session.result());
     }
 }
 
@@ -146,8 +147,9 @@ pub(super) fn without_answer(findings: &Findings) -> Option<String> {
     })
 }
 
-/// The scenarios of the method of measurement, beside the bands.
-fn scenarios(ui: &mut Ui, findings: &Findings) {
+/// The scenarios of the method of measurement, beside the bands: the figures of the plan's result, times the change of the
+/// patient with all unknowns at their medians.
+fn scenarios(ui: &mut Ui, findings: &Findings, result: Option<&Outcome>) {
     let factors = findings.bands.first().map_or(&[][..], |band| &band.scenarios[..]);
     if factors.is_empty() {
         return;
@@ -164,13 +166,27 @@ fn scenarios(ui: &mut Ui, findings: &Findings) {
         for (quantity, name) in ANSWER {
             let Some(band) = findings.band(quantity) else { continue };
             ui.label(RichText::new(tr(name)).small());
-            for scenario in &band.scenarios {
-                ui.label(scenario.value.map_or_else(|| "–".to_owned(), |v| figure(quantity, v)));
+            let own = result.and_then(|outcome| quantity.of(outcome));
+            for value in changed(own, &band.scenarios) {
+                ui.label(value.map_or_else(|| "–".to_owned(), |v| figure(quantity, v)));
             }
             ui.end_row();
         }
     });
-    remark(ui, tr("Beside the band, not in it: methods of measurement differ more than people."));
+    remark(
+        ui,
+        tr(
+            "The plan's figures, times the change of the median patient. Beside the band, not in it: methods of measurement \
+            differ more than people.",
+        ),
+    );
+}
+
+/// A value under each scenario, times its change from the scenario without a factor.
+fn changed(own: Option<f64>, scenarios: &[Scenario]) -> impl Iterator<Item = Option<f64>> {
+    let unchanged = scenarios.iter().find(|scenario| (scenario.stress_factor - 1.0).abs() < 1e-9);
+    let unchanged = unchanged.and_then(|scenario| scenario.value).filter(|value| *value > 0.0);
+    scenarios.iter().map(move |scenario| Some(own? * scenario.value? / unchanged?))
 }
 
 /// A value as in the cards.

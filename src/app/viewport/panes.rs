@@ -57,7 +57,11 @@ impl Viewport {
         }
         let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
         let greatest = pictures.map(|picture| picture.greatest).fold(0.0, f32::max);
-        let scale = options.quantity.scale(greatest, &session.scene().layers);
+        let scale = options.quantity.scale(
+            greatest,
+            &session.scene().layers,
+            session.problem().skin_knee(),
+        );
         let table = scale.as_ref().map_or(&[[1.0; 3]][..], |scale| &scale.table);
         if self.common_table.as_slice() != table {
             self.common_table = Arc::new(table.to_vec());
