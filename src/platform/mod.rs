@@ -17,6 +17,9 @@ pub mod runner;
 #[cfg(all(feature = "app", not(target_arch = "wasm32")))]
 pub mod native;
 
+#[cfg(all(feature = "app", target_arch = "wasm32"))]
+mod page_handle;
+
 #[cfg(all(any(feature = "app", feature = "js-api"), target_arch = "wasm32"))]
 mod text;
 

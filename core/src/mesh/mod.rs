@@ -1,11 +1,12 @@
 //! Grids on the patch's disc.
 //!
 //! `disc_grid` (nodes and cells, their shapes at rest) | `patch` (the simulated tissue and its edge) |
-//! `stencil` (the sparse matrix of a grid) | `part` (the quarter or half that determines a symmetric shape) | `lanes`, `vec3` (the same grid for four f32 at a time).
+//! `stencil` (the sparse matrix of a grid) | `part` (the quarter or half that determines a symmetric shape) | `lanes`, `lane_field`, `vec3` (the same grid and vectors at its nodes for four f32 at a time).
 //!
 //! Uses `number`. Used by `contact`, `model`, `solve` and all to their right.
 
 mod disc_grid;
+mod lane_field;
 pub(crate) mod lanes;
 pub(crate) mod part;
 mod patch;

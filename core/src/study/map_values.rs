@@ -1,7 +1,8 @@
 //! What a map has between and beside its points: values between points, lines of equal volume, typical sizes.
 
 use super::contour::Path;
-use super::map::{Map, PointStatus, round_levels};
+use super::map::{Map, PointStatus};
+use super::map_levels::round_levels;
 use super::{Parameter, Quantity};
 use crate::clinical::{Size, typical_sizes};
 

@@ -6,9 +6,9 @@
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
 //! all runners) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
-//! `map_file` (its table and JSON) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
+//! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
-//! `bands` | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
+//! `bands` | `bands_report` (in a file) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
 //! `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
@@ -16,6 +16,7 @@
 
 mod axis;
 mod bands;
+mod bands_report;
 mod cache;
 pub mod contour;
 mod first_usual;
@@ -25,6 +26,7 @@ mod map;
 mod map_border;
 mod map_check;
 mod map_file;
+mod map_levels;
 mod map_values;
 mod nearest;
 mod no_answer;
@@ -40,10 +42,8 @@ mod unknown;
 mod usual_range;
 
 pub use axis::{Axis, MAX_POINTS, MapError};
-pub use bands::{
-    BANDS_SCHEMA, Band, Bands, BandsError, BandsReport, BandsSettings, NOTES, ProfileBand, SAMPLES,
-    Scenario, UnknownReport,
-};
+pub use bands::{Bands, BandsError, BandsSettings, NOTES, SAMPLES};
+pub use bands_report::{BANDS_SCHEMA, Band, BandsReport, ProfileBand, Scenario, UnknownReport};
 pub use cache::{Cases, Key, MAX_CASES};
 pub use first_usual::FirstUsual;
 pub use importance::{Index, MIN_ROWS, Row, index};
