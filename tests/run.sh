@@ -37,14 +37,31 @@ suite() {
   failed=$((failed + bad))
 }
 
-run_step() {
+# run NAME COMMAND…: runs a step; its log, and a file with its seconds and its exit code.
+run() {
   local name="$1" start=$SECONDS ended=0
   shift
   "$@" >"$LOGS/$name.log" 2>&1 </dev/null || ended=$?
-  if [ "$ended" -eq 0 ]; then
-    printf '✓ %-14s %4d s\n' "$name" $((SECONDS - start))
+  echo "$((SECONDS - start)) $ended $*" >"$LOGS/$name.part"
+  mv "$LOGS/$name.part" "$LOGS/$name.end"
+}
+
+# run_step NAME [COMMAND…]: runs a step, or waits for one that runs beside the others, and prints its line.
+run_step() {
+  local name="$1" seconds ended command
+  if [ $# -gt 1 ]; then
+    run "$@"
   else
-    printf '✗ %-14s %4d s: %s (exit code %d)\n' "$name" $((SECONDS - start)) "$*" "$ended"
+    until [ -e "$LOGS/$name.end" ]; do
+      kill -0 "$BESIDE" 2>/dev/null || [ -e "$LOGS/$name.end" ] || return 1
+      sleep 0.2
+    done
+  fi
+  read -r seconds ended command <"$LOGS/$name.end"
+  if [ "$ended" -eq 0 ]; then
+    printf '✓ %-14s %4d s\n' "$name" "$seconds"
+  else
+    printf '✗ %-14s %4d s: %s (exit code %d)\n' "$name" "$seconds" "$command" "$ended"
     # The end of the log, then the first failures: "not ok 3 - …" of node, "panicked at" and "error" of Rust.
     { tail -n 60 "$LOGS/$name.log"; echo "failures:"; grep -m 60 -A 24 -E "$FAILURE" "$LOGS/$name.log" || :; } |
       head -n 400 | sed 's/^/    /'
@@ -52,12 +69,27 @@ run_step() {
   return "$ended"
 }
 
+# Both are for wasm32: beside the native steps they keep the second core busy.
+run_for_wasm() {
+  run page build_page
+  # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
+  run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" \
+    --mode no-install . --locked --no-default-features --features js-api --test wasm
+}
+
 need_test_tools
 mkdir -p "$LOGS"
+rm -f "$LOGS"/*.end
 
 # Quick ones first.
 check format cargo fmt --all -- --check
 check scripts bash -n web/tools.sh web/serve.sh web/name_module.sh tests/run.sh .ci/run
+rm -rf dist # so that no older page is tested
+set -m # a process group of its own, to be ended as a whole
+run_for_wasm &
+BESIDE=$!
+set +m
+trap 'kill -- "-$BESIDE" 2>/dev/null || :' EXIT
 check lint cargo clippy --locked --workspace --all-targets -- -D warnings
 check lint-core cargo clippy --locked --workspace --lib --no-default-features -- -D warnings
 check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -D warnings
@@ -67,12 +99,9 @@ suite native cargo test --locked --workspace --no-fail-fast
 for example in simulate sweep; do
   check "example-$example" cargo run --locked --quiet --example "$example"
 done
-# The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
-suite wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" --mode no-install . \
-  --locked --no-default-features --features js-api --test wasm
-rm -rf dist # so that no older page is tested
-check page build_page
-suite browser node --test --test-reporter=tap --test-concurrency=1 tests/browser/*.test.mjs
+check page
+suite wasm
+suite browser node --test --test-reporter=tap --test-concurrency=2 tests/browser/*.test.mjs
 
 printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))
 printf '%d passed, %d failed\n' "$passed" "$failed"

@@ -116,6 +116,6 @@ build_page() {
   say "building the page (a few minutes the first time)"
   # trunk takes NO_COLOR for an option of its own and refuses the usual values.
   touch "$built.begun"
-  env -u NO_COLOR trunk build --quiet
+  env -u NO_COLOR trunk build --quiet || return
   mv "$built.begun" "$built"
 }

@@ -37,7 +37,7 @@ function assertSameAsNative({ text, scene, result }) {
 
 describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
   test("opens on a usual plan, solved as natively, in one download, and then rests", async () => {
-    const { page, finish } = await openApp();
+    const { page, finish } = await openApp({ isOpening: true, isSmooth: true });
     const { opening, downloads } = await page.evaluate(() => ({
       opening: JSON.parse(implantPreviewApi.opening_scene()),
       downloads: performance.getEntriesByType("resource").filter((r) => r.name.endsWith(".wasm")),
@@ -60,6 +60,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.ok((await harness.colours(page)) > 200, "the picture is blank");
     await harness.screenshot(page, "desktop");
     console.log("at rest:", JSON.stringify(later));
+    // The other tests open the same plan on a coarse grid.
+    await page.evaluate((text) => implantPreview.setScene(text), JSON.stringify(harness.coarseOpening()));
+    const { solver, ...coarse } = await harness.scene(page);
+    assert.deepEqual({ ...coarse, solver: { ...solver, nodes_per_side: opening.solver.nodes_per_side } }, opening);
+    assert.equal(solver.nodes_per_side, harness.COARSE);
     await finish();
   });
 

@@ -12,7 +12,7 @@ const RUNS = 5;
 
 const site = await harness.serve();
 const browser = await harness.startBrowser();
-const { page, problems } = await harness.openApp(browser, site);
+const { page, problems } = await harness.openApp(browser, site, { isOpening: true, isSmooth: true });
 await page.waitForFunction(() => implantPreview.stats().converged);
 
 /** Whole calls and their solver [ms]: medians of 60 calls after 40 to warm up. */

@@ -53,7 +53,7 @@ const tissueModel = process.argv[3] ?? "layered";
 const site = await harness.serve();
 const browser = await harness.startBrowser();
 // The page's own policy allows no code from text.
-const { page, problems } = await harness.openApp(browser, site, { options: { bypassCSP: true } });
+const { page, problems } = await harness.openApp(browser, site, { isOpening: true, isSmooth: true, options: { bypassCSP: true } });
 await drawLast(browser);
 const scene = JSON.parse(await page.evaluate(() => implantPreviewApi.default_scene()));
 scene.solver.nodes_per_side = nodesPerSide;

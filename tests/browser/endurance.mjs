@@ -94,10 +94,10 @@ async function reachTheMost(page, opening) {
 
 /**
  * Drags one slider after the other to warm up: each twice, for as long as is asked, and until a whole round has left the
- * program's memory as it was; then for some seconds more. Gives what there was after the warm-up and after each
+ * program's memory as it was; then for some `seconds` and `drags` more. Gives what there was after the warm-up and after each
  * drag from then on: memory [bytes] and the app's figures.
  */
-export async function endure(page, seconds, { warm = 0, report = () => {} } = {}) {
+export async function endure(page, { seconds = 0, drags = 0, warm = 0, report = () => {} }) {
   const cdp = await page.context().newCDPSession(page);
   await cdp.send("Performance.enable");
   const opening = await page.evaluate(() => implantPreview.scene());
@@ -115,16 +115,16 @@ export async function endure(page, seconds, { warm = 0, report = () => {} } = {}
   const start = Date.now();
   const since = () => (Date.now() - start) / 1000;
   let end = Infinity;
-  for (let drags = 0; since() < end; drags += 1) {
-    if (drags % round === 0) {
+  for (let k = 0; since() < end || samples.length <= drags; k += 1) {
+    if (k % round === 0) {
       await page.evaluate((scene) => implantPreview.setScene(scene), opening);
       await page.waitForFunction(() => implantPreview.stats().converged);
     }
-    const [name, slider] = sliders[drags % round];
+    const [name, slider] = sliders[k % round];
     const seen = await drag(page, name, slider);
     if (seen.size < 2) await harness.screenshot(page, "endurance");
     assert.ok(seen.size >= 2, `${name} does not move: ${[...seen]}`);
-    const colour = String(1 + (drags % 5));
+    const colour = String(1 + (k % 5));
     await harness.focusPicture(page);
     for (const key of ["Control+z", "Control+z", "Control+Shift+z", colour]) {
       await page.keyboard.press(key);
@@ -151,8 +151,9 @@ export const growth = (values) => Math.max(...values.map((value) => Math.abs(val
 async function main(minutes) {
   const site = await harness.serve();
   const browser = await harness.startBrowser();
-  const { page, problems } = await harness.openApp(browser, site, { viewport: VIEWPORT });
-  const samples = await endure(page, 60 * minutes, {
+  const { page, problems } = await harness.openApp(browser, site, { viewport: VIEWPORT, isOpening: true, isSmooth: true });
+  const samples = await endure(page, {
+    seconds: 60 * minutes,
     warm: 120,
     report: (sample) => console.log(JSON.stringify(sample)),
   });

@@ -72,6 +72,39 @@ export async function serve({ folder = DIST, port = 0, refuses = () => false } =
   };
 }
 
+/** Nodes per side of the plans that the tests open. */
+export const COARSE = 33;
+
+/** The plan that the app opens with, on a coarse grid: Chromium draws in software, and a frame of it takes half the time. */
+export const coarseOpening = () => {
+  const [radius, millilitres] = [60, 300];
+  return {
+    implant: { base_radius_mm: radius, projection_mm: (1500 * millilitres) / (Math.PI * radius ** 2) },
+    pocket_radius_mm: 70,
+    layers: [
+      { tissue: "skin", curve: { kind: "skin" } },
+      { tissue: "adipose", poisson_ratio: 0.49, curve: { kind: "fat" } },
+    ],
+    patient: { pinch_mm: 20, skin_class: "normal" },
+    solver: { nodes_per_side: COARSE },
+  };
+};
+
+/** A plan as the browser keeps it for the next start of the app. */
+const keptPlan = (address, scene) => {
+  const value = JSON.stringify({ scene, choices: { device: "implant", follows: "projection" } });
+  const localStorage = [{ name: "implant-preview/plan/1", value }];
+  return { cookies: [], origins: [{ origin: new URL(address).origin, localStorage }] };
+};
+
+/** Takes the antialiasing from the canvas: in software it takes half the time of a frame. */
+function withoutAntialiasing() {
+  const original = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function getContext(kind, options) {
+    return original.call(this, kind, kind === "webgl2" ? { ...options, antialias: false } : options);
+  };
+}
+
 /** Starts Chromium, with WebGL 2 (in software) or without any WebGL. */
 export function startBrowser({ webgl = true } = {}) {
   return chromium.launch({
@@ -81,8 +114,11 @@ export function startBrowser({ webgl = true } = {}) {
   });
 }
 
-/** A page that records what it must not do. Only tests of the service worker allow it: requests pass by routes there. */
-export async function openPage(browser, address, { viewport, init, options } = {}) {
+/**
+ * A page that records what it must not do. Only tests of the service worker allow it: requests pass by routes there.
+ * `isSmooth`: with the antialiasing of the product.
+ */
+export async function openPage(browser, address, { viewport, init, options, isSmooth = false } = {}) {
   const context = await browser.newContext({
     viewport: viewport ?? { width: 1280, height: 800 },
     serviceWorkers: "block",
@@ -104,6 +140,7 @@ export async function openPage(browser, address, { viewport, init, options } = {
       problems.push(`another origin: ${url}`);
     }
   });
+  if (!isSmooth) await page.addInitScript(withoutAntialiasing);
   if (init) await page.addInitScript(init);
   await page.goto(address);
   const close = () => context.close();
@@ -240,9 +277,10 @@ export async function settled(page) {
   throw new Error(`still drawing after ${frames} frames`);
 }
 
-/** Opens the app and waits until its scene is solved. */
-export async function openApp(browser, site, options) {
-  const opened = await openPage(browser, site.address, options);
+/** Opens the app and waits until its scene is solved. `isOpening`: with its opening plan, not with that on a coarse grid. */
+export async function openApp(browser, site, { isOpening = false, options, ...others } = {}) {
+  const kept = isOpening ? {} : { storageState: keptPlan(site.address, coarseOpening()) };
+  const opened = await openPage(browser, site.address, { ...others, options: { ...kept, ...options } });
   await opened.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
   await opened.page.locator("#loading").waitFor({ state: "detached" });
   return opened;
@@ -287,7 +325,7 @@ export async function openTab(browser, { init } = {}) {
   };
   await send("Page.enable");
   // As in openPage: no service worker.
-  const source = `delete Navigator.prototype.serviceWorker; ${init ?? ""}`;
+  const source = `delete Navigator.prototype.serviceWorker; (${withoutAntialiasing})(); ${init ?? ""}`;
   await send("Page.addScriptToEvaluateOnNewDocument", { source });
   return {
     evaluate,

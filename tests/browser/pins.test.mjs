@@ -120,7 +120,7 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
   });
 
   test("and the plan survive a reload, and start over", async () => {
-    const { page, finish } = await openApp();
+    const { page, finish } = await openApp({ isOpening: true });
     const volume = () => page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume_ml").text);
     const opening = await volume();
     await page.evaluate(() => implantPreview.setPlan("volume_ml", "340 ml"));
@@ -162,6 +162,7 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
 
   test("fit a phone", async () => {
     const { page, finish } = await openApp({
+      isSmooth: true,
       viewport: { width: 390, height: 844 },
       options: { hasTouch: true, isMobile: true, deviceScaleFactor: 1, colorScheme: "dark" },
     });

@@ -78,7 +78,12 @@ async function encode(rows) {
 
 /** Draws the opening plan in a window; the picture's area is the window less panels and bars. */
 async function make(browser, site, { file, viewport, aspect, crop }) {
-  const { page, problems, close } = await harness.openApp(browser, site, { viewport, init: `(${keepBody})()` });
+  const { page, problems, close } = await harness.openApp(browser, site, {
+    viewport,
+    init: `(${keepBody})()`,
+    isOpening: true,
+    isSmooth: true,
+  });
   await harness.settled(page);
   await page.evaluate(() => (globalThis.ground = 1));
   await page.mouse.move(20, 20);
