@@ -1,17 +1,30 @@
 //! What the page offers to scripts and tests: scene, plan, result, focus and figures of the running app.
 
-use super::web::PageHost;
 use super::workers::object;
+use crate::app::App;
+use std::cell::RefMut;
 use wasm_bindgen::prelude::*;
+
+/// Where the app runs.
+pub(super) trait Host {
+    /// The app.
+    ///
+    /// # Errors
+    /// A panic has stopped the app.
+    fn app(&self) -> Result<RefMut<'_, App>, JsError>;
+
+    /// Gives the picture the focus of the page, without which the picture gets no keys.
+    fn focus_picture(&self);
+}
 
 /// `window.implantPreview`: the running app, for scripts and tests.
 #[wasm_bindgen]
 pub struct Handle {
-    host: &'static PageHost,
+    host: &'static dyn Host,
 }
 
 impl Handle {
-    pub(super) fn new(host: &'static PageHost) -> Self {
+    pub(super) fn new(host: &'static dyn Host) -> Self {
         Self { host }
     }
 }
@@ -104,8 +117,7 @@ impl Handle {
     ) -> Result<(), JsError> {
         let name = super::text::text(name, "name")?;
         self.host.app()?.focus_control(&name);
-        // Without the focus of the page the canvas gets no keys.
-        let _ = self.host.canvas.focus();
+        self.host.focus_picture();
         Ok(())
     }
 

@@ -6,7 +6,7 @@
 //! After a crash of the app only JavaScript remains: `web/crash.js`, which gets every new scene and
 //! every panic message.
 
-use super::page_handle::Handle;
+use super::page_handle::{Handle, Host};
 use super::workers::Workers;
 use crate::app::App;
 use crate::scene::Scene;
@@ -157,8 +157,8 @@ fn focus(id: &'static str) {
 }
 
 /// State with the lifetime of the page. The app outlives the runner, which ends with its WebGL context.
-pub(super) struct PageHost {
-    pub(super) canvas: web_sys::HtmlCanvasElement,
+struct PageHost {
+    canvas: web_sys::HtmlCanvasElement,
     runner: WebRunner,
     app: RefCell<Option<App>>,
     /// Borrowed while the tab is hidden: the runner finds no app, draws nothing and sets no timer.
@@ -314,15 +314,20 @@ impl PageHost {
             }
         }
     }
+}
 
-    /// The app, unless a panic has stopped it.
-    pub(super) fn app(&self) -> Result<RefMut<'_, App>, JsError> {
+impl Host for PageHost {
+    fn app(&self) -> Result<RefMut<'_, App>, JsError> {
         let has_runner = self.is_lost.get()
             || self.paused_app.borrow().is_some()
             || self.runner.app_mut::<PageApp>().is_some();
         let app = self.app.try_borrow_mut().ok().filter(|_| has_runner);
         app.and_then(|app| RefMut::filter_map(app, Option::as_mut).ok())
             .ok_or_else(|| JsError::new("the app is not running"))
+    }
+
+    fn focus_picture(&self) {
+        let _ = self.canvas.focus();
     }
 }
 
