@@ -1,0 +1,32 @@
+//! Completed work, for the figures of a running app and for tests.
+
+/// Counters of completed work.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counters {
+    /// Solves started.
+    pub solves: u64,
+    /// Calls of [`Session::advance`](super::Session::advance) that did solver work.
+    pub slices: u64,
+    /// Force evaluations, in work units of the finest grid.
+    pub work_units: f64,
+    /// Results measured.
+    pub measurements: u64,
+    /// Solutions copied from the solver for results or display.
+    pub solutions: u64,
+    /// Solutions with a recovered deformation at the nodes: the basis of results and fields.
+    pub recoveries: u64,
+    /// Nodal fields computed for display.
+    pub fields: u64,
+    /// Tabulations of the spring law.
+    pub tables: u64,
+    /// Allocations of the solver's nested grids.
+    pub grids: u64,
+    /// Edits reverted because the solution was invalid.
+    pub reverted: u64,
+    /// Stacks of layers with computed stability limits of the paper's springs.
+    pub stability_limits: u64,
+    /// Displayed shapes before convergence: drafts and solutions of coarser grids.
+    pub previews: u64,
+    /// Solutions shared by pins and the current scene instead of a solve.
+    pub shared: u64,
+}
