@@ -2,7 +2,7 @@
 
 use crate::app::details::{figures, known_decimals, position_error};
 use crate::app::texts::{tr, word_of};
-use crate::measure::bands::{PRESSURE, pressure_word, strain_word};
+use crate::measure::bands::{self, PRESSURE};
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
@@ -17,23 +17,32 @@ struct Row {
     /// The quantity of a study with the same value; none for what is given.
     quantity: Option<Quantity>,
     value: fn(&Scene, &Outcome) -> Option<f64>,
-    /// Word for a value.
-    word: Option<fn(f64) -> &'static str>,
+    /// The word of a result, that of the cards.
+    word: Option<fn(&Outcome) -> Option<&'static str>>,
 }
 
-const ROWS: [Row; 10] = [
+const ROWS: [Row; 11] = [
     Row::new("Width", "cm", 1, None, |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
     Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
     Row::new("Projection", "cm", 1, None, |scene, _| Some(0.1 * scene.implant.projection_mm)),
     Row {
-        word: Some(|percent| tr(strain_word(0.01 * percent))),
+        word: Some(|outcome| {
+            let strain = outcome.strain.as_ref()?.max_principal;
+            Some(tr(bands::stretch(strain, outcome.skin_reserve_used).1))
+        }),
         ..Row::new("Most stretch", "%", 0, Some(Quantity::GreatestStrain), |_, outcome| {
             Some(100.0 * outcome.strain.as_ref()?.max_principal)
         })
     },
-    Row::new("Least cover", "mm", 1, Some(Quantity::LeastCoverMm), |_, outcome| {
-        Some(outcome.cover_mm?.least)
+    Row::new("Reserve used", "%", 0, Some(Quantity::SkinReserveUsed), |_, outcome| {
+        Some(100.0 * outcome.skin_reserve_used?)
     }),
+    Row {
+        word: Some(|outcome| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
+        ..Row::new("Least cover", "mm", 1, Some(Quantity::LeastCoverMm), |_, outcome| {
+            Some(outcome.cover_mm?.least)
+        })
+    },
     Row::new("Cover at the top", "mm", 1, Some(Quantity::ApexCoverMm), |_, outcome| {
         Some(outcome.cover_mm?.apex)
     }),
@@ -41,7 +50,10 @@ const ROWS: [Row; 10] = [
         Some(outcome.contact_pressure_mmhg?.mean)
     }),
     Row {
-        word: Some(|mmhg| word_of(&PRESSURE, pressure_word(mmhg))),
+        word: Some(|outcome| {
+            let mmhg = outcome.contact_pressure_mmhg?.max;
+            Some(word_of(&PRESSURE, bands::pressure_word(mmhg)))
+        }),
         ..Row::new(
             "Most pressure",
             "mmHg",
@@ -73,7 +85,8 @@ impl Row {
     fn of(&self, scene: &Scene, outcome: Option<&Outcome>) -> Option<Entry> {
         let outcome = outcome.filter(|outcome| outcome.status == Status::Converged)?;
         let value = (self.value)(scene, outcome)?;
-        Some(Entry { value, error: position_error(outcome) })
+        let word = self.word.and_then(|word| word(outcome));
+        Some(Entry { value, error: position_error(outcome), word })
     }
 
     /// The band of a sampled scene, or of its differences from another one, in the unit of the row.
@@ -103,10 +116,11 @@ impl Row {
     }
 }
 
-/// A value with its relative position error.
+/// A value with its relative position error and its word.
 struct Entry {
     value: f64,
     error: f64,
+    word: Option<&'static str>,
 }
 
 /// Shows the table, with the bands of the `sampled` scenes; `has_differences` replaces the pins' values by now minus pin.
@@ -118,10 +132,14 @@ pub(super) fn show<'a>(
 ) {
     let pins = session.pins();
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
-        egui::Grid::new("comparison").num_columns(pins.len() + 3).spacing([10.0, 3.0]).show(
-            ui,
-            |ui| {
+        egui::Grid::new("comparison")
+            .num_columns(pins.len() + 3)
+            .min_col_width(0.0)
+            .spacing([8.0, 3.0])
+            .show(ui, |ui| {
                 ui.label("");
+                // The present plan first: a narrow panel scrolls to further pins.
+                header(ui, tr("now"));
                 for pin in pins {
                     let letter = pin.letter();
                     let head = if has_differences {
@@ -131,17 +149,15 @@ pub(super) fn show<'a>(
                     };
                     header(ui, &head).on_hover_text(name_of(pin));
                 }
-                header(ui, tr("now"));
                 ui.end_row();
                 for row in &ROWS {
                     show_row(ui, row, session, has_differences, sampled);
                 }
-            },
-        );
+            });
     });
 }
 
-/// The table as texts, heads first; a band stands in brackets.
+/// The table as texts, heads first, with the words of the cards; a band stands in brackets.
 pub(in crate::app) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
@@ -159,9 +175,12 @@ pub(in crate::app) fn rows<'a>(
     });
     let head = ["".to_owned(), tr("this plan").to_owned()].into_iter().chain(pins).collect();
     let cell = |row: &Row, (scene, outcome): (&Scene, Option<&Outcome>)| {
-        let text = row.text(row.of(scene, outcome).as_ref());
+        let entry = row.of(scene, outcome);
+        let text = row.text(entry.as_ref());
+        let word = entry.and_then(|entry| entry.word).map(|word| format!(", {word}"));
         let band = row.band(sampled(scene), None);
-        band.map_or(text.clone(), |band| format!("{text} ({})", range(band, row.decimals)))
+        let band = band.map(|band| format!(" ({})", range(band, row.decimals)));
+        format!("{text}{}{}", word.unwrap_or_default(), band.unwrap_or_default())
     };
     let row = |row: &Row| {
         let name = format!("{}, {}", tr(row.name), row.unit);
@@ -178,9 +197,10 @@ fn show_row<'a>(
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) {
     let name = format!("{}, {}", tr(row.name), row.unit);
-    ui.add(egui::Label::new(name).wrap_mode(egui::TextWrapMode::Extend));
+    ui.add(egui::Label::new(RichText::new(name).small()).wrap_mode(egui::TextWrapMode::Extend));
     let now = row.of(session.scene(), session.result());
     let of_now = sampled(session.scene());
+    cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
     for pin in session.pins() {
         let (entry, of_pin) = (row.of(pin.scene(), pin.outcome()), sampled(pin.scene()));
         if has_differences {
@@ -192,7 +212,6 @@ fn show_row<'a>(
             cell(ui, row, row.text(entry.as_ref()), entry.as_ref(), band);
         }
     }
-    cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
     // Room for the scroll bar.
     ui.label("");
     ui.end_row();
@@ -202,8 +221,8 @@ fn show_row<'a>(
 fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Option<[f64; 2]>) {
     ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
         let response = ui.monospace(text);
-        if let Some((entry, word)) = entry.zip(row.word) {
-            response.on_hover_text(word(entry.value));
+        if let Some(word) = entry.and_then(|entry| entry.word) {
+            response.on_hover_text(word);
         }
         if let Some(band) = band {
             let text = RichText::new(range(band, row.decimals)).small();
@@ -246,16 +265,38 @@ fn name_of(pin: &Pin) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::Progress;
 
     #[test]
     fn a_difference_has_a_sign_and_no_more_digits_than_both_values() {
-        let row = &ROWS[4];
-        let entry = |(value, error)| Entry { value, error };
+        let row = &ROWS[5];
+        let entry = |(value, error)| Entry { value, error, word: None };
         let difference = |now, pin| row.difference(Some(&entry(now)), Some(&entry(pin)));
         assert_eq!(difference((6.9, 1e-6), (7.3, 1e-6)), "−0.4");
         assert_eq!(difference((7.34, 1e-6), (7.3, 1e-6)), "0.0");
         assert_eq!(difference((12.0, 1e-6), (7.3, 1e-6)), "+4.7");
         assert_eq!(difference((12.0, 1e-6), (7.3, 2e-2)), "+5");
         assert_eq!(row.difference(None, Some(&entry((7.3, 1e-6)))), "–");
+    }
+
+    #[test]
+    fn the_texts_have_the_words_of_the_cards_and_the_reserve() {
+        let mut scene = Scene::opening();
+        (scene.solver.nodes_per_side, scene.solver.tolerance) = (33, 1e-3);
+        // Much volume under thin cover.
+        scene.implant.projection_mm = 52.0;
+        let mut session = Session::new(scene.clone()).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        let outcome = session.result().unwrap();
+        let rows = rows(&session, &|_| None);
+        let cell = |name: &str| rows.iter().find(|row| row[0] == name).unwrap()[1].clone();
+        let strain = outcome.strain.as_ref().unwrap().max_principal;
+        let reserve = outcome.skin_reserve_used.unwrap();
+        let (band, word) = bands::stretch(strain, Some(reserve));
+        // The reserve decides, not the strain alone.
+        assert!(band > 0 && bands::strain_word(strain) == "usual", "{strain} {reserve}");
+        assert_eq!(cell("Most stretch, %"), format!("{:.0}, {word}", 100.0 * strain));
+        assert_eq!(cell("Reserve used, %"), format!("{:.0}", 100.0 * reserve));
+        assert!(cell("Most pressure, mmHg").ends_with(", usual"), "{rows:?}");
     }
 }
