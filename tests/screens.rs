@@ -28,6 +28,8 @@ mod form;
 mod hands;
 #[path = "screens/no_answer.rs"]
 mod no_answer;
+#[path = "screens/notices.rs"]
+mod notices;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 #[path = "screens/visit.rs"]
@@ -115,6 +117,7 @@ fn every_control_and_reading_has_its_name() {
         "Undo",
         "Redo",
         "Start over",
+        "Español",
         "Theme",
         "Help",
         "implant",
@@ -734,12 +737,12 @@ fn on_a_phone_the_answer_stays_above_the_tabs_and_the_picture_keeps_half() {
 #[test]
 fn the_toolbar_fits_in_320_points() {
     let harness = app(egui::vec2(320.0, 568.0), |scene| *scene = opening());
-    let buttons = ["File", "Undo", "Redo", "Start over", "Theme", "Help"];
+    let buttons = ["File", "Undo", "Redo", "Start over", "Español", "Theme", "Help"];
     let rects = buttons.map(|name| harness.get_by_role_and_label(Role::Button, name).rect());
     for (pair, names) in rects.windows(2).zip(buttons.windows(2)) {
         assert!(pair[0].right() < pair[1].left(), "{names:?} overlap: {pair:?}");
     }
-    assert!(rects[5].right() <= 320.0);
+    assert!(rects[6].right() <= 320.0);
 }
 
 #[test]
@@ -892,12 +895,50 @@ fn a_pasted_table_becomes_the_curve_of_its_layer() {
         harness.get_by_role_and_label(Role::Button, "Use the table").click();
         harness.run();
     };
-    paste(&mut harness, "0,1 2,5\nx 3\n");
+    paste(&mut harness, "strain stress\nx 3\n");
     harness.get_by_label_contains("line 2: “x” is not a number. The points are unchanged.");
     harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read").focus();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
     harness.run();
     paste(&mut harness, "strain;stress (kPa)\n0,1;2,5\n45 %;0,12 MPa\n");
+    harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
+    settle(&mut harness);
+    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve.spec
+    else {
+        panic!("no points")
+    };
+    assert_eq!(points[..], [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
+}
+
+#[test]
+fn the_clipboard_is_read_by_a_button_and_a_bad_line_leaves_the_others() {
+    let mut harness = unfolded(|scene| {
+        scene.layers[0].curve = CurveSpec::Points {
+            points: vec![[0.0, 0.0], [1.0, 500.0]],
+            interpolation: Interpolation::Line,
+        }
+        .into();
+    });
+    harness.get_by_role_and_label(Role::Button, "Edit points").click();
+    harness.run();
+    // Nothing in the clipboard: the field has the focus, and the window says how to paste.
+    harness.get_by_role_and_label(Role::Button, "Paste table").click();
+    harness.run();
+    harness.get_by_label_contains("paste the table into this field");
+    let field = harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read");
+    assert!(field.is_focused());
+    harness.get_by_role_and_label(Role::Button, "Paste table").click();
+    harness.step();
+    harness.step();
+    harness.event(egui::Event::Paste("0,1;2,5\nx;3\n45 %;0,12 MPa\n".to_owned()));
+    harness.run();
+    assert!(harness.query_by_label_contains("paste the table into this field").is_none());
+    harness.get_by_label_contains("line 2: “x” is not a number");
+    harness.get_by_label_contains("The other lines are the points above");
+    let text = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read").value().unwrap()
+    };
+    assert_eq!(text(&harness), "0,1;2,5\nx;3\n45 %;0,12 MPa\n");
     harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
     settle(&mut harness);
     let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve.spec
@@ -1550,6 +1591,57 @@ fn press(harness: &mut Harness<'static, App>, button: &str) {
 fn pins(harness: &Harness<'static, App>) -> Vec<String> {
     let pins = harness.state().session().pins().iter();
     pins.map(|pin| format!("{} {}", pin.letter(), pin.name())).collect()
+}
+
+#[test]
+fn the_comparison_of_two_pins_and_the_answer_are_whole_on_a_small_desktop() {
+    let mut harness = app(egui::vec2(1024.0, 768.0), |scene| *scene = opening());
+    for (pin, volume) in [("Pin as A", "380"), ("Pin as B", "640")] {
+        press(&mut harness, pin);
+        type_into(&mut harness, "Volume (ml)", volume);
+    }
+    // Columns and sentence: all in sight.
+    let heads: Vec<_> = ["now", "A", "B"]
+        .map(|head| harness.query_all_by_label(head).last().unwrap().rect())
+        .to_vec();
+    assert!(heads.windows(2).all(|pair| pair[0].right() < pair[1].left()), "{heads:?}");
+    assert!(heads[2].right() < 1024.0 - 8.0, "{heads:?}");
+    assert_eq!(cut_texts(&harness), Vec::<String>::new());
+    let sentence = harness.get_by_label_contains("640 ml, 12 cm: ");
+    let [text, rect] = [sentence.value().unwrap(), format!("{:?}", sentence.rect())];
+    let painted = painted_texts(&harness);
+    assert!(text.ends_with(" mmHg.") && painted.contains(&text), "{text} {rect}");
+    let is_elided = harness.output().shapes.iter().any(|shape| match &shape.shape {
+        egui::Shape::Text(shape) => shape.galley.text() == text && shape.galley.elided,
+        _ => false,
+    });
+    assert!(!is_elided, "the sentence is cut");
+}
+
+#[test]
+fn the_legend_of_pictures_side_by_side_is_above_all_of_them() {
+    for size in [DESKTOP, egui::vec2(844.0, 390.0)] {
+        let mut harness = app(size, |scene| *scene = opening());
+        if size != DESKTOP {
+            press(&mut harness, "More");
+        }
+        unfold(&mut harness, "Pin as A");
+        unfold(&mut harness, "Side by side");
+        let places = |words: &str| -> Vec<egui::Rect> {
+            let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+                egui::Shape::Text(text) => Some((text.galley.text(), text.visual_bounding_rect())),
+                _ => None,
+            });
+            texts.filter(|(text, _)| text.contains(words)).map(|(_, rect)| rect).collect()
+        };
+        let [title] = places("Skin stretch [%]")[..] else { panic!("one legend") };
+        let numbers = places("80").into_iter().map(|rect| rect.bottom()).fold(0.0, f32::max);
+        for caption in ["A · ", "now · "] {
+            let [caption] = places(caption)[..] else { panic!("{caption}") };
+            assert!(caption.top() > title.bottom() + 8.0, "{size}: {title} {caption}");
+            assert!(numbers > title.bottom(), "{size}");
+        }
+    }
 }
 
 #[test]

@@ -241,12 +241,12 @@ fn nothing_is_cut_on_a_phone() {
         assert_spanish(&harness);
     }
     let harness = app("es", egui::vec2(320.0, 568.0), |_| {});
-    let buttons = ["Archivo", "Deshacer", "Rehacer", "Reiniciar", "Tema", "Ayuda"];
+    let buttons = ["Archivo", "Deshacer", "Rehacer", "Reiniciar", "English", "Tema", "Ayuda"];
     let rects = buttons.map(|name| harness.get_by_role_and_label(Role::Button, name).rect());
     for (pair, names) in rects.windows(2).zip(buttons.windows(2)) {
         assert!(pair[0].right() < pair[1].left(), "{names:?} overlap: {pair:?}");
     }
-    assert!(rects[5].right() <= 320.0, "{:?}", rects[5]);
+    assert!(rects[6].right() <= 320.0, "{:?}", rects[6]);
 }
 
 #[test]
@@ -254,9 +254,7 @@ fn the_language_is_chosen_beside_the_theme_and_kept_once() {
     let _alone = alone();
     let mut harness = app("en-GB", DESKTOP, |_| {});
     assert_eq!(harness.state_mut().take_language_to_store(), None);
-    press(&mut harness, "Theme");
-    harness.get_by_label("Español").click();
-    harness.run();
+    press(&mut harness, "Español");
     harness.get_by_role_and_label(Role::Button, "Archivo");
     assert_eq!(harness.state_mut().take_language_to_store().as_deref(), Some("es"));
     assert_eq!(
@@ -266,8 +264,39 @@ fn the_language_is_chosen_beside_the_theme_and_kept_once() {
     assert_spanish(&harness);
     // An unknown text in the storage is no choice.
     let mut harness = app("es", DESKTOP, |_| {});
-    press(&mut harness, "Tema");
-    harness.get_by_label("English").click();
-    harness.run();
+    press(&mut harness, "English");
     harness.get_by_role_and_label(Role::Button, "File");
+    // The list of commands has both languages.
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    harness.run();
+    harness.event(egui::Event::Text("español".to_owned()));
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "Archivo");
+}
+
+#[test]
+fn the_reason_of_a_table_that_is_no_shelf_is_spanish() {
+    let _alone = alone();
+    let mut harness = app("es", DESKTOP, |_| {});
+    for (text, reason) in [
+        (
+            "name;width_cm;volume_ml\nA;12;x",
+            "línea 2: volumen: «x»; permitido: un número de 0.4 a 3620",
+        ),
+        (
+            "name;diameter;volume_ml",
+            "línea 1: la columna «diameter» no tiene unidad; permitido: name, width_mm o",
+        ),
+        (
+            "name;width_cm;volume_ml\nA;12",
+            "línea 2: 2 columnas; permitido: 3, como en la línea de los nombres",
+        ),
+    ] {
+        harness.state_mut().restore_shelf(text);
+        let words = harness.state().notice_in_words();
+        assert!(words.contains(reason), "{words}");
+    }
+    harness.run();
 }

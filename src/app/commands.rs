@@ -5,7 +5,7 @@
 use super::messages::Notice;
 use super::report::Purpose;
 use super::strip::CROSS_SECTION;
-use super::texts::tr;
+use super::texts::{Language, tr};
 use super::{App, plan};
 use crate::export;
 use crate::scene::Scene;
@@ -54,6 +54,7 @@ pub(super) enum Action {
     /// The range of implants in place of the picture?
     ShowRange(bool),
     Theme(egui::ThemePreference),
+    Language(Language),
     List,
     Help,
 }
@@ -87,6 +88,9 @@ const fn keyed(action: Action, name: &'static str, tooltip: &'static str, keyed:
     Entry { action, name, tooltip, keyed }
 }
 
+/// The key of the list of commands, with Ctrl (Cmd on a Mac).
+pub(super) const LIST_KEY: Key = Key::K;
+
 /// Names of the switch in the middle of the screen.
 pub(super) const PICTURE: &str = "Picture";
 const RANGE: &str = "Range of implants";
@@ -102,7 +106,7 @@ const AREOLA: &str = "A circle of 4 cm on the skin at rest, over the middle of t
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
-pub(super) const COMMANDS: [Entry; 39] = [
+pub(super) const COMMANDS: [Entry; 41] = [
     keyed(Action::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
     keyed(Action::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Action::SaveNumbers, "Save numbers (JSON)…", ""),
@@ -166,7 +170,9 @@ pub(super) const COMMANDS: [Entry; 39] = [
     ),
     entry(Action::Theme(egui::ThemePreference::Light), "Light theme", ""),
     entry(Action::Theme(egui::ThemePreference::Dark), "Dark theme", ""),
-    keyed(Action::List, "Commands…", "Find a command by its name", Keyed::Everywhere(Key::K)),
+    entry(Action::Language(Language::English), "Language: English", ""),
+    entry(Action::Language(Language::Spanish), "Language: Spanish (español)", ""),
+    keyed(Action::List, "Commands…", "Find a command by its name", Keyed::Everywhere(LIST_KEY)),
     entry(Action::Help, "Help", ""),
 ];
 
@@ -265,7 +271,10 @@ impl App {
                 *areola = !*areola;
             }
             Action::CrossSection => self.show_strip = !self.show_strip,
-            Action::Torso => self.options.torso = !self.options.torso,
+            Action::Torso => {
+                self.options.torso = !self.options.torso;
+                self.viewport.look_at_torso(&self.session, self.options.torso);
+            }
             Action::Ruler => {
                 self.range.is_open = false;
                 self.viewport.toggle_ruler();
@@ -273,6 +282,7 @@ impl App {
             Action::Play => self.toggle_playback(),
             Action::ShowRange(is_open) => self.range.is_open = is_open,
             Action::Theme(theme) => ctx.set_theme(theme),
+            Action::Language(language) => self.choose_language(language),
             Action::List => self.palette.toggle(),
             Action::Help => self.show_help = !self.show_help,
         }

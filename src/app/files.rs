@@ -1,8 +1,10 @@
 //! Opening and saving of files: dialogs and dropped files, in the background, on the desktop and in the
 //! page.
 
+use super::App;
 use super::texts::tr;
 use crate::scene::MAX_SCENE_BYTES;
+use crate::study::volume_and_width;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -13,6 +15,39 @@ const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
 pub(super) fn is_table(name: &str) -> bool {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase());
     extension.is_some_and(|extension| TABLES.contains(&&*extension))
+}
+
+/// Greatest number of characters of a reference in the name of a file.
+const MAX_NAME: usize = 40;
+
+impl App {
+    /// The name of a file with the visit: device, volume, date of the visit or of today, reference and an extension, as
+    /// "implant-300ml-2026-11-25-4711.html"; `what` stands before the extension.
+    pub(super) fn name_of_file(&self, what: &str, extension: &str) -> String {
+        let visit = self.session.scene().visit.clone().unwrap_or_default();
+        self.name_with(visit.date, &visit.reference, what, extension)
+    }
+
+    /// The name of a file without the visit: device, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv".
+    pub(super) fn name_without_visit(&self, what: &str, extension: &str) -> String {
+        self.name_with(String::new(), "", what, extension)
+    }
+
+    fn name_with(&self, date: String, reference: &str, what: &str, extension: &str) -> String {
+        let device = self.plan.device.english("implant");
+        let [volume, _] = volume_and_width(self.session.scene());
+        let date = if date.is_empty() { today() } else { date };
+        let parts = [device, format!("{volume}ml"), date, word_of_name(reference), what.to_owned()];
+        let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        format!("{}.{extension}", parts.join("-"))
+    }
+}
+
+/// A text as a part of a file's name on every system: letters, digits and hyphens; what is between them is one hyphen.
+fn word_of_name(text: &str) -> String {
+    let signs: String = text.chars().map(|c| if c.is_alphanumeric() { c } else { ' ' }).collect();
+    let words: Vec<&str> = signs.split_whitespace().collect();
+    words.join("-").chars().take(MAX_NAME).collect()
 }
 
 /// Result of a file operation in the background.
@@ -144,6 +179,17 @@ pub(super) fn date() -> String {
     humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
 }
 
+/// Present day as 2026-01-31: that of the browser's place; on the desktop, which has no place, that of UTC.
+pub(super) fn today() -> String {
+    #[cfg(target_arch = "wasm32")]
+    {
+        let now = js_sys::Date::new_0();
+        format!("{:04}-{:02}-{:02}", now.get_full_year(), now.get_month() + 1, now.get_date())
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    date().chars().take(10).collect()
+}
+
 #[cfg(target_arch = "wasm32")]
 fn download(name: &str, content: &[u8]) -> Result<(), wasm_bindgen::JsValue> {
     use wasm_bindgen::JsCast as _;
@@ -179,5 +225,24 @@ fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
             "{name} is not a text file; allowed: a scene (JSON) or a table of sizes (CSV)",
             name
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_name_has_no_sign_that_a_system_refuses() {
+        for (text, word) in [
+            ("K. M. 4711", "K-M-4711"),
+            ("../a\\b:c*?\"<>|", "a-b-c"),
+            ("Ñandú 7", "Ñandú-7"),
+            (" .. ", ""),
+            ("", ""),
+        ] {
+            assert_eq!(word_of_name(text), word, "{text}");
+        }
+        assert_eq!(word_of_name(&"a".repeat(100)).len(), MAX_NAME);
     }
 }

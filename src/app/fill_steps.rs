@@ -6,6 +6,7 @@ use super::widgets::quantity::format_at_most;
 use super::widgets::{NumberField, rejection_label, remark};
 use crate::export;
 use crate::measure::bands;
+use crate::scene::FillSchedule;
 use crate::study::{Map, Quantity};
 use eframe::egui::{self, RichText, Ui};
 
@@ -21,6 +22,10 @@ const CONVENTION: &str = "Your choice: no measurement fixes these numbers. In on
      (ePlasty 2023, 23, e12), in another 68 % of the expander (Plast Reconstr Surg 2011, 127, 1065). Afterwards \
      50–60 ml a week are a habit of practices; pain and pale skin end a visit.";
 
+/// Width of the table with all columns \[points\], and the columns that follow from the others: visit, added.
+const WHOLE_TABLE: f32 = 300.0;
+const FOLLOWING: [usize; 2] = [1, 2];
+
 const HEADS: [&str; 7] = [
     "Week",
     "Visit",
@@ -31,23 +36,6 @@ const HEADS: [&str; 7] = [
     "Skin gained (cm²)",
 ];
 
-/// The schedule of the fills.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FillSteps {
-    /// Fill at operation \[ml\].
-    start_ml: f64,
-    /// Fill of a visit \[ml\]; the last visit fills the rest.
-    visit_ml: f64,
-    /// Time between visits \[weeks\].
-    weeks: f64,
-}
-
-impl Default for FillSteps {
-    fn default() -> Self {
-        Self { start_ml: 100.0, visit_ml: 50.0, weeks: 1.0 }
-    }
-}
-
 /// What a user does with the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Use {
@@ -55,12 +43,16 @@ enum Use {
     Save,
 }
 
+/// The table of a schedule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FillSteps(pub(super) FillSchedule);
+
 impl FillSteps {
     /// The total fills \[ml\], operation first, up to a full fill \[ml\] or [`MAX_VISITS`].
     fn fills(self, full_ml: f64) -> Vec<f64> {
-        let visits = ((full_ml - self.start_ml) / self.visit_ml - 1e-9).ceil().max(0.0);
+        let visits = ((full_ml - self.0.start_ml) / self.0.visit_ml - 1e-9).ceil().max(0.0);
         let visits = (visits as usize).min(MAX_VISITS);
-        let fill = |visit: usize| (self.start_ml + visit as f64 * self.visit_ml).min(full_ml);
+        let fill = |visit: usize| (self.0.start_ml + visit as f64 * self.0.visit_ml).min(full_ml);
         (0..=visits).map(fill).collect()
     }
 
@@ -83,7 +75,7 @@ impl FillSteps {
             });
             let gain = value(Quantity::SkinAreaGainCm2).map(|gain| format!("{gain:.0}"));
             rows.push(vec![
-                format_at_most(visit as f64 * self.weeks, 0, 1),
+                format_at_most(visit as f64 * self.0.weeks, 0, 1),
                 if visit == 0 { "op.".to_owned() } else { visit.to_string() },
                 format!("{:.0}", fill - before),
                 format!("{fill:.0}"),
@@ -120,8 +112,9 @@ impl FillSteps {
         self.fields(ui);
         let rows = self.rows(curve, full_ml);
         egui::ScrollArea::horizontal().id_salt("fill steps").show(ui, |ui| {
-            let grid = egui::Grid::new("fill steps").num_columns(HEADS.len());
-            grid.striped(true).spacing([SPACE, 2.0]).show(ui, |ui| table(ui, &rows));
+            let grid = egui::Grid::new("fill steps").num_columns(HEADS.len()).min_col_width(0.0);
+            let is_narrow = ui.available_width() < WHOLE_TABLE;
+            grid.striped(true).spacing([SPACE, 2.0]).show(ui, |ui| table(ui, &rows, is_narrow));
         });
         let missing = self.missing(curve, full_ml);
         if !missing.is_empty() {
@@ -160,14 +153,14 @@ impl FillSteps {
     fn fields(&mut self, ui: &mut Ui) {
         let mut rejections = Vec::new();
         for (value, name, allowed, step) in [
-            (&mut self.start_ml, tr("At operation (ml)"), 0.0..=2000.0, 10.0),
-            (&mut self.visit_ml, tr("Per visit (ml)"), 5.0..=500.0, 5.0),
-            (&mut self.weeks, tr("Weeks between visits"), 0.5..=12.0, 0.5),
+            (&mut self.0.start_ml, tr("At operation (ml)"), FillSchedule::START_ML, 10.0),
+            (&mut self.0.visit_ml, tr("Per visit (ml)"), FillSchedule::VISIT_ML, 5.0),
+            (&mut self.0.weeks, tr("Weeks between visits"), FillSchedule::WEEKS, 0.5),
         ] {
             ui.horizontal(|ui| {
                 let field = NumberField {
                     name,
-                    allowed,
+                    allowed: allowed.0..=allowed.1,
                     decimals: 0,
                     step,
                     width: 44.0,
@@ -186,13 +179,20 @@ impl FillSteps {
     }
 }
 
-/// Shows heads and rows; a value with a word above usual stands out.
-fn table(ui: &mut Ui, rows: &[Vec<String>]) {
+/// Shows heads and rows; a value with a word above usual stands out. A narrow table leaves out what follows from the other columns.
+fn table(ui: &mut Ui, rows: &[Vec<String>], is_narrow: bool) {
     for (k, row) in rows.iter().enumerate() {
-        for cell in row {
-            // The unit below the name.
-            let text = RichText::new(if k == 0 { cell.replace(" (", "\n(") } else { cell.clone() });
-            let text = text.small();
+        for (column, cell) in row.iter().enumerate() {
+            if is_narrow && FOLLOWING.contains(&column) {
+                continue;
+            }
+            // A head has a word a line; a word of a value stands below the value.
+            let lines = match k {
+                0 => cell.replace(' ', "\n"),
+                _ if is_narrow => cell.replace(", ", ",\n"),
+                _ => cell.clone(),
+            };
+            let text = RichText::new(lines).small();
             let is_strong = k == 0 || cell.contains(',');
             ui.label(if is_strong { text.strong() } else { text });
         }
@@ -212,7 +212,7 @@ mod tests {
     use crate::study::{Axis, Cases, MapSettings, Parameter, Study, evaluate};
 
     fn steps(start_ml: f64, visit_ml: f64) -> FillSteps {
-        FillSteps { start_ml, visit_ml, weeks: 2.0 }
+        FillSteps(FillSchedule { start_ml, visit_ml, weeks: 2.0 })
     }
 
     #[test]

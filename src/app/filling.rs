@@ -3,9 +3,9 @@
 
 use super::App;
 use super::fill_steps::FillSteps;
-use super::plan::Device;
+use super::plan::{self, Device};
 use super::plots::fixed_plot;
-use super::range::within_text;
+use super::range::{marks, within_text};
 use super::studies::{Driver, Studies};
 use super::texts::tr;
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
@@ -13,11 +13,10 @@ use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::Scene;
+use crate::session::Command;
 use crate::study::{Map, MapCheck, MapSettings, Parameter, Quantity};
 use eframe::egui::{self, RichText, Ui};
-use egui_plot::{
-    HoverPosition, Line, LineStyle, PlotUi, Points, Polygon, VLine, uniform_grid_spacer,
-};
+use egui_plot::{GridMark, HoverPosition, Line, LineStyle, PlotUi, Points, Polygon, VLine};
 
 /// Projection / half base width of the greatest fill \[-\].
 const MOST_RATIO: f64 = 1.0;
@@ -26,6 +25,8 @@ const SETTINGS: MapSettings = MapSettings { nodes_per_side: 65, tolerance: 1e-3 
 /// Height of a chart, and width of the numbers beside it \[points\].
 const HEIGHT: f32 = 118.0;
 const AXIS_WIDTH: f32 = 24.0;
+/// About so many numbers beside a chart.
+const NUMBERS: usize = 3;
 
 /// A chart: its quantity with a thick line, and a second one with a thin line.
 struct Chart {
@@ -61,7 +62,11 @@ pub(super) struct Filling {
     started: Option<Scene>,
     /// Why there is no curve.
     error: Option<String>,
-    steps: FillSteps,
+}
+
+/// The table of fill steps of a plan.
+fn steps_of(scene: &Scene) -> FillSteps {
+    FillSteps(scene.visit.as_ref().and_then(|visit| visit.fill_steps).unwrap_or_default())
 }
 
 impl Filling {
@@ -127,13 +132,17 @@ impl Filling {
     pub(super) fn steps(&self, scene: &Scene) -> Vec<Vec<String>> {
         let is_of_plan = self.started.as_ref().is_some_and(|started| started.is_same_plan(scene));
         let full_ml = Parameter::Volume.value(scene).filter(|_| is_of_plan);
-        let rows =
-            self.curve.finished().zip(full_ml).map(|(curve, full)| self.steps.rows(curve, full));
-        rows.unwrap_or_default()
+        let solved = self.curve.finished().zip(full_ml);
+        solved.map_or_else(Vec::new, |(curve, full)| steps_of(scene).rows(curve, full))
     }
 
     /// Shows the charts with the present fill \[ml\] and the steps up to this fill; returns name and content of a file to save.
-    fn show(&mut self, ui: &mut Ui, fill: f64) -> Option<(&'static str, String)> {
+    fn show(
+        &self,
+        ui: &mut Ui,
+        fill: f64,
+        steps: &mut FillSteps,
+    ) -> Option<(&'static str, String)> {
         let palette = theme::palette(ui.visuals());
         if let Some(error) = &self.error {
             ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
@@ -151,15 +160,13 @@ impl Filling {
         if let Some(failure) = self.curve.failure().or_else(|| self.check.failure()) {
             ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
         }
-        let (solved, mut steps) = (self.curve.finished(), self.steps);
+        let solved = self.curve.finished();
         let save = ui.add_enabled(solved.is_some(), egui::Button::new(tr("Save table (CSV)…")));
         let is_saved = save.on_hover_text(tr("All results of all fills")).clicked();
         let curve = solved?;
         ui.add_space(SPACE);
         let table = steps.show(ui, curve, fill).map(|table| ("fill-steps.csv", table));
-        let saved = table.or_else(|| is_saved.then(|| ("filling.csv", curve.csv())));
-        self.steps = steps;
-        saved
+        table.or_else(|| is_saved.then(|| ("filling.csv", curve.csv())))
     }
 
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
@@ -172,15 +179,18 @@ impl Filling {
             HoverPosition::Elsewhere { .. } => None,
         };
         let is_pressure = chart.quantity == Quantity::GreatestPressureMmhg;
-        let mut plot = fixed_plot(chart.name, HEIGHT)
+        let plot = fixed_plot(chart.name, HEIGHT)
             .width(ui.available_width() - SPACE)
             .y_axis_min_width(AXIS_WIDTH)
             .include_y(0.0)
             .x_axis_label(tr("fill (ml)"))
+            .y_grid_spacer(|input| {
+                // Some numbers at any height of the curve.
+                let (low, high) = input.bounds;
+                let mark = |value| GridMark { value, step_size: (high - low) / NUMBERS as f64 };
+                marks((low, high), NUMBERS).into_iter().map(mark).collect()
+            })
             .label_formatter(read);
-        if is_pressure {
-            plot = plot.y_grid_spacer(uniform_grid_spacer(|_| [60.0, 30.0, 10.0]));
-        }
         plot.show(ui, |plot| {
             let ends = line.first().zip(line.last()).map(|(a, b)| (a[0], b[0]));
             if is_pressure {
@@ -228,7 +238,6 @@ impl Filling {
                 has
             ));
         }
-        let nodes = SETTINGS.nodes_per_side;
         let check = self.check.finished();
         let differences = check.map(|check| curve.differences(check)).unwrap_or_default();
         let of = |quantity: Quantity| {
@@ -238,8 +247,7 @@ impl Filling {
         let found: Vec<String> = CHARTS.iter().filter_map(|chart| of(chart.quantity)).collect();
         if !found.is_empty() {
             words.push(tr!(
-                "{nodes} nodes a side, within {differences} of the fine grid.",
-                nodes,
+                "A finer computation differs by at most {differences}.",
                 differences = found.join(", ")
             ));
         }
@@ -261,8 +269,15 @@ impl App {
             return;
         }
         let fill = Parameter::Volume.value(self.session.scene()).unwrap_or_default();
-        let mut saved = None;
-        group(ui, tr("Filling"), |ui| saved = self.filling.show(ui, fill));
+        let before = steps_of(self.session.scene());
+        let (mut saved, mut steps) = (None, before);
+        group(ui, tr("Filling"), |ui| saved = self.filling.show(ui, fill, &mut steps));
+        if steps != before {
+            let mut scene = self.session.scene().clone();
+            plan::set_fill_steps(&mut scene, steps.0);
+            self.gesture += 1;
+            self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
+        }
         if let Some((name, content)) = saved {
             self.files.save(ui.ctx(), name, content);
         }

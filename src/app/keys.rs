@@ -13,6 +13,7 @@ const INSERTION_STEP: f64 = 0.02;
 impl App {
     /// Executes the shortcuts pressed since the previous frame.
     pub(super) fn handle_keys(&mut self, ctx: &egui::Context) {
+        ctx.input_mut(|input| self.palette.hold_typing(input));
         for command in ctx.input_mut(take_history_keys) {
             self.execute(command);
         }

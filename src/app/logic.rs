@@ -305,12 +305,13 @@ impl App {
     }
 
     pub(super) fn save_scene(&mut self, ctx: &egui::Context) {
-        self.files.save(ctx, "scene.json", self.session.document_json());
+        let name = self.name_of_file("", "json");
+        self.files.save(ctx, &name, self.session.document_json());
     }
 
     pub(super) fn save_result(&mut self, ctx: &egui::Context) {
         if let Some(text) = self.result_json() {
-            self.files.save(ctx, "result.json", text);
+            self.files.save(ctx, &self.name_without_visit("numbers", "json"), text);
         }
     }
 }

@@ -6,12 +6,18 @@ use super::widgets::set_accessible_name;
 use super::{App, theme};
 use crate::scene::{Scene, Springs};
 use crate::solve::Displayed;
+use eframe::egui::accesskit::Live;
 use eframe::egui::{self, Rect, RichText, Ui};
 
 /// Heading of a scene without a shape.
 const NO_ANSWER: &str = "No answer for this plan";
 /// Greatest width of a box over the picture \[points\].
 const BOX_WIDTH: f32 = 560.0;
+/// Time for which a notice of success stays \[s\], and the further time of a character.
+const STAYS_S: f64 = 6.0;
+const STAYS_S_A_CHARACTER: f64 = 0.06;
+/// Time in which the notice fades \[s\].
+const FADES_S: f64 = 0.5;
 
 /// Severity of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +40,8 @@ pub(super) struct Notice {
     pub(super) text: String,
     pub(super) severity: Severity,
     pub(super) offer: Option<Offer>,
+    /// Time of the first frame that showed the notice \[s\].
+    pub(super) since: Option<f64>,
 }
 
 /// The user's action on a notice.
@@ -44,7 +52,7 @@ pub(super) enum NoticeAction {
 
 impl Notice {
     pub(super) fn info(text: impl Into<String>) -> Self {
-        Self { text: text.into(), severity: Severity::Info, offer: None }
+        Self { text: text.into(), severity: Severity::Info, offer: None, since: None }
     }
 
     pub(super) fn caution(text: impl Into<String>) -> Self {
@@ -55,25 +63,54 @@ impl Notice {
         Self { severity: Severity::Error, ..Self::info(text) }
     }
 
-    /// Shows the notice over the lower edge of an area; nothing moves for it.
-    fn show(&self, ui: &Ui, area: Rect) -> Option<NoticeAction> {
+    /// The notice with the word of its severity: some users do not see the colour.
+    fn words(&self) -> String {
+        let word = match self.severity {
+            Severity::Info => "",
+            Severity::Caution => tr("Note: "),
+            Severity::Error => tr("Error: "),
+        };
+        format!("{word}{}", self.text)
+    }
+
+    /// Time for which the notice stays \[s\]; `None`: until the user closes it.
+    fn stays(&self) -> Option<f64> {
+        let fades = self.severity == Severity::Info && self.offer.is_none();
+        fades.then(|| STAYS_S + STAYS_S_A_CHARACTER * self.text.chars().count() as f64)
+    }
+
+    /// The opacity \[-\] at a time \[s\]: a notice of success fades, all others stay.
+    fn opacity(&mut self, now: f64) -> f32 {
+        let shown = now - *self.since.get_or_insert(now);
+        let faded = self.stays().map_or(0.0, |stays| (shown - stays) / FADES_S);
+        (1.0 - faded).clamp(0.0, 1.0) as f32
+    }
+
+    /// Shows the notice over the lower edge of an area; nothing moves for it. Under the pointer it does not fade.
+    fn show(&mut self, ui: &Ui, area: Rect) -> Option<NoticeAction> {
+        let now = ui.input(|input| input.time);
+        let opacity = self.opacity(now);
+        if opacity <= 0.0 {
+            return Some(NoticeAction::Close);
+        }
         let palette = theme::palette(ui.visuals());
-        // A word besides the colour: some users do not see the colour.
-        let (color, word) = match self.severity {
-            Severity::Info => (palette.text, ""),
-            Severity::Caution => (palette.caution, tr("Note: ")),
-            Severity::Error => (palette.bad, tr("Error: ")),
+        let (color, live) = match self.severity {
+            Severity::Info => (palette.text, Live::Polite),
+            Severity::Caution => (palette.caution, Live::Polite),
+            Severity::Error => (palette.bad, Live::Assertive),
         };
         let mut action = None;
-        over(ui, area, "notice", |ui| {
+        let shown = over(ui, area, "notice", |ui| {
+            ui.set_opacity(opacity);
             ui.horizontal_wrapped(|ui| {
                 let close = ui.button("×");
                 set_accessible_name(&close, egui::Role::Button, tr("Close message"));
                 if close.clicked() {
                     action = Some(NoticeAction::Close);
                 }
-                let text = RichText::new(format!("{word}{}", self.text)).color(color);
-                ui.add(egui::Label::new(text).wrap());
+                let text = RichText::new(self.words()).color(color);
+                let label = ui.add(egui::Label::new(text).wrap());
+                ui.ctx().accesskit_node_builder(label.id, |node| node.set_live(live));
                 if let Some(offer) = &self.offer
                     && ui.button(&offer.label).clicked()
                 {
@@ -81,16 +118,38 @@ impl Notice {
                 }
             });
         });
+        if ui.input(|input| input.pointer.hover_pos()).is_some_and(|at| shown.contains(at)) {
+            self.since = Some(now);
+        } else if opacity < 1.0 {
+            ui.ctx().request_repaint();
+        } else if let Some(stays) = self.stays() {
+            let rest = stays - (now - self.since.unwrap_or(now));
+            ui.ctx().request_repaint_after_secs(rest.max(0.0) as f32);
+        }
         action
     }
 }
 
 impl App {
-    /// Shows the last notice over an area until the user closes it.
+    /// The words of the notice on the screen, for screen readers; empty without one.
+    #[must_use]
+    pub fn notice_in_words(&self) -> String {
+        self.notice.as_ref().map_or_else(String::new, Notice::words)
+    }
+
+    /// Shows the last notice over an area until the user closes it, or until it has faded.
     pub(super) fn show_notice(&mut self, ui: &Ui, area: Rect) {
-        match self.notice.as_ref().and_then(|notice| notice.show(ui, area)) {
+        let Some(notice) = &mut self.notice else { return };
+        if self.was_paused {
+            // The time of a hidden tab is no time to read.
+            notice.since = None;
+        }
+        match notice.show(ui, area) {
             None => {}
-            Some(NoticeAction::Close) => self.notice = None,
+            Some(NoticeAction::Close) => {
+                self.notice = None;
+                self.request_frame();
+            }
             Some(NoticeAction::Accept(scene)) => self.accept(scene),
         }
     }
@@ -143,7 +202,7 @@ pub(super) fn no_shape_page(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 
 /// A box over the picture of the last answer, of a scene without a shape.
 pub(super) fn no_shape_box(ui: &Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
-    over(ui, area, NO_ANSWER, |ui| {
+    let _ = over(ui, area, NO_ANSWER, |ui| {
         ui.label(RichText::new(tr(NO_ANSWER)).strong());
         add(ui);
     });
@@ -164,8 +223,8 @@ pub(super) fn standard_model(ui: &mut Ui, scene: &mut Scene) {
     }
 }
 
-/// A box at the middle of the lower edge of an area, over what is there.
-fn over(ui: &Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) {
+/// A box at the middle of the lower edge of an area, over what is there. Returns the place of the box.
+fn over(ui: &Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) -> Rect {
     let inner = area.shrink(2.0 * theme::SPACE);
     let id = egui::Id::unique(name);
     let before = ui.ctx().memory(|memory| memory.area_rect(id));
@@ -183,9 +242,11 @@ fn over(ui: &Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) {
             drawn.response.rect
         });
     // The place follows from the size of the previous frame.
-    if before.is_none_or(|before| (before.height() - shown.inner.height()).abs() > 0.5) {
+    let size = shown.inner.size();
+    if before.is_none_or(|before| (before.size() - size).abs().max_elem() > 0.5) {
         ui.ctx().request_repaint();
     }
+    shown.inner
 }
 
 /// A page with a heading in place of the picture.

@@ -10,12 +10,13 @@
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it.
 //! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `controls` finds controls by
-//! name for scripts.
+//! name for scripts; `clipboard` reads a pasted table.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
 mod advanced;
 mod answer;
+mod clipboard;
 mod commands;
 mod compare;
 mod controls;
@@ -219,7 +220,7 @@ impl App {
     /// Shows that the app restarted after a crash.
     pub fn notify_restart(&mut self) {
         // The pins may be the cause of the error.
-        self.notice = Some(Notice::info(tr(
+        self.notice = Some(Notice::caution(tr(
             "The preview restarted after an error, with the scene that was open. A reload opens the kept pins.",
         )));
     }

@@ -174,7 +174,8 @@ impl App {
     /// Saves all numbers of plan and pins as a table.
     pub(super) fn save_numbers(&self, ctx: &egui::Context) {
         let sampled = |scene: &Scene| self.uncertainty.values(scene);
-        self.files.save(ctx, "results.csv", export::csv(&table(&self.session, &sampled)));
+        let name = self.name_without_visit("numbers", "csv");
+        self.files.save(ctx, &name, export::csv(&table(&self.session, &sampled)));
     }
 }
 

@@ -2,12 +2,12 @@
 //!
 //! Uses `commands`, `theme`, `widgets`. Used by `logic`.
 
-use super::commands::{self, COMMANDS, Entry};
+use super::commands::{self, COMMANDS, Entry, LIST_KEY};
 use super::device::Device;
 use super::texts::tr;
 use super::widgets::set_accessible_name;
 use super::{App, theme};
-use eframe::egui::{self, Key, Modifiers, RichText, Ui};
+use eframe::egui::{self, Event, InputState, Key, Modifiers, RichText, Ui};
 
 /// Title of the list.
 const TITLE: &str = "Commands";
@@ -25,6 +25,8 @@ pub(super) struct Palette {
     text: String,
     /// Place of the chosen command among the found ones.
     chosen: usize,
+    /// What was typed after the key of the list in the frame of that key.
+    typed: Vec<Event>,
 }
 
 impl Palette {
@@ -35,7 +37,26 @@ impl Palette {
     /// Opens the list with an empty field, or closes the list.
     pub(super) fn toggle(&mut self) {
         let is_open = !self.is_open;
-        *self = Self { is_open, is_new: is_open, ..Self::default() };
+        let typed = std::mem::take(&mut self.typed);
+        *self = Self { is_open, is_new: is_open, typed, ..Self::default() };
+    }
+
+    /// Keeps what follows the key of the list in a slow frame for the frame in which the field of the list has the focus.
+    pub(super) fn hold_typing(&mut self, input: &mut InputState) {
+        input.events.splice(0..0, std::mem::take(&mut self.typed));
+        let is_key = |event: &Event| {
+            matches!(event, Event::Key { key: LIST_KEY, pressed: true, modifiers, .. }
+                if modifiers.matches_logically(Modifiers::COMMAND))
+        };
+        if self.is_open {
+            return;
+        }
+        if let Some(at) = input.events.iter().position(is_key) {
+            let is_typing = |event: &mut Event| {
+                matches!(event, Event::Text(_) | Event::Key { pressed: true, .. })
+            };
+            self.typed = input.events.extract_if(at + 1.., is_typing).collect();
+        }
     }
 }
 
@@ -63,12 +84,9 @@ impl App {
         if !self.palette.is_open {
             return;
         }
-        let keys = Keys::take(ctx);
-        let found = found(&self.palette.text, self.plan.device);
-        let most = found.len().saturating_sub(1);
-        let palette = &mut self.palette;
-        palette.chosen = palette.chosen.saturating_add_signed(keys.steps).min(most);
-        let mut picked = found.get(palette.chosen).copied().filter(|_| keys.is_entered);
+        // The keys of the frame that opens the list are those before the key of the list: another control's.
+        let keys = if self.palette.is_new { Keys::default() } else { Keys::take(ctx) };
+        let mut picked = None;
         let width = SIZE.x.min(ctx.content_rect().width() - 6.0 * theme::SPACE);
         let mut is_open = !keys.is_escaped;
         egui::Window::new(tr(TITLE))
@@ -79,6 +97,11 @@ impl App {
             .show(ctx, |ui| {
                 ui.set_width(width);
                 self.search_field(ui);
+                // What a slow frame has typed counts before its Enter key.
+                let found = found(&self.palette.text, self.plan.device);
+                let (most, chosen) = (found.len().saturating_sub(1), &mut self.palette.chosen);
+                *chosen = chosen.saturating_add_signed(keys.steps).min(most);
+                picked = found.get(*chosen).copied().filter(|_| keys.is_entered);
                 let list = egui::ScrollArea::vertical().max_height(SIZE.y);
                 list.auto_shrink([false, true]).show(ui, |ui| {
                     for (k, entry) in found.iter().enumerate() {
@@ -92,6 +115,9 @@ impl App {
                 });
             });
         self.palette.is_new = false;
+        if !self.palette.typed.is_empty() {
+            self.request_frame();
+        }
         if picked.is_some() || !is_open {
             self.palette = Palette::default();
             self.request_frame();

@@ -70,7 +70,7 @@ const DARK: Palette = Palette {
     panel: rgb(0x001E_2124),
     field: rgb(0x002A_2E32),
     line: rgb(0x003A_4046),
-    edge: rgb(0x0078_818A),
+    edge: rgb(0x00A2_ABB4),
     rail: rgb(0x0078_818A),
     text: rgb(0x00E3_E6E9),
     quiet: rgb(0x009D_A6AF),
@@ -226,6 +226,13 @@ mod tests {
             // The accent is also the colour of the words "implant" and "stable".
             let ratio = contrast(p.accent, p.panel);
             assert!(ratio >= 4.5, "{name}: accent as text has {ratio:.2} : 1");
+        }
+    }
+
+    #[test]
+    fn thin_dashed_lines_stand_out_of_the_dark_ground() {
+        for ground in [DARK.panel, DARK.ground] {
+            assert!(contrast(DARK.edge, ground) >= 6.0, "{}", contrast(DARK.edge, ground));
         }
     }
 

@@ -1,10 +1,10 @@
-//! The toolbar: files, history, examples, theme; the window "Help"; the words "Not a medical device".
+//! The toolbar: files, history, examples, language, theme; the window "Help"; the words "Not a medical device".
 
 use super::commands::{Action, COMMANDS, Keyed};
 use super::messages::Notice;
 use super::report::Purpose;
-use super::texts::tr;
-use super::widgets::button_if;
+use super::texts::{self, tr};
+use super::widgets::{button_if, set_accessible_name};
 use super::{App, theme};
 use crate::export::{Format, Solid};
 use crate::measure::surfaces;
@@ -47,7 +47,8 @@ impl App {
                 if ui.button(tr("Help")).clicked() {
                     self.show_help = !self.show_help;
                 }
-                self.theme_menu(ui);
+                theme_menu(ui);
+                self.language_button(ui, layout);
                 if layout == Layout::Wide {
                     disclaimer(ui, layout);
                 }
@@ -96,23 +97,18 @@ impl App {
         });
     }
 
-    /// The choice of theme and language.
-    fn theme_menu(&mut self, ui: &mut Ui) {
-        ui.menu_button(tr("Theme"), |ui| {
-            let mut preference = ui.ctx().options(|options| options.theme_preference);
-            for (choice, name) in [
-                (egui::ThemePreference::System, tr("System")),
-                (egui::ThemePreference::Light, tr("Light")),
-                (egui::ThemePreference::Dark, tr("Dark")),
-            ] {
-                if ui.radio_value(&mut preference, choice, name).clicked() {
-                    ui.ctx().set_theme(choice);
-                    ui.close();
-                }
-            }
-            ui.separator();
-            self.language_menu(ui);
-        });
+    /// The button of the other language with that language's own name; on a narrow screen with its subtag.
+    fn language_button(&mut self, ui: &mut Ui, layout: Layout) {
+        let other = texts::language().other();
+        let text = match layout {
+            Layout::Wide => other.name().to_owned(),
+            Layout::Narrow => other.subtag().to_uppercase(),
+        };
+        let button = ui.button(text);
+        set_accessible_name(&button, Role::Button, other.name());
+        if button.clicked() {
+            self.choose_language(other);
+        }
     }
 
     /// Meshes of the shape in place, for other programs and printers.
@@ -192,9 +188,26 @@ impl App {
     }
 }
 
-/// Space and text of the six buttons of a row of 320 points. Long words are smaller.
+/// The choice of the theme.
+fn theme_menu(ui: &mut Ui) {
+    ui.menu_button(tr("Theme"), |ui| {
+        let mut preference = ui.ctx().options(|options| options.theme_preference);
+        for (choice, name) in [
+            (egui::ThemePreference::System, tr("System")),
+            (egui::ThemePreference::Light, tr("Light")),
+            (egui::ThemePreference::Dark, tr("Dark")),
+        ] {
+            if ui.radio_value(&mut preference, choice, name).clicked() {
+                ui.ctx().set_theme(choice);
+                ui.close();
+            }
+        }
+    });
+}
+
+/// Space and text of the seven buttons of a row of 320 points. Long words are smaller.
 fn fit_in_row(ui: &mut Ui) {
-    const BUTTONS: [&str; 6] = ["File", "Undo", "Redo", "Start over", "Theme", "Help"];
+    const BUTTONS: [&str; 7] = ["File", "Undo", "Redo", "Start over", "ES", "Theme", "Help"];
     let space = theme::SPACE_SMALL;
     let font = TextStyle::Button.resolve(ui.style());
     let width = |name: &str| {
@@ -202,7 +215,7 @@ fn fit_in_row(ui: &mut Ui) {
         galley.size().x
     };
     let text: f32 = BUTTONS.map(width).iter().sum();
-    let room = |padding: f32| ui.available_width() - 12.0 * padding - 5.0 * space;
+    let room = |padding: f32| ui.available_width() - 14.0 * padding - 6.0 * space;
     let is_tight = text > room(space + 2.0);
     let size = font.size * (room(space) / text).min(1.0);
     let spacing = ui.spacing_mut();

@@ -21,6 +21,9 @@ pub(super) enum NarrowTab {
     More,
 }
 
+/// Width in which the answer takes one line \[points\].
+const ONE_LINE: f32 = 620.0;
+
 const TABS: [(NarrowTab, &str); 4] = [
     (NarrowTab::Implant, "Implant"),
     (NarrowTab::Patient, "Patient"),
@@ -206,13 +209,17 @@ impl App {
 
     /// The answer in one sentence.
     fn headline(&self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            let mut text = answer::headline(&self.session, self.previous_results());
-            if self.is_long() {
-                // A plan without an answer takes the longest.
-                text = format!("{text} {}", self.volume_marks.near_end(self.session.scene()));
-            }
-            ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
+        let mut text = answer::headline(&self.session, self.previous_results());
+        if self.is_long() {
+            // A plan without an answer takes the longest.
+            text = format!("{text} {}", self.volume_marks.near_end(self.session.scene()));
+        }
+        // The picture keeps its place whether the sentence takes one line or two.
+        let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
+        let height = lines * ui.text_style_height(&egui::TextStyle::Body);
+        ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
+            ui.set_min_height(height);
+            ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
         });
         ui.add_space(theme::SPACE_SMALL);
     }

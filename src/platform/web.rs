@@ -19,6 +19,7 @@ use wasm_bindgen::prelude::*;
 const CANVAS: &str = "implant-preview-canvas";
 /// Id of the result in words; in the Tab order it follows the app's last control.
 const SUMMARY: &str = "implant-preview-summary";
+const NOTICE: &str = "implant-preview-notice";
 /// Time without a change after which the result in words is passed to the page \[s\].
 const SUMMARY_REST_S: f64 = 0.6;
 /// Id of the link before the app; in the Tab order it precedes the app's first control.
@@ -243,6 +244,7 @@ impl PageHost {
                 host: self,
                 summary: String::new(),
                 next_summary: (String::new(), 0.0),
+                notice: String::new(),
                 scene: None,
                 plan: String::new(),
                 language: "",
@@ -338,6 +340,8 @@ struct PageApp {
     /// their last change \[s\].
     summary: String,
     next_summary: (String, f64),
+    /// The words of the notice last passed to the page.
+    notice: String,
     /// The last scene passed to the page.
     scene: Option<Scene>,
     /// The fields of the plan last passed to the page's form.
@@ -399,6 +403,11 @@ impl eframe::App for PageApp {
             self.plan = plan;
         }
         store(app, false);
+        let notice = app.notice_in_words();
+        if self.notice != notice {
+            set_text(NOTICE, &notice);
+            self.notice = notice;
+        }
         self.update_summary(ui, app.summary());
     }
 
@@ -411,6 +420,13 @@ impl eframe::App for PageApp {
 fn remove_element(id: &str) {
     if let Some(element) = document().ok().and_then(|d| d.get_element_by_id(id)) {
         element.remove();
+    }
+}
+
+/// Sets the text of an element of the page, if present.
+fn set_text(id: &str, text: &str) {
+    if let Some(element) = document().ok().and_then(|d| d.get_element_by_id(id)) {
+        element.set_text_content(Some(text));
     }
 }
 
@@ -428,8 +444,8 @@ impl PageApp {
         let wait = SUMMARY_REST_S - (now - *since);
         if wait > 0.0 {
             ui.ctx().request_repaint_after_secs(wait as f32);
-        } else if let Some(element) = document().ok().and_then(|d| d.get_element_by_id(SUMMARY)) {
-            element.set_text_content(Some(next));
+        } else {
+            set_text(SUMMARY, next);
             self.summary.clone_from(next);
         }
     }

@@ -120,6 +120,34 @@ describe("hands on the picture", { timeout: 8 * harness.PATIENCE }, () => {
     await finish();
   });
 
+  test("Ctrl+K opens the list from a number field, also right after its Enter", async () => {
+    const { page, finish } = await fixture.openApp();
+    await harness.control(page, "Volume (ml)");
+    const slider = await harness.focused(page);
+    // The field behind the slider of the same name.
+    await page.mouse.click(slider.x + slider.width + 34, slider.y + slider.height / 2);
+    await harness.settled(page);
+    assert.equal((await harness.focused(page))?.name, "Volume (ml)");
+    await page.keyboard.type("340");
+    // No wait: Enter and the key of the list may fall into one frame.
+    await page.keyboard.press("Enter");
+    await page.keyboard.press("Control+k");
+    await page.keyboard.type("undo the");
+    await harness.settled(page);
+    assert.equal((await harness.focused(page))?.name, "Search a command");
+    const height = (await harness.scene(page)).implant.projection_mm;
+    assert.ok(Math.abs(height / 45.09 - 1) < 1e-3, `${height} mm`);
+    await page.keyboard.press("Control+a");
+    await page.keyboard.type("redo");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    // The notice is in the page for screen readers, and leaves by itself.
+    const notice = page.locator("#implant-preview-notice");
+    assert.equal(await notice.textContent(), "Redo: Nothing to redo.");
+    await page.waitForFunction(() => document.getElementById("implant-preview-notice").textContent === "");
+    await finish();
+  });
+
   test("a finger keeps values and moves the implant", async () => {
     const { page, finish } = await fixture.openApp({
       viewport: { width: 390, height: 844 },

@@ -41,9 +41,6 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
     assert.equal(await page.locator("#implant-preview-skip").textContent(), "Ir al resultado en palabras y al plan como formulario");
     await harness.screenshot(page, "spanish");
 
-    await harness.control(page, "Tema");
-    await page.keyboard.press("Enter");
-    await harness.settled(page);
     await harness.control(page, "English");
     await page.keyboard.press("Enter");
     await page.waitForFunction(() => document.documentElement.lang === "en");

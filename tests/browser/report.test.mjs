@@ -9,6 +9,7 @@ import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import { STLLoader } from "three/addons/loaders/STLLoader.js";
 import * as harness from "./harness.mjs";
+import { textsOf } from "./pdf.mjs";
 
 const fixture = harness.setUp();
 
@@ -117,13 +118,14 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await harness.settled(page);
     await page.evaluate(() => implantPreview.setPlan("volume_ml", "340"));
     const picture = await save(page, "Save picture (PNG)…");
-    assert.equal(picture.name, "plan.png");
+    const today = await page.evaluate(() => new Date().toLocaleDateString("sv"));
+    assert.equal(picture.name, `implant-340ml-${today}.png`);
     assert.equal(picture.bytes.toString("latin1", 1, 4), "PNG");
     // Of its own size, whatever the window.
     assert.deepEqual([picture.bytes.readUInt32BE(16), picture.bytes.readUInt32BE(20)], [2000, 1680]);
 
     const report = await save(page, "Save report (HTML)…");
-    assert.equal(report.name, "report.html");
+    assert.equal(report.name, `implant-340ml-${today}.html`);
     const paper = await page.context().newPage();
     const requests = [];
     paper.on("request", (request) => requests.push(request.url().slice(0, 20)));
@@ -151,13 +153,25 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.ok(requests.every((address) => address.startsWith("data:image/png")), String(requests));
     // No report waits for the chart of the range: a line of the screen says how to get it.
     assert.match(await paper.locator(".screen").textContent(), /Open the page Range of implants/);
-    const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
-    assert.ok(pages <= 2, `${pages} pages`);
+    // Numbers of the pages on all, the running head from the second on; the words of the cards beside the numbers.
+    const pages = textsOf(await paper.pdf({ format: "A4" }));
+    assert.equal(pages.length, 2, `${pages.length} pages`);
+    pages.forEach((text, k) => assert.ok(text.includes(`page${k + 1}of2`), text));
+    assert.ok(!pages[0].includes("Implantpreview·340ml,12cm") && pages[1].includes("Implantpreview·340ml,12cm"), pages[1]);
+    assert.match(words, /Most stretch, %\d+, (usual|high)\d+, usual/);
+    assert.match(words, /Reserve used, %\d+\d+/);
+    // On paper the words of the legend have at least 6.5 points: the picture has 460 points of the screen, its texts 11.5.
+    await paper.emulateMedia({ media: "print" });
+    await paper.setViewportSize({ width: 700, height: 1000 });
+    const widths = await paper.locator("img").evaluateAll((images) => images.map((image) => image.getBoundingClientRect().width));
+    const points = [460, 620, 860].map((wide, k) => (0.75 * 11.5 * widths[k]) / wide);
+    assert.ok(points.every((size) => size > 5.5), `${points} points`);
+    await paper.emulateMedia({ media: "screen" });
     await paper.close();
 
     // All numbers of plan and pin as a table.
     const table = await save(page, "Save numbers (CSV)…");
-    assert.equal(table.name, "results.csv");
+    assert.equal(table.name, `implant-340ml-${today}-numbers.csv`);
     const [head, ...rows] = readCsv(table.bytes.toString());
     assert.deepEqual(head, ["quantity", "unit", "this plan", "A"]);
     assert.ok(rows.length > 35 && rows.every((row) => row.length === 4));
@@ -228,8 +242,13 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await chart.evaluate((img) => img.decode());
     assert.ok((await colours(chart)) > 60, "the chart is blank");
     assert.equal(await paper.locator(".screen").count(), 0);
-    const pages = (await paper.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
-    assert.ok(pages <= 2, `${pages} pages`);
+    assert.equal(report.name, "implant-374ml-2026-01-31-K-M-4711.html");
+    const pages = textsOf(await paper.pdf({ format: "A4" }));
+    assert.equal(pages.length, 2, `${pages.length} pages`);
+    const head = "K.M.4711·leftside·visitof2026-01-31·surgeonDrÅ·374ml,12cm";
+    assert.ok(pages[1].includes(head), pages[1]);
+    assert.ok(pages[1].includes("page2of2"), pages[1]);
+    assert.equal(await paper.title(), "Implant preview: report · K. M. 4711 · left side · visit of 2026-01-31 · surgeon Dr Å · 374 ml, 12 cm");
     await paper.emulateMedia({ media: "print" });
     await paper.setViewportSize({ width: 700, height: 1000 });
     await harness.screenshot(paper, "visit-report");

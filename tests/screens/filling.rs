@@ -15,7 +15,7 @@ fn filled() -> Harness<'static, App> {
     });
     assert!(harness.query_by_label("Filling").is_none());
     press(&mut harness, "expander");
-    wait_for(&mut harness, "of the fine grid");
+    wait_for(&mut harness, "A finer computation differs by at most");
     harness
 }
 
@@ -89,6 +89,62 @@ fn the_fill_steps_follow_fill_and_schedule_and_are_copied_as_a_table() {
 }
 
 #[test]
+fn the_charts_have_numbers_and_the_table_is_whole_on_a_small_desktop() {
+    let mut harness = filled();
+    // The width of the panels is that of a screen of 1024 points.
+    harness.set_size(egui::vec2(1024.0, 2600.0));
+    harness.run();
+    let left = harness.get_by_label("Force (N)").rect().left();
+    let texts: Vec<(String, egui::Rect)> = harness
+        .output()
+        .shapes
+        .iter()
+        .filter_map(|shape| match &shape.shape {
+            egui::Shape::Text(text) => {
+                Some((text.galley.text().to_owned(), text.visual_bounding_rect()))
+            }
+            _ => None,
+        })
+        .collect();
+    // Beside each of the three charts a number above 0, in the room of the axis.
+    for pair in ["Pressure (mmHg)", "Force (N)", "Skin gained (cm²)"] {
+        let top = harness.query_all_by_label(pair).next().unwrap().rect().bottom();
+        let is_number = |(text, rect): &&(String, egui::Rect)| {
+            text.parse::<f64>().is_ok_and(|value| value > 0.0)
+                && rect.left() < left + 40.0
+                && (top..top + 118.0).contains(&rect.center().y)
+        };
+        assert!(texts.iter().any(|text| is_number(&text)), "{pair}: no number");
+    }
+    let last = texts.iter().filter(|(text, _)| text == "Skin\ngained\n(cm²)");
+    let last = last.map(|(_, rect)| rect.right()).fold(0.0, f32::max);
+    assert!(last > 0.0 && last < 1024.0 - 8.0, "{last}");
+}
+
+#[test]
+fn the_schedule_of_the_fills_is_kept_in_the_plans_file_and_in_the_history() {
+    let mut harness = filled();
+    let per_visit = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::SpinButton, "Per visit (ml)").value().unwrap()
+    };
+    let solves = harness.state().session().counters().solves;
+    type_into(&mut harness, "Per visit (ml)", "120");
+    type_into(&mut harness, "Weeks between visits", "2");
+    let file = harness.state().session().document_json();
+    assert!(!harness.state().session().shared_document_json().contains("fill_steps"));
+    press(&mut harness, "Undo");
+    press(&mut harness, "Undo");
+    assert_eq!(per_visit(&harness), "50");
+    assert!(harness.state().session().scene().visit.is_none());
+    harness.state_mut().open(file).unwrap();
+    settle(&mut harness);
+    assert_eq!(per_visit(&harness), "120");
+    let steps = harness.state().session().scene().visit.clone().unwrap().fill_steps.unwrap();
+    assert_eq!((steps.start_ml, steps.visit_ml, steps.weeks), (100.0, 120.0, 2.0));
+    assert_eq!(harness.state().session().counters().solves, solves, "a solve for words");
+}
+
+#[test]
 fn another_fill_keeps_the_curves_and_another_base_renews_them() {
     let mut harness = filled();
     let before = caption(&harness);
@@ -98,7 +154,7 @@ fn another_fill_keeps_the_curves_and_another_base_renews_them() {
     type_into(&mut harness, "Width (cm)", "11");
     harness.step();
     assert!(harness.query_by_label_contains(WORDS).is_none(), "the curves of another base");
-    wait_for(&mut harness, "of the fine grid");
+    wait_for(&mut harness, "A finer computation differs by at most");
     assert_ne!(caption(&harness), before);
     press(&mut harness, "implant");
     assert!(harness.query_by_label("Filling").is_none());

@@ -41,11 +41,11 @@ fn picture(harness: &Screen) -> egui::Rect {
 /// Number of lines as thin as those of the torso.
 fn faint_lines(harness: &Screen) -> usize {
     let shapes = harness.output().shapes.iter();
-    let points = shapes.filter_map(|clipped| match &clipped.shape {
-        egui::Shape::Path(path) => Some(path.points.len()),
-        _ => None,
-    });
-    points.filter(|count| *count == 33).count()
+    let is_faint = |shape: &egui::Shape| match shape {
+        egui::Shape::Path(path) => !path.closed && (path.stroke.width - 1.5).abs() < 1e-3,
+        _ => false,
+    };
+    shapes.filter(|clipped| is_faint(&clipped.shape)).count()
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn the_torso_is_a_switch_and_off_at_first() {
     let mut harness = desktop();
     let before = faint_lines(&harness);
     choose(&mut harness, "Torso");
-    assert_eq!(faint_lines(&harness), before + 5);
+    assert_eq!(faint_lines(&harness), before + implant_preview::view::torso::lines().len());
     choose(&mut harness, "Torso");
     assert_eq!(faint_lines(&harness), before);
 }
@@ -382,4 +382,37 @@ fn the_help_lists_the_keys_of_commands() {
     for words in ["Ctrl+K", "commands", "Ctrl+Z", "on the picture: ruler"] {
         harness.get_by_label(words);
     }
+}
+
+#[test]
+fn the_list_opens_from_a_number_field_also_in_the_frame_of_its_enter_key() {
+    let mut harness = desktop();
+    let volume = harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").value().unwrap();
+    harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").focus();
+    harness.run();
+    harness.event(egui::Event::Text("340".to_owned()));
+    harness.run();
+    // One slow frame: Enter for the number, then the list, words and Enter for the list.
+    let press = |key, modifiers| egui::Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    };
+    let events = &mut harness.input_mut().events;
+    events.push(press(Key::Enter, Modifiers::NONE));
+    events.push(press(Key::K, Modifiers::COMMAND));
+    events.push(egui::Event::Text("range".to_owned()));
+    settle(&mut harness);
+    assert!(harness.get_by_role_and_label(Role::TextInput, "Search a command").is_focused());
+    let now = harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").value().unwrap();
+    assert!(volume != "340" && now == "340", "{volume} {now}");
+    let field = harness.get_by_role_and_label(Role::TextInput, "Search a command");
+    assert_eq!(field.value().as_deref(), Some("range"));
+    let events = &mut harness.input_mut().events;
+    events.push(egui::Event::Text(" of".to_owned()));
+    events.push(press(Key::Enter, Modifiers::NONE));
+    settle(&mut harness);
+    assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
 }

@@ -49,6 +49,7 @@ fn known() -> Visit {
         date: "2026-01-31".to_owned(),
         surgeon: "Dr A".to_owned(),
         remarks: "one\ntwo".to_owned(),
+        fill_steps: None,
     }
 }
 
@@ -78,16 +79,60 @@ fn a_visit_is_written_without_a_solve_and_a_field_is_one_step_of_the_history() {
 }
 
 #[test]
-fn a_text_that_is_no_date_stays_with_its_reason_and_the_date_is_unchanged() {
+fn a_text_that_is_no_date_stays_with_its_reason_and_moves_nothing() {
     let mut harness = filled(DESKTOP);
-    write(&mut harness, Role::TextInput, "Date of the visit", "9");
+    let place = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::TextInput, "Surgeon").rect()
+    };
+    let before = place(&harness);
+    harness.get_by_label("25.11.2026 or 25/11/2026 (day first), or 2026-11-25");
+    write(&mut harness, Role::TextInput, "Date of the visit", "9 of a long month");
     // No reason while it is being typed.
     assert!(harness.query_by_label_contains("is no date").is_none());
     write(&mut harness, Role::TextInput, "Reference", "x");
-    let reason = harness
-        .get_by_label_contains("Not accepted: \"2026-01-319\" is no date; allowed: a date as");
-    assert!(reason.value().unwrap().ends_with("The date is unchanged."));
+    harness.get_by_label_contains(
+        "Not accepted: \"2026-01-319 of a lon\" is no date: 25.11.2026 or 25/11/2026 (day first)",
+    );
     assert_eq!(visit(&harness).date, "2026-01-31");
+    assert_eq!(place(&harness), before);
+}
+
+/// Selects the text of the focused field and types over it.
+fn type_over(harness: &mut Harness<'static, App>, text: &str) {
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    harness.run();
+    for sign in text.chars() {
+        harness.event(egui::Event::Text(sign.to_string()));
+        harness.run();
+    }
+}
+
+#[test]
+fn a_date_is_read_as_a_person_writes_it_and_today_is_a_button() {
+    let mut harness = filled(DESKTOP);
+    let field = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::TextInput, "Date of the visit").value().unwrap()
+    };
+    for (text, date) in
+        [("25.11.2026", "2026-11-25"), ("3/4/2026", "2026-04-03"), ("2026-11-26", "2026-11-26")]
+    {
+        harness.get_by_role_and_label(Role::TextInput, "Date of the visit").focus();
+        harness.run();
+        type_over(&mut harness, text);
+        assert_eq!(visit(&harness).date, date, "{text}");
+        harness.get_by_role_and_label(Role::TextInput, "Reference").focus();
+        harness.run();
+        assert_eq!(field(&harness), date, "{text}");
+    }
+    press(&mut harness, "Today");
+    let today = visit(&harness).date;
+    assert!(implant_preview::scene::visit::is_date(&today) && field(&harness) == today, "{today}");
+    // The form takes the same texts.
+    harness.state_mut().set_plan("date", "1.2.2026").unwrap();
+    settle(&mut harness);
+    assert_eq!(visit(&harness).date, "2026-02-01");
+    let error = harness.state_mut().set_plan("date", "1.2.26").unwrap_err();
+    assert!(error.contains("25.11.2026 or 25/11/2026 (day first)"), "{error}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-pub use visit::{Side, Visit};
+pub use visit::{FillSchedule, Side, Visit};
 
 /// The schema of a sheet.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";

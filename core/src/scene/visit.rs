@@ -19,7 +19,7 @@ pub const MAX_REMARK_LINES: usize = 12;
 pub const DATE: &str = "a date as 2026-01-31 (year-month-day), 1900 to 2199";
 
 /// The visit of a patient; an empty text is not stated.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct Visit {
     /// The patient's number or initials, up to 40 characters in one line.
@@ -38,6 +38,50 @@ pub struct Visit {
     /// Remarks, up to 500 characters in up to 12 lines.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub remarks: String,
+    /// Schedule of the fills of an expander. Default: not stated.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "given")]
+    #[schemars(with = "FillSchedule")]
+    pub fill_steps: Option<FillSchedule>,
+}
+
+/// The schedule of the fills of an expander.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
+pub struct FillSchedule {
+    /// Fill at operation \[ml\], 0 to 2000. Default: 100.
+    pub start_ml: f64,
+    /// Fill of a visit \[ml\], 5 to 500; the last visit fills the rest. Default: 50.
+    pub visit_ml: f64,
+    /// Time between visits \[weeks\], 0.5 to 12. Default: 1.
+    pub weeks: f64,
+}
+
+impl FillSchedule {
+    /// Allowed fills at operation \[ml\], fills of a visit \[ml\] and times between visits \[weeks\].
+    pub const START_ML: (f64, f64) = (0.0, 2000.0);
+    #[allow(missing_docs, reason = "described above")]
+    pub const VISIT_ML: (f64, f64) = (5.0, 500.0);
+    #[allow(missing_docs, reason = "described above")]
+    pub const WEEKS: (f64, f64) = (0.5, 12.0);
+
+    fn check(&self) -> Result<(), SceneError> {
+        for (field, value, (least, most)) in [
+            ("visit.fill_steps.start_ml", self.start_ml, Self::START_ML),
+            ("visit.fill_steps.visit_ml", self.visit_ml, Self::VISIT_ML),
+            ("visit.fill_steps.weeks", self.weeks, Self::WEEKS),
+        ] {
+            if !(least..=most).contains(&value) {
+                return Err(out_of_range(field, value.to_string(), &format!("{least} to {most}")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Default for FillSchedule {
+    fn default() -> Self {
+        Self { start_ml: 100.0, visit_ml: 50.0, weeks: 1.0 }
+    }
 }
 
 /// The side of the plan.
@@ -87,7 +131,8 @@ impl Visit {
     /// # Errors
     /// One line with the field, its value and what is allowed.
     pub(super) fn check(&self) -> Result<(), SceneError> {
-        let Self { reference, side: _, date, surgeon, remarks } = self;
+        let Self { reference, side: _, date, surgeon, remarks, fill_steps } = self;
+        fill_steps.as_ref().map_or(Ok(()), FillSchedule::check)?;
         check_line("visit.reference", reference, MAX_REFERENCE)?;
         if !(date.is_empty() || is_date(date)) {
             return Err(out_of_range("visit.date", one_line(&format!("{date:?}"), 40), DATE));
@@ -200,7 +245,8 @@ mod tests {
     fn a_visit_is_read_and_written_as_it_is() {
         let visit = json!({
             "reference": "K. M., 4711 <b>", "side": "left", "date": "2024-02-29", "surgeon": "Dr Ý",
-            "remarks": "line one\nline two"
+            "remarks": "line one\nline two",
+            "fill_steps": { "start_ml": 120.0, "visit_ml": 60.0, "weeks": 2.0 }
         });
         let scene = read(&visit).unwrap();
         let written: serde_json::Value = serde_json::from_str(&scene.to_json()).unwrap();
@@ -245,6 +291,13 @@ mod tests {
             (json!({ "remarks": many }), "visit.remarks is 13 lines long; allowed: up to 12 lines"),
             (json!({ "remarks": "a\tb" }), "visit.remarks is a b; allowed: text without control"),
             (json!({ "date": "2026-02-30" }), "visit.date is \"2026-02-30\"; allowed: a date as"),
+            (
+                json!({ "fill_steps": { "visit_ml": 4.0 } }),
+                "visit.fill_steps.visit_ml is 4; allowed: 5 to 500",
+            ),
+            (json!({ "fill_steps": { "weeks": 13 } }), "visit.fill_steps.weeks is 13; allowed"),
+            (json!({ "fill_steps": null }), "visit.fill_steps: "),
+            (json!({ "fill_steps": { "a": 1 } }), "visit.fill_steps.a: unknown field `a`"),
             (json!({ "side": "up" }), "visit.side: unknown variant `up`"),
             (json!({ "side": null }), "visit.side: "),
             (json!({ "name": "x" }), "visit.name: unknown field `name`"),

@@ -3,7 +3,7 @@
 use crate::app::App;
 use crate::app::messages::Notice;
 use crate::app::plan::Choices;
-use crate::app::texts::tr;
+use crate::app::texts::{shown, tr};
 use crate::clinical::Shelf;
 use crate::scene::Scene;
 use crate::scene::pins::{pins_from_json, pins_json};
@@ -107,8 +107,10 @@ impl App {
                 self.keep.shelf = self.range.sizes.revision;
             }
             Err(error) => {
-                self.notice =
-                    Some(Notice::caution(tr!("The kept shelf was not read: {error}", error)));
+                self.notice = Some(Notice::caution(tr!(
+                    "The kept shelf was not read: {error}",
+                    error = shown(&error)
+                )));
             }
         }
     }
@@ -140,9 +142,10 @@ impl App {
     pub fn report_storage_failure(&mut self) {
         if !self.keep.has_failed {
             self.keep.has_failed = true;
-            self.notify(tr(
+            // Words to act on: the notice stays.
+            self.notice = Some(Notice::caution(tr(
                 "Plan and pins cannot be kept here for the next start; a saved plan contains them.",
-            ));
+            )));
             self.request_frame();
         }
     }

@@ -16,11 +16,11 @@ struct Row {
     /// The quantity of a study with the same value; none for what is given.
     quantity: Option<Quantity>,
     value: fn(&Scene, &Outcome) -> Option<f64>,
-    /// Word of a result.
+    /// The word of a result, that of the cards.
     word: Option<fn(&Outcome) -> Option<&'static str>>,
 }
 
-const ROWS: [Row; 10] = [
+const ROWS: [Row; 11] = [
     Row::new("Width", "cm", 1, None, |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
     Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
     Row::new("Projection", "cm", 1, None, |scene, _| Some(0.1 * scene.implant.projection_mm)),
@@ -33,9 +33,15 @@ const ROWS: [Row; 10] = [
             Some(100.0 * outcome.strain.as_ref()?.max_principal)
         })
     },
-    Row::new("Least cover", "mm", 1, Some(Quantity::LeastCoverMm), |_, outcome| {
-        Some(outcome.cover_mm?.least)
+    Row::new("Reserve used", "%", 0, Some(Quantity::SkinReserveUsed), |_, outcome| {
+        Some(100.0 * outcome.skin_reserve_used?)
     }),
+    Row {
+        word: Some(|outcome| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
+        ..Row::new("Least cover", "mm", 1, Some(Quantity::LeastCoverMm), |_, outcome| {
+            Some(outcome.cover_mm?.least)
+        })
+    },
     Row::new("Cover at the top", "mm", 1, Some(Quantity::ApexCoverMm), |_, outcome| {
         Some(outcome.cover_mm?.apex)
     }),
@@ -125,10 +131,14 @@ pub(super) fn show<'a>(
 ) {
     let pins = session.pins();
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
-        egui::Grid::new("comparison").num_columns(pins.len() + 3).spacing([10.0, 3.0]).show(
-            ui,
-            |ui| {
+        egui::Grid::new("comparison")
+            .num_columns(pins.len() + 3)
+            .min_col_width(0.0)
+            .spacing([8.0, 3.0])
+            .show(ui, |ui| {
                 ui.label("");
+                // The present plan first: a narrow panel scrolls to further pins.
+                header(ui, tr("now"));
                 for pin in pins {
                     let letter = pin.letter();
                     let head = if has_differences {
@@ -138,17 +148,15 @@ pub(super) fn show<'a>(
                     };
                     header(ui, &head).on_hover_text(name_of(pin));
                 }
-                header(ui, tr("now"));
                 ui.end_row();
                 for row in &ROWS {
                     show_row(ui, row, session, has_differences, sampled);
                 }
-            },
-        );
+            });
     });
 }
 
-/// The table as texts, heads first; a band stands in brackets.
+/// The table as texts, heads first, with the words of the cards; a band stands in brackets.
 pub(in crate::app) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
@@ -166,9 +174,12 @@ pub(in crate::app) fn rows<'a>(
     });
     let head = ["".to_owned(), tr("this plan").to_owned()].into_iter().chain(pins).collect();
     let cell = |row: &Row, (scene, outcome): (&Scene, Option<&Outcome>)| {
-        let text = row.text(row.of(scene, outcome).as_ref());
+        let entry = row.of(scene, outcome);
+        let text = row.text(entry.as_ref());
+        let word = entry.and_then(|entry| entry.word).map(|word| format!(", {word}"));
         let band = row.band(sampled(scene), None);
-        band.map_or(text.clone(), |band| format!("{text} ({})", range(band, row.decimals)))
+        let band = band.map(|band| format!(" ({})", range(band, row.decimals)));
+        format!("{text}{}{}", word.unwrap_or_default(), band.unwrap_or_default())
     };
     let row = |row: &Row| {
         let name = format!("{}, {}", tr(row.name), row.unit);
@@ -185,9 +196,10 @@ fn show_row<'a>(
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) {
     let name = format!("{}, {}", tr(row.name), row.unit);
-    ui.add(egui::Label::new(name).wrap_mode(egui::TextWrapMode::Extend));
+    ui.add(egui::Label::new(RichText::new(name).small()).wrap_mode(egui::TextWrapMode::Extend));
     let now = row.of(session.scene(), session.result());
     let of_now = sampled(session.scene());
+    cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
     for pin in session.pins() {
         let (entry, of_pin) = (row.of(pin.scene(), pin.outcome()), sampled(pin.scene()));
         if has_differences {
@@ -199,7 +211,6 @@ fn show_row<'a>(
             cell(ui, row, row.text(entry.as_ref()), entry.as_ref(), band);
         }
     }
-    cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
     // Room for the scroll bar.
     ui.label("");
     ui.end_row();
@@ -253,10 +264,11 @@ fn name_of(pin: &Pin) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::Progress;
 
     #[test]
     fn a_difference_has_a_sign_and_no_more_digits_than_both_values() {
-        let row = &ROWS[4];
+        let row = &ROWS[5];
         let entry = |(value, error)| Entry { value, error, word: None };
         let difference = |now, pin| row.difference(Some(&entry(now)), Some(&entry(pin)));
         assert_eq!(difference((6.9, 1e-6), (7.3, 1e-6)), "−0.4");
@@ -264,5 +276,26 @@ mod tests {
         assert_eq!(difference((12.0, 1e-6), (7.3, 1e-6)), "+4.7");
         assert_eq!(difference((12.0, 1e-6), (7.3, 2e-2)), "+5");
         assert_eq!(row.difference(None, Some(&entry((7.3, 1e-6)))), "–");
+    }
+
+    #[test]
+    fn the_texts_have_the_words_of_the_cards_and_the_reserve() {
+        let mut scene = Scene::opening();
+        (scene.solver.nodes_per_side, scene.solver.tolerance) = (33, 1e-3);
+        // Much volume under thin cover.
+        scene.implant.projection_mm = 52.0;
+        let mut session = Session::new(scene.clone()).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        let outcome = session.result().unwrap();
+        let rows = rows(&session, &|_| None);
+        let cell = |name: &str| rows.iter().find(|row| row[0] == name).unwrap()[1].clone();
+        let strain = outcome.strain.as_ref().unwrap().max_principal;
+        let reserve = outcome.skin_reserve_used.unwrap();
+        let (band, word) = bands::stretch(strain, Some(reserve));
+        // The reserve decides, not the strain alone.
+        assert!(band > 0 && bands::strain_word(strain) == "usual", "{strain} {reserve}");
+        assert_eq!(cell("Most stretch, %"), format!("{:.0}, {word}", 100.0 * strain));
+        assert_eq!(cell("Reserve used, %"), format!("{:.0}", 100.0 * reserve));
+        assert!(cell("Most pressure, mmHg").ends_with(", usual"), "{rows:?}");
     }
 }

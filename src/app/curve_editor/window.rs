@@ -3,12 +3,13 @@
 //! of the layer's curve is multiplied in, and the layer takes them with scale 1.
 
 use super::table;
+use crate::app::clipboard::Clipboard;
 use crate::app::plots::fixed_plot;
 use crate::app::range::marks;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{
-    Kind, NumberField, button_if, quantity, rejection_label, set_accessible_name,
+    Kind, NumberField, button_if, quantity, rejection_label, remark, set_accessible_name,
 };
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use crate::scene::{Layer, Scene};
@@ -22,6 +23,8 @@ const WIDTH: f32 = 270.0;
 const ROW: f32 = 24.0;
 /// Number of intervals of the plotted curve.
 const SAMPLES: i32 = 160;
+/// Greatest number of reasons of lines that are left out.
+const MAX_REASONS: usize = 5;
 /// Greatest number of points drawn as dots.
 const MAX_DOTS: usize = 200;
 
@@ -37,8 +40,13 @@ pub(in crate::app) struct CurveWindow {
     is_percent: bool,
     /// Text of the table to read.
     text: String,
-    /// Reason why the text is no table.
-    rejection: Option<String>,
+    /// Reasons why the text is no table, or why lines of it are left out.
+    rejections: Vec<String>,
+    /// Were points of the text taken?
+    is_read: bool,
+    clipboard: Clipboard,
+    /// Has the clipboard no text for the page?
+    is_refused: bool,
 }
 
 impl CurveWindow {
@@ -57,7 +65,10 @@ impl CurveWindow {
             interpolation: *interpolation,
             is_percent: false,
             text: String::new(),
-            rejection: None,
+            rejections: Vec::new(),
+            is_read: false,
+            clipboard: Clipboard::default(),
+            is_refused: false,
         })
     }
 
@@ -116,35 +127,84 @@ impl CurveWindow {
             self.points.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
         }
         ui.add_space(SPACE);
+        self.text_to_read(ui);
+    }
+
+    /// The table as text: from the clipboard by a button, or pasted into a field.
+    fn text_to_read(&mut self, ui: &mut Ui) {
+        let tip = tr("Reads the table of the clipboard: a strain and a stress (kPa) per line");
+        let is_wanted = button_if(ui, true, tr("Paste table"), tr("Paste table"), tip);
         let hint = tr("Paste a table: a strain and a stress (kPa) per line");
         let field = egui::TextEdit::multiline(&mut self.text).hint_text(hint).desired_rows(3);
         let field = ui.add(field.desired_width(WIDTH - SPACE));
         set_accessible_name(&field, egui::Role::MultilineTextInput, tr("Table to read"));
         if field.changed() {
-            self.rejection = None;
+            (self.rejections, self.is_refused) = (Vec::new(), false);
+        }
+        if is_wanted {
+            self.clipboard.request(ui.ctx());
+        }
+        match self.clipboard.poll(ui.ctx()) {
+            Some(Some(text)) => {
+                (self.text, self.is_refused) = (text, false);
+                self.read();
+            }
+            Some(None) => {
+                self.is_refused = true;
+                field.request_focus();
+            }
+            None => {}
         }
         let tip = tr(
             "Replace the points by those of the pasted table; tabs, semicolons, spaces, decimal commas and \
                    units are read",
         );
-        if button_if(
-            ui,
-            !self.text.trim().is_empty(),
-            tr("Use the table"),
-            tr("Use the table"),
-            tip,
-        ) {
-            match table::read(&self.text, self.is_percent) {
-                Ok(points) => {
-                    self.points = points;
+        let (is_able, name) = (!self.text.trim().is_empty(), tr("Use the table"));
+        if button_if(ui, is_able, name, name, tip) {
+            self.read();
+        }
+        if self.is_refused {
+            remark(ui, tr("The clipboard gave no text: paste the table into this field (Ctrl+V)."));
+        }
+        self.rejected_lines(ui);
+    }
+
+    /// Takes the points of the text; a text with lines that are left out stays, to be corrected.
+    fn read(&mut self) {
+        match table::read(&self.text, self.is_percent) {
+            Ok(table) => {
+                (self.points, self.is_read) = (table.points, true);
+                self.rejections = table.left_out;
+                if self.rejections.is_empty() {
                     self.text.clear();
                 }
-                Err(reason) => self.rejection = Some(reason),
             }
+            Err(reason) => (self.rejections, self.is_read) = (vec![reason], false),
         }
-        if let Some(reason) = &self.rejection {
-            rejection_label(ui, &tr!("{reason}. The points are unchanged.", reason));
+    }
+
+    /// The lines that were left out, with what became of the others.
+    fn rejected_lines(&self, ui: &mut Ui) {
+        let Some(first) = self.rejections.first() else { return };
+        if !self.is_read {
+            return rejection_label(
+                ui,
+                &tr!("{reason}. The points are unchanged.", reason = first),
+            );
         }
+        for reason in self.rejections.iter().take(MAX_REASONS) {
+            rejection_label(ui, reason);
+        }
+        let more = self.rejections.len().saturating_sub(MAX_REASONS);
+        if more > 0 {
+            remark(ui, tr!("{more} further lines are left out.", more));
+        }
+        remark(
+            ui,
+            tr(
+                "The other lines are the points above: apply them, or correct the lines and use the table again.",
+            ),
+        );
     }
 
     /// Shows a row per point, and the reasons of rejected numbers. Returns the point to remove.

@@ -220,8 +220,8 @@ mod tests {
             ("side", "up", "Side: allowed: left, right, both, not said"),
             (
                 "date",
-                "31.1.2026",
-                "Date of the visit: \"31.1.2026\" is no date; allowed: a date as 2026-01-31 (year-month-day), 1900 to 2199",
+                "31.1.26",
+                "Date of the visit: \"31.1.26\" is no date; allowed: 25.11.2026 or 25/11/2026 (day first), or 2026-11-25",
             ),
         ] {
             assert_eq!(set(&mut scene, &mut choices, name, text).unwrap_err(), words);

@@ -3,8 +3,9 @@
 //!
 //! `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
 //! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
-//! (patient and visit in words).
+//! (patient and visit in words, with the `date`).
 
+mod date;
 mod field;
 mod form;
 mod implant;
@@ -20,7 +21,7 @@ pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::{move_to, position, position_in_words};
-pub(super) use visit::{patient_in_words, visit_in_words};
+pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
 
 pub(super) use super::device::Device;
 use super::theme;

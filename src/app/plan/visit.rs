@@ -1,14 +1,14 @@
 //! Patient and visit in words, for the plan's file and the report: reference, side, date, surgeon, remarks.
 
+use super::date::read_date;
 use super::field::{Field, Values};
 use super::{Hand, chip, chips};
+use crate::app::files;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{rejection_label, remark};
-use crate::scene::visit::{
-    DATE, MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON, is_date,
-};
-use crate::scene::{Scene, Side, TissueModel, Visit};
+use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
+use crate::scene::{FillSchedule, Scene, Side, TissueModel, Visit};
 use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
 
 /// Width of the names of the fields \[points\].
@@ -17,10 +17,13 @@ const NAMES: f32 = 68.0;
 /// The choice of no side, and the name of the date.
 const NOT_SAID: &str = "not said";
 const DATE_NAME: &str = "Date of the visit";
+/// A date as it may be typed, in words.
+const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;
 
-const KEPT: &str = "Kept in this plan's file and in the report only; reference and side also stand on the picture. Not in links \
+const KEPT: &str = "Kept in this plan's file and in the report only; reference and side also stand on the picture, reference and date in the names of \
+                    these files. Not in links \
                     or pins, and gone at the next start. Nothing is sent.";
 
 /// Memory key of the switch.
@@ -72,6 +75,13 @@ fn set(scene: &mut Scene, now: Visit) {
         scene.set_tissue_model(TissueModel::Sheet);
     }
     scene.visit = (!now.is_empty()).then_some(now);
+}
+
+/// Sets the schedule of the fills; that of the defaults is not stated.
+pub(in crate::app) fn set_fill_steps(scene: &mut Scene, steps: FillSchedule) {
+    let mut now = scene.visit.clone().unwrap_or_default();
+    now.fill_steps = (steps != FillSchedule::default()).then_some(steps);
+    set(scene, now);
 }
 
 /// The visit as fields of the form.
@@ -126,16 +136,16 @@ pub(super) fn set_form_field(
             now.side = side;
         }
         "date" => {
-            let date = text.trim();
-            if !(date.is_empty() || is_date(date)) {
+            let date = if text.trim().is_empty() { Some(String::new()) } else { read_date(text) };
+            let Some(date) = date else {
                 return Some(Err(tr!(
                     "{name}: {text} is no date; allowed: {allowed}",
                     name = tr(DATE_NAME),
-                    text = format_args!("{date:?}"),
+                    text = format_args!("{:?}", text.trim()),
                     allowed = tr(DATE)
                 )));
-            }
-            date.clone_into(&mut now.date);
+            };
+            now.date = date;
         }
         "surgeon" => now.surgeon = typed(MAX_SURGEON, 1),
         "remarks" => now.remarks = typed(MAX_REMARKS, MAX_REMARK_LINES),
@@ -187,7 +197,7 @@ fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
             }
         });
     });
-    note(date(ui, &mut visit.date));
+    note(date(ui, hand, &mut visit.date));
     note(line(ui, tr("Surgeon"), "", &mut visit.surgeon, MAX_SURGEON));
     note(remarks(ui, &mut visit.remarks));
     remark(ui, tr(KEPT));
@@ -234,45 +244,63 @@ fn remarks(ui: &mut Ui, text: &mut String) -> Response {
     response
 }
 
-/// The date; a text that is no date stays in the field with the reason, and the date of the plan stays unchanged.
-fn date(ui: &mut Ui, date: &mut String) -> Response {
+/// The date with a button for the present day; a text that is no date stays in the field, and the date of the plan stays unchanged. The
+/// line below has the allowed forms or the reason, at the same height.
+fn date(ui: &mut Ui, hand: Hand, date: &mut String) -> Response {
     let key = ui.make_persistent_id("date being typed");
     let kept = ui.data(|data| data.get_temp::<(String, String)>(key));
-    // A draft belongs to the date that it is to replace.
+    // A draft belongs to the date of the plan while it was typed.
     let draft = kept.filter(|(of, _)| of == date).map(|(_, draft)| draft);
     let mut typed = draft.unwrap_or_else(|| date.clone());
+    let mut is_today = false;
     let response = named(ui, tr("Date"), |ui| {
-        let field = TextEdit::singleline(&mut typed).hint_text("2026-01-31").char_limit(MAX_DATE);
-        add(ui, tr(DATE_NAME), field, date)
+        let words = tr("Today");
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let button = ui.painter().layout_no_wrap(words.to_owned(), font, egui::Color32::WHITE);
+        let rest = button.size().x + 2.0 * ui.spacing().button_padding.x + 2.0 * SPACE;
+        let field = TextEdit::singleline(&mut typed).hint_text("25.11.2026").char_limit(MAX_DATE);
+        let response = add_beside(ui, tr(DATE_NAME), field, date, rest);
+        is_today =
+            chip(ui, hand, false, words, tr("Sets the date of the visit to the present day"));
+        response
     });
     let text = typed.trim();
-    let is_allowed = text.is_empty() || is_date(text);
-    if response.changed() {
-        if is_allowed {
-            text.clone_into(date);
-            ui.data_mut(|data| data.remove::<(String, String)>(key));
-        } else {
-            ui.data_mut(|data| data.insert_temp(key, (date.clone(), typed.clone())));
+    let read = if text.is_empty() { Some(String::new()) } else { read_date(text) };
+    let is_escaped = read.is_none() && ui.input(|input| input.key_pressed(egui::Key::Escape));
+    if is_today {
+        *date = files::today();
+        ui.data_mut(|data| data.remove::<(String, String)>(key));
+    } else if response.changed() {
+        if let Some(read) = &read {
+            date.clone_from(read);
         }
-    } else if !is_allowed && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+        ui.data_mut(|data| data.insert_temp(key, (date.clone(), typed.clone())));
+    } else if is_escaped || (read.is_some() && !response.has_focus()) {
         ui.data_mut(|data| data.remove::<(String, String)>(key));
     }
-    if !is_allowed && !response.has_focus() {
-        rejection_label(
-            ui,
-            &tr!(
-                "{text} is no date; allowed: {allowed}. The date is unchanged.",
-                text = format_args!("{text:?}"),
-                allowed = tr(DATE)
-            ),
-        );
-    }
+    let reason = (read.is_none() && !response.has_focus()).then(|| {
+        tr!("{text} is no date: {allowed}", text = format_args!("{text:?}"), allowed = tr(DATE))
+    });
+    let height = 2.0 * ui.text_style_height(&egui::TextStyle::Small);
+    ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
+        ui.set_min_height(height);
+        ui.style_mut().override_font_id = Some(egui::TextStyle::Small.resolve(ui.style()));
+        match &reason {
+            Some(reason) => rejection_label(ui, reason),
+            None => drop(remark(ui, tr(DATE))),
+        }
+    });
     response
 }
 
 /// Adds a text field of the free width with its name for screen readers.
 fn add(ui: &mut Ui, name: &str, field: TextEdit<'_>, text: &str) -> Response {
-    let width = ui.available_width() - SPACE;
+    add_beside(ui, name, field, text, 0.0)
+}
+
+/// Adds a text field that leaves a width free \[points\].
+fn add_beside(ui: &mut Ui, name: &str, field: TextEdit<'_>, text: &str, rest: f32) -> Response {
+    let width = (ui.available_width() - SPACE - rest).max(40.0);
     let palette = theme::palette(ui.visuals());
     let frame = egui::Frame::new()
         .fill(ui.visuals().extreme_bg_color)
@@ -323,6 +351,7 @@ mod tests {
             date: "2026-01-31".to_owned(),
             surgeon: "Dr A".to_owned(),
             remarks: "one\ntwo\n".to_owned(),
+            fill_steps: None,
         });
         let [line, remarks] = visit_in_words(&scene);
         assert_eq!(line, "K. M. · left side · visit of 2026-01-31 · surgeon Dr A");

@@ -4,7 +4,7 @@ use super::axes::Words;
 use super::plane::Plane;
 use super::{Range, readout};
 use crate::app::messages::Notice;
-use crate::app::texts::tr;
+use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::app::{App, files::Files};
 use crate::clinical::{Listed, Shelf, ShelfSize};
@@ -231,7 +231,7 @@ impl App {
             Err(error) => Notice::error(tr!(
                 "{name} was not read; the shelf is unchanged. {error}.",
                 name,
-                error
+                error = shown(&error)
             )),
         }
     }

@@ -16,19 +16,24 @@ use super::uncertainty::Findings;
 use super::viewport::Shown;
 use super::{App, files, no_answer, plan, plots, status};
 use crate::app::texts::{self, tr};
+use crate::scene::Scene;
 use crate::session::Session;
+use crate::study::volume_and_width;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
 use page::{Page, Picture};
 
 const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
      alone.";
-/// Sizes of the report's pictures \[points\]: of the plan, of plan and pins side by side, of the cross-section, of cross-section
-/// and range of half the page's width.
-const PLAN: Vec2 = vec2(860.0, 500.0);
-const PINS: Vec2 = vec2(860.0, 430.0);
-const SECTION: Vec2 = vec2(860.0, 260.0);
-const HALF: Vec2 = vec2(430.0, 245.0);
+/// Sizes of the report's pictures \[points\] with their pixels per point: of the plan, of plan and pins side by side, of the
+/// cross-section, of cross-section and range of half the page's width. On paper the plan has half the page's width and the pins three
+/// quarters: the texts of a broader picture would be too small to read.
+const PLAN: (Vec2, f32) = (vec2(460.0, 330.0), 3.5);
+const PINS: (Vec2, f32) = (vec2(620.0, 330.0), 3.0);
+const SECTION: (Vec2, f32) = (vec2(860.0, 260.0), 2.0);
+const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
+/// Pixels per point of the composed picture.
+const FIGURE_SCALE: f32 = 2.0;
 
 /// What a picture of the plan is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +48,7 @@ impl App {
     pub(super) fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) {
         let done = match purpose {
             Purpose::File => self.figure().and_then(|image| {
-                self.files.save(ctx, "plan.png", png_of(&image)?);
+                self.files.save(ctx, &self.name_of_file("", "png"), png_of(&image)?);
                 Ok(())
             }),
             Purpose::Clipboard => self.figure().map(|image| {
@@ -51,7 +56,8 @@ impl App {
                 self.notice = Some(Notice::info(tr("The picture is in the clipboard.")));
             }),
             Purpose::Report => self.pictures().map(|(pictures, missing)| {
-                self.files.save(ctx, "report.html", self.report(pictures, missing).html());
+                let name = self.name_of_file("", "html");
+                self.files.save(ctx, &name, self.report(pictures, missing).html());
             }),
         };
         if let Err(error) = done {
@@ -74,7 +80,7 @@ impl App {
         let shown = Shown { session, options: &self.options, envelope, outlines: &[], bar: 0.0 };
         self.viewport.aside(|viewport| {
             let gl = viewport.graphics()?;
-            offscreen::picture(&gl, device, figure::SIZE, |ui| {
+            offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
                 figure.show(ui, |ui| {
                     if no_answer::has_picture(session) {
                         viewport.show(ui, shown);
@@ -99,7 +105,7 @@ impl App {
             let mut take = |name: &str, size, add: &mut dyn FnMut(&mut Ui)| {
                 let image = offscreen::picture(&gl, device, size, add)?;
                 let address = page::data_address(&png_of(&image)?);
-                let is_half = size.x < PLAN.x;
+                let is_half = size == HALF;
                 let name = device.words(name);
                 pictures.push(Picture { name, address, caption: String::new(), is_half });
                 Ok::<(), String>(())
@@ -114,7 +120,7 @@ impl App {
             let size = if range.is_ok() { HALF } else { SECTION };
             take(tr("Cross-section"), size, &mut |ui| {
                 egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
-                    plots::section_chart(ui, session, compare, section, size.y - 48.0);
+                    plots::section_chart(ui, session, compare, section, size.0.y - 48.0);
                 });
             })?;
             let mut range = match range {
@@ -141,6 +147,7 @@ impl App {
             pictures,
             missing: missing.map(|how| device.words(how)),
             visit: plan::visit_in_words(session.scene()),
+            running: running_head(session.scene()),
             origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown) + &self.largest_in_words(),
             plan: plan::rows(session.scene(), device),
@@ -154,6 +161,14 @@ impl App {
             plan_json: session.document_json(),
         }
     }
+}
+
+/// The head of every page on paper: the visit, else the program, and the plan.
+fn running_head(scene: &Scene) -> String {
+    let [visit, _] = plan::visit_in_words(scene);
+    let visit = if visit.is_empty() { tr("Implant preview").to_owned() } else { visit };
+    let [volume, width] = volume_and_width(scene);
+    format!("{visit} · {volume} ml, {width} cm")
 }
 
 /// The cards in words; none without an answer.

@@ -7,19 +7,17 @@ use eframe::egui_glow::Painter;
 use eframe::glow::{self, HasContext as _};
 use std::sync::Arc;
 
-/// Pixels per point.
-const SCALE: f32 = 2.0;
 /// Samples of a pixel: WebGL 2 has at least four.
 const SAMPLES: i32 = 4;
 
-/// A picture of contents about a device on a light ground of a size \[points\], at [`SCALE`] pixels per point.
+/// A picture of contents about a device on a light ground of a size \[points\], with `scale` pixels per point.
 ///
 /// # Errors
 /// Returns the message of the graphics driver in one line.
 pub(super) fn picture(
     gl: &Arc<glow::Context>,
     device: Device,
-    size: Vec2,
+    (size, scale): (Vec2, f32),
     mut add_contents: impl FnMut(&mut Ui),
 ) -> Result<ColorImage, String> {
     // A context of its own: neither focus nor pointer of the window reach the contents.
@@ -32,7 +30,7 @@ pub(super) fn picture(
         ..egui::RawInput::default()
     };
     for viewport in input.viewports.values_mut() {
-        viewport.native_pixels_per_point = Some(SCALE);
+        viewport.native_pixels_per_point = Some(scale);
     }
     let mut run = || {
         ctx.run_ui(input.clone(), |ui| {
@@ -45,12 +43,12 @@ pub(super) fn picture(
     let mut textures = run().textures_delta;
     let output = run();
     textures.append(output.textures_delta);
-    let primitives = ctx.tessellate(output.shapes, SCALE);
-    let pixels = (SCALE * size).ceil();
+    let primitives = ctx.tessellate(output.shapes, scale);
+    let pixels = (scale * size).ceil();
     let size = [pixels.x as u32, pixels.y as u32];
     let mut painter = Painter::new(Arc::clone(gl), "", None, false).map_err(|e| e.to_string())?;
     let image = target(gl, size, || {
-        painter.paint_and_update_textures(size, SCALE, &primitives, &mut textures);
+        painter.paint_and_update_textures(size, scale, &primitives, &mut textures);
     });
     painter.destroy();
     image

@@ -26,6 +26,8 @@ pub(super) struct Page {
     pub(super) missing: Option<String>,
     /// The visit in one line, and the remarks; each may be empty.
     pub(super) visit: [String; 2],
+    /// The head of every page on paper.
+    pub(super) running: String,
     /// Date, time and version in words.
     pub(super) origin: String,
     /// The answer in one sentence.
@@ -57,9 +59,9 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 28px}.pair>div{flex:1 1 300px}\
     .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
-    @page{size:A4;margin:13mm}@media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
+    @media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:9px 0 2px}p{margin:4px 0}.quiet{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
-    .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead h2{margin-top:0}img{max-height:50mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
+    .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead>div:first-child{flex-grow:1.15}.lead h2{margin-top:0}img{max-height:72mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
 
 impl Page {
     /// The file, without scripts and outside addresses.
@@ -132,15 +134,45 @@ impl Page {
             escaped(tr("The plan's file")),
             escaped(&self.plan_json)
         );
-        let (language, title) = (texts::language().subtag(), tr("Implant preview: report"));
+        // Programs print the title where they print no running head.
+        let title = format!("{} · {}", tr("Implant preview: report"), self.running);
+        let (language, title) = (texts::language().subtag(), escaped(&title));
+        let paper = paper(&self.running);
         format!(
             "<!doctype html>\n<html lang=\"{language}\"><head><meta charset=\"utf-8\">\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
              style-src 'unsafe-inline'\">\
              <meta name=\"viewport\" content=\"width=device-width\">\
-             <title>{title}</title><style>{STYLE}</style></head><body>{body}</body></html>\n"
+             <title>{title}</title><style>{STYLE}{paper}</style></head><body>{body}</body></html>\n"
         )
     }
+}
+
+/// The style of the paper: a running head on every page but the first, which has the visit in its title, and the number of the page.
+fn paper(running: &str) -> String {
+    let font = "font:9px system-ui,sans-serif;color:#444";
+    let pages = css_text(&tr!("page {page} of {pages}", page = PAGE, pages = PAGES));
+    // The places of the numbers are counters.
+    let pages = pages.replace(PAGE, "\" counter(page) \"").replace(PAGES, "\" counter(pages) \"");
+    format!(
+        "@page{{size:A4;margin:15mm 13mm;@top-left{{content:\"{head}\";{font}}}\
+         @bottom-right{{content:\"{pages}\";{font}}}}}@page:first{{@top-left{{content:none}}}}",
+        head = css_text(running),
+    )
+}
+
+/// Places of the number of the page and of all pages in a text.
+const PAGE: &str = "PageNumber";
+const PAGES: &str = "NumberOfPages";
+
+/// A text as the content of a string in a style: all but letters, digits and blanks as numbers of characters.
+fn css_text(text: &str) -> String {
+    let sign = |c: char| match c {
+        ' ' => " ".to_owned(),
+        c if c.is_ascii_alphanumeric() => c.to_string(),
+        c => format!("\\{:x} ", c as u32),
+    };
+    text.chars().map(sign).collect()
 }
 
 /// A picture (PNG) as an address.
@@ -223,6 +255,7 @@ mod tests {
             ],
             missing: Some(hostile.clone()),
             visit: [hostile.clone(), hostile.clone()],
+            running: hostile.clone(),
             origin: "2026-01-01, 00:00 UTC".to_owned(),
             headline: hostile.clone(),
             plan: vec![("Width", hostile.clone())],
@@ -238,7 +271,11 @@ mod tests {
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 19);
+        assert_eq!(count, 20);
+        let css = "@top-left{content:\"\\3c script\\3e alert\\28 1\\29 \\3c \\2f script\\3e \\26 \\22 \";";
+        assert!(html.contains(css), "{html}");
+        let number = "content:\"page \" counter(page) \" of \" counter(pages) \"\"";
+        assert!(html.contains(number), "{html}");
         assert!(html.contains("data:image/png;base64,AQID"));
         let half = "<div class=\"pair\"><div><h2>Cross-section</h2><img alt=\"Cross-section\"";
         assert!(html.contains(half), "{html}");

@@ -1,8 +1,7 @@
-//! The language of a user: chosen under Theme, else that of the system. The platform keeps the choice.
+//! The language of a user: chosen by a button of the toolbar or a command, else that of the system. The platform keeps the choice.
 
 use super::{Language, language, set_language};
 use crate::app::App;
-use eframe::egui::{RichText, Ui};
 
 /// The choice, and whether the platform is to store it.
 #[derive(Debug, Default)]
@@ -22,8 +21,16 @@ impl Language {
         }
     }
 
+    /// The other language.
+    pub(in crate::app) fn other(self) -> Self {
+        match self {
+            Self::English => Self::Spanish,
+            Self::Spanish => Self::English,
+        }
+    }
+
     /// The language's own name.
-    fn name(self) -> &'static str {
+    pub(in crate::app) fn name(self) -> &'static str {
         match self {
             Self::English => "English",
             Self::Spanish => "Español",
@@ -57,18 +64,13 @@ impl App {
         language().subtag()
     }
 
-    /// The choice of the language in a menu, each with its own name.
-    pub(in crate::app) fn language_menu(&mut self, ui: &mut Ui) {
-        ui.label(RichText::new(super::tr("Language")).small().weak());
-        let mut present = language();
-        for choice in Language::ALL {
-            if ui.radio_value(&mut present, choice, choice.name()).clicked() {
-                set_language(choice);
-                self.language.is_to_store = true;
-                self.request_frame();
-                ui.close();
-            }
+    /// Shows the texts in a language, which the platform keeps.
+    pub(in crate::app) fn choose_language(&mut self, choice: Language) {
+        if choice != language() {
+            set_language(choice);
+            self.language.is_to_store = true;
         }
+        self.request_frame();
     }
 }
 

@@ -9,6 +9,7 @@ mod overlay;
 mod panes;
 mod readout;
 mod renderer;
+mod torso;
 
 pub(crate) use envelope::Outline;
 pub(crate) use marks::labelled_box;
@@ -26,7 +27,6 @@ use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{LastAnswer, Subject};
-use crate::view::torso;
 use eframe::egui::{
     self, Align2, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui,
     WidgetInfo,
@@ -232,11 +232,7 @@ impl Viewport {
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
         if options.torso {
-            // Under the tissue, which hides the lines.
-            for line in torso::lines() {
-                let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
-                overlay::torso(ui, &painter, points);
-            }
+            self.draw_torso(ui, &painter, area);
         }
         let scale = self.picture.scale.as_ref();
         let drawn = Drawn {
@@ -258,13 +254,11 @@ impl Viewport {
                 overlay::outline(ui, &painter, points, outline);
             }
         }
-        if let Some(scale) = scale
-            && !self.picture.body.is_empty()
-        {
-            overlay::legend(ui, &painter, area.with_min_y(area.top() + bar), scale);
-        }
-        overlay::directions(ui, &painter, self.directions(session, area));
-        scale_bar(ui, &painter, area, self.points_per_mm(area));
+        let free = area.with_min_y(area.top() + bar);
+        let scale = scale.filter(|_| !self.picture.body.is_empty());
+        let legend = scale.map_or(Rect::NOTHING, |s| overlay::legend(ui, &painter, free, s));
+        let taken = [legend, scale_bar(ui, &painter, area, self.points_per_mm(area))];
+        overlay::directions(ui, &painter, free, self.directions(session, area), &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section };
         let click = self.show_marks(ui, &response, &marked);

@@ -21,17 +21,17 @@ fn font(ui: &Ui) -> FontId {
 }
 
 /// Draws the colour bar with title, unit, limits, words of the bands and a mark at the greatest value: at the right
-/// edge, in a narrow area along the top.
-pub(crate) fn legend(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+/// edge, in a narrow area along the top. Returns the place of the legend.
+pub(crate) fn legend(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
     if area.width() < NARROW {
-        strip(ui, painter, area, scale);
+        strip(ui, painter, area, scale)
     } else {
-        column(ui, painter, area, scale);
+        column(ui, painter, area, scale)
     }
 }
 
 /// Width of an area below which the legend is a strip \[points\].
-const NARROW: f32 = 420.0;
+const NARROW: f32 = 460.0;
 
 fn title(scale: &Scale) -> String {
     if scale.unit.is_empty() {
@@ -64,7 +64,7 @@ fn colours(painter: &Painter, bar: Rect, scale: &Scale, is_upright: bool) {
 }
 
 /// The legend at the right edge.
-fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
     let (font, text) = (font(ui), ui.visuals().text_color());
     let height = (area.height() * 0.42).clamp(70.0, 200.0);
     let layout = |words: &str| painter.layout_no_wrap(words.to_owned(), font.clone(), text);
@@ -82,7 +82,8 @@ fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
     let bar = Rect::from_min_size(pos2(bar_right - BAR_WIDTH, bar_top), vec2(BAR_WIDTH, height));
     let words_right = bar.left() - 14.0;
     let left = (words_right - word_width).min(right - title.size().x);
-    backdrop(ui, painter, Rect::from_min_max(pos2(left, top), pos2(right, bar.bottom() + 4.0)));
+    let ground = Rect::from_min_max(pos2(left, top), pos2(right, bar.bottom() + 4.0));
+    let place = backdrop(ui, painter, ground);
     let title_size = title.size();
     painter.galley(pos2(right - title_size.x, top - 2.0), title, text);
     colours(painter, bar, scale, true);
@@ -113,10 +114,14 @@ fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
         let mark = vec![tip, tip + vec2(-8.0, -5.0), tip + vec2(-8.0, 5.0)];
         painter.add(Shape::convex_polygon(mark, text, Stroke::NONE));
     }
+    place
 }
 
+/// Height of the legend along the top \[points\].
+pub(crate) const STRIP: f32 = 50.0;
+
 /// The legend along the top.
-fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
+pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
     let (font, text) = (font(ui), ui.visuals().text_color());
     let left = area.left() + MARGIN;
     let bar = Rect::from_min_size(
@@ -124,7 +129,7 @@ fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
         vec2(area.width() - 2.0 * MARGIN, 8.0),
     );
     let ground = Rect::from_min_max(bar.min - vec2(0.0, 16.0), bar.max + vec2(0.0, 14.0));
-    backdrop(ui, painter, ground);
+    let place = backdrop(ui, painter, ground);
     colours(painter, bar, scale, false);
     let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
     painter.rect_stroke(bar, CornerRadius::ZERO, outline, StrokeKind::Outside);
@@ -156,24 +161,57 @@ fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) {
         let mark = vec![tip, tip + vec2(-5.0, 8.0), tip + vec2(5.0, 8.0)];
         painter.add(Shape::convex_polygon(mark, text, Stroke::new(1.0, ui.visuals().panel_fill)));
     }
+    place
 }
 
-/// Draws the words for the directions of the patient.
-pub(crate) fn directions(ui: &Ui, painter: &Painter, words: [(Option<Pos2>, &'static str); 4]) {
+/// Draws the words for the directions of the patient inside of an area, beside what has `taken` a place.
+pub(crate) fn directions(
+    ui: &Ui,
+    painter: &Painter,
+    area: Rect,
+    words: [(Option<Pos2>, &'static str); 4],
+    taken: &[Rect],
+) {
+    let mut taken = taken.to_vec();
     for (at, word) in words {
         let Some(at) = at else { continue };
         let galley = painter.layout_no_wrap(word.to_owned(), font(ui), ui.visuals().text_color());
-        let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size());
+        let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size()).expand2(vec2(4.0, 0.0));
+        let Some(rect) = moved_beside(rect, area, &taken) else { continue };
+        taken.push(rect);
         let fill = ui.visuals().panel_fill.gamma_multiply(0.75);
-        painter.rect_filled(rect.expand2(vec2(4.0, 0.0)), CornerRadius::same(4), fill);
-        painter.galley(rect.min, galley, ui.visuals().text_color());
+        painter.rect_filled(rect, CornerRadius::same(4), fill);
+        painter.galley(rect.min + vec2(4.0, 0.0), galley, ui.visuals().text_color());
     }
 }
 
-/// Draws a background that keeps text readable over the body.
-fn backdrop(ui: &Ui, painter: &Painter, rect: Rect) {
+/// The place beside those that are taken, inside of an area, that is nearest to a wanted one; `None` without room.
+fn moved_beside(rect: Rect, area: Rect, taken: &[Rect]) -> Option<Rect> {
+    const GAP: f32 = 2.0;
+    let is_free = |rect: &Rect| {
+        area.contains_rect(*rect) && !taken.iter().any(|other| other.intersects(*rect))
+    };
+    let beside = taken.iter().filter(|other| other.is_positive()).flat_map(|other| {
+        [
+            vec2(0.0, other.top() - GAP - rect.bottom()),
+            vec2(0.0, other.bottom() + GAP - rect.top()),
+            vec2(other.left() - GAP - rect.right(), 0.0),
+            vec2(other.right() + GAP - rect.left(), 0.0),
+        ]
+    });
+    let places = [Vec2::ZERO].into_iter().chain(beside).map(|by| (by.length(), rect.translate(by)));
+    places
+        .filter(|(_, rect)| is_free(rect))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, rect)| rect)
+}
+
+/// Draws a background that keeps text readable over the body; returns its place.
+fn backdrop(ui: &Ui, painter: &Painter, rect: Rect) -> Rect {
     let fill = ui.visuals().panel_fill.gamma_multiply(0.6);
-    painter.rect_filled(rect.expand(6.0), CornerRadius::same(4), fill);
+    let place = rect.expand(6.0);
+    painter.rect_filled(place, CornerRadius::same(4), fill);
+    place
 }
 
 fn height_of(scale: &Scale, bar: Rect, value: f32) -> f32 {
@@ -198,7 +236,7 @@ fn label_heights(scale: &Scale, bar: Rect, spacing: f32) -> Vec<f32> {
 
 /// Draws a faint line of the torso.
 pub(crate) fn torso(ui: &Ui, painter: &Painter, points: Vec<Pos2>) {
-    let stroke = Stroke::new(1.5, ui.visuals().weak_text_color().gamma_multiply(0.5));
+    let stroke = Stroke::new(1.5, ui.visuals().weak_text_color().gamma_multiply(0.7));
     painter.add(Shape::line(points, stroke));
 }
 
@@ -216,7 +254,9 @@ pub(crate) fn envelope(ui: &Ui, painter: &Painter, points: Vec<Pos2>, is_outer: 
 
 /// Draws a line of a pin's outline with the pin's letter, on a light ground over any colour.
 pub(crate) fn outline(ui: &Ui, painter: &Painter, points: Vec<Pos2>, outline: &Outline) {
-    let Some(&end) = points.get(points.len() / 3) else { return };
+    // Each letter at a place of its own: similar outlines lie over each other.
+    let at = 0.24 + 0.09 * outline.letter as usize as f32;
+    let Some(&end) = points.get((at * points.len() as f32) as usize) else { return };
     let ground = ui.visuals().panel_fill.gamma_multiply(0.6);
     let (dash, gap) = if outline.is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
     painter.add(Shape::line(points.clone(), Stroke::new(4.0, ground)));
@@ -227,8 +267,8 @@ pub(crate) fn outline(ui: &Ui, painter: &Painter, points: Vec<Pos2>, outline: &O
     painter.galley(place.min, galley, outline.color);
 }
 
-/// Draws a bar of a round length in mm; the scale holds at the camera's target.
-pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f32) {
+/// Draws a bar of a round length in mm; the scale holds at the camera's target. Returns the place of the bar.
+pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f32) -> Rect {
     let length_mm = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]
         .into_iter()
         .find(|mm| mm * points_per_mm >= 48.0)
@@ -236,7 +276,8 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
     let start = pos2(area.left() + MARGIN, area.bottom() - MARGIN);
     let end = start + vec2(length_mm * points_per_mm, 0.0);
     let stroke = Stroke::new(1.5, ui.visuals().text_color());
-    backdrop(ui, painter, Rect::from_two_pos(start - vec2(0.0, 16.0), end + vec2(0.0, 3.0)));
+    let ground = Rect::from_two_pos(start - vec2(0.0, 16.0), end + vec2(0.0, 3.0));
+    let place = backdrop(ui, painter, ground);
     painter.line_segment([start, end], stroke);
     for p in [start, end] {
         painter.line_segment([p - vec2(0.0, 3.0), p + vec2(0.0, 3.0)], stroke);
@@ -248,6 +289,7 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
     };
     let at = start.lerp(end, 0.5) - vec2(0.0, 5.0);
     painter.text(at, Align2::CENTER_BOTTOM, label, font(ui), ui.visuals().text_color());
+    place
 }
 
 /// Draws the name of a picture at the left of its upper edge.
@@ -333,5 +375,17 @@ mod tests {
             let heights = label_heights(&scale, bar, 12.0);
             assert!(heights.windows(2).all(|h| h[0] - h[1] >= 12.0 - 1e-3), "{heights:?}");
         }
+    }
+
+    #[test]
+    fn a_word_moves_beside_what_has_taken_its_place() {
+        let area = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
+        let taken = [Rect::from_min_size(pos2(60.0, 0.0), vec2(40.0, 50.0)), Rect::NOTHING];
+        let word = Rect::from_center_size(pos2(80.0, 45.0), vec2(20.0, 10.0));
+        let moved = moved_beside(word, area, &taken).unwrap();
+        assert_eq!((moved.left(), moved.top()), (word.left(), 52.0));
+        let free = Rect::from_center_size(pos2(20.0, 20.0), vec2(20.0, 10.0));
+        assert_eq!(moved_beside(free, area, &taken), Some(free));
+        assert_eq!(moved_beside(word, area, &[area]), None);
     }
 }

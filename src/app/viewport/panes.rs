@@ -12,8 +12,6 @@ use crate::view::subject::{PinnedShape, Subject};
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 use std::sync::Arc;
 
-/// Height of a picture's caption \[points\].
-const CAPTION: f32 = 24.0;
 /// Space between two pictures \[points\].
 const GAP: f32 = 2.0;
 
@@ -35,7 +33,10 @@ impl Viewport {
         overlay::background(ui, &ui.painter_at(area), area);
         self.keep_panes(&pins);
         // Below the controls of the picture.
-        let areas = divided(area.with_min_y(area.top() + bar), pins.len() + 1);
+        // The legend of all pictures has a strip of its own: no tissue is below it.
+        let has_legend = options.quantity != Quantity::Tissue;
+        let top = area.top() + bar + if has_legend { overlay::STRIP } else { 0.0 };
+        let areas = divided(area.with_min_y(top), pins.len() + 1);
         let Some((&own_area, pin_areas)) = areas.split_last() else { return };
         let radius = self.radius_to_fit(session);
         if self.fitted.is_some_and(|fitted| fitted < radius) {
@@ -105,12 +106,8 @@ impl Viewport {
         let caption = tr!("now · {size}", size = texts::shown(&size_in_words(session.scene())));
         overlay::caption(ui, &painter, own_area, &caption);
         if let Some(scale) = &scale {
-            overlay::legend(
-                ui,
-                &painter,
-                own_area.with_min_y(own_area.top().max(area.top() + bar) + CAPTION),
-                scale,
-            );
+            let strip = area.with_min_y(area.top() + bar);
+            overlay::strip(ui, &ui.painter_at(strip), strip, scale);
         }
         overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
         self.handles = Some(painter.add(egui::Shape::Noop));

@@ -1,0 +1,30 @@
+//! The lines of a torso behind the tissue, and the camera that shows them.
+
+use super::{Viewport, overlay};
+use crate::session::Session;
+use crate::view::camera::View;
+use crate::view::torso;
+use eframe::egui::{Painter, Rect, Ui};
+
+/// Radius of what the camera shows of a torso, relative to that of the tissue \[-\].
+const ROOM: f32 = 2.0;
+
+impl Viewport {
+    /// Turns to the front of the torso, or back to the tissue.
+    pub(crate) fn look_at_torso(&mut self, session: &Session, is_shown: bool) {
+        if !is_shown {
+            return self.fit(session, View::All);
+        }
+        let radius = ROOM * self.radius_to_fit(session);
+        self.camera.fit(radius, self.aspect, View::Front);
+        self.fitted = None;
+    }
+
+    /// Draws the lines; the tissue drawn later hides those behind it.
+    pub(super) fn draw_torso(&self, ui: &Ui, painter: &Painter, area: Rect) {
+        for line in torso::lines() {
+            let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
+            overlay::torso(ui, painter, points);
+        }
+    }
+}
