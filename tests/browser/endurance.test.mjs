@@ -6,7 +6,7 @@ import { VIEWPORT, endure, growth } from "./endurance.mjs";
 import * as harness from "./harness.mjs";
 
 describe("dragging controls", { timeout: 15 * harness.PATIENCE }, () => {
-  const fixture = harness.setUp();
+  const fixture = harness.setUp({ isPlain: true });
 
   test("on and on solves each time, takes no more memory and breaks nothing", async () => {
     const { page, finish } = await fixture.openApp({ viewport: VIEWPORT });

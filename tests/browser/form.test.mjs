@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-const fixture = harness.setUp();
+const fixture = harness.setUp({ isPlain: true });
 
 describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
   test("is filled, sets the plan, refuses in one line and follows the app", async () => {

@@ -18,7 +18,7 @@ const TARGET = process.env.CARGO_TARGET_DIR ?? join(ROOT, "target");
 const NATIVE = join(TARGET, "debug/implant-preview");
 
 // Software rendering on a busy machine: the first frames take seconds.
-export const PATIENCE = 60_000;
+export const PATIENCE = 120_000;
 
 const QUIET = [
   "--no-sandbox",
@@ -90,18 +90,25 @@ export const coarseOpening = () => {
   };
 };
 
-/** A plan as the browser keeps it for the next start of the app. */
-const keptPlan = (address, scene) => {
-  const value = JSON.stringify({ scene, choices: { device: "implant", follows: "projection" } });
+/** Options of a context in which the browser has kept the opening plan on a coarse grid for the next start of the app. */
+export function withCoarsePlan(address) {
+  const value = JSON.stringify({ scene: coarseOpening(), choices: { device: "implant", follows: "projection" } });
   const localStorage = [{ name: "implant-preview/plan/1", value }];
-  return { cookies: [], origins: [{ origin: new URL(address).origin, localStorage }] };
-};
+  return { storageState: { cookies: [], origins: [{ origin: new URL(address).origin, localStorage }] } };
+}
 
-/** Takes the antialiasing from the canvas: in software it takes half the time of a frame. */
-function withoutAntialiasing() {
-  const original = HTMLCanvasElement.prototype.getContext;
-  HTMLCanvasElement.prototype.getContext = function getContext(kind, options) {
-    return original.call(this, kind, kind === "webgl2" ? { ...options, antialias: false } : options);
+/** Takes the antialiasing from the canvas, half of the time of a frame, and if asked light and lines from the tissue. */
+function drawCheaply(isPlain) {
+  const { getContext } = HTMLCanvasElement.prototype;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return getContext.call(this, kind, kind === "webgl2" ? { ...options, antialias: false } : options);
+  };
+  if (!isPlain) return;
+  const { shaderSource } = WebGL2RenderingContext.prototype;
+  WebGL2RenderingContext.prototype.shaderSource = function (shader, text) {
+    const [declarations, main] = text.split("void main()");
+    const isTissue = declarations.includes("u_material") && main;
+    shaderSource.call(this, shader, isTissue ? `${declarations}void main() { out_color = vec4(v_color, 1.0); }` : text);
   };
 }
 
@@ -116,9 +123,9 @@ export function startBrowser({ webgl = true } = {}) {
 
 /**
  * A page that records what it must not do. Only tests of the service worker allow it: requests pass by routes there.
- * `isSmooth`: with the antialiasing of the product.
+ * `isSmooth`: drawn as the product draws; `isPlain`: with tissue in flat colours, where the picture is not the point.
  */
-export async function openPage(browser, address, { viewport, init, options, isSmooth = false } = {}) {
+export async function openPage(browser, address, { viewport, init, options, isSmooth = false, isPlain = false } = {}) {
   const context = await browser.newContext({
     viewport: viewport ?? { width: 1280, height: 800 },
     serviceWorkers: "block",
@@ -140,7 +147,7 @@ export async function openPage(browser, address, { viewport, init, options, isSm
       problems.push(`another origin: ${url}`);
     }
   });
-  if (!isSmooth) await page.addInitScript(withoutAntialiasing);
+  if (!isSmooth) await page.addInitScript(drawCheaply, isPlain);
   if (init) await page.addInitScript(init);
   await page.goto(address);
   const close = () => context.close();
@@ -151,15 +158,18 @@ export async function openPage(browser, address, { viewport, init, options, isSm
   return { page, problems, close, finish };
 }
 
-/** Starts the server and a browser before the tests of a file or suite, and ends both after the tests. */
-export function setUp(options) {
+/**
+ * Starts the server and a browser before the tests of a file or suite, and ends both after the tests. `isPlain` is that of all
+ * its pages.
+ */
+export function setUp({ webgl, isPlain } = {}) {
   const fixture = {
-    openApp: (options) => openApp(fixture.browser, fixture.site, options),
-    openPage: (path = "", options) => openPage(fixture.browser, fixture.site.address + path, options),
+    openApp: (options) => openApp(fixture.browser, fixture.site, { isPlain, ...options }),
+    openPage: (path = "", options) => openPage(fixture.browser, fixture.site.address + path, { isPlain, ...options }),
   };
   before(async () => {
     fixture.site = await serve();
-    fixture.browser = await startBrowser(options);
+    fixture.browser = await startBrowser({ webgl });
   });
   after(async () => {
     await fixture.browser?.close();
@@ -196,26 +206,34 @@ export async function screenshot(page, name) {
   await page.screenshot({ path: join(OUT, `${name}.png`) });
 }
 
-/** Does something with the bytes of pictures (PNG), in a page without a policy that forbids pictures. */
+/** An empty page of a browser, for the pictures of all pages: without a policy that forbids pictures. */
+const blanks = new WeakMap();
+function blankPage(browser) {
+  if (!blanks.has(browser)) blanks.set(browser, browser.newContext().then((context) => context.newPage()));
+  return blanks.get(browser);
+}
+
+/** Does something with the bytes of pictures (PNG). */
 async function withPixels(page, pictures, look) {
-  const blank = await page.context().newPage();
-  await blank.exposeFunction("pictures", () => pictures.map((picture) => picture.toString("base64")));
-  const seen = await blank.evaluate(async (source) => {
-    const pixels = [];
-    let width = 0;
-    for (const data of await globalThis.pictures()) {
-      const image = new Image();
-      image.src = `data:image/png;base64,${data}`;
-      await image.decode();
-      width = image.width;
-      const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
-      context.drawImage(image, 0, 0);
-      pixels.push(context.getImageData(0, 0, image.width, image.height).data);
-    }
-    return new Function(`return (${source})`)()(...pixels, width);
-  }, look.toString());
-  await blank.close();
-  return seen;
+  const blank = await blankPage(page.context().browser());
+  const data = pictures.map((picture) => picture.toString("base64"));
+  return blank.evaluate(
+    async ([data, source]) => {
+      const pixels = [];
+      let width = 0;
+      for (const text of data) {
+        const image = new Image();
+        image.src = `data:image/png;base64,${text}`;
+        await image.decode();
+        width = image.width;
+        const context = new OffscreenCanvas(image.width, image.height).getContext("2d", { willReadFrequently: true });
+        context.drawImage(image, 0, 0);
+        pixels.push(context.getImageData(0, 0, image.width, image.height).data);
+      }
+      return new Function(`return (${source})`)()(...pixels, width);
+    },
+    [data, look.toString()],
+  );
 }
 
 /** How many colours the page shows, as 4 bits a channel. */
@@ -279,8 +297,8 @@ export async function settled(page) {
 
 /** Opens the app and waits until its scene is solved. `isOpening`: with its opening plan, not with that on a coarse grid. */
 export async function openApp(browser, site, { isOpening = false, options, ...others } = {}) {
-  const kept = isOpening ? {} : { storageState: keptPlan(site.address, coarseOpening()) };
-  const opened = await openPage(browser, site.address, { ...others, options: { ...kept, ...options } });
+  const plan = isOpening ? {} : withCoarsePlan(site.address);
+  const opened = await openPage(browser, site.address, { ...others, options: { ...plan, ...options } });
   await opened.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
   await opened.page.locator("#loading").waitFor({ state: "detached" });
   return opened;
@@ -325,7 +343,7 @@ export async function openTab(browser, { init } = {}) {
   };
   await send("Page.enable");
   // As in openPage: no service worker.
-  const source = `delete Navigator.prototype.serviceWorker; (${withoutAntialiasing})(); ${init ?? ""}`;
+  const source = `delete Navigator.prototype.serviceWorker; (${drawCheaply})(true); ${init ?? ""}`;
   await send("Page.addScriptToEvaluateOnNewDocument", { source });
   return {
     evaluate,
@@ -362,13 +380,18 @@ export const stats = (page) => page.evaluate(() => implantPreview.stats());
 
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
+/** Waits until something is true, at most as long as a frame may take on a busy machine. */
+async function until(isTrue) {
+  for (const start = Date.now(); Date.now() - start < PATIENCE / 2 && !(await isTrue()); await pause(30));
+}
+
 /** The control that has the keyboard's focus. */
 export const focused = (page) => page.evaluate(() => implantPreview.focused());
 
 /** The answer in words for screen readers, once it contains some words. */
 export async function summary(page, words) {
   const text = () => page.locator("#implant-preview-summary").textContent();
-  for (let tries = 0; tries < 100 && !(await text()).includes(words); tries += 1) await page.waitForTimeout(100);
+  await until(async () => (await text()).includes(words));
   return text();
 }
 
@@ -394,10 +417,7 @@ export async function tab(page, { back = false } = {}) {
   const state = async () => JSON.stringify([await focused(page), await place(page)]);
   const before = await state();
   await page.keyboard.press(back ? "Shift+Tab" : "Tab");
-  for (let tries = 0; tries < 100; tries += 1) {
-    if ((await state()) !== before) break;
-    await page.waitForTimeout(30);
-  }
+  await until(async () => (await state()) !== before);
   // Out of the app it takes a frame more, and scrolling too: until nothing more is drawn.
   for (let last = -1, now; (now = await drawn(page)) !== last; last = now);
 }
@@ -421,7 +441,7 @@ export async function type(page, name, text) {
   await tab(page);
   await page.keyboard.type(text, { delay: 40 });
   await page.keyboard.press("Enter");
-  await page.waitForTimeout(300);
+  await drawn(page);
 }
 
 /** Gives the picture the focus, by a click on its empty corner: single keys are for it. */
@@ -429,9 +449,7 @@ export async function focusPicture(page) {
   const { width, height } = page.viewportSize();
   const at = width < 760 ? [16, 0.35 * height] : [0.38 * width, 0.2 * height];
   await page.mouse.click(...at);
-  for (let tries = 0; tries < 100 && (await focused(page))?.name !== "3-D view"; tries += 1) {
-    await page.waitForTimeout(30);
-  }
+  await until(async () => (await focused(page))?.name === "3-D view");
 }
 
 /** The greatest distance [mm] between the points of two profiles. */

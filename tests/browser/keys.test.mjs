@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-const fixture = harness.setUp();
+const fixture = harness.setUp({ isPlain: true });
 const openApp = (options) => fixture.openApp({ viewport: { width: 1000, height: 700 }, ...options });
 
 /** Is a ring in the colour of text drawn around what has the focus? Its left side is looked at. */
@@ -89,7 +89,7 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
     for (const name of ["Implant", "Patient", "Pocket", "More"]) {
       await harness.control(page, name);
       await page.keyboard.press("Enter");
-      await page.waitForTimeout(400);
+      await harness.drawn(page);
       for (let presses = 0; presses < 80; presses += 1) {
         await harness.tab(page);
         if ((await harness.place(page)) !== "app") break;
@@ -129,30 +129,30 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
     await harness.tab(page);
     await page.keyboard.type("0,642", { delay: 40 });
     await page.keyboard.press("Enter");
-    await page.waitForTimeout(300);
+    await harness.drawn(page);
     assert.equal(await pocket(), 66.42);
     assert.equal((await harness.focused(page)).name, "Margin (cm)");
     // What is not allowed changes nothing.
     await page.keyboard.type("-5", { delay: 40 });
     await page.keyboard.press("Enter");
-    await page.waitForTimeout(300);
+    await harness.drawn(page);
     assert.equal(await pocket(), 66.42);
     await harness.screenshot(page, "refused");
     await page.keyboard.press("Escape");
     // A window that is open closes, and the focus is where it was.
     await harness.control(page, "Help");
     await page.keyboard.press("Enter");
-    await page.waitForTimeout(500);
+    await harness.settled(page);
     const open = await page.screenshot();
     await page.keyboard.press("Escape");
-    await page.waitForTimeout(500);
+    await harness.settled(page);
     assert.ok((await harness.difference(page, open, await page.screenshot())) > 5000, "Help stays open");
     assert.equal((await harness.focused(page)).name, "Help");
     await finish();
   });
 
   test("that are digits colour nothing unless the picture has the focus", async () => {
-    const { page, finish } = await openApp();
+    const { page, finish } = await openApp({ isPlain: false });
     const picture = () => page.screenshot({ clip: { x: 320, y: 50, width: 350, height: 500 } });
     await harness.settled(page);
     const first = await picture();
@@ -190,7 +190,7 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     // The same from the menu.
     await harness.control(page, "File");
     await page.keyboard.press("Enter");
-    await page.waitForTimeout(400);
+    await harness.drawn(page);
     for (let presses = 0; presses < 3; presses += 1) await harness.tab(page);
     assert.equal((await harness.focused(page)).name, "Save numbers (JSON)…");
     const saved = JSON.parse((await harness.download(page, () => page.keyboard.press("Enter"))).text);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-const fixture = harness.setUp();
+const fixture = harness.setUp({ isPlain: true });
 
 describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
   test("is Spanish in a Spanish browser, and a choice is kept over a reload", async () => {

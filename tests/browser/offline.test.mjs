@@ -82,7 +82,10 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
     rmSync(second, { recursive: true });
   });
   afterEach(() => site.close());
-  const open = () => harness.openPage(browser, site.address, { options: { serviceWorkers: "allow" } });
+  const open = () => {
+    const options = { serviceWorkers: "allow", ...harness.withCoarsePlan(site.address) };
+    return harness.openPage(browser, site.address, { options, isPlain: true });
+  };
 
   test("starts, solves and runs its workers after one visit", async () => {
     site = await harness.serve();

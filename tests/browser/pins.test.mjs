@@ -14,7 +14,7 @@ const KEY = "implant-preview/pins/1";
 async function click(page, name) {
   const { x, y, width, height } = await harness.control(page, name);
   await page.mouse.click(x + width / 2, y + height / 2);
-  await page.waitForTimeout(300);
+  await harness.drawn(page);
 }
 
 const insertion = (page) => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);

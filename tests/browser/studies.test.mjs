@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-const fixture = harness.setUp();
+const fixture = harness.setUp({ isPlain: true });
 
 // (module (func (export "f") unreachable))
 const TRAP = [

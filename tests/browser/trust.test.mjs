@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-const fixture = harness.setUp();
+const fixture = harness.setUp({ isPlain: true });
 const { openApp } = fixture;
 const { sceneText } = harness;
 
@@ -166,7 +166,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
   };
 
   test("gives back the same picture: scene, history, camera, colours, panels; nothing is solved anew", async () => {
-    const { page, finish } = await openApp();
+    const { page, finish } = await openApp({ isPlain: false });
     const seen = [await picture(page)];
     // Each of these must show in the picture, or the test would prove nothing.
     const change = async (name, act) => {
@@ -510,6 +510,7 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
 
   test("after which a broken scene is found opens the default one", async () => {
     const { page, close } = await openApp({
+      isOpening: true,
       init: () => sessionStorage.setItem("implant-preview/kept-scene/1", '{"schema":"of another time"}'),
     });
     const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
-const fixture = harness.setUp();
+const fixture = harness.setUp({ isPlain: true });
 const { openApp } = fixture;
 const { scene, sceneText, stats } = harness;
 
@@ -25,7 +25,7 @@ async function press(page, name) {
   await harness.control(page, name);
   await page.keyboard.press("Space");
   // A Tab key in the same frame would move the focus first.
-  await page.waitForTimeout(300);
+  await harness.drawn(page);
 }
 
 /** Opens the fold, reduces the samples and switches the section on by the keyboard. */
