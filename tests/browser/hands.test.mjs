@@ -139,12 +139,12 @@ describe("hands on the picture", { timeout: 8 * harness.PATIENCE }, () => {
     assert.ok(Math.abs(height / 45.09 - 1) < 1e-3, `${height} mm`);
     await page.keyboard.press("Control+a");
     await page.keyboard.type("redo");
-    await page.keyboard.press("Enter");
-    await harness.settled(page);
     // The notice is in the page for screen readers, and leaves by itself.
-    const notice = page.locator("#implant-preview-notice");
-    assert.equal(await notice.textContent(), "Redo: Nothing to redo.");
-    await page.waitForFunction(() => document.getElementById("implant-preview-notice").textContent === "");
+    const isNotice = (words) => document.getElementById("implant-preview-notice").textContent === words;
+    const said = page.waitForFunction(isNotice, "Redo: Nothing to redo.");
+    await page.keyboard.press("Enter");
+    await said;
+    await page.waitForFunction(isNotice, "");
     await finish();
   });
 
