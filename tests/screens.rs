@@ -1003,7 +1003,13 @@ fn volume_of(words: &str) -> f64 {
 fn the_largest_volume_that_stays_usual_is_known_without_an_edit_and_is_taken_by_a_press() {
     for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| *scene = opening());
+        let below = if size == PHONE { "In place (%)" } else { "Pinch (cm)" };
+        let place = |harness: &Harness<'static, App>| {
+            harness.get_by_role_and_label(Role::SpinButton, below).rect()
+        };
+        let before = place(&harness);
         let words = largest_usual(&mut harness);
+        assert_eq!(place(&harness), before, "{size}: the plan moves");
         assert!(harness.state().summary().contains(&words), "{words}");
         harness.get_by_label(&words).click();
         settle(&mut harness);
@@ -1635,7 +1641,7 @@ fn the_legend_of_pictures_side_by_side_is_above_all_of_them() {
             texts.filter(|(text, _)| text.contains(words)).map(|(_, rect)| rect).collect()
         };
         let [title] = places("Skin stretch [%]")[..] else { panic!("one legend") };
-        let numbers = places("80").into_iter().map(|rect| rect.bottom()).fold(0.0, f32::max);
+        let numbers = places("32").into_iter().map(|rect| rect.bottom()).fold(0.0, f32::max);
         for caption in ["A · ", "now · "] {
             let [caption] = places(caption)[..] else { panic!("{caption}") };
             assert!(caption.top() > title.bottom() + 8.0, "{size}: {title} {caption}");

@@ -130,6 +130,8 @@ export async function endure(page, { seconds = 0, drags = 0, warm = 0, report = 
       await page.keyboard.press(key);
       await page.waitForTimeout(20);
     }
+    // A slow frame takes the last keys late.
+    await harness.settled(page);
     await page.waitForFunction(() => implantPreview.stats().converged);
     const taken = await memory(page, cdp);
     if (samples.length === 0) {

@@ -315,7 +315,7 @@ mod tests {
     fn the_sentence_begins_with_the_worst_word() {
         let answer = |strain, reserve, cover, pressure| Answer {
             strain: Some(strain),
-            reserve: Some(reserve),
+            reserve,
             share: 0.0,
             cover: Some(cover),
             apex: None,
@@ -324,21 +324,29 @@ mod tests {
             pressure: Some((0.8 * pressure, pressure)),
         };
         for (of, sentence) in [
-            (answer(0.14, 0.65, 7.2, 13.0), "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."),
             (
-                answer(0.09, 0.9, 7.2, 17.0),
+                answer(0.14, Some(0.65), 7.2, 13.0),
+                "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg.",
+            ),
+            (
+                answer(0.09, Some(0.9), 7.2, 17.0),
                 "skin stretch high. Stretch 9 %, cover 7 mm, pressure 17 mmHg.",
             ),
             (
-                answer(0.09, 0.3, 4.4, 17.0),
+                answer(0.09, Some(0.3), 4.4, 17.0),
                 "cover thin. Stretch 9 %, cover 4 mm, pressure 17 mmHg.",
             ),
             (
-                answer(0.09, 0.9, 4.4, 90.0),
+                answer(0.09, Some(0.9), 4.4, 90.0),
                 "pressure very high. Stretch 9 %, cover 4 mm, pressure 90 mmHg.",
             ),
+            // A skin with a reserve is judged by the reserve alone, another one by its strain.
             (
-                answer(0.6, 0.9, 7.2, 90.0),
+                answer(0.6, Some(0.9), 7.2, 17.0),
+                "skin stretch high. Stretch 60 %, cover 7 mm, pressure 17 mmHg.",
+            ),
+            (
+                answer(0.6, None, 7.2, 90.0),
                 "skin stretch beyond. Stretch 60 %, cover 7 mm, pressure 90 mmHg.",
             ),
         ] {
