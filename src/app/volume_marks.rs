@@ -1,6 +1,6 @@
 //! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
-//! that stays usual: the implant's volumes at its width, each one solved scene on a coarse grid. Computed once the first plan
-//! has rested, the slider is used or the plan is edited.
+//! that stays usual: the implant's volumes at its width, each one solved scene on a coarse grid. Computed once a pointer
+//! rests over the first plan, the slider is used or the plan is edited.
 
 use super::studies::{Driver, Studies};
 use super::texts::{tr, word_of};
@@ -35,7 +35,7 @@ pub(super) struct VolumeMarks {
     /// The scene of the present curve.
     started: Option<Scene>,
     is_wanted: bool,
-    /// Start of the rest of the first plan.
+    /// Start of the rest of the first plan under a pointer.
     rests_since: Option<Instant>,
     /// The marks of a curve that is solved.
     marks: Option<Vec<Mark>>,
@@ -64,13 +64,15 @@ impl VolumeMarks {
         self.is_wanted = true;
     }
 
-    /// The marks are computed from a rest of the first plan on: a page that opens has its picture first. `is_busy`: the plan is
-    /// being solved or edited.
+    /// The marks are computed from a rest of the first plan on, once a pointer or a finger was on it: a page that opens has its picture
+    /// first, and a page in the background computes nothing. `is_busy`: the plan is being solved or edited.
     pub(super) fn want_after_rest(&mut self, ctx: &egui::Context, is_busy: bool) {
         if self.is_wanted {
             return;
         }
-        let since = if is_busy { None } else { self.rests_since.or_else(|| Some(Instant::now())) };
+        let is_used = ctx.input(|input| input.pointer.latest_pos().is_some());
+        let is_at_rest = !is_busy && (is_used || self.rests_since.is_some());
+        let since = is_at_rest.then(|| self.rests_since.unwrap_or_else(Instant::now));
         self.rests_since = since;
         match since.map(|since| since.elapsed()) {
             Some(rest) if rest >= REST => self.is_wanted = true,

@@ -187,7 +187,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     let rail = await harness.control(page, "In place (%)");
     const beside = (at) => [at.x + 0.3 * at.width, at.y + at.height / 2];
     // Up and down on a slider, the panel scrolls; nothing else moves.
-    await swipe(beside(rail), 4, 50);
+    await swipe(beside(rail), 4, 36);
     assert.equal(await page.evaluate(() => implantPreview.scene()), before);
     const down = (await harness.focused(page)).y - rail.y;
     assert.ok(down > 20, `the panel was scrolled by ${down} pixels`);

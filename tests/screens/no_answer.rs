@@ -86,6 +86,7 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
     let start = std::time::Instant::now();
     const WORDS: &str = " ml, the largest that stays usual";
+    harness.hover_at(egui::pos2(4.0, 4.0));
     while harness.query_all_by_label_contains(WORDS).count() == 0 {
         assert!(start.elapsed().as_secs() < 300, "no largest volume");
         harness.step();
