@@ -8,7 +8,7 @@
 use dhat::HeapStats;
 use implant_preview::scene::Scene;
 use implant_preview::session::Session;
-use implant_preview::solve::{Problem, Progress, Solver};
+use implant_preview::solve::{Method, Options, Problem, Progress, Solver, Verdict};
 use implant_preview::view::color::Quantity;
 use implant_preview::view::picture::Picture;
 use implant_preview::view::section::{Opening, Section};
@@ -58,7 +58,16 @@ fn measured(problem: &Problem) -> Use {
     let held = HeapStats::get().curr_bytes - before;
     let evaluations = solver.work_units() * solver.nodes_solved() as f64;
 
-    // The second solve reuses all memory.
+    check_second_solve(&mut solver, problem);
+    let before = HeapStats::get().curr_bytes;
+    let sheet = problem.sheet.clone();
+    let bytes = held - (HeapStats::get().curr_bytes - before);
+    let layers = 1 + solver.outer().len();
+    Use { bytes, evaluations, nodes: layers * sheet.free_nodes() }
+}
+
+/// The second solve reuses all memory.
+fn check_second_solve(solver: &mut Solver, problem: &Problem) {
     solver.restart(problem.clone());
     let mut pieces = 0;
     let before = HeapStats::get().total_blocks;
@@ -68,11 +77,17 @@ fn measured(problem: &Problem) -> Use {
     let allocated = HeapStats::get().total_blocks - before;
     assert!(pieces > 10);
     assert_eq!(allocated, 0, "{allocated} allocations in {pieces} pieces");
-    let before = HeapStats::get().curr_bytes;
-    let sheet = problem.sheet.clone();
-    let bytes = held - (HeapStats::get().curr_bytes - before);
-    let layers = 1 + solver.outer().len();
-    Use { bytes, evaluations, nodes: layers * sheet.free_nodes() }
+}
+
+/// Newton's method: the second solve of layered tissue starts on the coarsest grid under a rising dome, that of a sheet from the
+/// last solution.
+fn check_newtons_method(problem: &Problem) {
+    let options = Options { method: Method::Newton, ..Options::default() };
+    let mut solver = Solver::with_options(problem.clone(), options);
+    while solver.advance(&mut || true) == Progress::Working {}
+    assert_eq!(solver.verdict(), Verdict::Converged);
+    check_second_solve(&mut solver, problem);
+    assert_eq!(solver.verdict(), Verdict::Converged);
 }
 
 /// Memory and work of solves on ever finer grids.
@@ -140,6 +155,8 @@ fn draw_in_the_room_of_an_older_picture() {
 fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memory() {
     let _profiler = dhat::Profiler::builder().testing().build();
     draw_in_the_room_of_an_older_picture();
+    check_newtons_method(&layered(33));
+    check_newtons_method(&sheet(33));
     let sheet = Growth {
         problem: sheet,
         nodes: &[65, 129, 257, 513],

@@ -2,13 +2,13 @@
 //!
 //! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
 //! on half of the patch, for either tissue model (`multigrid`). Newton's method on nested grids in f64 is the fallback
-//! and refines solutions below the resolution of f32 (`newton_method`: `newton` for a sheet, `newton_layers` for layered
-//! tissue, after a second attempt of multigrid with other constants). For a sheet Newton's method also resolves configurations with
+//! and refines solutions below the resolution of f32 (`newton_method`; of layered tissue after a second attempt of multigrid
+//! with other constants). For a sheet Newton's method also resolves configurations with
 //! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
 //! saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
-//! `fas` | `multigrid` | `newton` | `newton_layers` | `newton_method` | `linear` (systems of Newton's method) |
+//! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
 //! `validity` | `discretisation` | `reactions`.
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
@@ -20,7 +20,6 @@ pub(crate) mod initial_guess;
 pub(crate) mod linear;
 mod multigrid;
 mod newton;
-mod newton_layers;
 mod newton_method;
 mod problem;
 pub(crate) mod reactions;
@@ -257,7 +256,7 @@ impl Solver {
         let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
         match start {
             Start::Cold => newton.start_cold(problem, law, mirrors),
-            Start::FromSolution => newton.start_from(&self.x, &self.outer, problem, law, mirrors),
+            Start::FromSolution => newton.start_from((&self.x, &self.outer), problem, law, mirrors),
         }
     }
 

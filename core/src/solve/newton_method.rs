@@ -2,15 +2,14 @@
 
 use super::Problem;
 use super::multigrid::Law;
-use super::newton::{Mirrors, NestedNewton, State};
-use super::newton_layers::NestedLayers;
+use super::newton::{LayeredSystem, Mirrors, NestedNewton, SheetSystem, State};
 use super::validity::Invalid;
 use glam::DVec3;
 
 /// Newton's method for one tissue model.
 pub(super) enum NewtonMethod {
-    Sheet(Box<NestedNewton>),
-    Layered(Box<NestedLayers>),
+    Sheet(Box<NestedNewton<SheetSystem>>),
+    Layered(Box<NestedNewton<LayeredSystem>>),
 }
 
 macro_rules! delegate {
@@ -20,53 +19,46 @@ macro_rules! delegate {
             Self::Layered($newton) => $call,
         }
     };
+    ($self:ident, $law:ident, $newton:ident => $call:expr) => {
+        match ($self, $law) {
+            (Self::Sheet($newton), Law::Sheet($law)) => Some($call),
+            (Self::Layered($newton), Law::Layered($law)) => Some($call),
+            _ => None,
+        }
+    };
 }
 
 impl NewtonMethod {
     /// Allocates the grids. The factor multiplies iteration and work limits.
-    pub(super) fn new(problem: &Problem, law: &Law, work_limit_factor: f64) -> Self {
-        let sheet = &problem.sheet;
-        match law.layered() {
-            None => Self::Sheet(Box::new(NestedNewton::new(sheet, work_limit_factor))),
-            Some(law) => Self::Layered(Box::new(NestedLayers::new(sheet, law, work_limit_factor))),
+    pub(super) fn new(problem: &Problem, law: &Law, factor: f64) -> Self {
+        match law {
+            Law::Sheet(law) => {
+                Self::Sheet(Box::new(NestedNewton::<SheetSystem>::new(problem, law, factor)))
+            }
+            Law::Layered(law) => {
+                Self::Layered(Box::new(NestedNewton::<LayeredSystem>::new(problem, law, factor)))
+            }
         }
     }
 
     /// Starts on the coarsest grid, of a sheet from the initial guess, of layered tissue from rest under a rising dome.
     pub(super) fn start_cold(&mut self, problem: &Problem, law: &Law, mirrors: Mirrors) {
-        match (self, law.layered()) {
-            (Self::Sheet(newton), _) => newton.start_cold(&problem.obstacle, mirrors),
-            (Self::Layered(newton), Some(law)) => newton.start_cold(law, problem),
-            (Self::Layered(_), None) => {}
-        }
+        delegate!(self, law, newton => newton.start_cold(law, problem, mirrors));
     }
 
     /// Starts from the positions of the inner face and of the layers of nodes above.
     pub(super) fn start_from(
         &mut self,
-        inner: &[DVec3],
-        outer: &[Vec<DVec3>],
+        shape: (&[DVec3], &[Vec<DVec3>]),
         problem: &Problem,
         law: &Law,
         mirrors: Mirrors,
     ) {
-        match (self, law.layered()) {
-            (Self::Sheet(newton), _) => newton.start_from(inner, &problem.obstacle, mirrors),
-            (Self::Layered(newton), Some(law)) => newton.start_from(inner, outer, law, problem),
-            (Self::Layered(_), None) => {}
-        }
+        delegate!(self, law, newton => newton.start_from(shape, law, problem, mirrors));
     }
 
     pub(super) fn step(&mut self, problem: &Problem, law: &Law) -> State {
-        let Problem { springs, obstacle, tolerance, .. } = problem;
-        match (self, law.layered()) {
-            (Self::Sheet(newton), _) => {
-                let tolerance_mm = tolerance * obstacle.dome.reference_length();
-                newton.step(*springs, law.membrane(), obstacle, tolerance_mm)
-            }
-            (Self::Layered(newton), Some(law)) => newton.step(law, problem),
-            (Self::Layered(_), None) => State::Stalled,
-        }
+        delegate!(self, law, newton => newton.step(law, problem)).unwrap_or(State::Stalled)
     }
 
     pub(super) fn is_on_finest(&self) -> bool {
@@ -80,16 +72,16 @@ impl NewtonMethod {
 
     /// Number of changes of the finest grid's positions.
     pub(super) fn revision(&self) -> u64 {
-        delegate!(self, newton => newton.finest().revision())
+        delegate!(self, newton => newton.revision())
     }
 
     pub(super) fn relative_residual(&self) -> f64 {
-        delegate!(self, newton => newton.finest().relative_residual())
+        delegate!(self, newton => newton.relative_residual())
     }
 
     /// Estimated greatest node position error of the finest grid \[mm\].
     pub(super) fn error(&self) -> f64 {
-        delegate!(self, newton => newton.finest().error())
+        delegate!(self, newton => newton.error())
     }
 
     /// Work since the last [`Self::clear_work`] \[evaluations of all nodal forces on the finest grid\].
@@ -103,11 +95,10 @@ impl NewtonMethod {
 
     /// Why the finest grid's shape is invalid.
     pub(super) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
-        let (dome, tolerance) = (&problem.obstacle.dome, problem.tolerance);
-        delegate!(self, newton => newton.finest().invalid(dome, tolerance))
+        delegate!(self, newton => newton.invalid(problem))
     }
 
-    /// Writes the positions \[mm\] of the inner face and of the layers of nodes above.
+    /// Writes the positions \[mm\] of the inner face, of nodes with contact offsets and of the layers of nodes above.
     pub(super) fn write_positions(
         &self,
         problem: &Problem,
@@ -115,14 +106,6 @@ impl NewtonMethod {
         offset_nodes: &mut Vec<(usize, DVec3)>,
         outer: &mut [Vec<DVec3>],
     ) {
-        match self {
-            Self::Sheet(newton) => {
-                newton.finest().write_positions(&problem.obstacle.dome, inner, offset_nodes);
-            }
-            Self::Layered(newton) => {
-                offset_nodes.clear();
-                newton.finest().write_positions(inner, outer);
-            }
-        }
+        delegate!(self, newton => newton.write_positions(problem, inner, offset_nodes, outer));
     }
 }

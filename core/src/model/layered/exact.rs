@@ -168,8 +168,15 @@ impl Exact<'_> {
     /// Forces −∂E/∂x \[kPa·mm²\] on all layers of nodes at the positions `x` \[mm\].
     pub fn forces(&self, x: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
         let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
+        self.set_forces(&self.places(), x, &mut forces);
+        forces
+    }
+
+    /// [`Self::forces`] into given vectors, for all places.
+    pub(crate) fn set_forces(&self, places: &[Place], x: &[Vec<DVec3>], forces: &mut [Vec<DVec3>]) {
+        forces.iter_mut().for_each(|layer| layer.fill(DVec3::ZERO));
         assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
-        self.each(&self.places(), x, |element| {
+        self.each(places, x, |element| {
             let layer = element.layer;
             for (face, l) in self.faces_forces(&element).iter().zip([layer, layer + 1]) {
                 element.cell.spread(face, |k, pull| forces[l][k] -= pull);
@@ -178,7 +185,6 @@ impl Exact<'_> {
         self.attached(|corners, integrals| {
             self.pull_back(&x[0], corners, integrals, &mut forces[0]);
         });
-        forces
     }
 
     /// Forces −∂E/∂x \[kPa·mm²\] on the inner face at the nodes of a part where `wanted`; on other nodes they may be
@@ -273,12 +279,16 @@ impl Exact<'_> {
         x: &[X],
         mut visit: impl FnMut(Element),
     ) {
-        let heights = self.law.heights();
         let spacing = self.sheet.spacing_mm();
+        let below = self.law.cells[..layers.start].iter();
+        let lowest: f64 = below.map(|cells| cells.height_mm).sum();
         for &Place { cell, parity } in places {
+            let mut low = lowest;
             for layer in layers.clone() {
                 let cells = &self.law.cells[layer];
-                let faces = [layer, layer + 1].map(|l| self.face(&cell, heights[l], x[l].as_ref()));
+                let heights = [low, low + cells.height_mm];
+                let faces = [0, 1].map(|l| self.face(&cell, heights[l], x[layer + l].as_ref()));
+                low = heights[1];
                 let mut modes = modes(&faces[0], &faces[1]);
                 modes.linear = turned(modes.linear, cell.sides());
                 let sign = if layer % 2 == 0 { 1.0 } else { -1.0 };

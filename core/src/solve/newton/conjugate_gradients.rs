@@ -1,91 +1,108 @@
-//! Conjugate gradients on the model in the unconstrained directions, with a V-cycle as preconditioner.
+//! Conjugate gradients on the model in the unconstrained directions.
 
-use super::{CgState, Model, Newton, PARAMETERS, Phase, cost};
-use crate::mesh::stencil::BlockStencil9;
-use crate::solve::linear::galerkin::Finest;
-use glam::{DMat3, DVec3};
+use super::{Contact, Grid, Layers, Newton, System};
+use glam::DVec3;
 
-impl Newton {
-    /// One step; after the last step the next phase is the correction.
-    pub(super) fn conjugate_gradients(&mut self, CgState { step, start, rho }: CgState) {
-        let Some((rho, left)) = self.cg_step(step, rho) else {
-            return self.turn_to_definite_model();
+/// Conjugate gradients between two steps.
+#[derive(Clone, Copy)]
+pub(in crate::solve) struct CgState {
+    pub(super) step: u32,
+    /// Norm of the residual at the start.
+    pub(super) start: f64,
+    /// r·z of the step before.
+    pub(super) rho: f64,
+}
+
+/// Vectors of conjugate gradients.
+pub(super) struct Vectors {
+    /// The residual.
+    pub(super) r: Layers,
+    /// The preconditioned residual.
+    pub(super) z: Layers,
+    /// The direction.
+    pub(super) p: Layers,
+    /// The second derivative times a vector.
+    pub(super) product: Layers,
+}
+
+impl<S: System> Newton<S> {
+    /// Sets `r` to the residual of the model at the step `d`.
+    pub(super) fn set_residual(&mut self) {
+        self.work_units += S::PARAMETERS.cost.product;
+        let Vectors { r, product, .. } = &mut self.vectors;
+        self.system.product(&self.grid, &self.contact, &self.d, product);
+        for ((r, product), forces) in r.iter_mut().zip(product).zip(&self.forces) {
+            for k in self.grid.free() {
+                r[k] = forces[k] - product[k];
+            }
+        }
+    }
+
+    /// Keeps the unconstrained directions of the residual; returns its norm.
+    pub(super) fn project_residual(&mut self) -> f64 {
+        project(&self.grid, &self.contact, &mut self.vectors.r[0]);
+        self.dot(&self.vectors.r, &self.vectors.r).sqrt()
+    }
+
+    /// Sets `z` to the preconditioned residual; returns r·z.
+    pub(super) fn precondition(&mut self) -> f64 {
+        let Vectors { r, z, .. } = &mut self.vectors;
+        self.system.precondition(&self.grid, &self.contact, r, z);
+        self.dot(&self.vectors.r, &self.vectors.z)
+    }
+
+    /// Sets the direction p to z + β p, and the product to H p.
+    pub(super) fn turn(&mut self, beta: f64) {
+        let Vectors { z, p, .. } = &mut self.vectors;
+        for (p, z) in p.iter_mut().zip(z) {
+            for k in self.grid.free() {
+                p[k] = z[k] + p[k] * beta;
+            }
+        }
+        self.work_units += S::PARAMETERS.cost.product;
+        let Vectors { p, product, .. } = &mut self.vectors;
+        self.system.product(&self.grid, &self.contact, p, product);
+    }
+
+    /// p·H p.
+    pub(super) fn bend(&self) -> f64 {
+        self.dot(&self.vectors.p, &self.vectors.product)
+    }
+
+    /// Takes a multiple of H p from the residual; returns its norm.
+    pub(super) fn reduce_residual(&mut self, alpha: f64) -> f64 {
+        let Vectors { r, product, .. } = &mut self.vectors;
+        add(&self.grid.free, r, product, -alpha);
+        self.dot(&self.vectors.r, &self.vectors.r).sqrt()
+    }
+
+    pub(super) fn dot(&self, a: &Layers, b: &Layers) -> f64 {
+        let layer = |(a, b): (&Vec<DVec3>, &Vec<DVec3>)| {
+            self.grid.free().map(|k| a[k].dot(b[k])).sum::<f64>()
         };
-        self.phase = if step + 1 >= PARAMETERS.max_cg_steps || left <= PARAMETERS.cg_drop * start {
-            Phase::Correct
-        } else {
-            Phase::ConjugateGradients(CgState { step: step + 1, start, rho })
-        };
-    }
-
-    /// Sets `r` to the residual of the model at the current step, `q` to zero; returns the residual's norm.
-    pub(super) fn set_residual(&mut self) -> f64 {
-        self.work_units += cost::SWEEP;
-        let mut squares = 0.0;
-        let Model { hessian, projector, .. } = &self.model;
-        for &k in &self.free {
-            let k = k as usize;
-            let r = projector[k] * (self.forces[k] - hessian.row(k, &self.d));
-            squares += r.length_squared();
-            self.vectors.r[k] = r;
-            self.vectors.q[k] = DVec3::ZERO;
-        }
-        squares.sqrt()
-    }
-
-    /// One step, added to `q`; returns r·z and the norm of the remaining residual. `None`, without a step, if the model
-    /// is not positive along `p`.
-    pub(super) fn cg_step(&mut self, step: u32, rho_before: f64) -> Option<(f64, f64)> {
-        self.work_units += cost::CYCLE + cost::SWEEP;
-        self.precondition();
-        let (model, v, free) = (&self.model, &mut self.vectors, &self.free);
-        let rho = dot(free, &v.r, &v.z);
-        let beta = if step == 0 { 0.0 } else { rho / rho_before };
-        for &k in free {
-            let k = k as usize;
-            v.p[k] = v.z[k] + v.p[k] * beta;
-        }
-        // z contains H p from here on.
-        apply(&model.hessian, &model.projector, free, &v.p, &mut v.z);
-        let bend = dot(free, &v.p, &v.z);
-        if !(bend > 0.0 && rho > 0.0) {
-            return None;
-        }
-        let alpha = rho / bend;
-        let mut left = 0.0;
-        for &k in free {
-            let k = k as usize;
-            v.q[k] += v.p[k] * alpha;
-            v.r[k] -= v.z[k] * alpha;
-            left += v.r[k].length_squared();
-        }
-        Some((rho, left.sqrt()))
-    }
-
-    /// Sets `z` to one V-cycle on `r`.
-    pub(super) fn precondition(&mut self) {
-        let Model { hessian, hierarchy, tangent_inverse, projector, .. } = &mut self.model;
-        let finest =
-            Finest { blocks: hessian, inverse: tangent_inverse, projector, free: &self.free };
-        let v = &mut self.vectors;
-        hierarchy.cycle(&finest, &v.r, &mut v.z, &mut v.scratch);
+        a.iter().zip(b).map(layer).sum()
     }
 }
 
-/// out = Π H v.
-pub(super) fn apply(
-    hessian: &BlockStencil9,
-    projector: &[DMat3],
-    free: &[u32],
-    v: &[DVec3],
-    out: &mut [DVec3],
-) {
-    for &k in free {
-        let k = k as usize;
-        out[k] = projector[k] * hessian.row(k, v);
+/// Keeps the unconstrained directions of a vector of the inner face.
+pub(super) fn project(grid: &Grid, contact: &Contact, v: &mut [DVec3]) {
+    for k in grid.free() {
+        v[k] = contact.projector[k] * v[k];
     }
 }
 
-pub(super) fn dot(free: &[u32], a: &[DVec3], b: &[DVec3]) -> f64 {
-    free.iter().map(|&k| a[k as usize].dot(b[k as usize])).sum()
+/// Adds a multiple of `b` to `a` at the free nodes.
+pub(super) fn add(free: &[u32], a: &mut Layers, b: &Layers, factor: f64) {
+    for (a, b) in a.iter_mut().zip(b) {
+        for &k in free {
+            a[k as usize] += b[k as usize] * factor;
+        }
+    }
+}
+
+/// The longest vector of a free node.
+pub(super) fn longest(free: &[u32], v: &Layers) -> f64 {
+    let squares =
+        |v: &Vec<DVec3>| free.iter().map(|&k| v[k as usize].length_squared()).fold(0.0, f64::max);
+    v.iter().map(squares).fold(0.0, f64::max).sqrt()
 }

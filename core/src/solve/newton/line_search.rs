@@ -1,14 +1,12 @@
 //! Line search along the step, projected out of the obstacle, and the error estimate from step sizes.
 
-use super::{Newton, PARAMETERS, Phase, State, cost};
+use super::{Case, Newton, Phase, State, System};
 use crate::contact::Obstacle;
 use crate::contact::active_set::ON_DOME;
-use crate::model::membrane::assembly;
-use crate::model::membrane::law::SheetLaw;
 use glam::DVec3;
 
 /// A trial step.
-pub(super) struct Trial {
+pub(in crate::solve) struct Trial {
     /// Energy after the step \[kPa·mm³\].
     pub(super) energy: f64,
     /// Greatest move of a node \[mm\].
@@ -21,76 +19,56 @@ pub(super) struct Trial {
     is_descent: bool,
 }
 
-impl Newton {
+impl<S: System> Newton<S> {
     /// Tries the step at a length; accepts the step if the energy falls, else halves the length.
-    pub(super) fn line_search(
-        &mut self,
-        law: &SheetLaw,
-        obstacle: &Obstacle,
-        tolerance: f64,
-        length: f64,
-        halvings: u32,
-    ) -> State {
+    pub(super) fn line_search(&mut self, case: &Case<S::Law>, length: f64, halvings: u32) -> State {
         if halvings == 0 {
-            self.symmetrize_step();
+            S::begin_line_search(self);
         }
-        let trial = self.try_step(law, obstacle, length, halvings);
+        let trial = self.try_step(case, length, halvings);
         if !trial.is_descent {
-            // Contact may turn the exact Hessian's step into an ascent; a shorter step may still descend.
-            let is_uphill = trial.predicted <= 0.0 && !self.robust.is_exact_step();
-            if is_uphill || halvings >= PARAMETERS.max_halvings {
-                return self.reject_step(is_uphill);
+            let is_uphill = self.system.is_uphill(&trial);
+            if is_uphill || halvings >= S::PARAMETERS.max_halvings {
+                return S::reject_step(self, is_uphill);
             }
             self.phase = Phase::LineSearch { length: 0.5 * length, halvings: halvings + 1 };
             return State::Working;
         }
         std::mem::swap(&mut self.x, &mut self.trial);
+        self.energy = trial.energy;
         self.revision += 1;
-        let step = self.robust.accept_step(halvings == 0, self.iterations);
-        self.phase = Phase::Linearize { row: 0 };
-        let is_compressive = self.model.totals.is_compressive(self.force_scale(law));
-        self.estimate_error(&trial, step.is_whole, is_compressive);
-        let has_growth = step.is_whole && self.is_too_short(&trial);
-        if self.is_converged(&trial, tolerance, is_compressive, has_growth)
-            && let Some(ending) = self.robust.confirm(step)
-        {
-            return ending;
-        }
-        self.extend_step(step.is_whole, has_growth, trial.energy);
-        State::Working
+        self.phase = Phase::Linearize { piece: 0 };
+        S::accept_step(self, case, &trial, halvings == 0)
     }
 
-    fn try_step(
-        &mut self,
-        law: &SheetLaw,
-        obstacle: &Obstacle,
-        length: f64,
-        halvings: u32,
-    ) -> Trial {
-        self.work_units += cost::ENERGY;
-        self.trial.copy_from_slice(&self.x);
+    fn try_step(&mut self, case: &Case<S::Law>, length: f64, halvings: u32) -> Trial {
+        self.work_units += S::PARAMETERS.cost.energy;
+        let holds_active = halvings == 0 || S::PARAMETERS.holds_halved_steps;
         let (mut largest, mut predicted) = (0.0_f64, 0.0);
-        for &k in &self.free {
-            let k = k as usize;
-            let to = self.projected(obstacle, k, self.x[k] + self.d[k] * length, halvings == 0);
-            let moved = to - self.x[k];
-            largest = largest.max(moved.length_squared());
-            predicted += moved.dot(self.forces[k]);
-            self.trial[k] = to;
+        for layer in 0..self.x.len() {
+            self.trial[layer].copy_from_slice(&self.x[layer]);
+            for k in self.grid.free() {
+                let from = self.x[layer][k];
+                let mut to = from + self.d[layer][k] * length;
+                if layer == 0 {
+                    to = self.projected(&case.obstacle, k, to, holds_active);
+                }
+                let moved = to - from;
+                largest = largest.max(moved.length_squared());
+                predicted += moved.dot(self.forces[layer][k]);
+                self.trial[layer][k] = to;
+            }
         }
-        let energy = assembly::energy(&self.sheet, law, &self.trial);
-        // Rounding of the sum of energies and of the positions.
-        let totals = &self.model.totals;
-        let position = f64::EPSILON * self.sheet.radius_mm();
-        let rounding =
-            PARAMETERS.energy_rounding * totals.energy.abs() + position * totals.force_scale();
-        let sufficient = PARAMETERS.sufficient_decrease * predicted.max(0.0);
-        let is_descent = energy <= totals.energy - sufficient + rounding && energy.is_finite();
+        let energy = self.system.energy(&self.grid, case, &self.trial);
+        let rounding = S::PARAMETERS.energy_rounding * self.energy.abs()
+            + self.system.energy_of_rounding(&self.grid);
+        let sufficient = S::PARAMETERS.sufficient_decrease * predicted.max(0.0);
+        let is_descent = energy <= self.energy - sufficient + rounding && energy.is_finite();
         Trial { energy, largest: largest.sqrt(), predicted, rounding, is_descent }
     }
 
-    /// The position `to` of a node, projected out of the obstacle. A node with `is_held` and an active constraint is
-    /// projected onto the dome, because a tangential step leaves the curved surface.
+    /// The position `to` of a node of the inner face, projected out of the obstacle. A node with `is_held` and an active
+    /// constraint is projected onto the dome, because a tangential step leaves the curved surface.
     pub(super) fn projected(
         &self,
         obstacle: &Obstacle,
@@ -98,47 +76,38 @@ impl Newton {
         to: DVec3,
         is_held: bool,
     ) -> DVec3 {
-        let offset = self.contact.offset[k].abs();
+        let offset = self.system.offset(k).abs();
         let is_held = is_held && self.contact.active[k] & ON_DOME != 0;
         obstacle.project(if is_held { obstacle.dome.project(to, offset) } else { to }, offset)
     }
 
-    /// Estimates the error as the sum of a geometric series of steps.
-    ///
-    /// A shortened step gives no estimate. With a model that is too stiff, one small step is not evidence of
-    /// convergence: near-zero stiffness may follow.
-    fn estimate_error(&mut self, trial: &Trial, is_whole: bool, is_compressive: bool) {
-        let most = PARAMETERS.max_convergence_factor;
-        let growth = self.robust.step_growth;
-        let is_stiff = growth > 1.0 || is_compressive;
+    /// Estimates the error as the sum of a geometric series of steps, each `growth` times too short at most. A shortened
+    /// step gives no estimate; of a stiff model the ratio of the steps is assumed.
+    pub(super) fn estimate_error(
+        &mut self,
+        trial: &Trial,
+        is_whole: bool,
+        growth: f64,
+        is_stiff: bool,
+    ) {
+        let most = S::PARAMETERS.max_convergence_factor;
         let rate = if is_stiff { most } else { (trial.largest / self.last_step).min(most) };
         self.error = if is_whole && self.last_step.is_finite() {
             growth * trial.largest * rate / (1.0 - rate)
-                + self.last_round.min(trial.largest)
-                + self.robust.extrapolation
         } else {
             f64::INFINITY
         };
         self.last_step = if is_whole { trial.largest } else { f64::INFINITY };
-        self.robust.decay_extrapolation();
     }
 
     /// Are error and step within the tolerance, and was the residual before the step small? Contact may shorten a step
-    /// without a balance of forces. The first step that was too short proves the estimate too small.
-    fn is_converged(
+    /// without a balance of forces.
+    pub(super) fn has_converged(
         &self,
         trial: &Trial,
-        tolerance: f64,
-        is_compressive: bool,
-        has_growth: bool,
+        case: &Case<S::Law>,
+        max_residual: f64,
     ) -> bool {
-        let max_residual = if is_compressive {
-            PARAMETERS.max_compressive_residual
-        } else {
-            PARAMETERS.max_residual_before_step
-        };
-        self.error.max(trial.largest) <= tolerance
-            && self.relative_residual <= max_residual
-            && (!has_growth || self.robust.step_growth > 1.0)
+        self.error.max(trial.largest) <= case.tolerance && self.relative_residual <= max_residual
     }
 }

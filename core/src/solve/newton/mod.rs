@@ -1,47 +1,40 @@
-//! Newton's method with contact on one grid.
+//! Newton's method with contact on one grid, in f64, for either tissue model.
 //!
-//! An iteration minimises the quadratic model of the energy under the linearised constraints (not into the dome,
-//! not below the wall):
+//! An iteration minimises the quadratic model of the energy under the linearised constraints of the inner face (not into
+//! the dome, not below the wall):
 //!
-//! 1. Linearise: forces, positive semidefinite Hessian, the obstacle's curvature at nodes under a reaction
-//!    (`linearize`).
-//! 2. Active set: projected block Gauss–Seidel sweeps (`active_set_step`).
-//! 3. Step of the inactive directions: conjugate gradients, a truncated V-cycle as preconditioner
-//!    (`conjugate_gradients`); 2 and 3 repeat until neither changes the step.
-//! 4. Line search: the step, projected out of the obstacle, shortened until the energy falls; error estimate
+//! 1. Linearise: energy, forces, second derivatives, the obstacle's curvature at nodes under a reaction (`linearize`).
+//! 2. The step under the constraints, in rounds of active set and conjugate gradients (`conjugate_gradients`), by the
+//!    tissue model's own schedule: `sheet`, `layered`.
+//! 3. Line search: the step, projected out of the obstacle, shortened until the energy falls; error estimate
 //!    (`line_search`).
 //!
-//! Cf. C. Gräser and R. Kornhuber, "Multigrid methods for obstacle problems", J. Comput. Math. 27(1), 2009.
-//!
-//! `robust`: safeguards near singular stiffness, skip on first reading. `contact_offsets` (contact that ends
-//! between nodes) | `finish` (output) | `nested` (nested grids) | `prolongation`.
+//! `system`: the trait of a tissue model. `nested`: nested grids, rising dome. `prolongation` | `parameters`. No iteration
+//! but the first allocates.
 
-mod active_set_step;
 mod conjugate_gradients;
-mod contact_offsets;
-mod finish;
+mod layered;
 mod line_search;
 mod nested;
 mod parameters;
-pub(super) mod prolongation;
-mod robust;
+mod prolongation;
+mod sheet;
+mod system;
 
-use super::linear::galerkin::Hierarchy;
-use crate::contact::active_set::{Constraint, FREE, Reaction};
-use crate::contact::{Obstacle, TOUCH_F64};
-use crate::mesh::stencil::BlockStencil9;
-use crate::mesh::{NodeKind, Sheet};
-use crate::model::membrane::assembly::{self, Stiffness, Totals};
-use crate::model::membrane::law::SheetLaw;
-use crate::solve::linear::galerkin::safe_inverse;
+use super::Problem;
+use crate::contact::Obstacle;
+use crate::contact::active_set::{Constraint, FREE};
+use crate::mesh::{NodeKind, Patch, Sheet};
+use conjugate_gradients::{CgState, Vectors};
 use glam::{DMat3, DVec3};
+pub(super) use layered::LayeredSystem;
+use line_search::Trial;
 pub(super) use nested::{NestedNewton, Start};
-use parameters::{CELLS_PER_PIECE, PARAMETERS, cost};
-pub(super) use robust::symmetry::Mirrors;
-use robust::{HessianUse, Robust, SafeguardPhase};
+pub(super) use sheet::{Mirrors, SheetSystem};
+use system::System;
 
-/// Least scale of forces \[small-strain stiffness × spacing\]: in a sheet at rest the forces are rounding.
-const MIN_FORCE_SCALE: f64 = 1e-9;
+/// One vector a node, shape (layers, nodes_per_side²).
+type Layers = Vec<Vec<DVec3>>;
 
 /// State of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,100 +49,92 @@ pub(super) enum State {
     Saddle,
 }
 
+/// The problem on one grid.
+#[derive(Clone, Copy)]
+pub(super) struct Case<'a, L> {
+    law: &'a L,
+    patch: Patch,
+    obstacle: Obstacle,
+    /// Tolerance of positions \[mm\].
+    tolerance: f64,
+    /// Symmetries of a sheet's solution.
+    mirrors: Mirrors,
+}
+
+/// The grid's nodes.
+pub(super) struct Grid {
+    sheet: Sheet,
+    /// Heights at rest of the layers of nodes \[mm\].
+    heights: Vec<f64>,
+    /// Free nodes of a layer.
+    free: Vec<u32>,
+}
+
+impl Grid {
+    fn free(&self) -> impl DoubleEndedIterator<Item = usize> + '_ {
+        self.free.iter().map(|&k| k as usize)
+    }
+
+    /// Puts all nodes at rest.
+    fn put_at_rest(&self, x: &mut Layers) {
+        for (x, height) in x.iter_mut().zip(&self.heights) {
+            for (x, rest) in x.iter_mut().zip(self.sheet.rest()) {
+                *x = rest.extend(*height);
+            }
+        }
+    }
+}
+
+/// Contact conditions of the inner face; arrays of shape (n², ).
+pub(super) struct Contact {
+    constraint: Vec<Constraint>,
+    /// Active constraints, see [`crate::contact::active_set`].
+    active: Vec<u8>,
+    /// Projectors onto the unconstrained directions; zero at nodes that are not free.
+    projector: Vec<DMat3>,
+    /// Inverse blocks in the unconstrained directions.
+    inverse: Vec<DMat3>,
+    /// The obstacle's curvature at nodes under a reaction, which the model's blocks lose \[kPa·mm\].
+    curvature: Vec<(usize, DMat3)>,
+}
+
 /// The next piece of work.
 #[derive(Clone, Copy)]
-enum Phase {
-    /// Adds rows of cells to forces and Hessian, from `row` on.
+enum Phase<P> {
+    /// Adds a piece of energy, forces and second derivatives.
     Linearize {
-        row: usize,
-    },
-    ActiveSet,
-    /// Builds a piece of the coarse operators.
-    Build {
         piece: usize,
     },
+    ActiveSet,
     ConjugateGradients(CgState),
-    /// Ends a round of active set and conjugate gradients.
-    Correct,
     LineSearch {
         length: f64,
         halvings: u32,
     },
-    Robust(SafeguardPhase),
+    Own(P),
 }
 
-/// A conjugate-gradient iteration between two steps.
-#[derive(Clone, Copy)]
-struct CgState {
-    step: u32,
-    /// Norm of the residual at the start.
-    start: f64,
-    /// r·z of the step before.
-    rho: f64,
-}
-
-/// The quadratic model of the energy at `x`. Arrays of shape (n², ).
-struct Model {
-    hessian: BlockStencil9,
-    hierarchy: Hierarchy,
-    /// Do the coarse operators belong to the current Hessian?
-    is_built: bool,
-    /// Inverse diagonal blocks, unconstrained.
-    inverse: Vec<DMat3>,
-    /// Inverse diagonal blocks in the unconstrained directions.
-    tangent_inverse: Vec<DMat3>,
-    /// Projectors onto the unconstrained directions.
-    projector: Vec<DMat3>,
-    totals: Totals,
-}
-
-/// Contact conditions at every node; arrays of shape (n², ).
-struct Contact {
-    /// Active constraints, see [`crate::contact::active_set`].
-    active: Vec<u8>,
-    constraint: Vec<Constraint>,
-    /// Number of nodes with active constraints changed by the last sweeps.
-    changed: usize,
-    /// Contact offset of each node, as a gauge \[-\]; negative if contact ends before the node.
-    offset: Vec<f64>,
-    /// Error of neglected contact offsets \[mm\].
-    neglected_offset: f64,
-}
-
-/// Vectors of conjugate gradients; arrays of shape (n², ).
-struct Vectors {
-    r: Vec<DVec3>,
-    z: Vec<DVec3>,
-    p: Vec<DVec3>,
-    /// The correction.
-    q: Vec<DVec3>,
-    /// Residuals inside a V-cycle; zero at nodes that are not free.
-    scratch: Vec<DVec3>,
-}
-
-/// The iteration on one grid. Arrays of shape (n², ).
-pub(super) struct Newton {
-    sheet: Sheet,
-    /// Free nodes.
-    free: Vec<u32>,
+/// The iteration on one grid.
+pub(super) struct Newton<S: System> {
+    grid: Grid,
     /// Positions \[mm\].
-    x: Vec<DVec3>,
+    x: Layers,
     /// Number of changes of `x`.
     revision: u64,
-    forces: Vec<DVec3>,
-    model: Model,
+    forces: Layers,
+    /// Energy at `x` \[kPa·mm³\].
+    energy: f64,
+    system: S,
     contact: Contact,
     /// The step.
-    d: Vec<DVec3>,
+    d: Layers,
     /// Positions after the step; after an accepted step the positions before the step.
-    trial: Vec<DVec3>,
+    trial: Layers,
     vectors: Vectors,
-    phase: Phase,
-    robust: Robust,
+    phase: Phase<S::Piece>,
     iterations: u32,
-    /// Rounds of this iteration, and the greatest change of a node in the last round \[mm\].
+    /// Rounds of this iteration.
     rounds: u32,
-    last_round: f64,
     /// Length of the last whole step \[mm\].
     last_step: f64,
     relative_residual: f64,
@@ -160,199 +145,133 @@ pub(super) struct Newton {
     max_work: f64,
 }
 
-impl Newton {
-    pub(super) fn new(sheet: Sheet, work_limit_factor: f64) -> Self {
-        let (size, n) = (sheet.len(), sheet.nodes_per_side());
-        let max_work = (PARAMETERS.max_node_work / size as f64).max(PARAMETERS.min_work_limit);
-        let free: Vec<u32> =
-            (0..size).filter(|&k| sheet.kinds()[k] == NodeKind::Free).map(|k| k as u32).collect();
-        let vectors = || vec![DVec3::ZERO; size];
-        let matrices = || vec![DMat3::ZERO; size];
+impl<S: System> Newton<S> {
+    fn new(sheet: Sheet, law: &S::Law, work_limit_factor: f64) -> Self {
+        let size = sheet.len();
+        let is_free = |k: &u32| sheet.kinds()[*k as usize] == NodeKind::Free;
+        let free: Vec<u32> = (0..size as u32).filter(is_free).collect();
+        let grid = Grid { free, heights: S::heights(law), sheet };
+        let vectors = || vec![vec![DVec3::ZERO; size]; grid.heights.len()];
+        let mut x = vectors();
+        grid.put_at_rest(&mut x);
+        let limits = S::PARAMETERS;
         Self {
-            x: sheet.rest_positions(),
+            x,
             revision: 0,
             forces: vectors(),
-            model: Model {
-                hessian: BlockStencil9::new(n),
-                hierarchy: Hierarchy::new(n, &free),
-                is_built: false,
-                inverse: matrices(),
-                tangent_inverse: matrices(),
-                projector: matrices(),
-                totals: Totals::default(),
-            },
+            energy: f64::INFINITY,
+            system: S::new(&grid),
             contact: Contact {
-                active: vec![FREE; size],
                 constraint: vec![Constraint::default(); size],
-                changed: 0,
-                offset: vec![0.0; size],
-                neglected_offset: 0.0,
+                active: vec![FREE; size],
+                projector: vec![DMat3::ZERO; size],
+                inverse: vec![DMat3::ZERO; size],
+                curvature: Vec::with_capacity(grid.free.len()),
             },
             d: vectors(),
             trial: vectors(),
-            vectors: Vectors {
-                r: vectors(),
-                z: vectors(),
-                p: vectors(),
-                q: vectors(),
-                scratch: vectors(),
-            },
-            phase: Phase::Linearize { row: 0 },
-            robust: Robust::new(size),
+            vectors: Vectors { r: vectors(), z: vectors(), p: vectors(), product: vectors() },
+            phase: Phase::Linearize { piece: 0 },
             iterations: 0,
             rounds: 0,
-            last_round: 0.0,
             last_step: f64::INFINITY,
             relative_residual: f64::INFINITY,
             error: f64::INFINITY,
             work_units: 0.0,
-            max_iterations: (f64::from(PARAMETERS.max_iterations) * work_limit_factor) as u32,
-            max_work: max_work * work_limit_factor,
-            free,
-            sheet,
+            max_iterations: (f64::from(limits.max_iterations) * work_limit_factor) as u32,
+            max_work: limits.work_of_grid.of(S::elements(&grid)) * work_limit_factor,
+            grid,
         }
     }
 
-    /// Starts from the positions in `x`, projected out of the obstacle.
-    pub(super) fn start(&mut self, obstacle: &Obstacle, mirrors: Mirrors) {
-        self.robust.start(mirrors, &obstacle.dome);
-        self.symmetrize_positions();
-        for &k in &self.free {
-            let k = k as usize;
-            self.contact.offset[k] = 0.0;
-            self.x[k] = obstacle.project(self.x[k], 0.0);
-        }
-        self.phase = Phase::Linearize { row: 0 };
+    /// Does the next piece of work start an iteration?
+    fn is_between_iterations(&self) -> bool {
+        matches!(self.phase, Phase::Linearize { piece: 0 })
+    }
+
+    /// Starts from the positions in `x`, moved until the inner face is outside of the obstacle.
+    fn start(&mut self, case: &Case<S::Law>) {
+        S::start(self, case);
+        self.phase = Phase::Linearize { piece: 0 };
         self.revision += 1;
         self.iterations = 0;
-        self.contact.neglected_offset = 0.0;
         self.last_step = f64::INFINITY;
         self.error = f64::INFINITY;
         self.relative_residual = f64::INFINITY;
     }
 
-    /// Does the next piece of work, a few passes over the grid at most. `tolerance` \[mm\].
-    pub(super) fn step(&mut self, law: &SheetLaw, obstacle: &Obstacle, tolerance: f64) -> State {
+    /// Does the next piece of work, a few passes over the grid at most.
+    fn step(&mut self, case: &Case<S::Law>) -> State {
         match self.phase {
-            Phase::Linearize { row } => return self.linearize(law, obstacle, row),
-            Phase::ActiveSet => self.find_active_set(),
-            Phase::Build { piece } => self.build(piece),
-            Phase::ConjugateGradients(cg) => self.conjugate_gradients(cg),
-            Phase::Correct => self.correct(obstacle, tolerance),
+            Phase::Linearize { piece } => return self.linearize(case, piece),
+            Phase::ActiveSet => S::update_active_set(self),
+            Phase::ConjugateGradients(step) => S::conjugate_gradients(self, step),
             Phase::LineSearch { length, halvings } => {
-                return self.line_search(law, obstacle, tolerance, length, halvings);
+                return self.line_search(case, length, halvings);
             }
-            Phase::Robust(phase) => return self.robust_step(law, obstacle, tolerance, phase),
+            Phase::Own(piece) => return S::own_piece(self, case, piece),
         }
         State::Working
     }
 
-    fn linearize(&mut self, law: &SheetLaw, obstacle: &Obstacle, row: usize) -> State {
+    fn linearize(&mut self, case: &Case<S::Law>, piece: usize) -> State {
         if self.iterations >= self.max_iterations || self.work_units > self.max_work {
             return State::Stalled;
         }
-        if let Some(row) = self.add_rows(law, row, Stiffness::Positive) {
-            self.phase = Phase::Linearize { row };
+        if piece == 0 {
+            self.work_units += S::PARAMETERS.cost.linearize;
+        }
+        if let Some(piece) = S::linearize(self, case, piece) {
+            self.phase = Phase::Linearize { piece };
             return State::Working;
         }
         self.iterations += 1;
-        self.robust.hessian = HessianUse::Positive;
-        if self.has_diverged(obstacle) {
-            return State::Unstable;
+        if let Some(state) = S::complete(self, case) {
+            return state;
         }
-        let is_definite = self.add_contact(obstacle);
-        if !self.accept_curvature(is_definite) {
-            return State::Working;
-        }
-        for &k in &self.free {
-            let k = k as usize;
-            self.d[k] = DVec3::ZERO;
-            self.model.inverse[k] = safe_inverse(self.model.hessian.diagonal[k]);
-        }
-        self.relative_residual = self.residual(law);
+        self.relative_residual = self.residual(case);
+        self.d.iter_mut().for_each(|layer| layer.fill(DVec3::ZERO));
         self.rounds = 0;
-        self.model.is_built = false;
-        self.phase = Phase::ActiveSet;
+        S::begin_rounds(self);
         State::Working
     }
 
-    /// Adds rows of cells to forces and Hessian; returns the next row, `None` at the end.
-    fn add_rows(&mut self, law: &SheetLaw, row: usize, stiffness: Stiffness) -> Option<usize> {
-        let rows = self.sheet.nodes_per_side() - 1;
-        let Model { hessian, totals, .. } = &mut self.model;
-        if row == 0 {
-            self.work_units += cost::LINEARIZE;
-            self.forces.fill(DVec3::ZERO);
-            hessian.clear();
-            *totals = Totals::default();
-        }
-        let piece = (CELLS_PER_PIECE / self.sheet.nodes_per_side()).max(1);
-        let end = (row + piece).min(rows);
-        let sums = assembly::Sums { forces: &mut self.forces, hessian, totals };
-        assembly::linearize_rows(&self.sheet, law, &self.x, row..end, stiffness, sums);
-        (end < rows).then_some(row + piece)
-    }
-
-    /// Finds the active constraints, and adds the dome's curvature under active nodes to the model unless
-    /// curvature is off; returns whether all diagonal blocks with curvature are positive definite.
-    fn add_contact(&mut self, obstacle: &Obstacle) -> bool {
-        let touch = TOUCH_F64 * obstacle.dome.reference_length();
-        let mut is_definite = true;
-        for k in 0..self.free.len() {
-            let k = self.free[k] as usize;
-            let reaction = self.find_contact(obstacle, k, touch);
-            if self.robust.has_curvature() && reaction.per_gradient > 0.0 {
-                let block = &mut self.model.hessian.diagonal[k];
-                *block -= obstacle.curvature(self.x[k], &reaction);
-                is_definite &= is_positive_definite(block);
+    /// Finds the active constraints, of surfaces nearer than `touch` \[base radius\], their reactions and the curvature
+    /// under the reactions.
+    fn find_contact(&mut self, obstacle: &Obstacle, touch: f64) {
+        let touch = touch * obstacle.dome.reference_length();
+        let Contact { constraint, active, curvature, .. } = &mut self.contact;
+        curvature.clear();
+        for k in self.grid.free() {
+            let (x, offset) = (self.x[0][k], self.system.offset(k).abs());
+            constraint[k] = Constraint::new(&obstacle.dome, obstacle.wall, x, offset);
+            let reaction = constraint[k].reaction(self.forces[0][k], touch);
+            active[k] = reaction.active;
+            let bend = obstacle.curvature(x, &reaction);
+            if bend != DMat3::ZERO {
+                curvature.push((k, bend));
             }
         }
-        is_definite
     }
 
-    /// Finds the active constraints of a node, of surfaces nearer than `touch` \[mm\], and their reactions.
-    fn find_contact(&mut self, obstacle: &Obstacle, k: usize, touch: f64) -> Reaction {
-        let offset = self.contact.offset[k].abs();
-        let constraint = Constraint::new(&obstacle.dome, obstacle.wall, self.x[k], offset);
-        let reaction = constraint.reaction(self.forces[k], touch);
-        self.contact.constraint[k] = constraint;
-        self.contact.active[k] = reaction.active;
-        reaction
+    /// Sets a node's projector onto the unconstrained directions, and the inverse block in these directions.
+    fn constrain(&mut self, k: usize) {
+        let (constraint, active) = (&self.contact.constraint[k], self.contact.active[k]);
+        let [block, inverse] = self.system.block(k);
+        self.contact.projector[k] = constraint.projector(active);
+        self.contact.inverse[k] = constraint.constrained_inverse(active, *inverse, block);
     }
 
-    /// Norm of the nodal forces without contact forces, relative to the forces of all triangles.
-    fn residual(&self, law: &SheetLaw) -> f64 {
-        let square = |&k: &u32| {
-            let k = k as usize;
-            let projector = self.contact.constraint[k].projector(self.contact.active[k]);
-            (projector * self.forces[k]).length_squared()
-        };
-        let squares: f64 = self.free.iter().map(square).sum();
-        squares.sqrt() / self.force_scale(law)
+    /// Norm of the nodal forces without contact forces, relative to the scale of forces.
+    fn residual(&self, case: &Case<S::Law>) -> f64 {
+        let mut squares = 0.0;
+        for (layer, forces) in self.forces.iter().enumerate() {
+            for k in self.grid.free() {
+                let projector = self.contact.constraint[k].projector(self.contact.active[k]);
+                let force = if layer == 0 { projector * forces[k] } else { forces[k] };
+                squares += force.length_squared();
+            }
+        }
+        squares.sqrt() / self.system.force_scale(&self.grid, case.law)
     }
-
-    /// The scale of forces \[kPa·mm²\]. The lower bound keeps rounding from being compared with rounding in a sheet at
-    /// rest.
-    fn force_scale(&self, law: &SheetLaw) -> f64 {
-        let rounding = MIN_FORCE_SCALE * law.stiffness() * self.sheet.spacing_mm();
-        self.model.totals.force_scale().max(rounding)
-    }
-
-    pub(super) fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    pub(super) fn relative_residual(&self) -> f64 {
-        self.relative_residual
-    }
-
-    /// Estimated greatest node position error \[mm\].
-    pub(super) fn error(&self) -> f64 {
-        self.error
-    }
-}
-
-fn is_positive_definite(m: &DMat3) -> bool {
-    let minor = m.x_axis.x * m.y_axis.y - m.x_axis.y * m.x_axis.y;
-    m.x_axis.x > 0.0 && minor > 0.0 && m.determinant() > 0.0
 }

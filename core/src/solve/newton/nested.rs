@@ -1,190 +1,169 @@
-//! Newton's method on nested grids: each grid starts from the prolongated solution of the coarser grid.
+//! Newton's method on nested grids: each grid starts from the prolongated solution of the coarser grid. On the coarsest
+//! grid the dome may rise step by step.
 
-use super::robust::symmetry::Mirrors;
-use super::{Newton, State, prolongation};
+use super::{Case, Mirrors, Newton, Problem, State, System, prolongation};
 use crate::contact::Obstacle;
-use crate::mesh::Sheet;
-use crate::model::membrane::law::SheetLaw;
-use crate::solve::initial_guess;
-use crate::springs::Springs;
+use crate::solve::validity::{self, Invalid};
 use glam::DVec3;
-
-/// Tolerance of the coarser grids, whose solutions are only starts \[base radius\].
-const COARSE_TOLERANCE: f64 = 1e-3;
-/// Greatest number of exact steps with the paper's springs: near an instability exact steps may continue without end.
-const MAX_EXACT_STEPS: u32 = 10;
-/// Iterations after which a solve from a given solution restarts on the coarsest grid.
-const MAX_WARM_ITERATIONS: u32 = 8;
 
 /// Start of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::solve) enum Start {
-    /// Initial guess on the coarsest grid.
+    /// First guess on the coarsest grid.
     Cold,
     /// The current solution.
     FromSolution,
 }
 
-/// Completed checks of a converged solution.
-#[derive(Clone, Copy, Debug)]
-struct Checks {
-    /// Has the stability of the paper's springs been checked?
-    is_stability_checked: bool,
-    /// Have contact offsets been computed?
-    are_offsets_searched: bool,
-    /// Number of exact steps.
-    exact_steps: u32,
-}
-
-const UNCHECKED: Checks =
-    Checks { is_stability_checked: false, are_offsets_searched: false, exact_steps: 0 };
-
 /// Newton's method on a grid and its coarser grids.
-pub(in crate::solve) struct NestedNewton {
+pub(in crate::solve) struct NestedNewton<S: System> {
     /// From the coarsest grid to the finest.
-    levels: Vec<Newton>,
+    levels: Vec<Newton<S>>,
     /// The grid being solved.
     grid: usize,
     start: Start,
+    /// Part of the dome's height above the wall that stands on the coarsest grid \[-\].
+    raised: f64,
     mirrors: Mirrors,
-    checks: Checks,
+    checks: S::Checks,
+    /// Work on all grids after which the solve ends, in the unit of [`Self::work_units`].
+    max_work: f64,
+    /// Scratch of the prolongation.
+    scaled: Vec<DVec3>,
 }
 
-impl NestedNewton {
-    /// Allocates the grids of a sheet and its coarser sheets. The factor multiplies iteration and work limits.
-    pub(in crate::solve) fn new(sheet: &Sheet, work_limit_factor: f64) -> Self {
-        let mut sheets = vec![sheet.clone()];
-        while let Some(coarser) = sheets[sheets.len() - 1].coarser() {
+impl<S: System> NestedNewton<S> {
+    /// Allocates the grids of a problem and its coarser grids. The factor multiplies iteration and work limits.
+    pub(in crate::solve) fn new(problem: &Problem, law: &S::Law, work_limit_factor: f64) -> Self {
+        let mut sheets = vec![problem.sheet.clone()];
+        while let Some(coarser) = sheets[sheets.len() - 1].coarser()
+            && coarser.nodes_per_side() > S::PARAMETERS.least_cells
+        {
             sheets.push(coarser);
         }
-        let newton = |sheet| Newton::new(sheet, work_limit_factor);
-        let levels = sheets.into_iter().rev().map(newton).collect();
-        let (start, mirrors) = (Start::Cold, Mirrors::None);
-        Self { levels, grid: 0, start, mirrors, checks: UNCHECKED }
+        let newton = |sheet| Newton::new(sheet, law, work_limit_factor);
+        let levels: Vec<Newton<S>> = sheets.into_iter().rev().map(newton).collect();
+        let elements = S::elements(&levels[levels.len() - 1].grid);
+        Self {
+            levels,
+            grid: 0,
+            start: Start::Cold,
+            raised: 1.0,
+            mirrors: Mirrors::None,
+            checks: S::Checks::default(),
+            max_work: S::PARAMETERS.work_of_all_grids.of(elements) * work_limit_factor,
+            scaled: Vec::new(),
+        }
     }
 
-    /// Starts from the initial guess on the coarsest grid.
-    pub(in crate::solve) fn start_cold(&mut self, obstacle: &Obstacle, mirrors: Mirrors) {
+    /// Starts from the first guess on the coarsest grid.
+    pub(in crate::solve) fn start_cold(
+        &mut self,
+        law: &S::Law,
+        problem: &Problem,
+        mirrors: Mirrors,
+    ) {
         self.mirrors = mirrors;
         self.start = Start::Cold;
-        self.checks = UNCHECKED;
+        self.checks = S::Checks::default();
         self.grid = 0;
-        let coarsest = &mut self.levels[0];
-        coarsest.x = initial_guess::taut_profile(&coarsest.sheet, &obstacle.dome);
-        coarsest.start(obstacle, mirrors);
+        self.raised = S::PARAMETERS.raise;
+        let Newton { grid, x, .. } = &mut self.levels[0];
+        S::set_first_guess(grid, &problem.obstacle, x);
+        self.start_grid(law, problem);
     }
 
-    /// Starts from positions on the finest grid.
+    /// Starts from positions on the finest grid, of the inner face and of the layers of nodes above.
     pub(in crate::solve) fn start_from(
         &mut self,
-        x: &[DVec3],
-        obstacle: &Obstacle,
+        (inner, outer): (&[DVec3], &[Vec<DVec3>]),
+        law: &S::Law,
+        problem: &Problem,
         mirrors: Mirrors,
     ) {
         self.mirrors = mirrors;
         self.start = Start::FromSolution;
-        self.checks = UNCHECKED;
+        self.checks = S::Checks::default();
         self.grid = self.levels.len() - 1;
-        let finest = &mut self.levels[self.grid];
-        finest.x.copy_from_slice(x);
-        finest.start(obstacle, mirrors);
+        self.raised = 1.0;
+        let [x, above @ ..] = &mut *self.levels[self.grid].x else { return };
+        x.copy_from_slice(inner);
+        above.iter_mut().zip(outer).for_each(|(x, outer)| x.copy_from_slice(outer));
+        self.start_grid(law, problem);
     }
 
-    /// Does the next piece of work; `tolerance` of the finest grid \[mm\]. A state other than [`State::Working`] is the
-    /// final state of the finest grid, or [`State::Unstable`] on any grid.
-    pub(in crate::solve) fn step(
-        &mut self,
-        springs: Springs,
-        law: &SheetLaw,
-        obstacle: &Obstacle,
-        tolerance: f64,
-    ) -> State {
-        let is_finest = self.is_on_finest();
-        let tolerance =
-            if is_finest { tolerance } else { COARSE_TOLERANCE * obstacle.dome.reference_length() };
+    /// Starts the grid being solved from its positions.
+    fn start_grid(&mut self, law: &S::Law, problem: &Problem) {
+        let case = self.case(law, problem);
+        self.levels[self.grid].start(&case);
+    }
+
+    /// The problem on the grid being solved.
+    fn case<'a>(&self, law: &'a S::Law, problem: &Problem) -> Case<'a, S::Law> {
+        let Problem { patch, mut obstacle, .. } = *problem;
+        let tolerance = match self.is_on_finest() {
+            _ if self.raised < 1.0 => S::PARAMETERS.rising_tolerance,
+            true => problem.tolerance,
+            false => S::PARAMETERS.coarse_tolerance,
+        };
+        let tolerance = tolerance * obstacle.dome.reference_length();
+        if self.raised < 1.0 {
+            raise(&mut obstacle, self.raised);
+        }
+        Case { law, patch, obstacle, tolerance, mirrors: self.mirrors }
+    }
+
+    /// Does the next piece of work. A state other than [`State::Working`] is the final state of the finest grid, or
+    /// [`State::Unstable`] on any grid.
+    pub(in crate::solve) fn step(&mut self, law: &S::Law, problem: &Problem) -> State {
+        if self.levels[self.grid].is_between_iterations() && self.work_units() > self.max_work {
+            return State::Stalled;
+        }
+        let (case, is_finest) = (self.case(law, problem), self.is_on_finest());
         let level = &mut self.levels[self.grid];
-        let state = level.step(law, obstacle, tolerance);
-        if self.start == Start::FromSolution {
-            let is_slow = state == State::Working && level.iterations > MAX_WARM_ITERATIONS;
-            let has_failed = matches!(state, State::Stalled | State::Unstable | State::Saddle);
-            if is_slow || has_failed {
-                self.start_cold(obstacle, self.mirrors);
-                return State::Working;
+        let state = level.step(&case);
+        if self.raised < 1.0 {
+            if state != State::Working {
+                self.raised = (self.raised + S::PARAMETERS.raise).min(1.0);
+                self.start_grid(law, problem);
             }
+            return State::Working;
+        }
+        let is_slow = level.iterations > S::PARAMETERS.max_warm_iterations;
+        let has_failed = match state {
+            State::Working => is_slow,
+            State::Converged => false,
+            State::Stalled | State::Unstable | State::Saddle => true,
+        };
+        if self.start == Start::FromSolution && has_failed {
+            self.start_cold(law, problem, self.mirrors);
+            return State::Working;
         }
         match state {
-            State::Working => State::Working,
-            State::Unstable => State::Unstable,
-            State::Converged | State::Stalled | State::Saddle if !is_finest => {
-                self.refine(obstacle);
+            State::Working | State::Unstable => state,
+            _ if !is_finest => {
+                self.refine(law, problem);
                 State::Working
             }
-            State::Saddle => State::Saddle,
-            State::Converged | State::Stalled => {
-                self.check(springs, law, obstacle, tolerance, state)
-            }
+            State::Saddle => state,
+            State::Converged | State::Stalled => S::check(level, &mut self.checks, &case, state),
         }
     }
 
     /// Prolongates the solution to the next finer grid.
-    fn refine(&mut self, obstacle: &Obstacle) {
+    fn refine(&mut self, law: &S::Law, problem: &Problem) {
         let (coarser, finer) = self.levels.split_at_mut(self.grid + 1);
         let (coarse, fine) = (&coarser[self.grid], &mut finer[0]);
-        prolongation::prolongate(&coarse.sheet, &coarse.x, &fine.sheet, &mut fine.x);
-        fine.start(obstacle, self.mirrors);
+        for ((from, to), height) in coarse.x.iter().zip(&mut fine.x).zip(&coarse.grid.heights) {
+            let (from, to) = ((&coarse.grid.sheet, &**from), (&fine.grid.sheet, &mut **to));
+            prolongation::prolongate(from, to, *height, &mut self.scaled);
+        }
         self.grid += 1;
+        self.start_grid(law, problem);
     }
 
-    /// Checks the final state of the finest grid; returns [`State::Working`] if the iteration has to continue.
-    fn check(
-        &mut self,
-        springs: Springs,
-        law: &SheetLaw,
-        obstacle: &Obstacle,
-        tolerance: f64,
-        state: State,
-    ) -> State {
-        let level = &mut self.levels[self.grid];
-        let checks = &mut self.checks;
-        let is_paper = springs == Springs::Nikolaev;
-        let is_converged = state == State::Converged;
-        // The energy of the paper's springs has saddle points.
-        if is_paper && !checks.is_stability_checked && !level.has_exact_step() {
-            checks.is_stability_checked = true;
-            level.begin_stability(state);
-            return State::Working;
-        }
-        if is_converged && level.needs_exact_step(springs, law) {
-            checks.exact_steps += 1;
-            if is_paper && checks.exact_steps > MAX_EXACT_STEPS {
-                return level.finish(law, obstacle, tolerance, State::Stalled);
-            }
-            // The exact step changes the shape.
-            checks.is_stability_checked = false;
-            level.begin_exact_step();
-            return State::Working;
-        }
-        if is_converged && !is_paper && !checks.are_offsets_searched {
-            checks.are_offsets_searched = true;
-            if level.find_contact_offsets(obstacle, tolerance) {
-                return State::Working;
-            }
-        }
-        // Without convergence with contact offsets, the equilibrium without offsets is the solution.
-        if !is_converged && level.drop_contact_offsets(obstacle) {
-            return State::Working;
-        }
-        level.finish(law, obstacle, tolerance, state)
-    }
-
-    /// The finest grid.
-    pub(in crate::solve) fn finest(&self) -> &Newton {
+    fn finest(&self) -> &Newton<S> {
         &self.levels[self.levels.len() - 1]
-    }
-
-    /// The grid being solved, counted from 1 for the coarsest, and the number of grids.
-    pub(in crate::solve) fn grid(&self) -> (usize, usize) {
-        (self.grid + 1, self.levels.len())
     }
 
     /// Is the finest grid being solved?
@@ -192,15 +171,64 @@ impl NestedNewton {
         self.grid + 1 == self.levels.len()
     }
 
+    /// The grid being solved, counted from 1 for the coarsest, and the number of grids.
+    pub(in crate::solve) fn grid(&self) -> (usize, usize) {
+        (self.grid + 1, self.levels.len())
+    }
+
+    /// Number of changes of the finest grid's positions.
+    pub(in crate::solve) fn revision(&self) -> u64 {
+        self.finest().revision
+    }
+
+    pub(in crate::solve) fn relative_residual(&self) -> f64 {
+        self.finest().relative_residual
+    }
+
+    /// Estimated greatest node position error of the finest grid \[mm\].
+    pub(in crate::solve) fn error(&self) -> f64 {
+        self.finest().error
+    }
+
     /// Work since the last [`Self::clear_work`] \[evaluations of all nodal forces on the finest grid\].
     pub(in crate::solve) fn work_units(&self) -> f64 {
-        let finest = self.finest().sheet.len() as f64;
-        let scaled = |level: &Newton| level.work_units * level.sheet.len() as f64 / finest;
-        self.levels.iter().map(scaled).sum()
+        let nodes = |level: &Newton<S>| level.grid.sheet.len() as f64;
+        let finest = nodes(self.finest());
+        self.levels.iter().map(|level| level.work_units * nodes(level) / finest).sum()
     }
 
     /// Resets the work counters.
     pub(in crate::solve) fn clear_work(&mut self) {
         self.levels.iter_mut().for_each(|level| level.work_units = 0.0);
     }
+
+    /// Why the finest grid's shape is invalid; `None` for a valid shape.
+    pub(in crate::solve) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
+        let Newton { grid, x, .. } = self.finest();
+        let (sheet, n) = (&grid.sheet, grid.sheet.nodes_per_side());
+        let at = |i: usize, j: usize| x[0][j * n + i];
+        validity::invalid(sheet, &problem.obstacle.dome, problem.tolerance, [0; 2], at)
+            .or_else(|| S::is_inverted(grid, x).then_some(Invalid::Inverted))
+    }
+
+    /// Writes the positions \[mm\] of the inner face, nodes in contact projected onto the dome, of the nodes with contact
+    /// offsets, and of the layers of nodes above.
+    pub(in crate::solve) fn write_positions(
+        &self,
+        problem: &Problem,
+        inner: &mut [DVec3],
+        offset_nodes: &mut Vec<(usize, DVec3)>,
+        outer: &mut [Vec<DVec3>],
+    ) {
+        let finest = self.finest();
+        inner.copy_from_slice(&finest.x[0]);
+        offset_nodes.clear();
+        S::write_offsets(finest, &problem.obstacle, inner, offset_nodes);
+        outer.iter_mut().zip(&finest.x[1..]).for_each(|(outer, x)| outer.copy_from_slice(x));
+    }
+}
+
+/// Keeps a part of the dome's height above the wall.
+fn raise(obstacle: &mut Obstacle, part: f64) {
+    obstacle.dome.base_height -= (1.0 - part) * obstacle.dome.apex().z;
 }

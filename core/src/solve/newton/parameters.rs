@@ -1,75 +1,105 @@
 //! Tuned constants of Newton's method, with their meaning, unit and evidence.
 //!
-//! Scenes are files of `tests/stress`; `docs/notes/solver.md` has the history. Constants of one safeguard stand in
-//! the safeguard's file in `robust`.
+//! Scenes are files of `tests/stress`; `docs/notes/solver.md` has the history. Constants of the step of one tissue model
+//! stand in that model's `parameters.rs`, of one safeguard in the safeguard's file in `sheet/robust`.
 
-/// The constants of the iteration on one grid.
-pub(super) struct Parameters {
-    /// Iterations after which the iteration ends, times [`crate::solve::Options::work_limit_factor`].
+/// The constants of iteration, line search, error estimate and nested grids.
+pub(in crate::solve) struct Parameters {
+    /// Iterations after which a grid's iteration ends, times [`crate::solve::Options::work_limit_factor`].
     pub(super) max_iterations: u32,
-    /// Force evaluations times nodes after which the iteration ends: a few seconds.
-    pub(super) max_node_work: f64,
-    /// Lower bound of the limit of force evaluations on fine grids.
-    pub(super) min_work_limit: f64,
-    /// Rounds of sweeps and conjugate gradients in one iteration.
-    pub(super) max_rounds: u32,
-    /// Change of a round below which rounds end \[step\].
-    pub(super) round_tolerance: f64,
-    /// Change of a round below which rounds end \[tolerance of positions\].
-    pub(super) round_floor: f64,
-
-    /// Conjugate-gradient steps of a round.
-    pub(super) max_cg_steps: u32,
-    /// Residual drop of a round \[-\].
-    pub(super) cg_drop: f64,
-    /// Residual below which conjugate gradients are skipped, relative to the forces of all triangles \[-\].
-    pub(super) cg_floor: f64,
+    /// Work of a grid, and of all grids, after which the solve ends, times that factor.
+    pub(super) work_of_grid: WorkLimit,
+    pub(super) work_of_all_grids: WorkLimit,
+    /// Work units of forces and second derivatives, of a product with them, of an energy.
+    pub(super) cost: Cost,
 
     /// Greatest number of halvings of a step.
     pub(super) max_halvings: u32,
+    /// Does a halved step keep active nodes on the dome?
+    pub(super) holds_halved_steps: bool,
     /// Armijo's constant c₁: required fraction of the predicted decrease of the energy \[-\].
     pub(super) sufficient_decrease: f64,
-    /// Rounding of an energy, relative to the energy \[-\]. Fixed by `no-convergence-at-small-insertion`, `rounding-on-shallow-dome`.
+    /// Rounding of an energy, relative to the energy \[-\]. Of the sheet fixed by `no-convergence-at-small-insertion`,
+    /// `rounding-on-shallow-dome`.
     pub(super) energy_rounding: f64,
-
-    /// Upper bound of the assumed ratio of successive steps \[-\]; under compression the assumed ratio.
+    /// Upper bound of the assumed ratio of successive steps \[-\]; of a sheet under compression the assumed ratio.
     /// Fixed by `near-zero-stiffness-after-small-step`, `premature-convergence-at-rim`.
     pub(super) max_convergence_factor: f64,
-    /// Greatest relative residual before the last step \[-\]. Fixed by `small-steps-with-large-residual`.
+    /// Greatest relative residual before the last step \[-\]. Of the sheet fixed by `small-steps-with-large-residual`.
     pub(super) max_residual_before_step: f64,
-    /// Greatest relative residual before the last step under compression \[-\]: small steps may precede a wrinkle.
-    pub(super) max_compressive_residual: f64,
-    /// Greatest relative residual of a solution \[-\]. Fixed by `slow-final-steps`.
-    pub(super) max_residual: f64,
+
+    /// Tolerance on the coarser grids, whose solutions are only starts \[base radius\].
+    pub(super) coarse_tolerance: f64,
+    /// Part of the dome's height that it rises at once on the coarsest grid \[-\]; 1: the dome stands at once.
+    pub(super) raise: f64,
+    /// Tolerance while the dome rises \[base radius\].
+    pub(super) rising_tolerance: f64,
+    /// Iterations after which a solve from a given solution restarts on the coarsest grid.
+    pub(super) max_warm_iterations: u32,
+    /// Cells a side that the coarsest grid has at least.
+    pub(super) least_cells: usize,
 }
 
-pub(super) const PARAMETERS: Parameters = Parameters {
+/// A limit of work, in evaluations of all forces.
+#[derive(Clone, Copy)]
+pub(in crate::solve) struct WorkLimit {
+    /// Force evaluations times elements of the grid: a time.
+    elements: f64,
+    /// Least limit, on fine grids, and greatest, on coarse grids.
+    least: f64,
+    most: f64,
+}
+
+impl WorkLimit {
+    const NONE: Self = Self { elements: f64::INFINITY, least: 0.0, most: f64::INFINITY };
+
+    /// The limit of a grid with this number of elements.
+    pub(super) fn of(self, elements: usize) -> f64 {
+        (self.elements / elements as f64).clamp(self.least, self.most)
+    }
+}
+
+/// Costs in work units: evaluations of all nodal forces.
+pub(in crate::solve) struct Cost {
+    pub(super) linearize: f64,
+    pub(super) product: f64,
+    pub(super) energy: f64,
+}
+
+/// Costs by floating-point operations; a limit of a few seconds a grid.
+pub(super) const SHEET: Parameters = Parameters {
     max_iterations: 150,
-    max_node_work: 6e7,
-    min_work_limit: 400.0,
-    max_rounds: 12,
-    round_tolerance: 0.1,
-    round_floor: 0.02,
-    max_cg_steps: 12,
-    cg_drop: 0.3,
-    cg_floor: 1e-16,
+    work_of_grid: WorkLimit { elements: 6e7, least: 400.0, most: f64::INFINITY },
+    work_of_all_grids: WorkLimit::NONE,
+    cost: Cost { linearize: 4.0, product: 0.6, energy: 0.7 },
     max_halvings: 12,
+    holds_halved_steps: false,
     sufficient_decrease: 1e-4,
     energy_rounding: 1e-13,
     max_convergence_factor: 0.98,
     max_residual_before_step: 0.05,
-    max_compressive_residual: 1e-4,
-    max_residual: 0.01,
+    coarse_tolerance: 1e-3,
+    raise: 1.0,
+    rising_tolerance: 1.0,
+    max_warm_iterations: 8,
+    least_cells: 0,
 };
 
-/// Cells that one piece of work assembles: about two milliseconds.
-pub(super) const CELLS_PER_PIECE: usize = 4096;
-
-/// Costs in work units (one evaluation of all nodal forces), by floating-point operations.
-pub(super) mod cost {
-    pub(in crate::solve::newton) const LINEARIZE: f64 = 4.0;
-    pub(in crate::solve::newton) const SWEEP: f64 = 0.6;
-    pub(in crate::solve::newton) const CYCLE: f64 = 2.8;
-    pub(in crate::solve::newton) const BUILD: f64 = 2.0;
-    pub(in crate::solve::newton) const ENERGY: f64 = 0.7;
-}
+/// Costs by measured times; a limit of four seconds. Fixed by `layered-long-newton`.
+pub(super) const LAYERED: Parameters = Parameters {
+    max_iterations: 60,
+    work_of_grid: WorkLimit::NONE,
+    work_of_all_grids: WorkLimit { elements: 1.8e7, least: 800.0, most: 15_000.0 },
+    cost: Cost { linearize: 12.0, product: 1.0, energy: 0.7 },
+    max_halvings: 12,
+    holds_halved_steps: true,
+    sufficient_decrease: 1e-4,
+    energy_rounding: 1e-12,
+    max_convergence_factor: 0.95,
+    max_residual_before_step: 1e-2,
+    coarse_tolerance: 3e-3,
+    raise: 1.0 / 16.0,
+    rising_tolerance: 3e-2,
+    max_warm_iterations: 12,
+    least_cells: 16,
+};

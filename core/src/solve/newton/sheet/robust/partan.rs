@@ -5,29 +5,28 @@
 //! R. J. Buehler and O. Kempthorne, "Some algorithms for minimizing a function of several variables", J. SIAM 12(1),
 //! 1964).
 
-use super::super::Phase;
-use super::{Direction, Newton, SafeguardPhase};
+use super::{Direction, Phase, Piece, SafeguardPhase, SheetNewton};
 
 /// First length of an extension \[sum of two steps\].
 const PARTAN_LENGTH: f64 = 1.5;
 
-impl Newton {
+impl SheetNewton {
     /// Extends the sum of the last two steps if an earlier step was too short.
     pub(super) fn extend_two_steps(&mut self, energy: f64) {
-        if self.robust.step_growth <= 1.0 {
+        if self.system.robust.step_growth <= 1.0 {
             return;
         }
-        if self.robust.has_earlier {
-            for &k in &self.free {
-                let k = k as usize;
-                self.d[k] = self.x[k] - self.robust.earlier[k];
+        if self.system.robust.has_earlier {
+            for k in self.grid.free() {
+                self.d[0][k] = self.x[0][k] - self.system.robust.earlier[k];
             }
-            std::mem::swap(&mut self.trial, &mut self.robust.earlier);
+            std::mem::swap(&mut self.trial[0], &mut self.system.robust.earlier);
             let (length, direction) = (PARTAN_LENGTH, Direction::TwoSteps);
-            self.phase = Phase::Robust(SafeguardPhase::Extend { length, energy, direction });
+            self.phase =
+                Phase::Own(Piece::Robust(SafeguardPhase::Extend { length, energy, direction }));
         } else {
-            self.robust.earlier.copy_from_slice(&self.trial);
+            self.system.robust.earlier.copy_from_slice(&self.trial[0]);
         }
-        self.robust.has_earlier = true;
+        self.system.robust.has_earlier = true;
     }
 }

@@ -6,12 +6,11 @@
 //! negative curvature. If contact blocks the exact step, the iteration continues, and ends after several consecutive
 //! blocked steps (`path-blocked-before-wrinkling`).
 
-use super::super::conjugate_gradients::dot;
-use super::super::{CgState, Phase};
-use super::{HessianUse, Newton, Purpose, SafeguardPhase, State};
-use crate::contact::Obstacle;
+use super::{
+    CgState, HessianUse, Phase, Piece, Purpose, SafeguardPhase, SheetCase, SheetNewton, State,
+};
 use crate::model::membrane::law::SheetLaw;
-use crate::springs::Springs;
+use crate::solve::newton::conjugate_gradients::{add, longest};
 use glam::DVec3;
 
 /// Steps of conjugate gradients, and the drop of the residual.
@@ -24,39 +23,33 @@ const NEGATIVE_CURVATURE_STEP: f64 = 10.0;
 /// Number of consecutive blocked exact steps that ends the iteration.
 const MAX_BLOCKED: u32 = 3;
 
-impl Newton {
+impl SheetNewton {
     /// Is an exact step required at this shape? True under compression unless evaluated; the paper's springs may be
     /// compressive anywhere.
-    pub(in crate::solve::newton) fn needs_exact_step(
-        &self,
-        springs: Springs,
-        law: &SheetLaw,
-    ) -> bool {
-        let may_be_compressive =
-            springs == Springs::Nikolaev || self.model.totals.is_compressive(self.force_scale(law));
-        !self.robust.is_exact_step() && may_be_compressive
+    pub(in crate::solve::newton::sheet) fn needs_exact_step(&self, law: &SheetLaw) -> bool {
+        let may_be_compressive = matches!(law, SheetLaw::Paper(_)) || self.is_compressive(law);
+        !self.system.robust.is_exact_step() && may_be_compressive
     }
 
     /// Begins the evaluation of the exact step. [`Self::step`] ends in [`State::Converged`] if the step is short enough
     /// or blocked several times in a row, else the iteration continues along it.
-    pub(in crate::solve::newton) fn begin_exact_step(&mut self) {
+    pub(in crate::solve::newton::sheet) fn begin_exact_step(&mut self) {
         let phase = SafeguardPhase::ExactHessian { row: 0, purpose: Purpose::Step };
-        self.phase = Phase::Robust(phase);
+        self.phase = Phase::Own(Piece::Robust(phase));
     }
 
     pub(super) fn begin_exact_cg(&mut self) {
-        self.free.iter().for_each(|&k| self.d[k as usize] = DVec3::ZERO);
-        let start = self.set_residual();
+        self.d[0].fill(DVec3::ZERO);
+        let start = self.begin_correction();
         let cg = CgState { step: 0, start, rho: 0.0 };
-        self.phase = Phase::Robust(SafeguardPhase::ExactStep(cg));
+        self.phase = Phase::Own(Piece::Robust(SafeguardPhase::ExactStep(cg)));
     }
 
-    /// One step of conjugate gradients; after the last step tests the length of the exact step. `tolerance` \[mm\].
+    /// One step of conjugate gradients; after the last step tests the length of the exact step.
     pub(super) fn exact_cg(
         &mut self,
-        obstacle: &Obstacle,
+        case: &SheetCase,
         CgState { step, start, rho }: CgState,
-        tolerance: f64,
     ) -> State {
         let next = self.cg_step(step, rho);
         if let Some((rho, left)) = next
@@ -64,17 +57,16 @@ impl Newton {
             && left > CG_DROP * start
         {
             let cg = CgState { step: step + 1, start, rho };
-            self.phase = Phase::Robust(SafeguardPhase::ExactStep(cg));
+            self.phase = Phase::Own(Piece::Robust(SafeguardPhase::ExactStep(cg)));
             return State::Working;
         }
-        // z contains H p here.
-        if next.is_none() && dot(&self.free, &self.vectors.p, &self.vectors.z) < 0.0 {
-            self.add_negative_curvature(tolerance);
+        if next.is_none() && self.bend() < 0.0 {
+            self.add_negative_curvature(case.tolerance);
         }
         self.symmetrize_correction();
-        let (_, length) = self.add_correction(obstacle);
-        self.robust.hessian = HessianUse::Exact;
-        if EXACT_STEP_SAFETY * length > tolerance {
+        let (_, length) = self.add_correction(case);
+        self.system.robust.hessian = HessianUse::Exact;
+        if EXACT_STEP_SAFETY * length > case.tolerance {
             self.last_step = f64::INFINITY;
             self.phase = Phase::LineSearch { length: 1.0, halvings: 0 };
             return State::Working;
@@ -85,25 +77,18 @@ impl Newton {
 
     /// Adds a descent step along the conjugate direction p of negative curvature.
     fn add_negative_curvature(&mut self, tolerance: f64) {
-        let (v, free) = (&mut self.vectors, &self.free);
-        let longest = |v: &[DVec3]| {
-            free.iter().map(|&k| v[k as usize].length_squared()).fold(0.0, f64::max).sqrt()
-        };
-        let downhill = dot(free, &v.p, &self.forces).signum();
-        let length = longest(&v.q).max(NEGATIVE_CURVATURE_STEP * tolerance);
-        let scale = downhill * length / longest(&v.p);
-        for &k in free {
-            let k = k as usize;
-            v.q[k] += v.p[k] * scale;
-        }
+        let downhill = self.dot(&self.vectors.p, &self.forces).signum();
+        let (p, q, free) = (&self.vectors.p, &mut self.system.q, &self.grid.free);
+        let length = longest(free, q).max(NEGATIVE_CURVATURE_STEP * tolerance);
+        add(free, q, p, downhill * length / longest(free, p));
     }
 
     /// Counts a failed line search along an exact step; true at [`MAX_BLOCKED`].
     pub(super) fn count_blocked_step(&mut self) -> bool {
-        if !self.robust.is_exact_step() {
+        if !self.system.robust.is_exact_step() {
             return false;
         }
-        self.robust.blocked += 1;
-        self.robust.blocked >= MAX_BLOCKED
+        self.system.robust.blocked += 1;
+        self.system.robust.blocked >= MAX_BLOCKED
     }
 }

@@ -4,7 +4,7 @@
 //! rounding and truncated iterations grows at a node on a steep dome. Remedy: steps are symmetrised, mirrored nodes have
 //! equal active constraints. A convex model of a symmetric shape has a symmetric minimum.
 
-use super::Newton;
+use super::SheetNewton;
 use crate::contact::Dome;
 use crate::mesh::Sheet;
 use glam::{DVec2, DVec3};
@@ -26,24 +26,29 @@ impl Mirrors {
     }
 }
 
-impl Newton {
-    /// The mirrors of this solve.
-    pub(in crate::solve::newton) fn mirrors(&self) -> Mirrors {
-        if self.robust.mirrors.is_empty() { Mirrors::None } else { Mirrors::OfDome }
-    }
-
-    pub(in crate::solve::newton) fn symmetrize_positions(&mut self) {
-        symmetrize(&self.robust.mirrors, &self.sheet, &self.free, &mut self.x);
+impl SheetNewton {
+    pub(in crate::solve::newton::sheet) fn symmetrize_positions(&mut self) {
+        symmetrize(&self.system.robust.mirrors, &self.grid.sheet, &self.grid.free, &mut self.x[0]);
     }
 
     pub(super) fn symmetrize_correction(&mut self) {
-        symmetrize(&self.robust.mirrors, &self.sheet, &self.free, &mut self.vectors.q);
+        symmetrize(
+            &self.system.robust.mirrors,
+            &self.grid.sheet,
+            &self.grid.free,
+            &mut self.system.q[0],
+        );
     }
 
     /// Symmetrises the step and the active constraints.
-    pub(in crate::solve::newton) fn symmetrize_step(&mut self) {
-        symmetrize(&self.robust.mirrors, &self.sheet, &self.free, &mut self.d);
-        share_flags(&self.robust.mirrors, &self.sheet, &self.free, &mut self.contact.active);
+    pub(in crate::solve::newton::sheet) fn symmetrize_step(&mut self) {
+        symmetrize(&self.system.robust.mirrors, &self.grid.sheet, &self.grid.free, &mut self.d[0]);
+        share_flags(
+            &self.system.robust.mirrors,
+            &self.grid.sheet,
+            &self.grid.free,
+            &mut self.contact.active,
+        );
     }
 }
 

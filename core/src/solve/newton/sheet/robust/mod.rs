@@ -16,10 +16,11 @@ mod step_extension;
 mod sweeps;
 pub(super) mod symmetry;
 
-use super::{CgState, Newton, Phase, State};
-use crate::contact::{Dome, Obstacle, TOUCH_F64};
+use super::{
+    CgState, Phase, Piece, SheetCase, SheetNewton, SheetSystem, State, System, Trial, cost,
+};
+use crate::contact::{Dome, TOUCH_F64};
 use crate::model::membrane::assembly::Stiffness;
-use crate::model::membrane::law::SheetLaw;
 use curvature::{AcceptedStep, Curvature};
 use glam::DVec3;
 use symmetry::{Mirror, Mirrors};
@@ -62,7 +63,7 @@ pub(super) struct Robust {
 
 /// A safeguard's piece of work.
 #[derive(Clone, Copy)]
-pub(super) enum SafeguardPhase {
+pub(in crate::solve) enum SafeguardPhase {
     /// Extends a step or the sum of the last two steps; `energy` is the energy to undercut.
     Extend { length: f64, energy: f64, direction: Direction },
     /// Assembles rows of the exact Hessian from `row` on.
@@ -75,7 +76,7 @@ pub(super) enum SafeguardPhase {
 
 /// Direction of an extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Direction {
+pub(in crate::solve) enum Direction {
     Step,
     /// The sum of the last two steps.
     TwoSteps,
@@ -83,7 +84,7 @@ pub(super) enum Direction {
 
 /// Purpose of the exact Hessian.
 #[derive(Clone, Copy)]
-pub(super) enum Purpose {
+pub(in crate::solve) enum Purpose {
     /// Stability of the shape; the iteration of a stable shape ends in the contained state.
     Stability(State),
     /// The step of the exact Hessian.
@@ -141,48 +142,38 @@ impl Robust {
     }
 }
 
-impl Newton {
+impl SheetNewton {
     /// Does a safeguard's piece of work.
-    pub(super) fn robust_step(
-        &mut self,
-        law: &SheetLaw,
-        obstacle: &Obstacle,
-        tolerance: f64,
-        phase: SafeguardPhase,
-    ) -> State {
+    pub(super) fn robust_step(&mut self, case: &SheetCase, phase: SafeguardPhase) -> State {
         match phase {
             SafeguardPhase::Extend { length, energy, direction } => {
-                self.extend(law, obstacle, length, energy, direction);
+                self.extend(case, length, energy, direction);
                 State::Working
             }
             SafeguardPhase::ExactHessian { row, purpose } => {
-                self.assemble_exact_hessian(law, obstacle, row, purpose);
+                self.assemble_exact_hessian(case, row, purpose);
                 State::Working
             }
-            SafeguardPhase::ExactStep(cg) => self.exact_cg(obstacle, cg, tolerance),
-            SafeguardPhase::Stability { step, after } => self.search_eigenvalue(law, step, after),
+            SafeguardPhase::ExactStep(cg) => self.exact_cg(case, cg),
+            SafeguardPhase::Stability { step, after } => {
+                self.search_eigenvalue(case.law, step, after)
+            }
         }
     }
 
     /// Assembles rows of the exact Hessian; after the last row adds the contact and begins the purpose.
-    fn assemble_exact_hessian(
-        &mut self,
-        law: &SheetLaw,
-        obstacle: &Obstacle,
-        row: usize,
-        purpose: Purpose,
-    ) {
-        if let Some(row) = self.add_rows(law, row, Stiffness::True) {
-            self.phase = Phase::Robust(SafeguardPhase::ExactHessian { row, purpose });
+    fn assemble_exact_hessian(&mut self, case: &SheetCase, row: usize, purpose: Purpose) {
+        if row == 0 {
+            self.work_units += SheetSystem::PARAMETERS.cost.linearize;
+        }
+        if let Some(row) = self.add_rows(case.law, row, Stiffness::True) {
+            let phase = SafeguardPhase::ExactHessian { row, purpose };
+            self.phase = Phase::Own(Piece::Robust(phase));
             return;
         }
-        let touch = TOUCH_F64 * obstacle.dome.reference_length();
-        for k in 0..self.free.len() {
-            let k = self.free[k] as usize;
-            let reaction = self.find_contact(obstacle, k, touch);
-            self.model.hessian.diagonal[k] -= obstacle.curvature(self.x[k], &reaction);
-            self.constrain(k);
-        }
+        self.find_contact(&case.obstacle, TOUCH_F64);
+        self.add_curvature();
+        (0..self.grid.free.len()).for_each(|k| self.constrain(self.grid.free[k] as usize));
         match purpose {
             Purpose::Stability(after) => self.begin_eigenvalue_search(after),
             Purpose::Step => self.begin_exact_cg(),
@@ -200,16 +191,11 @@ impl Newton {
         State::Stalled
     }
 
-    /// Was the exact step evaluated at this shape?
-    pub(super) fn has_exact_step(&self) -> bool {
-        self.robust.is_exact_step()
-    }
-
     /// Continues from a slightly changed shape with the previous error and the previous stiffness of the model.
     pub(super) fn keep_error(&mut self) {
         self.last_step = f64::INFINITY;
-        self.robust.extrapolation = self.error;
-        self.robust.has_earlier = false;
-        self.robust.curvature.retries = 0;
+        self.system.robust.extrapolation = self.error;
+        self.system.robust.has_earlier = false;
+        self.system.robust.curvature.retries = 0;
     }
 }

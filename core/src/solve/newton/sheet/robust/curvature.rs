@@ -6,8 +6,7 @@
 //! iterated with curvature again. A block that is indefinite at the solution marks a saddle point: the node would
 //! slide off (`active-node-on-needle-tip`, `unstable-node-on-needle-tip`).
 
-use super::super::Phase;
-use super::{Newton, Robust, State};
+use super::{Phase, Piece, Robust, SheetNewton, State};
 
 /// Number of iterations without curvature.
 const ITERATIONS_OFF: u32 = 4;
@@ -26,9 +25,9 @@ pub(super) struct Curvature {
 
 /// An accepted step of the line search.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::solve::newton) struct AcceptedStep {
+pub(in crate::solve::newton::sheet) struct AcceptedStep {
     /// Is the step the full step of the complete model?
-    pub(in crate::solve::newton) is_whole: bool,
+    pub(in crate::solve::newton::sheet) is_whole: bool,
     pub(super) had_curvature: bool,
 }
 
@@ -40,13 +39,13 @@ impl Curvature {
 }
 
 impl Robust {
-    pub(in crate::solve::newton) fn has_curvature(&self) -> bool {
+    pub(in crate::solve::newton::sheet) fn has_curvature(&self) -> bool {
         self.curvature.off_until.is_none()
     }
 
     /// The final state of an iteration that converged with this step; `None` if the solution has to be iterated with
     /// curvature first.
-    pub(in crate::solve::newton) fn confirm(&mut self, step: AcceptedStep) -> Option<State> {
+    pub(in crate::solve::newton::sheet) fn confirm(&mut self, step: AcceptedStep) -> Option<State> {
         let Curvature { off_until, retries, is_saddle } = &mut self.curvature;
         if step.had_curvature || *retries >= MAX_RETRIES {
             return Some(if *is_saddle { State::Saddle } else { State::Converged });
@@ -57,33 +56,30 @@ impl Robust {
     }
 }
 
-impl Newton {
+impl SheetNewton {
     /// Keeps the curvature of a definite model; else begins a model without curvature and returns false.
-    pub(in crate::solve::newton) fn accept_curvature(&mut self, is_definite: bool) -> bool {
-        if !self.robust.has_curvature() {
-            return true;
-        }
-        self.robust.curvature.is_saddle = !is_definite;
+    pub(in crate::solve::newton::sheet) fn accept_curvature(&mut self, is_definite: bool) -> bool {
+        self.system.robust.curvature.is_saddle = !is_definite;
         is_definite || !self.turns_curvature_off()
     }
 
     /// Handles a model that is not positive along a conjugate direction: turns curvature off, or accepts the current
     /// correction if curvature is off.
-    pub(in crate::solve::newton) fn turn_to_definite_model(&mut self) {
+    pub(in crate::solve::newton::sheet) fn turn_to_definite_model(&mut self) {
         if !self.turns_curvature_off() {
-            self.phase = Phase::Correct;
+            self.phase = Phase::Own(Piece::Correct);
         }
     }
 
     /// Begins a model without curvature; false if curvature is off.
     pub(super) fn turns_curvature_off(&mut self) -> bool {
-        if !self.robust.has_curvature() {
+        if !self.system.robust.has_curvature() {
             return false;
         }
-        self.robust.curvature.off_until = Some(self.iterations + ITERATIONS_OFF);
-        self.robust.has_earlier = false;
+        self.system.robust.curvature.off_until = Some(self.iterations + ITERATIONS_OFF);
+        self.system.robust.has_earlier = false;
         self.last_step = f64::INFINITY;
-        self.phase = Phase::Linearize { row: 0 };
+        self.phase = Phase::Linearize { piece: 0 };
         true
     }
 }

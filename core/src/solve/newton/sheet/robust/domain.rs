@@ -4,7 +4,7 @@
 //! paper's springs temporarily. Remedy: divergence is declared after several consecutive iterations outside,
 //! or once a node is too far from pocket and dome.
 
-use super::Newton;
+use super::SheetNewton;
 use crate::contact::Obstacle;
 
 /// Consecutive iterations outside of the domain before divergence is declared.
@@ -12,11 +12,11 @@ const MAX_OUTSIDE: u32 = 4;
 /// Distance of a node from the pocket's centre at which divergence is declared \[patch radius and dome's height\].
 const MAX_DISTANCE: f64 = 1.5;
 
-impl Newton {
+impl SheetNewton {
     /// Has the iteration diverged?
-    pub(in crate::solve::newton) fn has_diverged(&mut self, obstacle: &Obstacle) -> bool {
-        let totals = &self.model.totals;
-        let outside = &mut self.robust.outside;
+    pub(in crate::solve::newton::sheet) fn has_diverged(&mut self, obstacle: &Obstacle) -> bool {
+        let totals = &self.system.totals;
+        let outside = &mut self.system.robust.outside;
         *outside = if totals.outside_law { *outside + 1 } else { 0 };
         let outside = *outside;
         outside > MAX_OUTSIDE
@@ -25,7 +25,7 @@ impl Newton {
     }
 
     fn has_distant_node(&self, obstacle: &Obstacle) -> bool {
-        let most = MAX_DISTANCE * (self.sheet.radius_mm() + obstacle.dome.apex().z);
-        self.free.iter().any(|&k| self.x[k as usize].length_squared() > most * most)
+        let most = MAX_DISTANCE * (self.grid.sheet.radius_mm() + obstacle.dome.apex().z);
+        self.grid.free().any(|k| self.x[0][k].length_squared() > most * most)
     }
 }

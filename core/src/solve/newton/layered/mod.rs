@@ -1,0 +1,208 @@
+//! Layered tissue in Newton's method: exact second derivatives of the cells without an assembled matrix, column solves.
+//!
+//! The step of an iteration: conjugate gradients in the inactive directions, which a direction of negative curvature ends
+//! (T. Steihaug, SIAM J. Numer. Anal. 20(3), 1983; `conjugate_gradients`); then the active set of the step: nodes that
+//! pass the obstacle become active, nodes that the obstacle would pull leave; both repeat until the set rests
+//! (`active_set`; M. Hintermüller, K. Ito and K. Kunisch, SIAM J. Optim. 13(3), 2002).
+
+mod active_set;
+mod conjugate_gradients;
+mod parameters;
+
+use super::conjugate_gradients::CgState;
+use super::parameters::{self as shared, Parameters};
+use super::{Case, Contact, Grid, Layers, Newton, Phase, State, System};
+use crate::contact::{Obstacle, TOUCH_F64};
+use crate::mesh::stencil::BlockStencil9;
+use crate::model::layered::LayeredLaw;
+use crate::model::layered::exact::{Exact, Place};
+use crate::model::layered::tangent::Tangent;
+use crate::model::membrane::assembly::{self, Stiffness, Sums, Totals};
+use crate::solve::linear::columns::Columns;
+use glam::{DMat3, DVec3};
+use parameters::{PARAMETERS, PLACES_PER_PIECE};
+use std::convert::Infallible;
+
+type LayeredNewton = Newton<LayeredSystem>;
+type LayeredCase<'a> = Case<'a, LayeredLaw>;
+
+/// The quadratic model of the energy of layered tissue; arrays of shape (n², ).
+pub(in crate::solve) struct LayeredSystem {
+    /// The cells of the sheet, for a pocket of this radius \[mm\].
+    places: Vec<Place>,
+    pocket_radius: f64,
+    tangent: Tangent,
+    skin: BlockStencil9,
+    /// Forces of the skin alone.
+    skin_forces: Vec<DVec3>,
+    totals: Totals,
+    columns: Columns,
+    /// Blocks of the inner face and their inverses, the nodes above being free to follow.
+    inner: Vec<[DMat3; 2]>,
+}
+
+impl<'a> LayeredCase<'a> {
+    fn exact(&self, grid: &'a Grid) -> Exact<'a> {
+        let (pocket_radius, attachment) = (self.patch.pocket_radius_mm, self.patch.attachment());
+        Exact { sheet: &grid.sheet, law: self.law, pocket_radius, attachment }
+    }
+}
+
+impl System for LayeredSystem {
+    type Law = LayeredLaw;
+    type Piece = Infallible;
+    type Checks = ();
+    const PARAMETERS: Parameters = shared::LAYERED;
+
+    fn heights(law: &LayeredLaw) -> Vec<f64> {
+        law.heights()
+    }
+
+    /// Number of cells between free nodes.
+    fn elements(grid: &Grid) -> usize {
+        (grid.free.len() * (grid.heights.len() - 1)).max(1)
+    }
+
+    fn new(grid: &Grid) -> Self {
+        let size = grid.sheet.len();
+        Self {
+            places: Vec::new(),
+            pocket_radius: f64::NAN,
+            tangent: Tangent::default(),
+            skin: BlockStencil9::new(grid.sheet.nodes_per_side()),
+            skin_forces: vec![DVec3::ZERO; size],
+            totals: Totals::default(),
+            columns: Columns::new(size, grid.heights.len()),
+            inner: vec![[DMat3::ZERO; 2]; size],
+        }
+    }
+
+    fn set_first_guess(grid: &Grid, _obstacle: &Obstacle, x: &mut Layers) {
+        grid.put_at_rest(x);
+    }
+
+    /// Moves whole columns.
+    fn start(newton: &mut LayeredNewton, case: &LayeredCase) {
+        let exact = case.exact(&newton.grid);
+        let system = &mut newton.system;
+        if system.pocket_radius.to_bits() != exact.pocket_radius.to_bits() {
+            system.places = exact.places();
+            system.pocket_radius = exact.pocket_radius;
+        }
+        system.tangent.attach(&exact);
+        for k in newton.grid.free() {
+            let shift = case.obstacle.project(newton.x[0][k], 0.0) - newton.x[0][k];
+            newton.x.iter_mut().for_each(|layer| layer[k] += shift);
+        }
+    }
+
+    fn energy(&self, grid: &Grid, case: &LayeredCase, x: &Layers) -> f64 {
+        case.exact(grid).energy(&self.places, x)
+    }
+
+    fn linearize(newton: &mut LayeredNewton, case: &LayeredCase, place: usize) -> Option<usize> {
+        let Newton { grid, x, forces, energy, system, .. } = newton;
+        let exact = case.exact(grid);
+        if place == 0 {
+            exact.set_forces(&system.places, x, forces);
+            if newton.iterations == 0 {
+                *energy = exact.energy(&system.places, x);
+            }
+            system.tangent.clear();
+        }
+        let end = (place + PLACES_PER_PIECE).min(system.places.len());
+        system.tangent.linearize(&exact, &system.places[place..end], x);
+        (end < system.places.len()).then_some(end)
+    }
+
+    fn complete(newton: &mut LayeredNewton, case: &LayeredCase) -> Option<State> {
+        if !newton.energy.is_finite() {
+            return Some(State::Stalled);
+        }
+        newton.find_contact(&case.obstacle, TOUCH_F64);
+        let Newton { grid, x, contact, system, .. } = newton;
+        system.linearize_skin(&case.exact(grid), x);
+        system.eliminate_columns(grid, contact);
+        (0..newton.grid.free.len()).for_each(|k| newton.constrain(newton.grid.free[k] as usize));
+        None
+    }
+
+    fn force_scale(&self, _grid: &Grid, _law: &LayeredLaw) -> f64 {
+        let squares = self.totals.force_scale().powi(2) + self.tangent.squared_forces();
+        squares.max(f64::MIN_POSITIVE).sqrt()
+    }
+
+    fn block(&self, k: usize) -> [&DMat3; 2] {
+        self.inner[k].each_ref()
+    }
+
+    fn product(&self, grid: &Grid, contact: &Contact, v: &Layers, out: &mut Layers) {
+        out.iter_mut().for_each(|layer| layer.fill(DVec3::ZERO));
+        self.tangent.add_product(v, out);
+        let top = v.len() - 1;
+        for k in grid.free() {
+            out[top][k] += self.skin.row(k, &v[top]);
+        }
+        for (k, curvature) in &contact.curvature {
+            out[0][*k] -= *curvature * v[0][*k];
+        }
+    }
+
+    fn precondition(&mut self, grid: &Grid, contact: &Contact, r: &Layers, z: &mut Layers) {
+        for k in grid.free() {
+            self.columns.solve(k, &contact.inverse[k], r, z);
+        }
+    }
+
+    fn begin_rounds(newton: &mut LayeredNewton) {
+        newton.begin_gradients();
+    }
+
+    fn update_active_set(newton: &mut LayeredNewton) {
+        newton.update_active_set();
+    }
+
+    fn conjugate_gradients(newton: &mut LayeredNewton, step: CgState) {
+        newton.conjugate_gradients(step);
+    }
+
+    fn own_piece(_newton: &mut LayeredNewton, _case: &LayeredCase, piece: Infallible) -> State {
+        match piece {}
+    }
+}
+
+impl LayeredSystem {
+    fn linearize_skin(&mut self, exact: &Exact, x: &Layers) {
+        self.skin.clear();
+        self.totals = Totals::default();
+        let sums = Sums {
+            forces: &mut self.skin_forces,
+            hessian: &mut self.skin,
+            totals: &mut self.totals,
+        };
+        let (sheet, law) = (exact.sheet, &exact.law.skin);
+        let rows = 0..sheet.nodes_per_side() - 1;
+        assembly::linearize_rows(sheet, law, &x[x.len() - 1], rows, Stiffness::Positive, sums);
+    }
+
+    /// Eliminates the columns of free nodes, whose inner blocks lose the obstacle's curvature.
+    fn eliminate_columns(&mut self, grid: &Grid, contact: &Contact) {
+        let columns = &mut self.columns;
+        columns.clear();
+        let Columns { diagonal, above } = columns;
+        self.tangent.visit_blocks(
+            |layer, k, block| diagonal[layer][k] += block,
+            |layer, k, block| above[layer][k] += block,
+        );
+        let top = diagonal.len() - 1;
+        for k in grid.free() {
+            diagonal[top][k] += self.skin.diagonal[k];
+        }
+        for (k, curvature) in &contact.curvature {
+            diagonal[0][*k] -= *curvature;
+        }
+        for k in grid.free() {
+            self.inner[k] = columns.eliminate(k);
+        }
+    }
+}
