@@ -209,6 +209,27 @@ fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
 }
 
 #[test]
+fn each_arrow_of_a_slow_frame_counts() {
+    let mut harness = range_of(sheet(), DESKTOP);
+    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    harness.get_by_role_and_label(Role::Canvas, CHART).focus();
+    harness.run_steps(2);
+    // The first one chooses the present implant.
+    for key in [egui::Key::ArrowRight, egui::Key::ArrowRight, egui::Key::ArrowUp] {
+        harness.input_mut().events.push(egui::Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+    }
+    harness.run_steps(2);
+    let sentence = words(&harness);
+    assert!(sentence.starts_with("Width 12.25 cm, projection 4.25 cm: "), "{sentence}");
+}
+
+#[test]
 fn an_edit_restarts_the_chart_and_its_values_follow() {
     let mut harness = range_of(sheet(), DESKTOP);
     wait_for(&mut harness, "289 plans computed. 33 nodes a side");

@@ -220,10 +220,13 @@ impl Chart {
                     let present = map.present().map(|[x, y]| plane.at((x, y)));
                     present.map_or((columns / 2, rows / 2), |at| nearest_point(map, plane, at))
                 };
-                let point = match self.cursor {
-                    Some(((i, j), _)) => (moved(i, right, columns), moved(j, up, rows)),
-                    None => start(),
+                // The first press chooses the start; a slow frame has further ones.
+                let ((i, j), [right, up]) = match self.cursor {
+                    Some((point, _)) => (point, [right, up]),
+                    None if right != 0 => (start(), [right - right.signum(), up]),
+                    None => (start(), [0, up - up.signum()]),
                 };
+                let point = (moved(i, right, columns), moved(j, up, rows));
                 self.cursor = Some((point, Means::Keys));
             }
         } else if self.cursor.is_some_and(|(_, means)| means == Means::Keys) {
