@@ -64,11 +64,15 @@ impl ReportChart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::studies::Studies;
     use crate::app::theme;
     use crate::scene::Scene;
     use crate::session::Command;
     use crate::solve::Progress;
-    use crate::study::{Axis, Cases, Map, MapSettings, Parameter, Study, evaluate, with_values};
+    use crate::study::{
+        Axis, Case, Cases, Finished, Job, Map, MapSettings, Parameter, Runner, Study, evaluate,
+        with_values,
+    };
     use eframe::egui::{self, Shape};
 
     /// A solved map around a sheet, and a session with a pin beside the plan.
@@ -128,6 +132,42 @@ mod tests {
         for word in ["present", "A", "usual", "high", "Width (cm)", "Projection (cm)"] {
             assert!(texts.iter().any(|text| text == word), "{word} in {texts:?}");
         }
+    }
+
+    /// Finishes no job.
+    struct Never(usize);
+
+    impl Runner for Never {
+        type Job = Job;
+        type Done = Vec<Case>;
+
+        fn submit(&mut self, _: Job) -> usize {
+            self.0 += 1;
+            self.0 - 1
+        }
+
+        fn cancel(&mut self, _: usize) {}
+
+        fn poll(&mut self) -> Option<Finished<Vec<Case>>> {
+            None
+        }
+
+        fn next(&mut self) -> Option<Finished<Vec<Case>>> {
+            None
+        }
+    }
+
+    #[test]
+    fn a_chart_closed_during_its_check_stays_for_the_report() {
+        let (mut range, session) = solved();
+        let ctx = egui::Context::default();
+        let mut studies = Studies::new(&ctx, |_| Box::new(Never(0)));
+        let check = range.map.study().and_then(Map::check).unwrap();
+        range.check.start(check, &mut studies);
+        assert!(range.check.is_running());
+        range.advance(&ctx, session.scene(), &mut studies);
+        assert!(!range.is_open && !range.check.is_running());
+        assert!(range.for_report(&session).is_ok());
     }
 
     #[test]

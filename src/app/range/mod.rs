@@ -118,11 +118,13 @@ impl Range {
     pub(super) fn advance(&mut self, ctx: &egui::Context, scene: &Scene, studies: &mut Studies) {
         if !self.is_open {
             self.is_fresh = true;
-            // A closed chart costs nothing; solved cases stay stored.
-            if self.map.is_running() || self.check.is_running() {
+            // A closed chart costs nothing; solved cases stay stored, a complete map stays for the report.
+            if self.map.is_running() {
                 self.map.cancel(studies);
-                self.check.cancel(studies);
                 self.started = None;
+            }
+            if self.check.is_running() {
+                self.check.cancel(studies);
             }
             return;
         }
