@@ -217,6 +217,7 @@ impl App {
         // The picture keeps its place whether the sentence takes one line or two.
         let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
         let height = lines * ui.text_style_height(&egui::TextStyle::Body);
+        let height = height.max(ui.spacing().interact_size.y);
         ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
             ui.set_min_height(height);
             ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
