@@ -64,6 +64,29 @@ fn unfolded(change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
     harness
 }
 
+/// Draws frames until something is found: a study computes beside the frames.
+fn wait_until<T>(
+    harness: &mut Harness<'static, App>,
+    what: &str,
+    find: impl Fn(&Harness<'static, App>) -> Option<T>,
+) -> T {
+    let start = std::time::Instant::now();
+    loop {
+        if let Some(found) = find(harness) {
+            return found;
+        }
+        assert!(start.elapsed().as_secs() < 300, "{what} does not come");
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+/// The text of the first label that contains these words.
+fn text_with(harness: &Harness<'static, App>, words: &str) -> Option<String> {
+    let mut labels = harness.query_all_by_label_contains(words);
+    labels.find_map(|node| node.accesskit_node().label().or(node.value()))
+}
+
 /// Opens or closes a fold, which may be scrolled out of sight.
 fn unfold(harness: &mut Harness<'static, App>, fold: &'static str) {
     harness.get_by_label(fold).focus();
@@ -876,8 +899,8 @@ fn a_turned_phone_has_the_picture_beside_the_answer() {
     }
 }
 
-#[test]
-fn a_pasted_table_becomes_the_curve_of_its_layer() {
+/// The app with the points of a measured skin open in their window.
+fn with_points_open() -> Harness<'static, App> {
     let mut harness = unfolded(|scene| {
         scene.layers[0].curve = CurveSpec::Points {
             points: vec![[0.0, 0.0], [1.0, 500.0]],
@@ -887,6 +910,22 @@ fn a_pasted_table_becomes_the_curve_of_its_layer() {
     });
     harness.get_by_role_and_label(Role::Button, "Edit points").click();
     harness.run();
+    harness
+}
+
+/// Applies the points of the window; the points of the plan.
+fn applied(harness: &mut Harness<'static, App>) -> Vec<[f64; 2]> {
+    harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
+    settle(harness);
+    match &harness.state().session().scene().layers[0].curve.spec {
+        CurveSpec::Points { points, .. } => points.clone(),
+        _ => panic!("no points"),
+    }
+}
+
+#[test]
+fn a_pasted_table_becomes_the_curve_of_its_layer() {
+    let mut harness = with_points_open();
     let paste = |harness: &mut Harness<'static, App>, text: &str| {
         harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read").focus();
         harness.run();
@@ -901,26 +940,12 @@ fn a_pasted_table_becomes_the_curve_of_its_layer() {
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
     harness.run();
     paste(&mut harness, "strain;stress (kPa)\n0,1;2,5\n45 %;0,12 MPa\n");
-    harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
-    settle(&mut harness);
-    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve.spec
-    else {
-        panic!("no points")
-    };
-    assert_eq!(points[..], [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
+    assert_eq!(applied(&mut harness), [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
 }
 
 #[test]
 fn the_clipboard_is_read_by_a_button_and_a_bad_line_leaves_the_others() {
-    let mut harness = unfolded(|scene| {
-        scene.layers[0].curve = CurveSpec::Points {
-            points: vec![[0.0, 0.0], [1.0, 500.0]],
-            interpolation: Interpolation::Line,
-        }
-        .into();
-    });
-    harness.get_by_role_and_label(Role::Button, "Edit points").click();
-    harness.run();
+    let mut harness = with_points_open();
     // Nothing in the clipboard: the field has the focus, and the window says how to paste.
     harness.get_by_role_and_label(Role::Button, "Paste table").click();
     harness.run();
@@ -939,13 +964,7 @@ fn the_clipboard_is_read_by_a_button_and_a_bad_line_leaves_the_others() {
         harness.get_by_role_and_label(Role::MultilineTextInput, "Table to read").value().unwrap()
     };
     assert_eq!(text(&harness), "0,1;2,5\nx;3\n45 %;0,12 MPa\n");
-    harness.get_by_role_and_label(Role::Button, "Apply the curve").click();
-    settle(&mut harness);
-    let CurveSpec::Points { points, .. } = &harness.state().session().scene().layers[0].curve.spec
-    else {
-        panic!("no points")
-    };
-    assert_eq!(points[..], [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
+    assert_eq!(applied(&mut harness), [[0.0, 0.0], [0.1, 2.5], [0.45, 120.0]]);
 }
 
 /// Starts of the marks on the rail of the volume \[points\].
@@ -970,30 +989,18 @@ fn volume_marks(model: TissueModel) -> Vec<f32> {
             .collect()
     };
     harness.hover_at(rail.center());
-    let start = std::time::Instant::now();
-    while marks(&harness).is_empty() {
-        assert!(start.elapsed().as_secs() < 300, "no marks");
-        harness.step();
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    marks(&harness)
+    wait_until(&mut harness, "a mark", |harness| {
+        Some(marks(harness)).filter(|marks| !marks.is_empty())
+    })
 }
 
 /// The sentence with the largest volume that stays usual on 12 cm and the next width, once that is known.
 fn largest_usual(harness: &mut Harness<'static, App>) -> String {
     // Nothing is computed before a pointer is on the plan.
     harness.hover_at(egui::pos2(4.0, 4.0));
-    let start = std::time::Instant::now();
-    loop {
-        let lines = harness.query_all_by_label_contains(" stays usual on 12 cm; ");
-        let words = lines.filter_map(|node| node.accesskit_node().label().or(node.value())).next();
-        if let Some(words) = words {
-            return words;
-        }
-        assert!(start.elapsed().as_secs() < 300, "no largest volume");
-        harness.step();
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+    wait_until(harness, "the largest volume", |harness| {
+        text_with(harness, " stays usual on 12 cm; ")
+    })
 }
 
 /// The volume of the sentence \[ml\].

@@ -183,14 +183,18 @@ impl VolumeMarks {
         format!("{words}{}.", beside.unwrap_or_default())
     }
 
-    /// The largest volume of a plan that stays usual, as a plan and in words; `None` while that is not known, or without one.
-    pub(super) fn largest_plan(&self, plan: &Scene) -> Option<(Scene, String)> {
+    /// The largest volume of a plan that stays usual \[ml\]; `None` while that is not known, or without one.
+    pub(super) fn largest_ml(&self, plan: &Scene) -> Option<f64> {
         let (marks, curve) = self.marks.as_ref().zip(self.curve.study())?;
-        if self.started.as_ref() != Some(plan) {
-            return None;
-        }
-        let volume = largest_ml(&curve.axes()[0], marks)?;
-        let scene = with_values(curve.base(), &[(Parameter::Volume, volume)]).ok()?;
+        let is_of_plan = self.started.as_ref() == Some(plan);
+        largest_ml(&curve.axes()[0], marks).filter(|_| is_of_plan)
+    }
+
+    /// [`Self::largest_ml`] as a plan and in words.
+    pub(super) fn largest_plan(&self, plan: &Scene) -> Option<(Scene, String)> {
+        let volume = self.largest_ml(plan)?;
+        let base = self.curve.study()?.base();
+        let scene = with_values(base, &[(Parameter::Volume, volume)]).ok()?;
         Some((scene, tr!("{volume:.0} ml, the largest that stays usual", volume)))
     }
 
@@ -206,12 +210,11 @@ impl VolumeMarks {
     /// That the volume of a plan is above or within a tenth of the greatest one with an answer, in words; empty while that is not
     /// known.
     pub(super) fn near_end(&self, plan: &Scene) -> String {
-        // Also during the solve of another volume.
-        let is_of_plan = self.curve.study().is_some_and(|curve| curve.has_points_of(&full(plan)));
-        let Some(volume_ml) = Parameter::Volume.value(plan).filter(|_| is_of_plan) else {
-            return String::new();
-        };
-        self.near_end_of(volume_ml)
+        let words = Parameter::Volume.value(plan).map_or_else(String::new, |v| self.near_end_of(v));
+        // Also during the solve of another volume. The comparison builds scenes: a volume far below the limit needs none.
+        let is_of_plan =
+            || self.curve.study().is_some_and(|curve| curve.has_points_of(&full(plan)));
+        if words.is_empty() || is_of_plan() { words } else { String::new() }
     }
 
     fn near_end_of(&self, volume_ml: f64) -> String {

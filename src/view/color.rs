@@ -222,10 +222,10 @@ pub fn band(band: usize) -> Rgb {
 /// The cover over the implant in the bar of its card.
 pub const COVER: Rgb = [0.80, 0.66, 0.36];
 
-/// Upper ends of the colours of strain \[-\], for a skin without a reserve and relative to the reserve; greater strains have the
-/// last colour.
-const MOST_STRAIN: f64 = 0.8;
-const MOST_RESERVE: f64 = 1.5;
+/// Upper end of the colours of strain \[-\] of a skin without a reserve; greater strains have the last colour.
+pub const MOST_STRAIN: f64 = 0.8;
+/// Upper end of the colours of the share of a reserve \[-\]; greater shares have the last colour.
+pub const MOST_RESERVE: f64 = 1.5;
 
 /// Colour of a value by its band \[unit of the limits\]; values above `most` have the last colour.
 #[must_use]

@@ -21,12 +21,7 @@ fn filled() -> Harness<'static, App> {
 
 /// Runs frames until a label contains these words.
 fn wait_for(harness: &mut Harness<'static, App>, words: &str) {
-    let start = std::time::Instant::now();
-    while harness.query_by_label_contains(words).is_none() {
-        assert!(start.elapsed().as_secs() < 300, "no label contains {words:?}");
-        harness.step();
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+    wait_until(harness, words, |harness| harness.query_by_label_contains(words).map(drop));
 }
 
 fn caption(harness: &Harness<'static, App>) -> String {

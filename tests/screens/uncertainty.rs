@@ -321,30 +321,16 @@ fn the_comparison_has_the_bands_of_pins_and_of_their_differences() {
 
 /// Runs frames until a label is there: the pins are sampled after the present plan.
 fn wait_for_label(harness: &mut Harness<'static, App>, label: &str) {
-    let start = std::time::Instant::now();
-    while harness.query_all_by_label(label).count() == 0 {
-        assert!(start.elapsed().as_secs() < 300, "no label {label:?}");
-        harness.step();
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+    wait_until(harness, label, |harness| harness.query_all_by_label(label).next().map(drop));
 }
 
 #[test]
 fn the_largest_usual_volume_has_the_range_of_sampled_patients() {
+    const RANGE: &str = " in 8 of 10 patients); ";
     let mut harness = sampled(WIDE);
-    let line = |harness: &Harness<'static, App>| {
-        let lines = harness.query_all_by_label_contains(" in 8 of 10 patients); ");
-        lines.filter_map(|node| node.accesskit_node().label().or(node.value())).next()
-    };
-    // An edit asks for the largest volume, the bands come before its range.
+    // An edit starts the search of the largest volume; the bands come before its range.
     type_into(&mut harness, "Margin (cm)", "1.2");
-    let start = std::time::Instant::now();
-    while line(&harness).is_none() {
-        assert!(start.elapsed().as_secs() < 300, "no range");
-        harness.step();
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    let words = line(&harness).unwrap();
+    let words = wait_until(&mut harness, "the range", |harness| text_with(harness, RANGE));
     let scene = harness.state().session().scene().clone();
     // The volumes of the slider's marks: a ratio of 0.15 to 1.3 of projection and half the width.
     let ends = (70.0, 580.0);
@@ -357,11 +343,10 @@ fn the_largest_usual_volume_has_the_range_of_sampled_patients() {
     let [low, high] = [found.low_ml, found.high_ml].map(Option::unwrap);
     assert!(words.contains(&format!(" ({low:.0}–{high:.0} ml in 8 of 10 patients); ")), "{words}");
     // One patient's figure stands before the range.
-    let own: f64 =
-        words.strip_prefix("Up to ").unwrap().split(' ').next().unwrap().parse().unwrap();
+    let own = volume_of(&words);
     assert!(own > 0.5 * low && own < 2.0 * high, "{words}");
     // Another volume of the same patient keeps the range.
     type_into(&mut harness, "Volume (ml)", "310");
     harness.step();
-    assert_eq!(line(&harness), Some(words));
+    assert_eq!(text_with(&harness, RANGE), Some(words));
 }

@@ -7,12 +7,11 @@ use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
 use crate::study::{Band, Quantity};
+use crate::view::color::{MOST_RESERVE, MOST_STRAIN};
 
 /// Strain above which the share of the skin is shown \[-\], and its key in the result.
 const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
-/// Greatest values of the bars: strain \[-\], share of the reserve \[-\], pressure \[mmHg\].
-const MOST_STRAIN: f64 = 0.8;
-const MOST_RESERVE: f64 = 1.5;
+/// Greatest value of the bar of the pressure \[mmHg\].
 const MOST_PRESSURE: f64 = 100.0;
 /// Share of the sampled patients without an answer above which a band is open at its worse end \[-\].
 const OPEN_ABOVE: f64 = 0.05;

@@ -45,12 +45,13 @@ fn largest_usual(ui: &mut Ui, scene: &Scene, device: Device, marks: &VolumeMarks
         return None;
     }
     let about = |ui: &mut Ui| drop(ui.label(device.words(&marks.about_largest_usual())));
-    let Some((largest, _)) = marks.largest_plan(scene) else {
+    let Some(volume) = marks.largest_ml(scene) else {
         remark(ui, words).on_hover_ui(about);
         return None;
     };
     let link = ui.link(RichText::new(words).small()).on_hover_ui(about);
-    link.clicked().then(|| largest.implant.size().ok())?
+    let width = 2.0 * scene.implant.base_radius_mm;
+    link.clicked().then(|| Size::of_width_and_volume(width, volume).ok())?
 }
 
 /// The switch between implant and expander.

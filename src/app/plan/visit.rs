@@ -136,8 +136,7 @@ pub(super) fn set_form_field(
             now.side = side;
         }
         "date" => {
-            let date = if text.trim().is_empty() { Some(String::new()) } else { read_date(text) };
-            let Some(date) = date else {
+            let Some(date) = date_or_none(text) else {
                 return Some(Err(tr!(
                     "{name}: {text} is no date; allowed: {allowed}",
                     name = tr(DATE_NAME),
@@ -153,6 +152,11 @@ pub(super) fn set_form_field(
     }
     set(scene, now);
     Some(Ok(()))
+}
+
+/// The date of a text; empty for an empty text, `None` for a text that is no date.
+fn date_or_none(text: &str) -> Option<String> {
+    if text.trim().is_empty() { Some(String::new()) } else { read_date(text) }
 }
 
 /// Reference and side in words; empty if none is stated.
@@ -265,7 +269,7 @@ fn date(ui: &mut Ui, hand: Hand, date: &mut String) -> Response {
         response
     });
     let text = typed.trim();
-    let read = if text.is_empty() { Some(String::new()) } else { read_date(text) };
+    let read = date_or_none(text);
     let is_escaped = read.is_none() && ui.input(|input| input.key_pressed(egui::Key::Escape));
     if is_today {
         *date = files::today();
