@@ -242,13 +242,13 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await chart.evaluate((img) => img.decode());
     assert.ok((await colours(chart)) > 60, "the chart is blank");
     assert.equal(await paper.locator(".screen").count(), 0);
-    assert.equal(report.name, "implant-374ml-2026-01-31-K-M-4711.html");
+    assert.equal(report.name, "implant-378ml-2026-01-31-K-M-4711.html");
     const pages = textsOf(await paper.pdf({ format: "A4" }));
     assert.equal(pages.length, 2, `${pages.length} pages`);
-    const head = "K.M.4711·leftside·visitof2026-01-31·surgeonDrÅ·374ml,12cm";
+    const head = "K.M.4711·leftside·visitof2026-01-31·surgeonDrÅ·378ml,12cm";
     assert.ok(pages[1].includes(head), pages[1]);
     assert.ok(pages[1].includes("page2of2"), pages[1]);
-    assert.equal(await paper.title(), "Implant preview: report · K. M. 4711 · left side · visit of 2026-01-31 · surgeon Dr Å · 374 ml, 12 cm");
+    assert.equal(await paper.title(), "Implant preview: report · K. M. 4711 · left side · visit of 2026-01-31 · surgeon Dr Å · 378 ml, 12 cm");
     await paper.emulateMedia({ media: "print" });
     await paper.setViewportSize({ width: 700, height: 1000 });
     await harness.screenshot(paper, "visit-report");
