@@ -15,7 +15,7 @@ fn ratio(scene: &Scene) -> Option<f64> {
     assert_eq!(solver.verdict(), Verdict::Converged);
     let limit = axisymmetric(scene)?;
     let skin = solver.outer().last().unwrap();
-    let (sheet, radius) = (&solver.problem().sheet, scene.implant.base_radius_mm);
+    let (sheet, radius) = (solver.problem().sheet(), scene.implant.base_radius_mm);
     let distance = |k: usize| {
         let rest = sheet.rest()[k];
         let (r, z) = limit(Face::Skin, rest.length());

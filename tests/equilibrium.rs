@@ -175,7 +175,7 @@ fn contact_forces_are_the_reaction_of_the_border() {
     for scene in odd_scenes() {
         let solver = solved(&scene, 65, 1e-6);
         let forces = solver.forces_and_scale().0;
-        let kinds = solver.problem().sheet.kinds();
+        let kinds = solver.problem().sheet().kinds();
         // The vertical reaction of the border equals the vertical force of dome and wall.
         let pull: f64 = (0..forces.len())
             .filter(|&k| kinds[k] == NodeKind::Clamped)
@@ -196,7 +196,7 @@ fn no_node_is_inside_the_dome_or_below_the_wall_and_no_contact_force_is_tensile(
         let (problem, forces) = (solver.problem(), solver.forces_and_scale().0);
         let scale = forces.iter().map(|f| f.length()).fold(0.0, f64::max);
         for (k, &x) in solver.positions().iter().enumerate() {
-            if problem.sheet.kinds()[k] != NodeKind::Free {
+            if problem.sheet().kinds()[k] != NodeKind::Free {
                 continue;
             }
             let distance = problem.obstacle.dome.closest_point(x).0;
@@ -441,7 +441,7 @@ fn the_papers_springs_over_a_dome_are_solved_by_the_same_cycles() {
         let [cycles, newton] = [Method::Multigrid { cycles: 14 }, Method::Newton].map(|method| {
             let mut problem = scene.problem().unwrap();
             problem.tolerance = 1e-8;
-            problem.sheet = found.problem().sheet.clone();
+            problem.rest = found.problem().rest.clone();
             let mut solver =
                 Solver::with_options(problem, Options { method, ..Options::default() });
             solver.advance(&mut || false);

@@ -510,6 +510,22 @@ fn a_solver_restarts_with_more_layers() {
     assert!(distance(&solver, &solved(&whole, Options::default())) < 1e-3);
 }
 
+/// Another thickness of the fat is another tissue at rest under the same law: the tables stay.
+#[test]
+fn a_solver_restarts_with_thicker_fat_and_its_tables() {
+    let mut scene = default_scene(17);
+    scene.solver.cells_through = Some(CellsThrough::Count(2));
+    let mut solver = solved(&scene, Options::default());
+    scene.layers[1].thickness_mm *= 1.5;
+    solver.restart(scene.problem().unwrap());
+    solver.advance(&mut || false);
+    assert_eq!((solver.verdict(), solver.tables_built()), (Verdict::Converged, 1));
+    assert_eq!(distance(&solver, &solved(&scene, Options::default())), 0.0);
+    scene.layers[1].poisson_ratio = 0.4;
+    solver.restart(scene.problem().unwrap());
+    assert_eq!(solver.tables_built(), 2);
+}
+
 /// The augmented pressure of multigrid has the fixed point of the law that Newton's method solves.
 #[test]
 fn nearly_incompressible_tissue_has_the_shape_and_the_force_of_its_law() {

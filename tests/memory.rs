@@ -60,7 +60,7 @@ fn measured(problem: &Problem) -> Use {
 
     check_second_solve(&mut solver, problem);
     let before = HeapStats::get().curr_bytes;
-    let sheet = problem.sheet.clone();
+    let sheet = problem.sheet().clone();
     let bytes = held - (HeapStats::get().curr_bytes - before);
     let layers = 1 + solver.outer().len();
     Use { bytes, evaluations, nodes: layers * sheet.free_nodes() }

@@ -250,7 +250,7 @@ fn the_checks_detect_invalid_shapes() {
     let mut scene = Scene::sheet();
     scene.solver.nodes_per_side = 33;
     let solver = Solver::new(scene.problem().unwrap());
-    let (sheet, dome) = (&solver.problem().sheet, &solver.problem().obstacle.dome);
+    let (sheet, dome) = (solver.problem().sheet(), &solver.problem().obstacle.dome);
     // A sheet over the dome faces outwards, an inverted sheet inwards.
     let mut x = solver.start_shape();
     assert!(check::inward_cosine(sheet, &x) < 0.0);

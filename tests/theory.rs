@@ -143,7 +143,7 @@ fn shapes_extrapolated_to_zero_spacing_agree_with_the_axisymmetric_reference() {
 
 /// Strain energy \[kPa·mm³\] of a solver's shape, from the triangles' metrics alone.
 fn energy(solver: &Solver) -> f64 {
-    let (sheet, x) = (&solver.problem().sheet, solver.positions());
+    let (sheet, x) = (solver.problem().sheet(), solver.positions());
     let law = solver.coupled_law().unwrap();
     let triangle = |([a, b, c], weight): ([usize; 3], f64)| {
         let rest =

@@ -48,7 +48,7 @@ fn the_skin_of_the_opening_plan_is_taut_and_its_result_has_no_warning() {
     assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
     let fields = Fields::new(Arc::clone(&solution));
     assert!(fields.values(Field::WrinkleState).iter().all(|state| *state == 0.0));
-    assert!(fields.skin_state(solution.problem().sheet.len() / 2).is_some());
+    assert!(fields.skin_state(solution.problem().sheet().len() / 2).is_some());
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn visible_folds_beyond_the_pocket_are_a_warning_small_ones_are_none() {
 fn crests_around_a_centred_implant_under_thick_fat_are_circles() {
     let solution = run(&CheckedScene::new(thick()).unwrap(), Options::default(), None).solution;
     let fields = Fields::new(solution);
-    let sheet = &fields.solution().problem().sheet;
+    let sheet = fields.solution().problem().sheet();
     let mut count = 0;
     for (rest, crest) in sheet.rest().iter().zip(fields.wrinkle_directions()) {
         // The border's triangles are less regular.

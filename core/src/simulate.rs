@@ -52,7 +52,7 @@ impl Simulator {
         while solver.advance(&mut || false) == Progress::Working {}
         let solution = Arc::new(solver.take_solution());
         let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
-        if solution.problem().sheet.nodes_per_side() <= MAX_KEPT_NODES_PER_SIDE {
+        if solution.problem().sheet().nodes_per_side() <= MAX_KEPT_NODES_PER_SIDE {
             self.solver = Some(solver);
         }
         let fields = Fields::new(Arc::clone(&solution));

@@ -66,7 +66,7 @@ pub fn measure(
     let Some(solver) = solved(&scene)? else { return Ok(None) };
     let cells_through = match problem.tissue {
         Tissue::Sheet => None,
-        Tissue::Layered { .. } => Some(solver.outer().len()),
+        Tissue::Layered { .. } => Some(problem.rest.cells().len()),
     };
     let faces: Vec<(Face, &[DVec3])> = match solver.outer().last() {
         None => vec![(Face::Inner, solver.positions())],
@@ -77,18 +77,18 @@ pub fn measure(
     } else {
         axisymmetric(&scene).map(|profile| {
             let at = |face: Face, k: usize| {
-                let rest = problem.sheet.rest()[k];
+                let rest = problem.sheet().rest()[k];
                 let s_mm = rest.length();
                 let (r, z) = profile(face, s_mm);
                 (rest * (r / s_mm.max(f64::MIN_POSITIVE))).extend(z)
             };
-            let nodes = 0..problem.sheet.len();
+            let nodes = 0..problem.sheet().len();
             faces.iter().map(|(face, _)| nodes.clone().map(|k| at(*face, k)).collect()).collect()
         })
     };
     let Some(references) = references else { return Ok(None) };
     let radius = problem.obstacle.dome.reference_length();
-    let (n, sheet) = (nodes_per_side, &problem.sheet);
+    let (n, sheet) = (nodes_per_side, problem.sheet());
     let errors = |x: &[DVec3], reference: &[DVec3]| {
         let mut errors = Errors::default();
         let mut count = 0.0;

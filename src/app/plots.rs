@@ -117,7 +117,7 @@ pub(super) fn section_chart(
         let [inner, outer] = tissue_faces(session.solution());
         [(tr("skin"), palette.curves[0], outer), (tr("inner face"), palette.curves[1], inner)]
     });
-    let radius = problem.sheet.radius_mm();
+    let radius = problem.sheet().radius_mm();
     let wall = (tr("chest wall"), palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
     let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
     let silhouettes = drawn_silhouettes(session, compare, palette);
@@ -189,7 +189,7 @@ fn skin_band(plot: &mut PlotUi<'_>, color: Color32, band: &[SectionBand]) {
 
 /// Inner and outer face of the tissue on the grid row nearest to y = 0 \[mm\].
 fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
-    let sheet = &solution.problem().sheet;
+    let sheet = solution.problem().sheet();
     let n = sheet.nodes_per_side();
     let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);
     let (x, stack) = (solution.inner(), solution.stack());

@@ -104,7 +104,7 @@ fn status_text(session: &Session) -> StatusText {
             Displayed::Coarse { nodes_per_side } => tr!(
                 "Provisional shape on a coarse grid: {nodes_per_side} of {all} nodes per side.",
                 nodes_per_side,
-                all = session.problem().sheet.nodes_per_side()
+                all = session.problem().sheet().nodes_per_side()
             ),
             Displayed::Previous | Displayed::Final => {
                 tr("The previous shape is still shown.").to_owned()

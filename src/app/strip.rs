@@ -75,7 +75,7 @@ impl App {
         let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
         set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
         let problem = subject.problem();
-        let section = CrossSection::new(self.viewport.body(), &problem.sheet);
+        let section = CrossSection::new(self.viewport.body(), problem.sheet());
         let pins =
             plots::drawn_silhouettes(&self.session, &self.compare, theme::palette(ui.visuals()));
         let pins = first_and_last(pins);
@@ -134,7 +134,7 @@ struct Place {
 
 impl Place {
     fn new(area: Rect, problem: &Problem, section: &CrossSection, pins: &[Silhouette]) -> Self {
-        let radius = problem.sheet.radius_mm() as f32;
+        let radius = problem.sheet().radius_mm() as f32;
         let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
         let highest = highest.fold(section.height(), f32::max);
         let height = STEP_MM * (highest / STEP_MM).ceil().max(2.0);

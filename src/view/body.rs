@@ -74,7 +74,7 @@ impl Body {
     /// points move.
     pub fn update(&mut self, solution: &Solution) -> bool {
         let problem = solution.problem();
-        let sheet = &problem.sheet;
+        let sheet = problem.sheet();
         let slabs = slabs(solution);
         let grid = Grid { nodes_per_side: sheet.nodes_per_side(), radius_mm: sheet.radius_mm() };
         let is_new = self.made_for != Some(grid) || self.slabs.len() != slabs.len();
@@ -154,7 +154,7 @@ impl Body {
     }
 
     fn add_ring_points(&mut self, problem: &Problem) {
-        let sheet = &problem.sheet;
+        let sheet = problem.sheet();
         let stack: f32 = problem.materials.iter().map(|m| m.thickness_mm as f32).sum();
         let radius = sheet.radius_mm() as f32;
         let width = (RING_WIDTH * radius).max(2.0 * stack);
@@ -226,7 +226,7 @@ fn sheet_triangles(sheet: &Sheet) -> Vec<[u32; 3]> {
 /// Direction of the stack at every node: the normal, mitred near the border, with a length that keeps the thickness
 /// of the layers.
 fn stack_directions(problem: &Problem, border: &[usize], stack: &Stack) -> Vec<Vec3> {
-    let sheet = &problem.sheet;
+    let sheet = problem.sheet();
     let height: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
     let reach = MITRE_REACH * height;
     // Squared radius beyond which the stack of a node is mitred.
@@ -309,7 +309,7 @@ pub(crate) mod tests {
     fn adjacent_faces_are_one_layer_thickness_apart() {
         for (session, body) in both() {
             let stack = session.solution().stack();
-            let sheet = &session.problem().sheet;
+            let sheet = session.problem().sheet();
             let inside = |k: &usize| sheet.rest()[*k].length() < 50.0;
             for k in (0..sheet.len()).filter(inside) {
                 let mut thickness = vec![0.0; session.scene().layers.len()];

@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn the_layers_lie_over_each_other_and_a_point_has_its_layer() {
         for (session, body) in both() {
-            let sheet = &session.problem().sheet;
+            let sheet = session.problem().sheet();
             let section = CrossSection::new(&body, sheet);
             assert_eq!(section.columns.len(), 33);
             assert!((section.height() - body.height()).abs() < 1e-3, "the apex is in the plane");

@@ -154,7 +154,7 @@ mod tests {
                 let hit = pick(&ray, &body, &section, &caps, &obstacle).expect("a face is there");
                 assert_eq!(hit.target, Target::Cut(layer));
             }
-            let beside = -8.0 - session.problem().sheet.radius_mm() as f32;
+            let beside = -8.0 - session.problem().sheet().radius_mm() as f32;
             let down = Ray { origin: Vec3::new(beside, 0.0, 400.0), direction: -Vec3::Z };
             let hit = pick(&down, &body, &section, &caps, &obstacle).expect("the ring is there");
             assert_eq!(hit.target, Target::Ring);

@@ -124,7 +124,7 @@ impl Picture {
             self.dome_made = dome;
             self.set_mesh(2, dome.as_ref().map_or_else(Mesh::default, mesh::implant));
         }
-        let wall_radius = self.body.block_radius.max(problem.sheet.radius_mm() as f32);
+        let wall_radius = self.body.block_radius.max(problem.sheet().radius_mm() as f32);
         if self.wall_made != Some(wall_radius) {
             self.wall_made = Some(wall_radius);
             self.set_mesh(3, mesh::wall(wall_radius));
@@ -144,7 +144,7 @@ impl Picture {
         let mut indices = if is_shown { Arc::clone(&self.tissue_indices) } else { Arc::default() };
         if is_shown && quantity == Quantity::Wrinkles {
             let directions = subject.fields().wrinkle_directions();
-            let spacing = subject.problem().sheet.spacing_mm() as f32;
+            let spacing = subject.problem().sheet().spacing_mm() as f32;
             let (points, triangles) =
                 strokes::along(&self.body, directions, spacing, vertices.len() as u32);
             if !points.is_empty() {

@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn a_place_moves_with_the_tissue_and_is_found_on_any_grid() {
         for (session, body) in both() {
-            let sheet = &session.problem().sheet;
+            let sheet = session.problem().sheet();
             let triangle = body.triangles[400];
             let nodes = [0, 1, 2].map(|k| (triangle[k] as usize, [0.5, 0.3, 0.2][k]));
             let place = Place::new(&nodes, 0.0, sheet);

@@ -343,7 +343,7 @@ mod tests {
         let has_net = |corner: &&Corner| corner.net.y > -0.5;
         assert!(!section.caps(&sheet).iter().flat_map(|cap| &cap.corners).any(|c| has_net(&c)));
         let cells = layered.solution().cells().len() as f32;
-        let patch = &layered.problem().sheet;
+        let patch = layered.problem().sheet();
         let spacing = 2.0 * patch.radius_mm() as f32 / (patch.nodes_per_side() - 1) as f32;
         let direction = Vec2::from_angle(0.4).perp();
         let caps = section.caps(&body);

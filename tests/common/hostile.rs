@@ -37,9 +37,9 @@ pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     let mut small = scene.clone();
     small.solver.nodes_per_side = 17;
     let problem = small.problem().expect("checked before");
-    assert!(problem.sheet.free_nodes() > 0);
+    assert!(problem.sheet().free_nodes() > 0);
     assert_eq!(problem.materials.len(), scene.layers.len());
-    assert!(problem.sheet.radius_mm() >= problem.obstacle.dome.base_radius * (1.0 - 1e-6));
+    assert!(problem.sheet().radius_mm() >= problem.obstacle.dome.base_radius * (1.0 - 1e-6));
 }
 
 /// Slices of a solve of [`check_layered_solve`].

@@ -46,7 +46,7 @@ impl Contact {
         let force = reactions.force.clone();
         let part = solution.part();
         let area = part.nodes().map(|k| deformation.deformed_area(k)).collect();
-        let n = solution.problem().sheet.nodes_per_side();
+        let n = solution.problem().sheet().nodes_per_side();
         // A node with a contact offset disturbs the forces on its neighbours: two rings of nodes are left out.
         let [first, first_row] = part.first();
         let within = |marks: &[bool]| -> Vec<bool> {
@@ -202,7 +202,7 @@ impl Contact {
     /// the nodes.
     pub(super) fn edge(&self, solution: &Solution) -> Option<Edge> {
         let problem = solution.problem();
-        let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
+        let (sheet, dome, x) = (problem.sheet(), &problem.obstacle.dome, solution.inner());
         let pocket_radius = problem.patch.pocket_radius_mm;
         // The gap opens with the square of the distance under a membrane only.
         let is_centred =

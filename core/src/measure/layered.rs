@@ -63,7 +63,7 @@ pub(super) fn pocket_weight(sheet: &Sheet, pocket_radius: f64, node: usize) -> f
 
 /// The free nodes that determine a solution: of mirror images the first one.
 fn free_nodes(solution: &Solution) -> impl Iterator<Item = usize> + '_ {
-    let kinds = solution.problem().sheet.kinds();
+    let kinds = solution.problem().sheet().kinds();
     solution.part().first_images().filter(|&k| kinds[k] == NodeKind::Free)
 }
 
@@ -120,7 +120,7 @@ impl Outcome {
 /// 41 points of the skin along +x, material radius 0 … patch radius.
 fn skin_profile(solution: &Solution) -> Vec<ProfilePoint> {
     profile::along(
-        &solution.problem().sheet,
+        solution.problem().sheet(),
         solution.membrane(),
         solution.problem().patch.radius_mm,
     )
@@ -212,10 +212,10 @@ pub(super) fn cover_at(solution: &Solution, node: usize) -> f64 {
 /// Pull of the attachment at a node \[kPa\].
 pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
     let problem = solution.problem();
-    let (sheet, patch) = (&problem.sheet, &problem.patch);
+    let (rest, patch) = (&problem.rest, &problem.patch);
     patch.attachment().map_or(0.0, |attachment| {
-        let radius = sheet.rest()[node].length();
-        let moved = solution.inner()[node].distance(sheet.rest_position(node));
+        let radius = rest.sheet().rest()[node].length();
+        let moved = solution.inner()[node].distance(rest.node(0, node));
         attachment.stiffness(patch.pocket_radius_mm, radius) * moved
     })
 }
@@ -246,7 +246,7 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
 /// Height of the skin's outer surface above a point of the wall \[mm\], by a parabola in each direction about the nearest
 /// of the nodes `outer`.
 fn height_above(solution: &Solution, outer: &[(usize, DVec3)], px: f64, py: f64) -> Option<f64> {
-    let n = solution.problem().sheet.nodes_per_side();
+    let n = solution.problem().sheet().nodes_per_side();
     let apart = |x: DVec3| (x.x - px).powi(2) + (x.y - py).powi(2);
     let &(k, x) = outer.iter().min_by(|(_, a), (_, b)| apart(*a).total_cmp(&apart(*b)))?;
     let at = |k: usize| solution.outer_surface_at(k).as_dvec3();
@@ -264,13 +264,13 @@ fn height_above(solution: &Solution, outer: &[(usize, DVec3)], px: f64, py: f64)
 /// The greatest traction of the attachment.
 fn traction(solution: &Solution) -> Option<Traction> {
     let problem = solution.problem();
-    let (sheet, patch) = (&problem.sheet, &problem.patch);
-    patch.attachment()?;
+    let rest = problem.sheet().rest();
+    problem.patch.attachment()?;
     let mut greatest = Traction { max: 0.0, at_mm: [0.0; 2] };
     for k in free_nodes(solution) {
         let pull = traction_at(solution, k);
         if pull > greatest.max {
-            greatest = Traction { max: pull, at_mm: sheet.rest()[k].to_array() };
+            greatest = Traction { max: pull, at_mm: rest[k].to_array() };
         }
     }
     Some(greatest)

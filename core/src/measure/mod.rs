@@ -70,7 +70,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     let pocket_radius = problem.patch.pocket_radius_mm;
     let weight = |k: usize| match problem.tissue {
         Tissue::Sheet => 1.0,
-        Tissue::Layered { .. } => layered::pocket_weight(&problem.sheet, pocket_radius, k),
+        Tissue::Layered { .. } => layered::pocket_weight(problem.sheet(), pocket_radius, k),
     };
     outcome.measure_contact(fields, selection);
     if selection.wants("profile") {
@@ -212,7 +212,7 @@ impl Outcome {
             attachment_traction_kpa: None,
             wrinkled: None,
             solver: SolverOutcome {
-                nodes_per_side: problem.sheet.nodes_per_side(),
+                nodes_per_side: problem.sheet().nodes_per_side(),
                 nodes_solved: report.nodes_solved,
                 method: match report.method {
                     Method::Newton => SolverMethod::Newton,
@@ -235,7 +235,7 @@ impl Outcome {
     fn measure_shape(&mut self, fields: &Fields, summary: &Summary<{ STRAIN_BANDS.len() }>) {
         let solution = fields.solution();
         let problem = solution.problem();
-        let (dome, sheet, x) = (&problem.obstacle.dome, &problem.sheet, solution.inner());
+        let (dome, sheet, x) = (&problem.obstacle.dome, problem.sheet(), solution.inner());
         let deformation = solution.deformation();
         let area_before = pocket_area(problem);
 
@@ -325,7 +325,7 @@ impl Outcome {
                 ));
             }
         }
-        let (sheet, springs) = (&problem.sheet, problem.springs);
+        let (sheet, springs) = (problem.sheet(), problem.springs);
         if let Some(part) = unresolved_part(problem, contact_nodes) {
             self.warnings.push(format!(
                 "The grid is too coarse for {part}: the node spacing is {:.2} mm. Strain, stress, \
@@ -350,9 +350,9 @@ const UNEVEN_STRAIN: f64 = 0.1;
 
 /// The part of the implant, or its contact with `contact_nodes` nodes, that the grid does not resolve.
 fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static str> {
-    let Problem { sheet, patch, obstacle, .. } = problem;
+    let Problem { rest, patch, obstacle, .. } = problem;
     let dome = &obstacle.dome;
-    let least = LEAST_CELLS * sheet.spacing_mm();
+    let least = LEAST_CELLS * rest.sheet().spacing_mm();
     let is_fully_in = dome.base_height >= 0.0;
     let room = patch.pocket_radius_mm - dome.center.length() - dome.base_radius;
     if dome.apex().z <= 0.0 {

@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 /// the edge. On the outer side the last node in contact has its position with contact offset, on the extension of the
 /// free sheet.
 pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
-    let sheet = &solution.problem().sheet;
+    let sheet = solution.problem().sheet();
     let row = sheet.nodes_per_side() / 2 * sheet.nodes_per_side();
     let pocket_radius = solution.problem().patch.pocket_radius_mm;
     beside_edges(sheet, solution.inner(), pocket_radius, &edges(solution, row))
@@ -24,7 +24,7 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
 pub fn skin_surface(solution: &Solution) -> Vec<ProfilePoint> {
     let faces = solution.faces();
     let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
-    along(&solution.problem().sheet, &outer, solution.problem().patch.radius_mm)
+    along(solution.problem().sheet(), &outer, solution.problem().patch.radius_mm)
 }
 
 /// 41 points of a face, material radius 0 … `radius` in equal steps.
@@ -104,7 +104,7 @@ struct Edge {
 
 fn edges(solution: &Solution, row: usize) -> Vec<Edge> {
     let problem = solution.problem();
-    let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solution.inner());
+    let (sheet, dome, x) = (problem.sheet(), &problem.obstacle.dome, solution.inner());
     let n = sheet.nodes_per_side();
     let is_offset = |k: usize| solution.offset_nodes().iter().any(|(node, _)| *node == k);
     // Free nodes without contact.

@@ -23,7 +23,7 @@ pub struct Surfaces {
 #[must_use]
 pub fn surfaces(solution: &Solution) -> Surfaces {
     let (stack, faces) = (solution.stack(), solution.faces());
-    of_faces(&solution.problem().sheet, stack, &faces)
+    of_faces(solution.problem().sheet(), stack, &faces)
 }
 
 pub(crate) fn of_faces(sheet: &Sheet, stack: &Stack, faces: &[Vec<Vec3>]) -> Surfaces {

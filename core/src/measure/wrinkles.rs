@@ -77,7 +77,7 @@ impl Shares {
         let (mut patch, mut pocket, mut sums) = (0.0, 0.0, Self::default());
         for k in deformation.inside() {
             let area = deformation.rest_area(k) * part.multiplicity(k);
-            let over = area * pocket_weight(&problem.sheet, problem.patch.pocket_radius_mm, k);
+            let over = area * pocket_weight(problem.sheet(), problem.patch.pocket_radius_mm, k);
             patch += area;
             pocket += over;
             if state(solution, k) != Some(FieldState::Taut) {
@@ -151,7 +151,7 @@ mod tests {
         ));
         let scene = CheckedScene::new(scene.unwrap()).unwrap();
         let solution = run(&scene, Options::default(), None).solution;
-        let rest = solution.problem().sheet.rest().to_vec();
+        let rest = solution.problem().sheet().rest().to_vec();
         let mut record: Record = solution.record();
         record.mirrored = [mirrored; 2];
         for (x, rest) in record.outer.last_mut().unwrap().iter_mut().zip(&rest) {
@@ -204,10 +204,10 @@ mod tests {
         for mirrored in [true, false] {
             let fields = Fields::new(Arc::new(with_skin("3", mirrored, |p| place(p) * 1.15)));
             let solution = fields.solution();
-            let rest = solution.problem().sheet.rest();
+            let rest = solution.problem().sheet().rest();
             let mut count = 0;
             for (k, crest) in fields.wrinkle_directions().iter().enumerate() {
-                if *crest == Vec2::ZERO || solution.problem().sheet.kinds()[k] != NodeKind::Free {
+                if *crest == Vec2::ZERO || solution.problem().sheet().kinds()[k] != NodeKind::Free {
                     continue;
                 }
                 let off = crest.as_dvec2().perp_dot(rest[k].normalize()).abs();

@@ -5,7 +5,7 @@
 //! opposite triangle has full weight. This border is second-order accurate; a staircase
 //! (fixing every node outside) is first-order.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// The kind of a grid node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,19 +183,6 @@ impl Sheet {
         &self.rest
     }
 
-    /// Rest position of a node on the plane z = 0 \[mm\].
-    #[inline]
-    #[must_use]
-    pub fn rest_position(&self, node: usize) -> DVec3 {
-        self.rest[node].extend(0.0)
-    }
-
-    /// Rest positions of all nodes \[mm\].
-    #[must_use]
-    pub fn rest_positions(&self) -> Vec<DVec3> {
-        (0..self.len()).map(|k| self.rest_position(k)).collect()
-    }
-
     /// The kind of each node, row-major.
     #[must_use]
     pub fn kinds(&self) -> &[NodeKind] {
@@ -266,13 +253,6 @@ impl Sheet {
     #[must_use]
     pub fn rest_area(&self, [a, b, c]: [usize; 3]) -> f64 {
         0.5 * (self.rest[b] - self.rest[a]).perp_dot(self.rest[c] - self.rest[a])
-    }
-
-    /// The next coarser sheet on the same disc, with half the cells a side; `None` below 17 nodes and where half the
-    /// number of cells is odd.
-    #[must_use]
-    pub fn coarser(&self) -> Option<Self> {
-        coarser_nodes_per_side(self.nodes_per_side).map(|n| Self::new(n, self.radius_mm))
     }
 }
 

@@ -2,11 +2,9 @@
 
 use super::NodeBlocks;
 use crate::mesh::lanes::{Layout, load};
+use crate::mesh::rest::MAX_LAYERS;
 use crate::mesh::vec3::{Block, Vec3, add, inverted, scale, sub, times};
 use wide::f32x4;
-
-/// The greatest number of nodes in a column.
-pub(crate) const MAX_LAYERS: usize = 9;
 
 /// The part of the stiffness that a smoother inverts.
 pub(crate) trait Stiffness: Clone + std::fmt::Debug {

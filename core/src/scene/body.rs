@@ -5,10 +5,9 @@ use super::{
     problem, within,
 };
 use crate::curve::{Curve, number};
+use crate::mesh::rest::{automatic_cells, balanced_cells};
 use crate::mesh::{Attachment, Edge, Patch};
-use crate::model::layered::{automatic_cells, balanced_cells};
-use crate::solve::Tissue;
-use crate::springs::{Material, Springs};
+use crate::springs::Springs;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -264,19 +263,13 @@ impl Scene {
 }
 
 impl CellsThrough {
-    /// Layered tissue of these materials.
-    pub(super) fn tissue(
-        self,
-        materials: &[Material],
-        skin_wrinkles: bool,
-        spacing_mm: f64,
-    ) -> Tissue {
-        let cells_through = match self {
+    /// The number for solids of these thicknesses \[mm\].
+    pub(super) fn count(self, solids_mm: &[f64], skin_wrinkles: bool, spacing_mm: f64) -> usize {
+        match self {
             // The versions differ in both, see `Scene::skin_wrinkles`.
-            Self::Auto if skin_wrinkles => balanced_cells(materials, spacing_mm),
-            Self::Auto => automatic_cells(materials),
+            Self::Auto if skin_wrinkles => balanced_cells(solids_mm, spacing_mm),
+            Self::Auto => automatic_cells(solids_mm),
             Self::Count(count) => count,
-        };
-        Tissue::Layered { cells_through, skin_wrinkles }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Scene, SceneError, read};
 use crate::contact::{Dome, Obstacle};
 use crate::curve::Curve;
-use crate::mesh::{Patch, Sheet, rounded_nodes_per_side};
+use crate::mesh::{Patch, Rest, Sheet, rounded_nodes_per_side};
 use crate::solve::{Problem, Tissue};
 use crate::springs::Material;
 use glam::DVec2;
@@ -84,17 +84,20 @@ impl CheckedScene {
         };
         let nodes_per_side = rounded_nodes_per_side(solver.nodes_per_side);
         let sheet = Sheet::new(nodes_per_side, patch.radius_mm);
-        let tissue = match body {
-            None => Tissue::Sheet,
+        let (tissue, rest) = match body {
+            None => (Tissue::Sheet, Rest::of_sheet(sheet)),
             Some(_) => {
+                let solids = self.materials[1..].iter().rev();
+                let solids_mm: Vec<f64> = solids.map(|solid| solid.thickness_mm).collect();
+                let skin_wrinkles = self.scene.skin_wrinkles();
                 let cells = solver.cells_through.unwrap_or_default();
-                let wrinkles = self.scene.skin_wrinkles();
-                cells.tissue(&self.materials, wrinkles, sheet.spacing_mm())
+                let cells = cells.count(&solids_mm, skin_wrinkles, sheet.spacing_mm());
+                (Tissue::Layered { skin_wrinkles }, Rest::layered(sheet, &solids_mm, cells))
             }
         };
         Problem {
+            rest,
             tissue,
-            sheet,
             patch,
             obstacle: Obstacle::on_flat_wall(dome),
             materials: self.materials.to_vec(),

@@ -128,14 +128,14 @@ impl Solver {
     pub fn nodes_solved(&self) -> usize {
         match (self.stage, &self.multigrid) {
             (Stage::Multigrid, Some(multigrid)) => multigrid.nodes(),
-            _ => self.problem.sheet.free_nodes(),
+            _ => self.problem.sheet().free_nodes(),
         }
     }
 
     fn nodes_swept(&self) -> usize {
         match (self.stage, &self.multigrid) {
             (Stage::Multigrid, Some(multigrid)) => multigrid.lanes(),
-            _ => self.problem.sheet.free_nodes(),
+            _ => self.problem.sheet().free_nodes(),
         }
     }
 
@@ -180,10 +180,10 @@ impl Solver {
     /// the sum of squares of the forces of single triangles. Dome, wall and edge balance the nodal forces.
     #[must_use]
     pub fn forces_and_scale(&self) -> (Vec<DVec3>, f64) {
-        let mut forces = vec![DVec3::ZERO; self.problem.sheet.len()];
+        let mut forces = vec![DVec3::ZERO; self.problem.sheet().len()];
         let solution = self.solution();
         let x = solution.balanced();
-        let totals = assembly::forces(&self.problem.sheet, self.law.membrane(), &x, &mut forces);
+        let totals = assembly::forces(self.problem.sheet(), self.law.membrane(), &x, &mut forces);
         (forces, totals.force_scale())
     }
 
@@ -197,13 +197,13 @@ impl Solver {
     /// Elastic energy \[kPa·mm³\] of a shape of this problem's sheet, shape (nodes_per_side², ).
     #[must_use]
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        assembly::energy(&self.problem.sheet, self.law.membrane(), x)
+        assembly::energy(self.problem.sheet(), self.law.membrane(), x)
     }
 
     /// The initial guess: a shape from geometry alone \[mm\], shape (nodes_per_side², ).
     #[must_use]
     pub fn start_shape(&self) -> Vec<DVec3> {
-        initial_guess::taut_profile(&self.problem.sheet, &self.problem.obstacle.dome)
+        initial_guess::taut_profile(&self.problem.rest, &self.problem.obstacle.dome)
     }
 
     fn relative_residual(&self) -> f64 {
@@ -234,16 +234,13 @@ impl Solver {
         if self.stage != Stage::Multigrid || self.verdict != Verdict::Converged {
             return None;
         }
-        let Problem { sheet, obstacle, .. } = &*self.problem;
+        let Problem { rest, obstacle, .. } = &*self.problem;
         // Off centre the start grids end far from their own solutions: the change would be theirs.
         if obstacle.dome.mirrored() != [true; 2] {
             return None;
         }
         let change = self.multigrid.as_ref()?.change_by_refinement()?;
-        Some(
-            discretisation::error(change, &self.law, sheet.spacing_mm())
-                / obstacle.dome.reference_length(),
-        )
+        Some(discretisation::error(change, rest) / obstacle.dome.reference_length())
     }
 
     /// Completed fraction of the solve, 0 to 1: nested grids count for a third, the finest grid's estimated

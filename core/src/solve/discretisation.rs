@@ -14,16 +14,16 @@
 //! at 65, 0.5 to 2.0 times at 129; with 1, 2 or 4 cells whatever the spacing 0.6 to 2.6 times at 65. Off centre the error of the
 //! start is 3 to 40 times that of the grid at 65 nodes and more: there is no estimate then.
 
-use super::multigrid::Law;
+use crate::mesh::Rest;
 
 /// (2² − 1)⁻¹ of Richardson's extrapolation by second order with grids of ratio 2.
 const EXTRAPOLATION: f64 = 1.0 / 3.0;
 /// Error of cells as high as wide through the thickness relative to their error along the tissue \[-\].
 const THROUGH_THICKNESS: f64 = 0.5;
 
-/// The error in the unit of the change of the skin between the two finest grids; `spacing_mm` is that of the finest grid.
-pub(super) fn error(change: f64, law: &Law, spacing_mm: f64) -> f64 {
-    let cells = law.layered().map_or(&[][..], |law| &law.cells);
-    let height_mm = cells.iter().map(|cells| cells.height_mm).fold(0.0, f64::max);
+/// The error in the unit of the change of the skin between the two finest grids; `rest` is on the finest grid.
+pub(super) fn error(change: f64, rest: &Rest) -> f64 {
+    let spacing_mm = rest.sheet().spacing_mm();
+    let height_mm = rest.cells().iter().map(|cells| cells.height_mm).fold(0.0, f64::max);
     EXTRAPOLATION * change * (1.0 + THROUGH_THICKNESS * (height_mm / spacing_mm).powi(2))
 }

@@ -2,31 +2,31 @@
 //! the dome and down to a circle, uniformly stretched along its length.
 
 use crate::contact::Dome;
-use crate::mesh::{NodeKind, Sheet};
+use crate::mesh::{NodeKind, Rest};
 use glam::{DVec2, DVec3};
 
 /// Points sampled along the dome's meridian.
 const MERIDIAN: usize = 64;
 
 /// Positions \[mm\] of every node; clamped and outside nodes at rest on the wall.
-pub(crate) fn taut_profile(sheet: &Sheet, dome: &Dome) -> Vec<DVec3> {
-    taut_within(sheet, dome, sheet.radius_mm())
+pub(crate) fn taut_profile(rest: &Rest, dome: &Dome) -> Vec<DVec3> {
+    taut_within(rest, dome, rest.sheet().radius_mm())
 }
 
 /// [`taut_profile`] down to a circle of this radius \[mm\], beyond which nodes are at rest.
-pub(crate) fn taut_within(sheet: &Sheet, dome: &Dome, radius: f64) -> Vec<DVec3> {
-    let meridian = meridian(dome);
+pub(crate) fn taut_within(rest: &Rest, dome: &Dome, radius: f64) -> Vec<DVec3> {
+    let (sheet, meridian) = (rest.sheet(), meridian(dome));
     let mut profile = Vec::with_capacity(MERIDIAN + 2);
     sheet
         .rest()
         .iter()
         .zip(sheet.kinds())
         .enumerate()
-        .map(|(k, (&rest, kind))| {
-            let from_axis = rest - dome.center;
+        .map(|(k, (&place, kind))| {
+            let from_axis = place - dome.center;
             let distance = from_axis.length();
-            if *kind != NodeKind::Free || rest.length() >= radius {
-                return sheet.rest_position(k);
+            if *kind != NodeKind::Free || place.length() >= radius {
+                return rest.node(0, k);
             }
             let direction = if distance > 0.0 { from_axis / distance } else { DVec2::X };
             let reach = distance_to_border(dome.center, direction, radius);

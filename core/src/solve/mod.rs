@@ -32,8 +32,9 @@ use solution::Shape;
 pub use solution::{Displayed, Record, Report, Solution, Verdict};
 pub use validity::Invalid;
 
+use crate::mesh::Rest;
 use crate::mesh::lanes::Mirrored;
-use crate::springs::Springs;
+use crate::springs::{Material, Springs};
 use fas::Stop;
 use glam::DVec3;
 use multigrid::{Law, Multigrid};
@@ -97,8 +98,8 @@ impl Solver {
     pub fn with_options(problem: Problem, options: Options) -> Self {
         let law = Law::new(&problem);
         let mut solver = Self {
-            x: problem.sheet.rest_positions(),
-            outer: outer_at_rest(&problem, &law),
+            x: problem.rest.nodes(0).collect(),
+            outer: above_at_rest(&problem.rest),
             offset_nodes: Vec::new(),
             mirrored: [false; 2],
             invalid: None,
@@ -124,42 +125,28 @@ impl Solver {
     /// Starts another problem with the tables and grids that both problems share.
     pub fn restart(&mut self, problem: Problem) {
         let same_law = self.has_law_of(&problem);
-        let same_grid =
-            problem.sheet == self.problem.sheet && problem.tissue == self.problem.tissue;
+        let same_rest = problem.rest == self.problem.rest && problem.tissue == self.problem.tissue;
         let same_patch = problem.patch == self.problem.patch;
         if !same_law {
             self.law = Law::new(&problem);
             self.tables_built += 1;
-            if self.law.layered().is_some() {
-                self.newton = None;
-            }
         }
-        // Layers of another thickness rest at other heights.
-        if !same_grid || !same_law && self.law.layered().is_some() {
-            self.outer = outer_at_rest(&problem, &self.law);
-            self.mirrored = [false; 2];
-            if !self.outer.is_empty() {
-                self.x = problem.sheet.rest_positions();
-            }
-        }
-        if !same_grid {
-            self.x = problem.sheet.rest_positions();
-            self.offset_nodes.clear();
-            self.mirrored = [false; 2];
+        let is_layered = self.law.layered().is_some();
+        if !same_rest || !same_law && is_layered {
+            self.put_at_rest(&problem.rest);
             self.newton = None;
         }
         let before = std::mem::replace(&mut self.problem, Arc::new(problem));
-        let is_warm = same_grid && self.verdict == Verdict::Converged;
-        let is_layered = self.law.layered().is_some();
-        self.is_multigrid_law_stale |= !same_law || is_layered && !same_patch;
+        let is_warm = same_rest && self.verdict == Verdict::Converged;
+        self.is_multigrid_law_stale |= !same_law || is_layered && !(same_patch && same_rest);
         self.start();
         // Newton's method of a sheet continues from the last solution, moved as the dome's geometry moved.
         if self.stage == Stage::Newton && is_warm && !is_layered && self.newton.is_some() {
-            let Problem { sheet, obstacle, .. } = &*self.problem;
+            let Problem { rest, obstacle, .. } = &*self.problem;
             if *obstacle != before.obstacle {
                 self.mirrored = [false; 2];
-                let old = initial_guess::taut_profile(sheet, &before.obstacle.dome);
-                let new = initial_guess::taut_profile(sheet, &obstacle.dome);
+                let old = initial_guess::taut_profile(rest, &before.obstacle.dome);
+                let new = initial_guess::taut_profile(rest, &obstacle.dome);
                 for k in 0..self.x.len() {
                     self.x[k] += new[k] - old[k];
                 }
@@ -177,18 +164,25 @@ impl Solver {
         self.is_multigrid_law_stale = true;
         self.newton = None;
         self.options = options;
-        self.x = problem.sheet.rest_positions();
-        self.outer = outer_at_rest(&problem, &self.law);
-        self.offset_nodes.clear();
-        self.mirrored = [false; 2];
+        self.put_at_rest(&problem.rest);
         self.problem = Arc::new(problem);
         self.start();
     }
 
+    fn put_at_rest(&mut self, rest: &Rest) {
+        self.x = rest.nodes(0).collect();
+        self.outer = above_at_rest(rest);
+        self.offset_nodes.clear();
+        self.mirrored = [false; 2];
+    }
+
+    /// Is the law of the problem the present one? The thickness of solids is no part of the law.
     fn has_law_of(&self, problem: &Problem) -> bool {
+        let of_solid = |solid: &Material| (solid.curve.clone(), solid.poisson_ratio);
         problem.springs == self.problem.springs
-            && problem.materials == self.problem.materials
             && problem.tissue == self.problem.tissue
+            && problem.membrane() == self.problem.membrane()
+            && problem.solids().iter().map(of_solid).eq(self.problem.solids().iter().map(of_solid))
     }
 
     fn start(&mut self) {
@@ -203,10 +197,8 @@ impl Solver {
         match self.options.method {
             Method::Automatic if self.may_rest() => {
                 self.stage = Stage::Rest;
-                self.x = self.problem.sheet.rest_positions();
-                self.outer = outer_at_rest(&self.problem, &self.law);
-                self.offset_nodes.clear();
-                self.mirrored = [false; 2];
+                let problem = Arc::clone(&self.problem);
+                self.put_at_rest(&problem.rest);
                 self.revision += 1;
                 self.end(Verdict::Converged);
             }
@@ -218,11 +210,10 @@ impl Solver {
 
     fn start_multigrid(&mut self, stop: Stop) {
         self.stage = Stage::Multigrid;
-        let n = self.problem.sheet.nodes_per_side();
         let mirrored =
             self.problem.obstacle.dome.mirrored().map(|holds| self.options.use_symmetry && holds);
         let multigrid = match self.multigrid.take() {
-            Some(mut multigrid) if multigrid.fits(n, mirrored, &self.law) => {
+            Some(mut multigrid) if multigrid.fits(&self.problem, mirrored, &self.law) => {
                 if self.is_multigrid_law_stale {
                     multigrid.set_model(&self.problem, &self.law);
                 }
@@ -269,9 +260,9 @@ impl Solver {
 
     /// Is the sheet at rest a solution?
     fn may_rest(&self) -> bool {
-        let Problem { sheet, obstacle, tolerance, .. } = &*self.problem;
-        let n = sheet.nodes_per_side();
-        let at = |i: usize, j: usize| sheet.rest_position(j * n + i);
+        let Problem { rest, obstacle, tolerance, .. } = &*self.problem;
+        let (sheet, n) = (rest.sheet(), rest.sheet().nodes_per_side());
+        let at = |i: usize, j: usize| rest.node(0, j * n + i);
         self.error_at_rest() <= REST_TOLERANCE * tolerance
             && validity::invalid(sheet, &obstacle.dome, *tolerance, [0; 2], at).is_none()
     }
@@ -316,7 +307,7 @@ impl Solver {
             return false;
         }
         let (x, offset_nodes, outer) = (&mut self.x, &mut self.offset_nodes, &mut self.outer);
-        multigrid.write_positions(&self.problem, &self.law, x, offset_nodes, outer);
+        multigrid.write_positions(&self.problem, x, offset_nodes, outer);
         self.mirrored = multigrid.mirrored();
         self.displayed = displayed;
         self.revision += 1;
@@ -435,8 +426,8 @@ impl Solver {
 
     /// Would Newton's method end within seconds?
     fn is_in_reach_of_newton(&self) -> bool {
-        let cells = self.law.layered().map_or(0, |law| law.cells.len());
-        cells * self.problem.sheet.free_nodes() <= self.options.max_newton_cells
+        let cells = self.problem.rest.cells().len();
+        cells * self.problem.sheet().free_nodes() <= self.options.max_newton_cells
     }
 
     /// Ends without convergence: with the last valid shape of either method, if there is one.
@@ -473,8 +464,7 @@ impl Solver {
     }
 }
 
-/// The layers of nodes above the inner face at rest.
-fn outer_at_rest(problem: &Problem, law: &Law) -> Vec<Vec<DVec3>> {
-    let at = |height: f64| problem.sheet.rest().iter().map(|p| p.extend(height)).collect();
-    law.layered().map_or_else(Vec::new, |law| law.heights()[1..].iter().map(|z| at(*z)).collect())
+/// The layers of nodes above the inner face.
+fn above_at_rest(rest: &Rest) -> Vec<Vec<DVec3>> {
+    (1..rest.layers()).map(|layer| rest.nodes(layer).collect()).collect()
 }

@@ -28,8 +28,8 @@ impl Law {
             Tissue::Sheet => {
                 Self::Sheet(Arc::new(SheetLaw::new(problem.springs, &problem.materials)))
             }
-            Tissue::Layered { cells_through, skin_wrinkles } => {
-                let law = LayeredLaw::new(&problem.materials, cells_through, skin_wrinkles);
+            Tissue::Layered { skin_wrinkles } => {
+                let law = LayeredLaw::new(&problem.materials, skin_wrinkles);
                 Self::Layered(Arc::new(law))
             }
         }
@@ -67,12 +67,13 @@ macro_rules! delegate {
 }
 
 fn layered(problem: &Problem, law: &LayeredLaw) -> Layered {
-    Layered::new(law, problem.patch.pocket_radius_mm, problem.patch.attachment())
+    let Problem { rest, patch, .. } = problem;
+    Layered::new(law, rest, patch.pocket_radius_mm, patch.attachment())
 }
 
 impl Multigrid {
     pub(super) fn new(problem: &Problem, law: &Law, mirrored: Mirrored) -> Self {
-        let n = problem.sheet.nodes_per_side();
+        let n = problem.sheet().nodes_per_side();
         match law {
             Law::Sheet(law) => Self::Sheet(Box::new(FullMultigrid::new(
                 n,
@@ -89,15 +90,11 @@ impl Multigrid {
         }
     }
 
-    /// Do the grids fit a problem of this size, symmetry and law?
-    pub(super) fn fits(&self, nodes_per_side: usize, mirrored: Mirrored, law: &Law) -> bool {
-        match (self, law) {
-            (Self::Sheet(scheme), Law::Sheet(_)) => scheme.fits(nodes_per_side, mirrored, 1),
-            (Self::Layered(scheme), Law::Layered(law)) => {
-                scheme.fits(nodes_per_side, mirrored, law.cells.len() + 1)
-            }
-            _ => false,
-        }
+    /// Do the grids fit a problem, its symmetry and law?
+    pub(super) fn fits(&self, problem: &Problem, mirrored: Mirrored, law: &Law) -> bool {
+        let (nodes_per_side, layers) = (problem.sheet().nodes_per_side(), problem.rest.layers());
+        matches!((self, law), (Self::Sheet(_), Law::Sheet(_)) | (Self::Layered(_), Law::Layered(_)))
+            && delegate!(self, scheme => scheme.fits(nodes_per_side, mirrored, layers))
     }
 
     /// Replaces the model, of the same kind.
@@ -180,14 +177,13 @@ impl Multigrid {
     pub(super) fn write_positions(
         &self,
         problem: &Problem,
-        law: &Law,
         x: &mut [DVec3],
         offset_nodes: &mut Vec<(usize, DVec3)>,
         outer: &mut [Vec<DVec3>],
     ) {
         delegate!(self, scheme => scheme.write_positions(problem, x, offset_nodes));
-        if let (Self::Layered(scheme), Some(law)) = (self, law.layered()) {
-            scheme.write_layers(problem, law.cells.iter().map(|cells| cells.height_mm), outer);
+        if let Self::Layered(scheme) = self {
+            scheme.write_layers(&problem.rest, outer);
         }
     }
 }

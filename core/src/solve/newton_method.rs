@@ -32,11 +32,11 @@ impl NewtonMethod {
     /// Allocates the grids. The factor multiplies iteration and work limits.
     pub(super) fn new(problem: &Problem, law: &Law, factor: f64) -> Self {
         match law {
-            Law::Sheet(law) => {
-                Self::Sheet(Box::new(NestedNewton::<SheetSystem>::new(problem, law, factor)))
+            Law::Sheet(_) => {
+                Self::Sheet(Box::new(NestedNewton::<SheetSystem>::new(problem, factor)))
             }
-            Law::Layered(law) => {
-                Self::Layered(Box::new(NestedNewton::<LayeredSystem>::new(problem, law, factor)))
+            Law::Layered(_) => {
+                Self::Layered(Box::new(NestedNewton::<LayeredSystem>::new(problem, factor)))
             }
         }
     }

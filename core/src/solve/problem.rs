@@ -1,15 +1,15 @@
 //! Problem, method and options of a solve.
 
 use crate::contact::Obstacle;
-use crate::mesh::{Patch, Sheet};
+use crate::mesh::{Patch, Rest, Sheet};
 use crate::springs::{Material, Springs};
 use serde::{Deserialize, Serialize};
 
 /// The equilibrium problem.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The finest grid, on the disc of the patch.
-    pub sheet: Sheet,
+    /// The tissue at rest on the finest grid.
+    pub rest: Rest,
     /// The simulated tissue, its pocket and the boundary condition at its edge.
     pub patch: Patch,
     /// Dome and wall.
@@ -25,6 +25,12 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// The finest grid, on the disc of the patch.
+    #[must_use]
+    pub fn sheet(&self) -> &Sheet {
+        self.rest.sheet()
+    }
+
     /// The layers of the membrane: all layers of a sheet, the skin of layered tissue.
     #[must_use]
     pub fn membrane(&self) -> &[Material] {
@@ -57,8 +63,6 @@ pub enum Tissue {
     Sheet,
     /// The first layer is a membrane, the skin; the others are solids under it.
     Layered {
-        /// Cells through the thickness of the solids, 1 to 8; each solid has one at least.
-        cells_through: usize,
         /// Does the skin wrinkle instead of being compressed (tension field)? Else compression is the odd extension of its curve.
         skin_wrinkles: bool,
     },

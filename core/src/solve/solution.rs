@@ -145,10 +145,10 @@ impl Solution {
     /// The solution of a record; `None` if the record has another number of nodes than the problem.
     #[must_use]
     pub fn restore(problem: Problem, record: Record) -> Option<Self> {
-        let nodes = problem.sheet.len();
+        let nodes = problem.sheet().len();
         let is_node = |&(k, _): &(usize, [f64; 3])| k < nodes;
         let law = Law::new(&problem);
-        let layers = law.layered().map_or(0, |law| law.cells.len());
+        let layers = problem.rest.cells().len();
         if record.inner.len() != nodes
             || !record.offset_nodes.iter().all(is_node)
             || record.outer.len() != layers
@@ -212,9 +212,9 @@ impl Solution {
     /// height at rest \[mm\]. Empty for a sheet.
     #[must_use]
     pub fn cells(&self) -> Vec<(usize, f64)> {
-        let cells = self.law.layered().map_or(&[][..], |law| &law.cells);
         let innermost = self.problem.materials.len().saturating_sub(1);
-        cells.iter().map(|cells| (innermost - cells.solid, cells.height_mm)).collect()
+        let cells = self.problem.rest.cells().iter();
+        cells.map(|cells| (innermost - cells.solid, cells.height_mm)).collect()
     }
 
     /// All layers of nodes, the inner face first.
@@ -224,7 +224,7 @@ impl Solution {
 
     /// The part of the sheet that determines the shape, and that is measured.
     pub(crate) fn part(&self) -> Part {
-        Part::new(self.problem.sheet.nodes_per_side(), self.shape.mirrored)
+        Part::new(self.problem.sheet().nodes_per_side(), self.shape.mirrored)
     }
 
     /// The last active nodes at the contact edge and their positions with contact offset \[mm\], slightly above the
@@ -248,7 +248,7 @@ impl Solution {
     /// Stretch, normal and area of the membrane at every node.
     #[must_use]
     pub fn deformation(&self) -> &Deformation {
-        let Problem { sheet, .. } = &*self.problem;
+        let sheet = self.problem.sheet();
         self.deformation.get_or_init(|| Deformation::of_part(sheet, self.membrane(), self.part()))
     }
 
@@ -258,7 +258,7 @@ impl Solution {
         if self.shape.outer.is_empty() {
             return self.deformation();
         }
-        let Problem { sheet, .. } = &*self.problem;
+        let sheet = self.problem.sheet();
         self.inner_deformation
             .get_or_init(|| Deformation::of_part(sheet, &self.shape.inner, self.part()))
     }
@@ -274,25 +274,27 @@ impl Solution {
     pub fn stack(&self) -> &Stack {
         self.stack.get_or_init(|| match self.law.layered() {
             None => Stack::new(&self.problem.materials, self.deformation()),
-            Some(law) => {
-                let faces = self.solid_faces(law);
+            Some(_) => {
+                let faces = self.solid_faces();
                 Stack::layered(&self.problem.materials, self.deformation(), &faces)
             }
         })
     }
 
     /// The inner face and the outer face of each solid \[mm\], shape (solids + 1, nodes_per_side²).
-    fn solid_faces(&self, law: &LayeredLaw) -> Vec<&[DVec3]> {
-        let outer = law.outer_nodes().into_iter().map(|l| &*self.shape.outer[l - 1]);
+    fn solid_faces(&self) -> Vec<&[DVec3]> {
+        let outer = self.problem.rest.outer_faces().map(|l| &*self.shape.outer[l - 1]);
         std::iter::once(self.inner()).chain(outer).collect()
     }
 
     /// Layered tissue: least and greatest of [`Stack::thickness_mm`] of each layer over the free nodes, from the skin
     /// inwards, without the stack.
     pub(crate) fn thickness_ranges(&self) -> Vec<(f32, f32)> {
-        let Some(law) = self.law.layered() else { return Vec::new() };
-        let (deformation, sheet) = (self.deformation(), &self.problem.sheet);
-        let faces = self.solid_faces(law);
+        if self.law.layered().is_none() {
+            return Vec::new();
+        }
+        let (deformation, sheet) = (self.deformation(), self.problem.sheet());
+        let faces = self.solid_faces();
         let mut ranges = vec![(f32::MAX, f32::MIN); faces.len()];
         for k in self.part().nodes().filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
             let solids = faces.windows(2).rev();
@@ -307,7 +309,7 @@ impl Solution {
 
     /// [`Stack::thickness_mm`] of the skin at a node, zero outside of the sheet, without the stack.
     fn skin_thickness_mm(&self, node: usize) -> f32 {
-        if self.problem.sheet.kinds()[node] == NodeKind::Outside {
+        if self.problem.sheet().kinds()[node] == NodeKind::Outside {
             return 0.0;
         }
         let logarithm = log_area_stretch(self.deformation(), node);
@@ -331,7 +333,7 @@ impl Solution {
 
     /// Forces of the tissue on the inner face at the marked nodes \[kPa·mm²\]. Arrays over the part.
     pub(super) fn forces_on_inner(&self, wanted: &[bool]) -> Vec<DVec3> {
-        let (sheet, part) = (&self.problem.sheet, self.part());
+        let (sheet, part) = (self.problem.sheet(), self.part());
         match &self.law {
             Law::Sheet(law) => assembly::forces_at(sheet, law, &self.balanced(), part, wanted),
             Law::Layered(law) => self.exact(law).forces_on_inner(&self.node_layers(), part, wanted),
@@ -339,16 +341,16 @@ impl Solution {
     }
 
     fn exact<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
-        let Problem { sheet, patch, .. } = &*self.problem;
+        let Problem { rest, patch, .. } = &*self.problem;
         let (pocket_radius, attachment) = (patch.pocket_radius_mm, patch.attachment());
-        Exact { sheet, law, pocket_radius, attachment }
+        Exact { rest, law, pocket_radius, attachment }
     }
 
     /// Elastic energy of tissue and attachment \[kPa·mm³ = µJ\] with balanced forces ([`Self::balanced`]).
     #[must_use]
     pub fn elastic_energy(&self) -> f64 {
         match &self.law {
-            Law::Sheet(law) => assembly::energy(&self.problem.sheet, law, &self.balanced()),
+            Law::Sheet(law) => assembly::energy(self.problem.sheet(), law, &self.balanced()),
             Law::Layered(law) => {
                 let exact = self.exact(law);
                 let layers: Vec<_> = self.node_layers().into_iter().map(<[_]>::to_vec).collect();

@@ -97,23 +97,24 @@ pub(crate) fn invalid(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Rest;
     use crate::solve::initial_guess;
     use glam::DVec2;
 
     #[test]
     fn shapes_that_are_not_finite_inverted_or_penetrated_are_invalid() {
-        let sheet = Sheet::new(33, 70.0);
-        let n = 33;
+        let rest = Rest::of_sheet(Sheet::new(33, 70.0));
+        let (sheet, n) = (rest.sheet(), 33);
         let middle = 16 * n + 16;
         for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(9.0, -4.0), 0.6), (DVec2::ZERO, 0.0)] {
             let dome = Dome::new(center, 55.0, 40.0, t);
-            let valid = initial_guess::taut_profile(&sheet, &dome);
+            let valid = initial_guess::taut_profile(&rest, &dome);
             let invalid_of = |x: &[DVec3], first: usize| {
-                invalid(&sheet, &dome, 1e-4, [first; 2], |i, j| x[j * n + i])
+                invalid(sheet, &dome, 1e-4, [first; 2], |i, j| x[j * n + i])
             };
             assert_eq!(invalid_of(&valid, 0), None);
             assert_eq!(invalid_of(&valid, n / 2), None);
-            assert!(!has_inverted_triangle(&sheet, &valid));
+            assert!(!has_inverted_triangle(sheet, &valid));
             let mut broken = valid.clone();
             broken[middle].y = f64::NAN;
             assert_eq!(invalid_of(&broken, 0), Some(Invalid::NotFinite));
@@ -122,12 +123,12 @@ mod tests {
             let mut folded = valid.clone();
             folded[middle] = valid[middle + 3] + DVec3::new(0.0, 0.0, 0.5);
             assert_eq!(invalid_of(&folded, 0), Some(Invalid::Inverted));
-            assert!(has_inverted_triangle(&sheet, &folded));
+            assert!(has_inverted_triangle(sheet, &folded));
             // One corner of four cells beyond the diagonals; no cell is inverted.
             let mut dented = valid.clone();
             dented[middle] = 0.45 * valid[middle] + 0.55 * valid[middle + n + 1];
             dented[middle].z += 1e-3;
-            assert!(has_inverted_triangle(&sheet, &dented));
+            assert!(has_inverted_triangle(sheet, &dented));
             if t > 0.0 {
                 let mut penetrated = valid.clone();
                 for k in [0, 1, n, n + 1] {
@@ -143,7 +144,7 @@ mod tests {
         let sheet = Sheet::new(33, 70.0);
         let n = 33;
         let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
-        let mut x = sheet.rest_positions();
+        let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
         let invalid_of = |x: &[DVec3]| invalid(&sheet, &dome, 1e-4, [0; 2], |i, j| x[j * n + i]);
         x[16 * n + 16] = dome.apex();
         assert_eq!(invalid_of(&x), None);

@@ -63,7 +63,7 @@ fn fats(thickness_mm: f64) -> Vec<(&'static str, Layer)> {
 /// move.
 fn square_statistics(solution: &Solution) -> [f64; 3] {
     let problem = solution.problem();
-    let (sheet, deformation) = (&problem.sheet, solution.deformation());
+    let (sheet, deformation) = (problem.sheet(), solution.deformation());
     let cell = sheet.spacing_mm().powi(2);
     let is_inside = |k: usize| {
         let at = sheet.rest()[k].abs();

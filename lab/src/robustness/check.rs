@@ -50,7 +50,7 @@ pub(super) fn require_at_most(
 pub fn check(solver: &Solver) -> Vec<Finding> {
     let mut findings = Vec::new();
     let problem = solver.problem();
-    let (sheet, dome, x) = (&problem.sheet, &problem.obstacle.dome, solver.positions());
+    let (sheet, dome, x) = (problem.sheet(), &problem.obstacle.dome, solver.positions());
     let broken = x.iter().filter(|x| !x.is_finite()).count();
     require_at_most(&mut findings, "non-finite nodes", broken as f64, 0.0);
     require_at_most(&mut findings, "work units", solver.work_units(), MAX_WORK_UNITS);
@@ -102,7 +102,7 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
 fn asymmetry(solver: &Solver) -> f64 {
     let problem = solver.problem();
     let axes = problem.obstacle.dome.mirrored();
-    asymmetry_of(solver.positions(), problem.sheet.nodes_per_side(), axes)
+    asymmetry_of(solver.positions(), problem.sheet().nodes_per_side(), axes)
 }
 
 /// Greatest distance of a node from its mirror image along x and y, where symmetric \[mm\].
@@ -160,7 +160,7 @@ fn relative_residual(solver: &Solver) -> f64 {
     let mut has_offset = vec![false; x.len()];
     solver.offset_nodes().iter().for_each(|&(k, _)| has_offset[k] = true);
     let mut residual = 0.0;
-    for (k, kind) in problem.sheet.kinds().iter().enumerate() {
+    for (k, kind) in problem.sheet().kinds().iter().enumerate() {
         if *kind != NodeKind::Free {
             continue;
         }
@@ -171,7 +171,7 @@ fn relative_residual(solver: &Solver) -> f64 {
             unbalanced(forces[k], is_on_dome.then_some(normal), is_on_wall).length_squared();
     }
     // The lower bound keeps rounding errors of a sheet at rest small.
-    let least = 1e-6 * solver.stiffness() * problem.sheet.spacing_mm();
+    let least = 1e-6 * solver.stiffness() * problem.sheet().spacing_mm();
     residual.sqrt() / scale.max(least)
 }
 

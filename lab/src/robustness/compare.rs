@@ -125,7 +125,7 @@ pub(super) fn compare_solutions(
     // The scene mirrored about the diagonal; for a centred dome the same scene on the whole sheet.
     let mut mirrored = scene.clone();
     mirrored.implant.center_mm.reverse();
-    let n = solver.problem().sheet.nodes_per_side();
+    let n = solver.problem().sheet().nodes_per_side();
     let mirror = |x: &[DVec3]| -> Vec<DVec3> {
         let image = |layer: &[DVec3], k: usize| {
             let at = layer[(k % n) * n + k / n];

@@ -252,7 +252,7 @@ pub fn examine_timed(scene: Scene, clock: Clock) -> Case {
     let mut is_one_of_several = false;
     if solver.verdict() == Verdict::Converged
         && case.scene.springs == Springs::Coupled
-        && solver.problem().sheet.nodes_per_side() <= MAX_NODES_COMPARED
+        && solver.problem().sheet().nodes_per_side() <= MAX_NODES_COMPARED
         && solver.work_units() > 0.0
     {
         (is_one_of_several, case.ways) =

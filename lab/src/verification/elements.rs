@@ -6,7 +6,7 @@ use super::check::Check;
 use crate::measurements::slab::{Slab, closed_equibiaxial};
 use glam::{DMat3, DVec3};
 use implant_preview_core::curve::{Curve, CurveError, CurveSpec, Fat};
-use implant_preview_core::mesh::{Attachment, NodeKind, Sheet};
+use implant_preview_core::mesh::{Attachment, NodeKind, Rest, Sheet};
 use implant_preview_core::model::layered::LayeredLaw;
 use implant_preview_core::model::layered::exact::Exact;
 use implant_preview_core::model::membrane::assembly;
@@ -37,9 +37,9 @@ fn materials() -> Result<[Material; 2], CurveError> {
 /// All checks of this file.
 pub(super) fn checks() -> Result<Vec<Check>, CurveError> {
     let materials = materials()?;
-    let law = LayeredLaw::new(&materials, 2, true);
-    let sheet = Sheet::new(NODES, RADIUS_MM);
-    let exact = Exact { sheet: &sheet, law: &law, pocket_radius: POCKET_MM, attachment: None };
+    let law = LayeredLaw::new(&materials, true);
+    let rest = Rest::layered(Sheet::new(NODES, RADIUS_MM), &[materials[1].thickness_mm], 2);
+    let exact = Exact { rest: &rest, law: &law, pocket_radius: POCKET_MM, attachment: None };
     let mut checks = patch_test(&exact, &materials[1]);
     checks.push(rotation(&exact, &materials[1]));
     checks.push(gradient(&exact));
@@ -49,12 +49,8 @@ pub(super) fn checks() -> Result<Vec<Check>, CurveError> {
 
 /// All layers of nodes, moved.
 fn moved(exact: &Exact, to: impl Fn(DVec3) -> DVec3) -> Vec<Vec<DVec3>> {
-    let nodes = |height: f64| {
-        (0..exact.sheet.len())
-            .map(|k| to(exact.sheet.rest_position(k) + DVec3::new(0.0, 0.0, height)))
-            .collect()
-    };
-    exact.law.heights().into_iter().map(nodes).collect()
+    let nodes = |layer: usize| exact.rest.nodes(layer).map(&to).collect();
+    (0..exact.rest.layers()).map(nodes).collect()
 }
 
 /// Forces of a homogeneous deformation, which vanish inside: in the membrane alone, in the middle layer of nodes, and on the faces,
@@ -65,7 +61,7 @@ fn patch_test(exact: &Exact, solid: &Material) -> Vec<Check> {
         -0.05, 1.06, -0.04, //
         0.08, 0.03, 0.92,
     ]);
-    let sheet = exact.sheet;
+    let sheet = exact.rest.sheet();
     let area = sheet.spacing_mm().powi(2);
     let x = moved(exact, |rest| F * rest);
     let free = |k: &usize| sheet.kinds()[*k] == NodeKind::Free;
@@ -120,19 +116,19 @@ fn patch_test(exact: &Exact, solid: &Material) -> Vec<Check> {
 fn rotation(exact: &Exact, solid: &Material) -> Check {
     let turn = DMat3::from_axis_angle(DVec3::new(0.6, -0.64, 0.48), 1.1);
     let forces = exact.forces(&moved(exact, |rest| turn * rest + DVec3::new(3.0, -8.0, 40.0)));
-    let inside = |k: &usize| exact.sheet.rest()[*k].length() < INSIDE * RADIUS_MM;
+    let inside = |k: &usize| exact.rest.sheet().rest()[*k].length() < INSIDE * RADIUS_MM;
     let of = |layer: &Vec<DVec3>| {
         (0..layer.len()).filter(inside).map(|k| layer[k].length()).fold(0.0, f64::max)
     };
     let greatest = forces.iter().map(of).fold(0.0, f64::max);
-    let scale = solid.curve.small_strain_modulus() * exact.sheet.spacing_mm().powi(2);
+    let scale = solid.curve.small_strain_modulus() * exact.rest.sheet().spacing_mm().powi(2);
     Check::at_most("rigid rotation without forces", "cells and membrane", greatest / scale, 1e-10)
 }
 
 /// Slope of the energy against the forces, in four directions, attachment and wrinkled skin included.
 fn gradient(exact: &Exact) -> Check {
     let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
-    let exact = Exact { attachment, sheet: exact.sheet, law: exact.law, ..*exact };
+    let exact = Exact { attachment, ..*exact };
     let wave = |p: DVec3| {
         let [a, b] = [0.11 * p.x, 0.09 * p.y];
         p + DVec3::new(

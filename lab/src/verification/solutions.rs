@@ -13,7 +13,7 @@ use implant_preview_core::scene::{
     TissueModel,
 };
 use implant_preview_core::simulate::{Simulation, Simulator};
-use implant_preview_core::solve::{Options, Tissue};
+use implant_preview_core::solve::Options;
 
 /// Tolerance of the solutions \[base radius\].
 const TOLERANCE: f64 = 1e-4;
@@ -252,8 +252,9 @@ pub(super) fn references(grids: &[usize]) -> Result<Vec<Check>, SceneError> {
                     (Some(found), Some(limit)) => errors(found, limit),
                     _ => [f64::NAN; 3],
                 };
-                debug_assert!(found.is_none_or(|found| found.solution.problem().tissue
-                    == Tissue::Layered { cells_through: cells, skin_wrinkles: true }));
+                debug_assert!(
+                    found.is_none_or(|found| found.solution.problem().rest.cells().len() == cells)
+                );
                 let place = format!("{name}; {nodes} nodes per side; {cells} cells");
                 for ((quantity, figure), bound) in
                     ["skin", "force", "cover"].into_iter().zip(figures).zip(bounds(nodes))

@@ -58,13 +58,13 @@ impl Ground {
         let rest = nodes(&automatic(&problem, 1e-3));
         let mut solver = newton(&problem, OWN_TOLERANCE);
         while solver.advance(&mut || false) == Progress::Working {}
-        let kinds = problem.sheet.kinds();
-        let free = (0..problem.sheet.len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
+        let kinds = problem.sheet().kinds();
+        let free = (0..problem.sheet().len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
         let profile = reference.and_then(|reference| reference(&scene));
         let of_face = |face: Face, rest: &[DVec3]| {
-            profile.as_ref().map(|profile| revolved(profile, face, rest, &problem.sheet))
+            profile.as_ref().map(|profile| revolved(profile, face, rest, problem.sheet()))
         };
-        let length = problem.sheet.len();
+        let length = problem.sheet().len();
         let skin = &rest[rest.len() - length..];
         Ok(Self {
             case,
@@ -85,7 +85,7 @@ impl Ground {
     /// a number.
     fn errors(&self, x: &[DVec3]) -> Errors {
         let radius = self.problem.obstacle.dome.reference_length();
-        let length = self.problem.sheet.len();
+        let length = self.problem.sheet().len();
         let greater = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         let greatest = |x: &[DVec3], solution: &[DVec3]| {
             let squares = self.free.iter().map(|&k| x[k].distance_squared(solution[k]));
@@ -109,7 +109,7 @@ impl Ground {
             method,
             springs: self.problem.springs,
             scene: self.case,
-            nodes_per_side: self.problem.sheet.nodes_per_side(),
+            nodes_per_side: self.problem.sheet().nodes_per_side(),
             work_units: solver.work_units(),
             time_ms,
             error_vs_own_grid: errors.own,

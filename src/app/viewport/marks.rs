@@ -160,7 +160,7 @@ impl Viewport {
         marked: &Marked<'_, impl Subject>,
     ) -> Option<Pos2> {
         let place = self.marks.kept?;
-        let sheet = &marked.picture.fields.as_ref()?.solution().problem().sheet;
+        let sheet = &marked.picture.fields.as_ref()?.solution().problem().sheet();
         let at = self.point(place.position(sheet, &marked.picture.body)?, area)?;
         if !area.contains(at) {
             return None;
@@ -190,7 +190,7 @@ impl Viewport {
         }
         let mut ends = ends.clone();
         ends.extend(next.filter(|_| ends.len() < 2));
-        let sheet = &fields.solution().problem().sheet;
+        let sheet = fields.solution().problem().sheet();
         let at = |place: &Place| place.position(sheet, body);
         for end in ends.iter().filter_map(at).filter_map(|end| self.point(end, area)) {
             dot(ui, painter, end);
@@ -220,7 +220,7 @@ struct Measured {
 
 impl Measured {
     fn new(places: [Place; 2], fields: &Fields, body: &Body) -> Option<Self> {
-        let sheet = &fields.solution().problem().sheet;
+        let sheet = fields.solution().problem().sheet();
         let [a, b] = places.map(|place| place.position(sheet, body));
         let ends = [a?, b?];
         let line = along_skin(body.levels.first()?, &body.triangles, ends);
@@ -268,7 +268,7 @@ fn lines(
     scene: &Scene,
 ) -> Vec<String> {
     let values = picture.fields.as_ref().zip(place).and_then(|(fields, place)| {
-        let nodes = place.nodes(&fields.solution().problem().sheet)?;
+        let nodes = place.nodes(fields.solution().problem().sheet())?;
         Some(readout::values(&nodes, fields, scene))
     });
     heading.into_iter().chain(values.into_iter().flatten()).collect()

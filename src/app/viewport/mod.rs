@@ -387,7 +387,7 @@ impl Viewport {
         // A sheet ends at the pocket's edge.
         let pocket = match problem.tissue {
             Tissue::Sheet => 0.0,
-            Tissue::Layered { .. } => problem.patch.pocket_radius_mm / problem.sheet.spacing_mm(),
+            Tissue::Layered { .. } => problem.patch.pocket_radius_mm / problem.sheet().spacing_mm(),
         };
         let frame = Frame {
             picture: number,
@@ -403,7 +403,7 @@ impl Viewport {
             axis: section.axis,
             net,
             areola,
-            cell_mm: problem.sheet.spacing_mm() as f32,
+            cell_mm: problem.sheet().spacing_mm() as f32,
             grid_centre: 0.5 * picture.body.nodes_per_side.saturating_sub(1) as f32,
             foot_radius: problem.obstacle.dome.wall_radius() as f32,
             pocket: pocket as f32,
@@ -427,7 +427,7 @@ impl Viewport {
     /// Places of the words for the directions of the patient, on the rim of the wall.
     fn directions(&self, session: &impl Subject, area: Rect) -> [(Option<Pos2>, &'static str); 4] {
         let radius =
-            1.04 * self.picture.body.block_radius.max(session.problem().sheet.radius_mm() as f32);
+            1.04 * self.picture.body.block_radius.max(session.problem().sheet().radius_mm() as f32);
         let at = |x: f32, y: f32| self.point(Vec3::new(radius * x, radius * y, 0.0), area);
         let words = [
             (0.0, 1.0, tr("head")),
@@ -483,7 +483,7 @@ fn section_of(options: &Options, problem: &Problem) -> Section {
 /// Radius of the sphere around the body \[mm\].
 fn radius_of(problem: &Problem) -> f32 {
     let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
-    let radius = problem.sheet.radius_mm();
+    let radius = problem.sheet().radius_mm();
     (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.obstacle.dome.projection) as f32
 }
 

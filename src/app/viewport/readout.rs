@@ -13,7 +13,7 @@ const LEAST_FOLDED: f32 = 5e-4;
 
 /// The point of the tissue at a hit; `None` beyond the computed tissue.
 pub(super) fn place_of(hit: &Hit, body: &Body, fields: &Fields) -> Option<Place> {
-    let sheet = &fields.solution().problem().sheet;
+    let sheet = fields.solution().problem().sheet();
     if body.nodes_per_side != sheet.nodes_per_side() {
         return None;
     }

@@ -8,15 +8,15 @@ use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
 use crate::mesh::part::Part;
-use crate::mesh::{Attachment, NodeKind, Sheet};
+use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::springs::table::Table;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// The body over a sheet.
+/// The body.
 pub struct Exact<'a> {
-    pub sheet: &'a Sheet,
+    pub rest: &'a Rest,
     pub law: &'a LayeredLaw,
     pub pocket_radius: f64,
     pub attachment: Option<Attachment>,
@@ -122,6 +122,11 @@ pub(super) struct Element<'a> {
 }
 
 impl Exact<'_> {
+    /// The grid of columns.
+    pub(super) fn sheet(&self) -> &Sheet {
+        self.rest.sheet()
+    }
+
     /// The cells of the sheet, row by row.
     pub fn places(&self) -> Vec<Place> {
         self.places_from([0; 2], |_, _| true)
@@ -133,7 +138,8 @@ impl Exact<'_> {
         [first, first_row]: [usize; 2],
         wanted: impl Fn(usize, usize) -> bool,
     ) -> Vec<Place> {
-        let (n, sheet) = (self.sheet.nodes_per_side(), self.sheet);
+        let sheet = self.sheet();
+        let n = sheet.nodes_per_side();
         let half = (n / 2) as f64;
         let unit = Sheet::new(n, half);
         let spacing = sheet.spacing_mm();
@@ -157,17 +163,14 @@ impl Exact<'_> {
     }
 
     /// Displacements of the corners of a face \[spacings\].
-    fn face(&self, cell: &BorderCell, height: f64, x: &[DVec3]) -> Corners<f64> {
-        let per_spacing = 1.0 / self.sheet.spacing_mm();
-        cell.gather(|k| {
-            let rest = self.sheet.rest_position(k) + DVec3::new(0.0, 0.0, height);
-            (x[k] - rest) * per_spacing
-        })
+    fn face(&self, cell: &BorderCell, layer: usize, x: &[DVec3]) -> Corners<f64> {
+        let per_spacing = 1.0 / self.sheet().spacing_mm();
+        cell.gather(|k| (x[k] - self.rest.node(layer, k)) * per_spacing)
     }
 
     /// Forces −∂E/∂x \[kPa·mm²\] on all layers of nodes at the positions `x` \[mm\].
     pub fn forces(&self, x: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
-        let mut forces = vec![vec![DVec3::ZERO; self.sheet.len()]; x.len()];
+        let mut forces = vec![vec![DVec3::ZERO; self.sheet().len()]; x.len()];
         self.set_forces(&self.places(), x, &mut forces);
         forces
     }
@@ -175,7 +178,7 @@ impl Exact<'_> {
     /// [`Self::forces`] into given vectors, for all places.
     pub(crate) fn set_forces(&self, places: &[Place], x: &[Vec<DVec3>], forces: &mut [Vec<DVec3>]) {
         forces.iter_mut().for_each(|layer| layer.fill(DVec3::ZERO));
-        assembly::forces(self.sheet, &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
+        assembly::forces(self.sheet(), &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
         self.each(places, x, |element| {
             let layer = element.layer;
             for (face, l) in self.faces_forces(&element).iter().zip([layer, layer + 1]) {
@@ -195,13 +198,13 @@ impl Exact<'_> {
         part: Part,
         wanted: &[bool],
     ) -> Vec<DVec3> {
-        let mut forces = vec![DVec3::ZERO; self.sheet.len()];
+        let mut forces = vec![DVec3::ZERO; self.sheet().len()];
         let is_wanted = |i: usize, j: usize| {
             let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
             corners.iter().any(|&(i, j)| wanted[part.index_at(i, j)])
         };
         let places = self.places_from(part.first_cell(), is_wanted);
-        self.each_of(&places, 0..self.law.cells.len().min(1), x, |element| {
+        self.each_of(&places, 0..self.rest.cells().len().min(1), x, |element| {
             let [face, _] = self.faces_forces(&element);
             element.cell.spread(&face, |k, pull| forces[k] -= pull);
         });
@@ -209,9 +212,9 @@ impl Exact<'_> {
             self.pull_back(x[0], corners, integrals, &mut forces);
         });
         let mut forces: Vec<DVec3> = part.nodes().map(|k| forces[k]).collect();
-        if self.law.cells.is_empty() {
+        if self.rest.cells().is_empty() {
             // The skin is the inner face.
-            let of_skin = assembly::forces_at(self.sheet, &self.law.skin, x[0], part, wanted);
+            let of_skin = assembly::forces_at(self.sheet(), &self.law.skin, x[0], part, wanted);
             forces.iter_mut().zip(of_skin).for_each(|(force, skin)| *force += skin);
         }
         forces
@@ -225,7 +228,7 @@ impl Exact<'_> {
             None => cell::center(*law, modes, *slope, &Variation::new(*slope), 0.0),
         };
         force.linear = turned_back(force.linear, cell.sides());
-        let weight = cell.area * self.sheet.spacing_mm() * element.height;
+        let weight = cell.area * self.sheet().spacing_mm() * element.height;
         on_faces(&force.weighted(weight))
     }
 
@@ -238,7 +241,7 @@ impl Exact<'_> {
         forces: &mut [DVec3],
     ) {
         for (value, [a, b]) in integrals.iter().zip(PAIRS) {
-            let moved = |k: usize| x[corners[k]] - self.sheet.rest_position(corners[k]);
+            let moved = |k: usize| x[corners[k]] - self.rest.node(0, corners[k]);
             forces[corners[a]] -= moved(b) * *value;
             if a != b {
                 forces[corners[b]] -= moved(a) * *value;
@@ -268,7 +271,7 @@ impl Exact<'_> {
         x: &[X],
         visit: impl FnMut(Element),
     ) {
-        self.each_of(places, 0..self.law.cells.len(), x, visit);
+        self.each_of(places, 0..self.rest.cells().len(), x, visit);
     }
 
     /// [`Self::each`] of some layers of cells.
@@ -279,16 +282,11 @@ impl Exact<'_> {
         x: &[X],
         mut visit: impl FnMut(Element),
     ) {
-        let spacing = self.sheet.spacing_mm();
-        let below = self.law.cells[..layers.start].iter();
-        let lowest: f64 = below.map(|cells| cells.height_mm).sum();
+        let spacing = self.sheet().spacing_mm();
         for &Place { cell, parity } in places {
-            let mut low = lowest;
             for layer in layers.clone() {
-                let cells = &self.law.cells[layer];
-                let heights = [low, low + cells.height_mm];
-                let faces = [0, 1].map(|l| self.face(&cell, heights[l], x[layer + l].as_ref()));
-                low = heights[1];
+                let cells = self.rest.cells()[layer];
+                let faces = [layer, layer + 1].map(|l| self.face(&cell, l, x[l].as_ref()));
                 let mut modes = modes(&faces[0], &faces[1]);
                 modes.linear = turned(modes.linear, cell.sides());
                 let sign = if layer % 2 == 0 { 1.0 } else { -1.0 };
@@ -310,14 +308,14 @@ impl Exact<'_> {
 
     /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\]; infinite if a cell is inverted, or nearly so.
     pub fn energy(&self, places: &[Place], x: &[Vec<DVec3>]) -> f64 {
-        let mut energy = assembly::energy(self.sheet, &self.law.skin, &x[x.len() - 1]);
-        let area = self.sheet.spacing_mm().powi(2);
+        let mut energy = assembly::energy(self.sheet(), &self.law.skin, &x[x.len() - 1]);
+        let area = self.sheet().spacing_mm().powi(2);
         self.each(places, x, |element| {
             let Element { cell, law, modes, slope, parity, height, .. } = &element;
             energy += cell::energy(*law, modes, *slope, *parity) * cell.area * area * height;
         });
         self.attached(|corners, integrals| {
-            let moved = corners.map(|k| x[0][k] - self.sheet.rest_position(k));
+            let moved = corners.map(|k| x[0][k] - self.rest.node(0, k));
             for (value, [a, b]) in integrals.iter().zip(PAIRS) {
                 let twice = if a == b { 0.5 } else { 1.0 };
                 energy += twice * value * moved[a].dot(moved[b]);
@@ -339,12 +337,13 @@ impl Exact<'_> {
         mut visit: impl FnMut([usize; 4], [f64; 10]),
     ) {
         let Some(attachment) = self.attachment else { return };
-        let (n, spacing) = (self.sheet.nodes_per_side(), self.sheet.spacing_mm());
+        let sheet = self.sheet();
+        let (n, spacing) = (sheet.nodes_per_side(), sheet.spacing_mm());
         let half = (n / 2) as f64;
         for j in first_row..n - 1 {
             for i in (first..n - 1).filter(|&i| wanted(i, j)) {
-                let corners = self.sheet.corners(i, j);
-                if !corners.iter().any(|&k| self.sheet.kinds()[k] == NodeKind::Free) {
+                let corners = sheet.corners(i, j);
+                if !corners.iter().any(|&k| sheet.kinds()[k] == NodeKind::Free) {
                     continue;
                 }
                 let at = [i, j].map(|k| (k as f64 - half) * spacing);

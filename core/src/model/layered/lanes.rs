@@ -8,10 +8,11 @@ use super::border::Border;
 use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
 use super::law::{Matrix, SolidLaw, Volume};
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
-use crate::mesh::Attachment;
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, shifted_right, store};
+use crate::mesh::rest::MAX_LAYERS;
 use crate::mesh::vec3::{Vec3, add, dot, scale, sub};
-use crate::model::columns::{ColumnBlocks, MAX_LAYERS};
+use crate::mesh::{Attachment, Cells, Rest};
+use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
 use wide::f32x4;
@@ -92,18 +93,19 @@ struct Geometry {
 impl Layered {
     pub(crate) fn new(
         law: &LayeredLaw,
+        rest: &Rest,
         pocket_radius: f64,
         attachment: Option<Attachment>,
     ) -> Self {
         let stiffness = law.skin.stiffness();
-        let layer = |cells: &super::Cells| CellLayer {
+        let layer = |cells: &Cells| CellLayer {
             law: law.solids[cells.solid].scaled(cells.height_mm / stiffness),
             height: cells.height_mm,
             is_augmented: law.solids[cells.solid].is_augmented(),
         };
         Self {
             skin: Membrane::new(&law.skin),
-            cells: law.cells.iter().map(layer).collect(),
+            cells: rest.cells().iter().map(layer).collect(),
             pocket_radius,
             attachment,
             stiffness,

@@ -74,7 +74,7 @@ impl Tangent {
 
     /// Adds the cells at these places, for the positions `x` \[mm\].
     pub(crate) fn linearize(&mut self, exact: &Exact, places: &[Place], x: &[Vec<DVec3>]) {
-        let spacing = exact.sheet.spacing_mm();
+        let spacing = exact.sheet().spacing_mm();
         exact.each(places, x, |element| {
             let Element { law, modes, slope, height, cell: BorderCell { area, .. }, .. } = &element;
             let stress = nominal_stress(*law, cell::gradient(modes.linear, *slope));
@@ -281,7 +281,7 @@ fn combined([x, y, z]: Matrix<f64>, [p, q, r]: [f64; 3]) -> DVec3 {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::mesh::{Attachment, NodeKind, Sheet};
+    use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::springs::Material;
 
@@ -299,25 +299,25 @@ mod tests {
             material(CurveSpec::Linear { modulus_kpa: 1e-6 }, 0.4, 1e-3),
             material(CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 }, 0.45, 20.0),
         ];
-        let law = LayeredLaw::new(&materials, 2, false);
-        let sheet = Sheet::new(17, 60.0);
+        let law = LayeredLaw::new(&materials, false);
+        let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2);
+        let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
-        let exact = Exact { sheet: &sheet, law: &law, pocket_radius: 30.0, attachment };
+        let exact = Exact { rest: &rest, law: &law, pocket_radius: 30.0, attachment };
         let wave = |k: usize, layer: usize, phase: f64| {
             let at = 0.09 * k as f64 + layer as f64 + phase;
             DVec3::new((1.7 * at).sin(), (2.3 * at).cos(), (3.1 * at).sin())
         };
         let free = |k: usize| if sheet.kinds()[k] == NodeKind::Free { 1.0 } else { 0.0 };
         let shape = |amplitude: f64| -> Vec<Vec<DVec3>> {
-            let heights = law.heights();
             let layer = |l: usize| {
                 let at = |k: usize| {
-                    let rest = sheet.rest_position(k) + DVec3::new(0.0, 0.0, heights[l]);
-                    rest + (wave(k, l, 0.0) * 0.4 + wave(k, l, 0.7) * amplitude) * free(k)
+                    rest.node(l, k)
+                        + (wave(k, l, 0.0) * 0.4 + wave(k, l, 0.7) * amplitude) * free(k)
                 };
                 (0..sheet.len()).map(at).collect()
             };
-            (0..heights.len()).map(layer).collect()
+            (0..rest.layers()).map(layer).collect()
         };
         let x = shape(0.0);
         let places = exact.places();

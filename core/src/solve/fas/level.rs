@@ -246,7 +246,7 @@ impl<M: ElasticModel> Level<M> {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::mesh::{Attachment, Sheet};
+    use crate::mesh::{Attachment, Rest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::model::layered::exact::Exact;
     use crate::model::layered::lanes::Layered;
@@ -282,7 +282,7 @@ mod tests {
                     DVec3::new(0.02 * p.x * (p.y * 0.5).cos(), -0.03 * p.y * (1.0 - r), z)
                 };
                 let Level { layout, u, .. } = &mut level;
-                let mut x = sheet.rest_positions();
+                let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
                 layout.free_rows(|j, from, to| {
                     for i in from..to {
                         let k = (j + first[1]) * n + i + first[0];
@@ -331,22 +331,21 @@ mod tests {
             material(&CurveSpec::Adipose {}, 0.3, 8.0),
             material(&CurveSpec::Linear { modulus_kpa: 12.0 }, 0.45, 5.0),
         ];
-        let law = LayeredLaw::new(&materials, 3, skin_wrinkles);
+        let law = LayeredLaw::new(&materials, skin_wrinkles);
         let n = 33;
-        let sheet = Sheet::new(n, 80.0);
+        let rest = Rest::layered(Sheet::new(n, 80.0), &[5.0, 8.0], 3);
+        let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
         let pocket_radius = 40.0;
-        let exact = Exact { sheet: &sheet, law: &law, pocket_radius, attachment };
-        let heights = law.heights();
+        let exact = Exact { rest: &rest, law: &law, pocket_radius, attachment };
         let bulge = |p: DVec2, layer: usize| {
             let s = p.length() / 80.0;
             let z = (18.0 - 2.0 * layer as f64) * (1.0 - s * s)
                 + (0.11 * p.x).cos() * (0.13 * p.y).cos();
             DVec3::new(0.06 * p.x * (p.y * 0.05).cos(), -0.04 * p.y, z) * (1.0 - s * s)
         };
-        let layers = heights.len();
-        let mut x: Vec<Vec<DVec3>> =
-            heights.iter().map(|z| sheet.rest().iter().map(|p| p.extend(*z)).collect()).collect();
+        let layers = rest.layers();
+        let mut x: Vec<Vec<DVec3>> = (0..layers).map(|l| rest.nodes(l).collect()).collect();
         for (l, x) in x.iter_mut().enumerate() {
             for (k, p) in sheet.rest().iter().enumerate() {
                 if sheet.kinds()[k] == crate::mesh::NodeKind::Free {
@@ -380,7 +379,7 @@ mod tests {
             }
         }
         for mirrored in [[false; 2], [true, false], [true; 2]] {
-            let model = Layered::new(&law, pocket_radius, attachment);
+            let model = Layered::new(&law, &rest, pocket_radius, attachment);
             let mut level = Level::new(n, mirrored, true, &model);
             level.fit(&model, sheet.spacing_mm());
             let Level { layout, u, .. } = &mut level;

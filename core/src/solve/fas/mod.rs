@@ -20,8 +20,8 @@ mod transfer;
 
 use super::Problem;
 use super::initial_guess;
+use crate::mesh::coarser_nodes_per_side;
 use crate::mesh::lanes::{Field, Mirrored};
-use crate::mesh::{Sheet, coarser_nodes_per_side};
 use crate::model::ElasticModel;
 use convergence::Convergence;
 pub(super) use convergence::Ending;
@@ -230,11 +230,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Starts on the coarsest grid.
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft_tolerance: Option<f64>) {
-        let Problem { sheet, obstacle, tolerance, .. } = problem;
+        let Problem { rest, obstacle, tolerance, .. } = problem;
         self.stop = stop;
         self.draft_tolerance = draft_tolerance;
         self.reference_length = obstacle.dome.reference_length();
-        self.spacing = sheet.spacing_mm();
+        self.spacing = rest.sheet().spacing_mm();
         self.tolerance = tolerance.max(self.parameters.least_tolerance);
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
@@ -304,16 +304,16 @@ impl<M: ElasticModel> Level<M> {
     fn start_from_geometry(&mut self, problem: &Problem) {
         let Self { layout, u, .. } = self;
         let n = layout.nodes_per_side;
-        let sheet = Sheet::new(n, problem.sheet.radius_mm());
+        let rest = problem.rest.restricted(n);
         let guess =
-            initial_guess::taut_within(&sheet, &problem.obstacle.dome, problem.patch.reach_mm());
-        let per_spacing = 1.0 / sheet.spacing_mm();
+            initial_guess::taut_within(&rest, &problem.obstacle.dome, problem.patch.reach_mm());
+        let per_spacing = 1.0 / rest.sheet().spacing_mm();
         let first = layout.first();
         for layer in u.layers() {
             layout.free_rows(|j, from, to| {
                 for i in from..to {
                     let k = (j + first[1]) * n + i + first[0];
-                    let displacement = (guess[k] - sheet.rest_position(k)) * per_spacing;
+                    let displacement = (guess[k] - rest.node(0, k)) * per_spacing;
                     let to = layer + j * layout.pitch + i;
                     u.x[to] = displacement.x as f32;
                     u.y[to] = displacement.y as f32;

@@ -3,6 +3,7 @@
 use super::FullMultigrid;
 use super::level::Level;
 use crate::contact::TOUCH_F32;
+use crate::mesh::Rest;
 use crate::model::ElasticModel;
 use crate::solve::Problem;
 use crate::solve::validity::{self, Invalid};
@@ -24,10 +25,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let n = layout.nodes_per_side;
         let stored = layout.first();
         let first = layout.mirrored.map(|is_mirrored| if is_mirrored { n / 2 } else { 0 });
-        let Problem { sheet, obstacle, tolerance, .. } = problem;
-        validity::invalid(sheet, &obstacle.dome, *tolerance, first, |i, j| {
+        let Problem { rest, obstacle, tolerance, .. } = problem;
+        validity::invalid(rest.sheet(), &obstacle.dome, *tolerance, first, |i, j| {
             let moved = u.at((j - stored[1]) * layout.pitch + i - stored[0]).map(f64::from);
-            sheet.rest_position(j * n + i) + DVec3::from(moved) * self.spacing
+            rest.node(0, j * n + i) + DVec3::from(moved) * self.spacing
         })
     }
 
@@ -39,7 +40,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         x: &mut [DVec3],
         offset_nodes: &mut Vec<(usize, DVec3)>,
     ) {
-        let (sheet, dome) = (&problem.sheet, &problem.obstacle.dome);
+        let (rest, dome) = (&problem.rest, &problem.obstacle.dome);
         offset_nodes.clear();
         let Level { layout, u, active, contact_offset, obstacle, .. } = self.finest();
         let (n, first) = (layout.nodes_per_side, layout.first());
@@ -52,7 +53,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
                 let is_near = obstacle.is_near(layout.rest(i, j), u.at(at));
                 let mut set = |i: usize, j: usize, u: DVec3| {
                     let k = j * n + i;
-                    x[k] = sheet.rest_position(k) + u * self.spacing;
+                    x[k] = rest.node(0, k) + u * self.spacing;
                     if offset != 0.0 && is_active {
                         // A node on an axis of symmetry is listed twice.
                         offset_nodes.push((k, x[k]));
@@ -78,27 +79,18 @@ impl<M: ElasticModel> FullMultigrid<M> {
         });
     }
 
-    /// Writes the positions \[mm\] of all free nodes above the inner face, layer by layer, shape (layers − 1, n²);
-    /// `cell_heights` are those of the layers of cells at rest \[mm\], from the inner face outwards.
-    pub(in crate::solve) fn write_layers(
-        &self,
-        problem: &Problem,
-        cell_heights: impl Iterator<Item = f64>,
-        x: &mut [Vec<DVec3>],
-    ) {
-        let sheet = &problem.sheet;
+    /// Writes the positions \[mm\] of all free nodes above the inner face, layer by layer, shape (layers − 1, n²).
+    pub(in crate::solve) fn write_layers(&self, rest: &Rest, x: &mut [Vec<DVec3>]) {
         let Level { layout, u, .. } = self.finest();
         let (n, first) = (layout.nodes_per_side, layout.first());
         let [along_x, along_y] = layout.mirrored;
-        let mut height = 0.0;
-        for ((layer, x), cell_height) in u.layers().skip(1).zip(x).zip(cell_heights) {
-            height += cell_height;
+        for ((layer, first_stored), x) in u.layers().enumerate().skip(1).zip(x) {
             layout.free_rows(|j, from, to| {
                 for i in from..to {
-                    let [ux, uy, uz] = u.at(layer + j * layout.pitch + i).map(f64::from);
+                    let [ux, uy, uz] = u.at(first_stored + j * layout.pitch + i).map(f64::from);
                     let mut set = |i: usize, j: usize, u: [f64; 3]| {
                         let k = j * n + i;
-                        x[k] = sheet.rest()[k].extend(height) + DVec3::from(u) * self.spacing;
+                        x[k] = rest.node(layer, k) + DVec3::from(u) * self.spacing;
                     };
                     let (i, j) = (i + first[0], j + first[1]);
                     let (i2, j2) = (n - 1 - i, n - 1 - j);

@@ -4,7 +4,7 @@ use super::convergence::Offsets;
 use super::*;
 use crate::contact::{Dome, Obstacle};
 use crate::curve::{Curve, CurveSpec};
-use crate::mesh::Patch;
+use crate::mesh::{Patch, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::model::membrane::lanes::Membrane;
 use crate::model::membrane::law::SheetLaw;
@@ -26,7 +26,7 @@ fn the_energy_falls_in_every_cycle() {
         ([0.0, 0.0], 40.0, Springs::Nikolaev, vec![(&skin, 0.3)]),
     ] {
         let problem = Problem {
-            sheet: Sheet::new(65, 75.0),
+            rest: Rest::of_sheet(Sheet::new(65, 75.0)),
             patch: Patch::clamped_at_pocket(75.0),
             obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::from(center), 50.0, projection, 1.0)),
             materials: layers.into_iter().map(|(spec, nu)| material(spec, nu)).collect(),
@@ -38,7 +38,7 @@ fn the_energy_falls_in_every_cycle() {
         let mirrored = problem.obstacle.dome.mirrored();
         let mut scheme = FullMultigrid::new(65, mirrored, Membrane::new(&law), &MEMBRANE);
         scheme.start(&problem, Stop::Tolerance, None);
-        let mut x: Vec<DVec3> = problem.sheet.rest_positions();
+        let mut x: Vec<DVec3> = problem.rest.nodes(0).collect();
         let mut energies = Vec::new();
         while scheme.step() == State::Working
             && !matches!(scheme.convergence.offsets, Offsets::Neglected | Offsets::Applied)
@@ -47,7 +47,7 @@ fn the_energy_falls_in_every_cycle() {
                 scheme.is_on_finest() && scheme.convergence.cycles as usize == energies.len() + 1;
             if is_after_cycle {
                 scheme.write_positions(&problem, &mut x, &mut Vec::new());
-                energies.push(assembly::energy(&problem.sheet, &law, &x));
+                energies.push(assembly::energy(problem.sheet(), &law, &x));
             }
         }
         println!("{energies:?}");

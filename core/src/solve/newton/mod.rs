@@ -24,7 +24,7 @@ mod system;
 use super::Problem;
 use crate::contact::Obstacle;
 use crate::contact::active_set::{Constraint, FREE};
-use crate::mesh::{NodeKind, Patch, Sheet};
+use crate::mesh::{NodeKind, Patch, Rest, Sheet};
 use conjugate_gradients::{CgState, Vectors};
 use glam::{DMat3, DVec3};
 pub(super) use layered::LayeredSystem;
@@ -63,24 +63,24 @@ pub(super) struct Case<'a, L> {
 
 /// The grid's nodes.
 pub(super) struct Grid {
-    sheet: Sheet,
-    /// Heights at rest of the layers of nodes \[mm\].
-    heights: Vec<f64>,
+    rest: Rest,
     /// Free nodes of a layer.
     free: Vec<u32>,
 }
 
 impl Grid {
+    fn sheet(&self) -> &Sheet {
+        self.rest.sheet()
+    }
+
     fn free(&self) -> impl DoubleEndedIterator<Item = usize> + '_ {
         self.free.iter().map(|&k| k as usize)
     }
 
     /// Puts all nodes at rest.
     fn put_at_rest(&self, x: &mut Layers) {
-        for (x, height) in x.iter_mut().zip(&self.heights) {
-            for (x, rest) in x.iter_mut().zip(self.sheet.rest()) {
-                *x = rest.extend(*height);
-            }
+        for (layer, x) in x.iter_mut().enumerate() {
+            x.iter_mut().zip(self.rest.nodes(layer)).for_each(|(x, rest)| *x = rest);
         }
     }
 }
@@ -146,12 +146,12 @@ pub(super) struct Newton<S: System> {
 }
 
 impl<S: System> Newton<S> {
-    fn new(sheet: Sheet, law: &S::Law, work_limit_factor: f64) -> Self {
-        let size = sheet.len();
-        let is_free = |k: &u32| sheet.kinds()[*k as usize] == NodeKind::Free;
+    fn new(rest: Rest, work_limit_factor: f64) -> Self {
+        let size = rest.sheet().len();
+        let is_free = |k: &u32| rest.sheet().kinds()[*k as usize] == NodeKind::Free;
         let free: Vec<u32> = (0..size as u32).filter(is_free).collect();
-        let grid = Grid { free, heights: S::heights(law), sheet };
-        let vectors = || vec![vec![DVec3::ZERO; size]; grid.heights.len()];
+        let grid = Grid { free, rest };
+        let vectors = || vec![vec![DVec3::ZERO; size]; grid.rest.layers()];
         let mut x = vectors();
         grid.put_at_rest(&mut x);
         let limits = S::PARAMETERS;

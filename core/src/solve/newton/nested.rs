@@ -34,15 +34,15 @@ pub(in crate::solve) struct NestedNewton<S: System> {
 
 impl<S: System> NestedNewton<S> {
     /// Allocates the grids of a problem and its coarser grids. The factor multiplies iteration and work limits.
-    pub(in crate::solve) fn new(problem: &Problem, law: &S::Law, work_limit_factor: f64) -> Self {
-        let mut sheets = vec![problem.sheet.clone()];
-        while let Some(coarser) = sheets[sheets.len() - 1].coarser()
-            && coarser.nodes_per_side() > S::PARAMETERS.least_cells
+    pub(in crate::solve) fn new(problem: &Problem, work_limit_factor: f64) -> Self {
+        let mut grids = vec![problem.rest.clone()];
+        while let Some(coarser) = grids[grids.len() - 1].coarser()
+            && coarser.sheet().nodes_per_side() > S::PARAMETERS.least_cells
         {
-            sheets.push(coarser);
+            grids.push(coarser);
         }
-        let newton = |sheet| Newton::new(sheet, law, work_limit_factor);
-        let levels: Vec<Newton<S>> = sheets.into_iter().rev().map(newton).collect();
+        let newton = |rest| Newton::new(rest, work_limit_factor);
+        let levels: Vec<Newton<S>> = grids.into_iter().rev().map(newton).collect();
         let elements = S::elements(&levels[levels.len() - 1].grid);
         Self {
             levels,
@@ -154,9 +154,9 @@ impl<S: System> NestedNewton<S> {
     fn refine(&mut self, law: &S::Law, problem: &Problem) {
         let (coarser, finer) = self.levels.split_at_mut(self.grid + 1);
         let (coarse, fine) = (&coarser[self.grid], &mut finer[0]);
-        for ((from, to), height) in coarse.x.iter().zip(&mut fine.x).zip(&coarse.grid.heights) {
-            let (from, to) = ((&coarse.grid.sheet, &**from), (&fine.grid.sheet, &mut **to));
-            prolongation::prolongate(from, to, *height, &mut self.scaled);
+        for (layer, (from, to)) in coarse.x.iter().zip(&mut fine.x).enumerate() {
+            let (from, to) = ((&coarse.grid.rest, &**from), (&fine.grid.rest, &mut **to));
+            prolongation::prolongate(from, to, layer, &mut self.scaled);
         }
         self.grid += 1;
         self.start_grid(law, problem);
@@ -192,7 +192,7 @@ impl<S: System> NestedNewton<S> {
 
     /// Work since the last [`Self::clear_work`] \[evaluations of all nodal forces on the finest grid\].
     pub(in crate::solve) fn work_units(&self) -> f64 {
-        let nodes = |level: &Newton<S>| level.grid.sheet.len() as f64;
+        let nodes = |level: &Newton<S>| level.grid.sheet().len() as f64;
         let finest = nodes(self.finest());
         self.levels.iter().map(|level| level.work_units * nodes(level) / finest).sum()
     }
@@ -205,7 +205,7 @@ impl<S: System> NestedNewton<S> {
     /// Why the finest grid's shape is invalid; `None` for a valid shape.
     pub(in crate::solve) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
         let Newton { grid, x, .. } = self.finest();
-        let (sheet, n) = (&grid.sheet, grid.sheet.nodes_per_side());
+        let (sheet, n) = (grid.sheet(), grid.sheet().nodes_per_side());
         let at = |i: usize, j: usize| x[0][j * n + i];
         validity::invalid(sheet, &problem.obstacle.dome, problem.tolerance, [0; 2], at)
             .or_else(|| S::is_inverted(grid, x).then_some(Invalid::Inverted))

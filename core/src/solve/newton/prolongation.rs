@@ -3,30 +3,30 @@
 //! Displacements divided by 1 − (r/a)², which is zero on the border, are interpolated and multiplied by the same
 //! factor on the fine grid: plain interpolation would carry the coarse border's polygon into the fine grid.
 
-use crate::mesh::{NodeKind, Sheet};
+use crate::mesh::{NodeKind, Rest, Sheet};
 use glam::DVec3;
 
-/// Fills the free nodes of `x` on the sheet `fine` from the positions `coarse_x` on the sheet `coarse`
-/// \[mm\], shapes (nodes_per_side², ), of a layer of nodes at a height at rest \[mm\]. The fine grid has twice the cells a
-/// side. `scaled` is scratch.
+/// Fills the free nodes of `x` on the grid `fine` from the positions `coarse_x` on the grid `coarse` \[mm\], shapes
+/// (nodes_per_side², ), of a layer of nodes. The fine grid has twice the cells a side. `scaled` is scratch.
 pub(super) fn prolongate(
-    (coarse, coarse_x): (&Sheet, &[DVec3]),
-    (fine, x): (&Sheet, &mut [DVec3]),
-    height: f64,
+    (coarse, coarse_x): (&Rest, &[DVec3]),
+    (fine, x): (&Rest, &mut [DVec3]),
+    layer: usize,
     scaled: &mut Vec<DVec3>,
 ) {
-    scale_displacements(coarse, coarse_x, height, scaled);
-    extend(coarse, scaled);
-    let (n, nc) = (fine.nodes_per_side(), coarse.nodes_per_side());
-    for k in 0..fine.len() {
-        if fine.kinds()[k] != NodeKind::Free {
+    scale_displacements(coarse, coarse_x, layer, scaled);
+    extend(coarse.sheet(), scaled);
+    let sheet = fine.sheet();
+    let (n, nc) = (sheet.nodes_per_side(), coarse.sheet().nodes_per_side());
+    for k in 0..sheet.len() {
+        if sheet.kinds()[k] != NodeKind::Free {
             continue;
         }
         let (i, j) = (k % n, k / n);
         let (low, right, up) = (j / 2 * nc + i / 2, i % 2, (j % 2) * nc);
         let mean = 0.25
             * (scaled[low] + scaled[low + right] + scaled[low + up] + scaled[low + up + right]);
-        x[k] = fine.rest()[k].extend(height) + mean * rim_distance(fine, k);
+        x[k] = fine.node(layer, k) + mean * rim_distance(sheet, k);
     }
 }
 
@@ -35,10 +35,11 @@ fn rim_distance(sheet: &Sheet, k: usize) -> f64 {
 }
 
 /// Scaled displacements of the free nodes, zero elsewhere.
-fn scale_displacements(sheet: &Sheet, x: &[DVec3], height: f64, scaled: &mut Vec<DVec3>) {
+fn scale_displacements(rest: &Rest, x: &[DVec3], layer: usize, scaled: &mut Vec<DVec3>) {
+    let sheet = rest.sheet();
     scaled.clear();
     scaled.extend((0..sheet.len()).map(|k| match sheet.kinds()[k] {
-        NodeKind::Free => (x[k] - sheet.rest()[k].extend(height)) / rim_distance(sheet, k),
+        NodeKind::Free => (x[k] - rest.node(layer, k)) / rim_distance(sheet, k),
         _ => DVec3::ZERO,
     }));
 }

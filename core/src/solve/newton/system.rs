@@ -14,9 +14,6 @@ pub(in crate::solve) trait System: Sized {
     type Checks: Default;
     const PARAMETERS: Parameters;
 
-    /// Heights at rest of the layers of nodes, from the inner face outwards \[mm\].
-    fn heights(law: &Self::Law) -> Vec<f64>;
-
     /// Number of parts of the grid that evaluations of forces add up.
     fn elements(grid: &Grid) -> usize;
 

@@ -11,7 +11,7 @@ impl LayeredNewton {
         self.set_residual();
         let mut changed = 0;
         let [depth, touch] =
-            [PARAMETERS.depth, PARAMETERS.touch].map(|part| part * self.grid.sheet.spacing_mm());
+            [PARAMETERS.depth, PARAMETERS.touch].map(|part| part * self.grid.sheet().spacing_mm());
         for index in 0..self.grid.free.len() {
             let k = self.grid.free[index] as usize;
             let (d, was) = (self.d[0][k], self.contact.active[k]);

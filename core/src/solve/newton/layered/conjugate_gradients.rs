@@ -38,7 +38,7 @@ impl LayeredNewton {
         if !has_negative_curvature || step == 0 {
             add(&self.grid.free, &mut self.d, &self.vectors.p, alpha);
         }
-        let far = PARAMETERS.max_move * self.grid.sheet.spacing_mm();
+        let far = PARAMETERS.max_move * self.grid.sheet().spacing_mm();
         let move_mm = longest(&self.grid.free, &self.d);
         if has_negative_curvature || move_mm > far {
             return self.end_gradients((far / move_mm).min(1.0));

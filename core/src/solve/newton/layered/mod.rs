@@ -44,7 +44,7 @@ pub(in crate::solve) struct LayeredSystem {
 impl<'a> LayeredCase<'a> {
     fn exact(&self, grid: &'a Grid) -> Exact<'a> {
         let (pocket_radius, attachment) = (self.patch.pocket_radius_mm, self.patch.attachment());
-        Exact { sheet: &grid.sheet, law: self.law, pocket_radius, attachment }
+        Exact { rest: &grid.rest, law: self.law, pocket_radius, attachment }
     }
 }
 
@@ -54,25 +54,21 @@ impl System for LayeredSystem {
     type Checks = ();
     const PARAMETERS: Parameters = shared::LAYERED;
 
-    fn heights(law: &LayeredLaw) -> Vec<f64> {
-        law.heights()
-    }
-
     /// Number of cells between free nodes.
     fn elements(grid: &Grid) -> usize {
-        (grid.free.len() * (grid.heights.len() - 1)).max(1)
+        (grid.free.len() * grid.rest.cells().len()).max(1)
     }
 
     fn new(grid: &Grid) -> Self {
-        let size = grid.sheet.len();
+        let size = grid.sheet().len();
         Self {
             places: Vec::new(),
             pocket_radius: f64::NAN,
             tangent: Tangent::default(),
-            skin: BlockStencil9::new(grid.sheet.nodes_per_side()),
+            skin: BlockStencil9::new(grid.sheet().nodes_per_side()),
             skin_forces: vec![DVec3::ZERO; size],
             totals: Totals::default(),
-            columns: Columns::new(size, grid.heights.len()),
+            columns: Columns::new(size, grid.rest.layers()),
             inner: vec![[DMat3::ZERO; 2]; size],
         }
     }
@@ -180,7 +176,7 @@ impl LayeredSystem {
             hessian: &mut self.skin,
             totals: &mut self.totals,
         };
-        let (sheet, law) = (exact.sheet, &exact.law.skin);
+        let (sheet, law) = (exact.rest.sheet(), &exact.law.skin);
         let rows = 0..sheet.nodes_per_side() - 1;
         assembly::linearize_rows(sheet, law, &x[x.len() - 1], rows, Stiffness::Positive, sums);
     }

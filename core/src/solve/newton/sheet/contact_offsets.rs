@@ -9,7 +9,7 @@ impl SheetNewton {
     /// Computes the contact offsets. If the offsets are significant at the tolerance, restarts the iteration with
     /// offsets and returns true.
     pub(super) fn find_contact_offsets(&mut self, case: &SheetCase) -> bool {
-        let (sheet, dome, x) = (&self.grid.sheet, &case.obstacle.dome, &mut self.x[0]);
+        let (sheet, dome, x) = (self.grid.sheet(), &case.obstacle.dome, &mut self.x[0]);
         let n = sheet.nodes_per_side();
         let SheetSystem { offset, neglected_offset, .. } = &mut self.system;
         let is_active = |k: usize| self.contact.active[k] & ON_DOME != 0;

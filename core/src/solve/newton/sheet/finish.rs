@@ -78,7 +78,7 @@ impl SheetNewton {
     /// shape is stationary without a balance of forces.
     fn finish(&mut self, case: &SheetCase, state: State) -> State {
         self.work_units += 1.0;
-        let (sheet, forces) = (&self.grid.sheet, &mut self.forces[0]);
+        let (sheet, forces) = (self.grid.sheet(), &mut self.forces[0]);
         self.system.totals = assembly::forces(sheet, case.law, &self.x[0], forces);
         if self.system.totals.outside_law {
             return State::Unstable;

@@ -77,16 +77,12 @@ impl System for SheetSystem {
     type Checks = Checks;
     const PARAMETERS: Parameters = shared::SHEET;
 
-    fn heights(_law: &SheetLaw) -> Vec<f64> {
-        vec![0.0]
-    }
-
     fn elements(grid: &Grid) -> usize {
-        grid.sheet.len()
+        grid.sheet().len()
     }
 
     fn new(grid: &Grid) -> Self {
-        let (size, n) = (grid.sheet.len(), grid.sheet.nodes_per_side());
+        let (size, n) = (grid.sheet().len(), grid.sheet().nodes_per_side());
         Self {
             hessian: BlockStencil9::new(n),
             hierarchy: Hierarchy::new(n, &grid.free),
@@ -104,7 +100,7 @@ impl System for SheetSystem {
     }
 
     fn set_first_guess(grid: &Grid, obstacle: &Obstacle, x: &mut Layers) {
-        x[0] = initial_guess::taut_profile(&grid.sheet, &obstacle.dome);
+        x[0] = initial_guess::taut_profile(&grid.rest, &obstacle.dome);
     }
 
     fn start(newton: &mut SheetNewton, case: &SheetCase) {
@@ -118,7 +114,7 @@ impl System for SheetSystem {
     }
 
     fn energy(&self, grid: &Grid, case: &SheetCase, x: &Layers) -> f64 {
-        assembly::energy(&grid.sheet, case.law, &x[0])
+        assembly::energy(grid.sheet(), case.law, &x[0])
     }
 
     fn linearize(newton: &mut SheetNewton, case: &SheetCase, row: usize) -> Option<usize> {
@@ -147,7 +143,7 @@ impl System for SheetSystem {
 
     /// The lower bound keeps rounding from being compared with rounding in a sheet at rest.
     fn force_scale(&self, grid: &Grid, law: &SheetLaw) -> f64 {
-        let rounding = MIN_FORCE_SCALE * law.stiffness() * grid.sheet.spacing_mm();
+        let rounding = MIN_FORCE_SCALE * law.stiffness() * grid.sheet().spacing_mm();
         self.totals.force_scale().max(rounding)
     }
 
@@ -202,7 +198,7 @@ impl System for SheetSystem {
     }
 
     fn energy_of_rounding(&self, grid: &Grid) -> f64 {
-        f64::EPSILON * grid.sheet.radius_mm() * self.totals.force_scale()
+        f64::EPSILON * grid.sheet().radius_mm() * self.totals.force_scale()
     }
 
     fn begin_line_search(newton: &mut SheetNewton) {
@@ -259,7 +255,7 @@ impl System for SheetSystem {
     }
 
     fn is_inverted(grid: &Grid, x: &Layers) -> bool {
-        validity::has_inverted_triangle(&grid.sheet, &x[0])
+        validity::has_inverted_triangle(grid.sheet(), &x[0])
     }
 
     fn write_offsets(
@@ -281,7 +277,7 @@ fn finest<'a>(hessian: &'a BlockStencil9, grid: &'a Grid, contact: &'a Contact) 
 impl SheetNewton {
     /// Adds rows of cells to energy, forces and Hessian; returns the next row, `None` at the end.
     fn add_rows(&mut self, law: &SheetLaw, row: usize, stiffness: Stiffness) -> Option<usize> {
-        let sheet = &self.grid.sheet;
+        let sheet = self.grid.sheet();
         let rows = sheet.nodes_per_side() - 1;
         let SheetSystem { hessian, totals, .. } = &mut self.system;
         if row == 0 {

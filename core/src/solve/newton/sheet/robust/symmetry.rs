@@ -28,13 +28,13 @@ impl Mirrors {
 
 impl SheetNewton {
     pub(in crate::solve::newton::sheet) fn symmetrize_positions(&mut self) {
-        symmetrize(&self.system.robust.mirrors, &self.grid.sheet, &self.grid.free, &mut self.x[0]);
+        symmetrize(&self.system.robust.mirrors, self.grid.sheet(), &self.grid.free, &mut self.x[0]);
     }
 
     pub(super) fn symmetrize_correction(&mut self) {
         symmetrize(
             &self.system.robust.mirrors,
-            &self.grid.sheet,
+            self.grid.sheet(),
             &self.grid.free,
             &mut self.system.q[0],
         );
@@ -42,10 +42,10 @@ impl SheetNewton {
 
     /// Symmetrises the step and the active constraints.
     pub(in crate::solve::newton::sheet) fn symmetrize_step(&mut self) {
-        symmetrize(&self.system.robust.mirrors, &self.grid.sheet, &self.grid.free, &mut self.d[0]);
+        symmetrize(&self.system.robust.mirrors, self.grid.sheet(), &self.grid.free, &mut self.d[0]);
         share_flags(
             &self.system.robust.mirrors,
-            &self.grid.sheet,
+            self.grid.sheet(),
             &self.grid.free,
             &mut self.contact.active,
         );
