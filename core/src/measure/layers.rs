@@ -190,7 +190,8 @@ mod tests {
                 scene.layers.push(Layer { poisson_ratio: 0.2, ..Layer::skin() });
             });
             let materials = &solver.problem().materials;
-            let deformation = Deformation::new(solver.problem().sheet(), solver.positions());
+            let deformation =
+                Deformation::new(solver.problem().rest.membrane(), solver.positions());
             for is_tension_field in [false, true] {
                 for (material, load) in
                     materials.iter().zip(loads(materials, &deformation, is_tension_field))
@@ -209,7 +210,7 @@ mod tests {
     fn the_search_for_the_greatest_stress_visits_few_nodes() {
         let solver = solved(|_| {});
         let material = &solver.problem().materials[0];
-        let deformation = Deformation::new(solver.problem().sheet(), solver.positions());
+        let deformation = Deformation::new(solver.problem().rest.membrane(), solver.positions());
         let count = Cell::new(0);
         SortedStrains::new(&deformation, 0.45, false).max_stress(&material.curve, |node| {
             count.set(count.get() + 1);

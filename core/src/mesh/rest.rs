@@ -1,9 +1,9 @@
 //! The tissue at rest: columns of nodes over the patch's grid, and the layers of cells between them.
 //!
-//! The inner face rests on the plane z = 0, and the cells of a layer have one height.
+//! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height.
 
-use super::{Sheet, coarser_nodes_per_side};
-use glam::DVec3;
+use super::{Chest, Sheet, coarser_nodes_per_side};
+use glam::{DMat2, DVec2, DVec3};
 
 /// The greatest number of nodes in a column.
 pub(crate) const MAX_LAYERS: usize = 9;
@@ -25,8 +25,11 @@ pub struct Rest {
     sheet: Sheet,
     /// From the inner face outwards.
     cells: Vec<Cells>,
-    /// Heights of the layers of nodes \[mm\], from the inner face outwards.
+    /// Heights of the layers of nodes above the wall \[mm\], from the inner face outwards.
     heights: Vec<f64>,
+    chest: Chest,
+    /// Positions of the nodes over a curved wall \[mm\], layer by layer; empty over a flat wall.
+    nodes: Vec<DVec3>,
 }
 
 impl Rest {
@@ -52,7 +55,23 @@ impl Rest {
             *height += cells.height_mm;
             Some(*height)
         }));
-        Self { sheet, cells, heights }
+        Self { sheet, cells, heights, chest: Chest::Flat, nodes: Vec::new() }
+    }
+
+    /// The same layers over a wall.
+    #[must_use]
+    pub fn over(mut self, chest: Chest) -> Self {
+        self.nodes.clear();
+        if chest != Chest::Flat {
+            // Nodes outside of the patch may lie beyond the wall.
+            let within = |p: &DVec2| p.clamp_length_max(self.sheet.radius_mm());
+            let places = self.sheet.rest().iter().map(within);
+            let feet: Vec<_> = places.map(|place| chest.foot_and_normal(place)).collect();
+            let layer = |height: f64| feet.iter().map(move |(foot, normal)| foot + normal * height);
+            self.nodes = self.heights.iter().flat_map(|height| layer(*height)).collect();
+        }
+        self.chest = chest;
+        self
     }
 
     /// The grid of columns.
@@ -73,16 +92,37 @@ impl Rest {
         self.heights.len()
     }
 
+    /// Is the wall the plane z = 0?
+    #[inline]
+    pub(crate) fn is_flat(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
     /// Position of a node of a layer \[mm\].
     #[inline]
     #[must_use]
     pub fn node(&self, layer: usize, node: usize) -> DVec3 {
-        self.sheet.rest()[node].extend(self.heights[layer])
+        if self.is_flat() {
+            return self.sheet.rest()[node].extend(self.heights[layer]);
+        }
+        self.nodes[layer * self.sheet.len() + node]
     }
 
     /// Positions of the nodes of a layer \[mm\], row-major.
     pub fn nodes(&self, layer: usize) -> impl ExactSizeIterator<Item = DVec3> + '_ {
         (0..self.sheet.len()).map(move |node| self.node(layer, node))
+    }
+
+    /// A layer of nodes as a surface.
+    #[must_use]
+    pub fn surface(&self, layer: usize) -> Surface<'_> {
+        Surface { rest: self, layer }
+    }
+
+    /// The outermost layer of nodes: the sheet, or the skin.
+    #[must_use]
+    pub fn membrane(&self) -> Surface<'_> {
+        self.surface(self.layers() - 1)
     }
 
     /// The layer of nodes on the outer face of each solid, from the inner face outwards.
@@ -96,7 +136,8 @@ impl Rest {
     #[must_use]
     pub fn restricted(&self, nodes_per_side: usize) -> Self {
         let sheet = Sheet::new(nodes_per_side, self.sheet.radius_mm());
-        Self { sheet, cells: self.cells.clone(), heights: self.heights.clone() }
+        let (cells, heights) = (self.cells.clone(), self.heights.clone());
+        Self { sheet, cells, heights, chest: Chest::Flat, nodes: Vec::new() }.over(self.chest)
     }
 
     /// The same tissue on the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number of
@@ -104,6 +145,50 @@ impl Rest {
     #[must_use]
     pub fn coarser(&self) -> Option<Self> {
         coarser_nodes_per_side(self.sheet.nodes_per_side()).map(|n| self.restricted(n))
+    }
+}
+
+/// A layer of nodes at rest, as a surface of triangles.
+#[derive(Clone, Copy)]
+pub struct Surface<'a> {
+    rest: &'a Rest,
+    layer: usize,
+}
+
+impl<'a> Surface<'a> {
+    /// The grid of nodes.
+    #[must_use]
+    pub fn sheet(self) -> &'a Sheet {
+        self.rest.sheet()
+    }
+
+    /// Is the surface a plane?
+    pub(crate) fn is_flat(self) -> bool {
+        self.rest.is_flat()
+    }
+
+    /// The corners of a triangle of nodes, laid into the plane of the grid without strain and without a turn against the grid
+    /// \[mm\].
+    pub(crate) fn triangle(self, nodes: [usize; 3]) -> [DVec2; 3] {
+        let flat = nodes.map(|k| self.sheet().rest()[k]);
+        if self.is_flat() {
+            return flat;
+        }
+        let [a, b, c] = nodes.map(|k| self.rest.node(self.layer, k));
+        let sides = DMat2::from_cols(flat[1] - flat[0], flat[2] - flat[0]);
+        let inverse = sides.inverse();
+        let [b, c] = [b - a, c - a];
+        let along = |column: DVec2| b * column.x + c * column.y;
+        let (x, y) = (along(inverse.x_axis), along(inverse.y_axis));
+        // The square root of the metric of the map from the grid to the surface.
+        let metric = [x.length_squared(), x.dot(y), y.length_squared()];
+        let area = (metric[0] * metric[2] - metric[1] * metric[1]).sqrt();
+        let per = 1.0 / (metric[0] + metric[2] + 2.0 * area).sqrt();
+        let stretch = DMat2::from_cols(
+            DVec2::new(metric[0] + area, metric[1]) * per,
+            DVec2::new(metric[1], metric[2] + area) * per,
+        );
+        flat.map(|corner| stretch * (corner - flat[0]))
     }
 }
 

@@ -183,7 +183,8 @@ impl Solver {
         let mut forces = vec![DVec3::ZERO; self.problem.sheet().len()];
         let solution = self.solution();
         let x = solution.balanced();
-        let totals = assembly::forces(self.problem.sheet(), self.law.membrane(), &x, &mut forces);
+        let totals =
+            assembly::forces(self.problem.rest.membrane(), self.law.membrane(), &x, &mut forces);
         (forces, totals.force_scale())
     }
 
@@ -197,7 +198,7 @@ impl Solver {
     /// Elastic energy \[kPa·mm³\] of a shape of this problem's sheet, shape (nodes_per_side², ).
     #[must_use]
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        assembly::energy(self.problem.sheet(), self.law.membrane(), x)
+        assembly::energy(self.problem.rest.membrane(), self.law.membrane(), x)
     }
 
     /// The initial guess: a shape from geometry alone \[mm\], shape (nodes_per_side², ).

@@ -248,8 +248,8 @@ impl Solution {
     /// Stretch, normal and area of the membrane at every node.
     #[must_use]
     pub fn deformation(&self) -> &Deformation {
-        let sheet = self.problem.sheet();
-        self.deformation.get_or_init(|| Deformation::of_part(sheet, self.membrane(), self.part()))
+        let surface = self.problem.rest.membrane();
+        self.deformation.get_or_init(|| Deformation::of_part(surface, self.membrane(), self.part()))
     }
 
     /// Stretch, normal and area of the inner face at every node.
@@ -258,9 +258,9 @@ impl Solution {
         if self.shape.outer.is_empty() {
             return self.deformation();
         }
-        let sheet = self.problem.sheet();
+        let surface = self.problem.rest.surface(0);
         self.inner_deformation
-            .get_or_init(|| Deformation::of_part(sheet, &self.shape.inner, self.part()))
+            .get_or_init(|| Deformation::of_part(surface, &self.shape.inner, self.part()))
     }
 
     /// Has [`Self::deformation`] been computed?
@@ -333,9 +333,9 @@ impl Solution {
 
     /// Forces of the tissue on the inner face at the marked nodes \[kPa·mm²\]. Arrays over the part.
     pub(super) fn forces_on_inner(&self, wanted: &[bool]) -> Vec<DVec3> {
-        let (sheet, part) = (self.problem.sheet(), self.part());
+        let (surface, part) = (self.problem.rest.membrane(), self.part());
         match &self.law {
-            Law::Sheet(law) => assembly::forces_at(sheet, law, &self.balanced(), part, wanted),
+            Law::Sheet(law) => assembly::forces_at(surface, law, &self.balanced(), part, wanted),
             Law::Layered(law) => self.exact(law).forces_on_inner(&self.node_layers(), part, wanted),
         }
     }
@@ -350,7 +350,9 @@ impl Solution {
     #[must_use]
     pub fn elastic_energy(&self) -> f64 {
         match &self.law {
-            Law::Sheet(law) => assembly::energy(self.problem.sheet(), law, &self.balanced()),
+            Law::Sheet(law) => {
+                assembly::energy(self.problem.rest.membrane(), law, &self.balanced())
+            }
             Law::Layered(law) => {
                 let exact = self.exact(law);
                 let layers: Vec<_> = self.node_layers().into_iter().map(<[_]>::to_vec).collect();

@@ -70,7 +70,7 @@ fn patch_test(exact: &Exact, solid: &Material) -> Vec<Check> {
 
     let skin = &x[x.len() - 1];
     let mut forces = vec![DVec3::ZERO; sheet.len()];
-    let totals = assembly::forces(sheet, &exact.law.skin, skin, &mut forces);
+    let totals = assembly::forces(exact.rest.membrane(), &exact.law.skin, skin, &mut forces);
     let greatest = (0..sheet.len()).filter(free).map(|k| forces[k].length()).fold(0.0, f64::max);
     let scale = totals.force_scale() / (sheet.free_nodes() as f64).sqrt();
     let mut checks =
@@ -102,7 +102,8 @@ fn patch_test(exact: &Exact, solid: &Material) -> Vec<Check> {
         1e-10,
     ));
 
-    let energy = exact.energy(&exact.places(), &x) - assembly::energy(sheet, &exact.law.skin, skin);
+    let energy = exact.energy(&exact.places(), &x)
+        - assembly::energy(exact.rest.membrane(), &exact.law.skin, skin);
     let volume: f64 = sheet.triangles().map(|(t, weight)| weight * sheet.rest_area(t)).sum::<f64>()
         * solid.thickness_mm;
     let (_, equivalent) = law.response(F.to_cols_array_2d());

@@ -3,8 +3,9 @@
 //! The gradient is that at the middle of the bilinear cell. A cell with a corner outside of the patch is half of a
 //! parallelogram: the fourth corner is the linear continuation of the other three.
 
-use super::cell::{self, Corners, Modes, modes, on_faces, turned, turned_back};
+use super::cell::{self, Corners, Modes, modes, on_faces};
 use super::law::{SolidLaw, Volume};
+use super::sides::Oblique;
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
@@ -44,6 +45,11 @@ pub(super) struct BorderCell {
 }
 
 impl BorderCell {
+    /// The part of the parallelogram that belongs to the sheet.
+    pub(super) fn share(&self) -> f64 {
+        if self.missing.is_some() { 0.5 } else { 1.0 }
+    }
+
     /// ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y.
     pub(super) fn sides(&self) -> [f64; 4] {
         let [x, y] = [self.sides.x_axis, self.sides.y_axis];
@@ -92,13 +98,9 @@ impl BorderCell {
         let along_x: DVec2 = 0.5 * ((b - a) + (c - d));
         let along_y: DVec2 = 0.5 * ((d - a) + (c - b));
         let jacobian = DMat2::from_cols(along_x, along_y);
-        let share = if missing.is_some() { 0.5 } else { 1.0 };
-        Some(Self {
-            corners,
-            missing,
-            sides: jacobian.inverse(),
-            area: jacobian.determinant() * share,
-        })
+        let mut cell = Self { corners, missing, sides: jacobian.inverse(), area: 0.0 };
+        cell.area = jacobian.determinant() * cell.share();
+        Some(cell)
     }
 }
 
@@ -144,13 +146,13 @@ impl Border {
     pub(super) fn renew(
         &self,
         law: &LaneLaw,
-        slope: f32x4,
+        shape: &Shape,
         layers: [usize; 2],
         u: &Field,
         pressure: &mut [f32x4],
     ) {
         for (four, pressure) in self.fours.iter().zip(pressure) {
-            let volume = cell::volume(&four.modes(u, layers), slope);
+            let volume = cell::volume(&four.modes(u, layers), &four.oblique(shape));
             *pressure = law.renewed(Volume::new(volume), *pressure);
         }
     }
@@ -169,8 +171,8 @@ impl Border {
         for (k, four) in self.fours.iter().enumerate() {
             let modes = four.modes(u, layers);
             let augmented = pressure.get(k).copied().unwrap_or_default();
-            let mut force = cell::center(law, &modes, shape.slope, &shape.variation, augmented);
-            force.linear = turned_back(force.linear, four.sides);
+            let sides = four.oblique(shape);
+            let force = cell::center(law, &modes, &sides, &shape.variation, augmented);
             let force = force.weighted(four.weight);
             for (face, layer) in on_faces(&force).iter().zip(layers) {
                 four.pull(face, layer, f);
@@ -189,9 +191,8 @@ impl Border {
         blocks: &mut ColumnBlocks,
     ) {
         for (k, four) in self.fours.iter().enumerate() {
-            let [inner, outer] = layers.map(|layer| four.gather(u, layer));
             let augmented = pressure.get(k).copied().unwrap_or_default();
-            let stiffness = CellStiffness::new(law, &modes(&inner, &outer), shape, augmented);
+            let stiffness = CellStiffness::new(law, &four.modes(u, layers), shape, augmented);
             for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
                 let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
                 let weight = four.weight * (f32x4::ONE - four.missing[corner]);
@@ -217,9 +218,12 @@ impl Four {
     /// The modes of the cells between two layers of nodes.
     fn modes(&self, u: &Field, layers: [usize; 2]) -> Modes<f32x4> {
         let [inner, outer] = layers.map(|layer| self.gather(u, layer));
-        let mut modes = modes(&inner, &outer);
-        modes.linear = turned(modes.linear, self.sides);
-        modes
+        modes(&inner, &outer)
+    }
+
+    /// The sides of the cells in a layer.
+    fn oblique(&self, shape: &Shape) -> Oblique<f32x4> {
+        Oblique::in_plane(self.sides, shape.sides.slope)
     }
 
     /// The sums over the corners of a face.

@@ -1,7 +1,7 @@
 //! A cell of eight nodes: energy and forces of its displacement modes.
 //!
 //! The displacement of a cell on \[−½, ½\]³ is u = b₀ + b₁ξ + b₂η + b₃ζ + b₁₂ξη + b₁₃ξζ + b₂₃ηζ + dξηζ. Lateral lengths
-//! are in spacings; `slope` is the spacing over the cell's height.
+//! are in spacings; [`Sides`] turns slopes along the sides into a gradient.
 //!
 //! ln J is one number of the cell: cells do not lock. Two rules of integration:
 //!
@@ -10,6 +10,7 @@
 //!   softening tissue concentrates strain; 2.3 times the work.
 
 use super::law::{Deformed, Energy, LEAST_VOLUME, Matrix, Slopes, SolidLaw, Volume, combined};
+use super::sides::{Oblique, Sides};
 use crate::mesh::vec3::{add, dot, scale, sub};
 use crate::number::Real;
 
@@ -41,6 +42,18 @@ impl<R: Real> Variation<R> {
             in_plane: R::splat(2.0 / 12.0),
             through: R::splat((1.0 + squared) / 12.0),
             d: R::splat((2.0 + squared) / 144.0),
+        }
+    }
+
+    /// Of the sides of a cell at rest, a mean of the twists through the thickness.
+    pub(super) fn of_sides(Oblique(columns): &Oblique<R>) -> Self {
+        let [xi, eta, zeta] =
+            [0, 1, 2].map(|k| columns.iter().fold(R::default(), |sum, c| sum + c[k] * c[k]));
+        let in_plane = xi + eta;
+        Self {
+            in_plane: in_plane * R::splat(1.0 / 12.0),
+            through: (in_plane * R::splat(0.5) + zeta) * R::splat(1.0 / 12.0),
+            d: (in_plane + zeta) * R::splat(1.0 / 144.0),
         }
     }
 
@@ -144,18 +157,6 @@ pub(super) fn on_faces<R: Real>(f: &Modes<R>) -> [Corners<R>; 2] {
     ]
 }
 
-/// Slopes in the spacing's directions of slopes along the sides of a cell: `sides` are ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y.
-#[inline(always)]
-pub(super) fn turned<R: Real>([x, y, z]: Matrix<R>, [a, b, c, d]: [R; 4]) -> Matrix<R> {
-    [add(scale(x, a), scale(y, b)), add(scale(x, c), scale(y, d)), z]
-}
-
-/// The transpose of [`turned`], for forces.
-#[inline(always)]
-pub(super) fn turned_back<R: Real>([x, y, z]: Matrix<R>, [a, b, c, d]: [R; 4]) -> Matrix<R> {
-    [add(scale(x, a), scale(y, c)), add(scale(x, b), scale(y, d)), z]
-}
-
 impl<R: Real> Modes<R> {
     /// The modes times a number.
     #[inline(always)]
@@ -168,21 +169,10 @@ impl<R: Real> Modes<R> {
     }
 }
 
-/// The gradient of a displacement whose slopes are `linear`.
-#[inline(always)]
-pub(crate) fn gradient<R: Real>([mut x, mut y, z]: Matrix<R>, slope: R) -> Matrix<R> {
-    let mut z = scale(z, slope);
-    let one = R::splat(1.0);
-    x[0] += one;
-    y[1] += one;
-    z[2] += one;
-    [x, y, z]
-}
-
 /// J in the middle of a cell.
 #[inline(always)]
-pub(super) fn volume<R: Real>(modes: &Modes<R>, slope: R) -> R {
-    Deformed::new(gradient(modes.linear, slope)).volume
+pub(super) fn volume<R: Real>(modes: &Modes<R>, sides: &impl Sides<R>) -> R {
+    Deformed::new(sides.gradient(modes.linear)).volume
 }
 
 /// The derivatives of the energy per rest volume by the modes, by the rule of one point; `augmented` is p of [`SolidLaw`].
@@ -190,21 +180,25 @@ pub(super) fn volume<R: Real>(modes: &Modes<R>, slope: R) -> R {
 pub(crate) fn center<R: Real>(
     law: &impl SolidLaw<R>,
     modes: &Modes<R>,
-    slope: R,
+    sides: &impl Sides<R>,
     variation: &Variation<R>,
     augmented: R,
 ) -> Modes<R> {
-    let deformed = Deformed::new(gradient(modes.linear, slope));
+    let deformed = Deformed::new(sides.gradient(modes.linear));
     let shape = deformed.isochoric();
     let g = shape.g + variation.mean_square(modes);
     let Slopes { shear: [shear], pressure } = law.slopes([g], deformed.volume(), augmented);
-    let [x, y, z] = deformed.stress(&shape, shear, pressure);
-    Modes { linear: [x, y, scale(z, slope)], ..variation.weighted(shear).slopes(modes) }
+    let linear = sides.stress(deformed.stress(&shape, shear, pressure));
+    Modes { linear, ..variation.weighted(shear).slopes(modes) }
 }
 
 /// The deformation gradients at the four points of a parity, ±1.
 #[inline(always)]
-pub(super) fn at_points<R: Real>(modes: &Modes<R>, slope: R, parity: R) -> [Matrix<R>; 4] {
+pub(super) fn at_points<R: Real>(
+    modes: &Modes<R>,
+    sides: &impl Sides<R>,
+    parity: R,
+) -> [Matrix<R>; 4] {
     let [xy, xz, yz] = modes.twist.map(|b| scale(b, R::splat(POINT)));
     let d = scale(modes.d, R::splat(POINT * POINT) * parity);
     SIGNS.map(|[sx, sy]| {
@@ -215,7 +209,7 @@ pub(super) fn at_points<R: Real>(modes: &Modes<R>, slope: R, parity: R) -> [Matr
         let x = add(x, add(add(scale(xy, sy), scale(xz, sz)), scale(d, sx)));
         let y = add(y, add(add(scale(xy, sx), scale(yz, sz)), scale(d, sy)));
         let z = add(z, add(add(scale(xz, sx), scale(yz, sy)), scale(d, sz)));
-        gradient([x, y, z], slope)
+        sides.gradient([x, y, z])
     })
 }
 
@@ -226,10 +220,10 @@ pub(super) type Placed<R> = (Deformed<R>, [R; 3]);
 #[inline(always)]
 pub(super) fn deformed_points<R: Real>(
     modes: &Modes<R>,
-    slope: R,
+    sides: &impl Sides<R>,
     parity: R,
 ) -> ([Placed<R>; 4], R) {
-    let points = at_points(modes, slope, parity).map(Deformed::new);
+    let points = at_points(modes, sides, parity).map(Deformed::new);
     let volume = mean_volume(&points);
     let mut signs = SIGNS.into_iter();
     let with_place = points.map(|point| {
@@ -247,12 +241,12 @@ const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]
 pub(crate) fn four_points<R: Real>(
     law: &impl SolidLaw<R>,
     modes: &Modes<R>,
-    slope: R,
+    sides: &impl Sides<R>,
     parity: R,
     augmented: R,
 ) -> Modes<R> {
     let quarter = R::splat(0.25);
-    let points = at_points(modes, slope, parity).map(Deformed::new);
+    let points = at_points(modes, sides, parity).map(Deformed::new);
     let volume = mean_volume(&points);
     let shapes = points.each_ref().map(Deformed::isochoric);
     let g = shapes.each_ref().map(|shape| shape.g);
@@ -263,8 +257,7 @@ pub(crate) fn four_points<R: Real>(
     for (k, [sx, sy]) in SIGNS.into_iter().enumerate() {
         let (sx, sy) = (R::splat(sx), R::splat(sy));
         let sz = sx * sy * parity;
-        let [x, y, z] = points[k].stress(&shapes[k], shear[k], pressure);
-        let z = scale(z, slope);
+        let [x, y, z] = sides.stress(points[k].stress(&shapes[k], shear[k], pressure));
         for (to, p) in forces.linear.iter_mut().zip([x, y, z]) {
             *to = add(*to, scale(p, quarter));
         }
@@ -288,18 +281,19 @@ pub(super) fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {
 pub(crate) fn energy(
     law: &impl Energy,
     modes: &Modes<f64>,
-    slope: f64,
+    sides: &impl Sides<f64>,
+    variation: &Variation<f64>,
     parity: Option<f64>,
 ) -> f64 {
     let Some(parity) = parity else {
-        let deformed = Deformed::new(gradient(modes.linear, slope));
+        let deformed = Deformed::new(sides.gradient(modes.linear));
         if deformed.volume <= LEAST_VOLUME {
             return f64::INFINITY;
         }
-        let square = Variation::new(slope).mean_square(modes);
-        return law.energy(deformed.isochoric().g + square, deformed.volume());
+        let g = deformed.isochoric().g + variation.mean_square(modes);
+        return law.energy(g, deformed.volume());
     };
-    let points = at_points(modes, slope, parity).map(Deformed::new);
+    let points = at_points(modes, sides, parity).map(Deformed::new);
     if points.iter().any(|point| point.volume <= LEAST_VOLUME) {
         return f64::INFINITY;
     }

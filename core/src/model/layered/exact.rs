@@ -3,10 +3,11 @@
 use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Corners, Modes, Variation, modes, on_faces, turned, turned_back};
+use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
 use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
+use super::sides::{self, Oblique, Sides, Skew};
 use crate::mesh::part::Part;
 use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
 use crate::model::membrane::assembly;
@@ -106,16 +107,31 @@ pub struct Place {
     parity: Option<f64>,
 }
 
+/// The rest shape of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellShape {
+    pub(super) sides: Oblique<f64>,
+    /// Of a cell over a curved wall.
+    pub(super) skew: Option<Skew>,
+    pub(super) variation: Variation<f64>,
+    /// Volume over the spacing squared \[mm\].
+    pub(super) volume: f64,
+}
+
+impl CellShape {
+    /// Forces on the modes of a cell, from those on its modes without skew.
+    pub(super) fn handed_back(&self, forces: Modes<f64>) -> Modes<f64> {
+        self.skew.map_or(forces, |skew| skew.handed_back(&forces))
+    }
+}
+
 /// A cell of a layer with its displacement.
 pub(super) struct Element<'a> {
     pub(super) cell: BorderCell,
     pub(super) layer: usize,
     solid: usize,
     pub(super) law: &'a CurveLaw<f64, Table>,
-    /// Height at rest \[mm\].
-    pub(super) height: f64,
-    /// Spacing over height.
-    pub(super) slope: f64,
+    pub(super) shape: CellShape,
     /// Parity of the four points; `None`: one point.
     pub(super) parity: Option<f64>,
     pub(super) modes: Modes<f64>,
@@ -162,6 +178,29 @@ impl Exact<'_> {
         places
     }
 
+    /// The rest shape of a cell of a layer.
+    fn shape(&self, cell: &BorderCell, layer: usize) -> CellShape {
+        let spacing = self.sheet().spacing_mm();
+        if self.rest.is_flat() {
+            let height = self.rest.cells()[layer].height_mm;
+            let slope = spacing / height;
+            return CellShape {
+                sides: Oblique::in_plane(cell.sides(), slope),
+                skew: None,
+                variation: Variation::new(slope),
+                volume: cell.area * height,
+            };
+        }
+        let faces = [layer, layer + 1].map(|l| cell.gather(|k| self.rest.node(l, k) / spacing));
+        let (sides, skew, volume) = sides::of_rest(&modes(&faces[0], &faces[1]));
+        CellShape {
+            sides,
+            skew: Some(skew),
+            variation: Variation::of_sides(&sides),
+            volume: volume * cell.share() * spacing,
+        }
+    }
+
     /// Displacements of the corners of a face \[spacings\].
     fn face(&self, cell: &BorderCell, layer: usize, x: &[DVec3]) -> Corners<f64> {
         let per_spacing = 1.0 / self.sheet().spacing_mm();
@@ -178,7 +217,12 @@ impl Exact<'_> {
     /// [`Self::forces`] into given vectors, for all places.
     pub(crate) fn set_forces(&self, places: &[Place], x: &[Vec<DVec3>], forces: &mut [Vec<DVec3>]) {
         forces.iter_mut().for_each(|layer| layer.fill(DVec3::ZERO));
-        assembly::forces(self.sheet(), &self.law.skin, &x[x.len() - 1], &mut forces[x.len() - 1]);
+        assembly::forces(
+            self.rest.membrane(),
+            &self.law.skin,
+            &x[x.len() - 1],
+            &mut forces[x.len() - 1],
+        );
         self.each(places, x, |element| {
             let layer = element.layer;
             for (face, l) in self.faces_forces(&element).iter().zip([layer, layer + 1]) {
@@ -214,7 +258,8 @@ impl Exact<'_> {
         let mut forces: Vec<DVec3> = part.nodes().map(|k| forces[k]).collect();
         if self.rest.cells().is_empty() {
             // The skin is the inner face.
-            let of_skin = assembly::forces_at(self.sheet(), &self.law.skin, x[0], part, wanted);
+            let of_skin =
+                assembly::forces_at(self.rest.membrane(), &self.law.skin, x[0], part, wanted);
             forces.iter_mut().zip(of_skin).for_each(|(force, skin)| *force += skin);
         }
         forces
@@ -222,14 +267,13 @@ impl Exact<'_> {
 
     /// Derivatives of a cell's energy by its corners on the inner and the outer face \[kPa·mm²\].
     fn faces_forces(&self, element: &Element) -> [Corners<f64>; 2] {
-        let Element { cell, law, modes, slope, .. } = element;
-        let mut force = match element.parity {
-            Some(parity) => cell::four_points(*law, modes, *slope, parity, 0.0),
-            None => cell::center(*law, modes, *slope, &Variation::new(*slope), 0.0),
+        let Element { law, modes, shape, .. } = element;
+        let force = match element.parity {
+            Some(parity) => cell::four_points(*law, modes, &shape.sides, parity, 0.0),
+            None => cell::center(*law, modes, &shape.sides, &shape.variation, 0.0),
         };
-        force.linear = turned_back(force.linear, cell.sides());
-        let weight = cell.area * self.sheet().spacing_mm() * element.height;
-        on_faces(&force.weighted(weight))
+        let weight = shape.volume * self.sheet().spacing_mm();
+        on_faces(&shape.handed_back(force).weighted(weight))
     }
 
     /// Adds the attachment's forces on the corners of a cell.
@@ -252,7 +296,7 @@ impl Exact<'_> {
     /// Calls `visit` with the state in the middle of every cell between nodes of a part.
     pub(crate) fn visit(&self, x: &[&[DVec3]], part: Part, mut visit: impl FnMut(&CellState)) {
         self.each(&self.places_from(part.first(), |_, _| true), x, |element| {
-            let columns = cell::gradient(element.modes.linear, element.slope);
+            let columns = element.shape.sides.gradient(element.modes.linear);
             let (stress, equivalent) = element.law.response(columns);
             visit(&CellState {
                 solid: element.solid,
@@ -285,22 +329,21 @@ impl Exact<'_> {
         let spacing = self.sheet().spacing_mm();
         for &Place { cell, parity } in places {
             for layer in layers.clone() {
+                let shape = self.shape(&cell, layer);
                 let cells = self.rest.cells()[layer];
                 let faces = [layer, layer + 1].map(|l| self.face(&cell, l, x[l].as_ref()));
-                let mut modes = modes(&faces[0], &faces[1]);
-                modes.linear = turned(modes.linear, cell.sides());
+                let modes = modes(&faces[0], &faces[1]);
                 let sign = if layer % 2 == 0 { 1.0 } else { -1.0 };
                 visit(Element {
                     cell,
                     layer,
                     solid: cells.solid,
                     law: &self.law.solids[cells.solid],
-                    height: cells.height_mm,
-                    slope: spacing / cells.height_mm,
+                    shape,
                     parity: parity
                         .filter(|_| is_large(spacing, cells.height_mm))
                         .map(|parity| sign * parity),
-                    modes,
+                    modes: shape.skew.map_or(modes, |skew| skew.removed(&modes)),
                 });
             }
         }
@@ -308,11 +351,12 @@ impl Exact<'_> {
 
     /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\]; infinite if a cell is inverted, or nearly so.
     pub fn energy(&self, places: &[Place], x: &[Vec<DVec3>]) -> f64 {
-        let mut energy = assembly::energy(self.sheet(), &self.law.skin, &x[x.len() - 1]);
+        let mut energy = assembly::energy(self.rest.membrane(), &self.law.skin, &x[x.len() - 1]);
         let area = self.sheet().spacing_mm().powi(2);
         self.each(places, x, |element| {
-            let Element { cell, law, modes, slope, parity, height, .. } = &element;
-            energy += cell::energy(*law, modes, *slope, *parity) * cell.area * area * height;
+            let Element { law, modes, shape, parity, .. } = &element;
+            let CellShape { sides, variation, volume, .. } = shape;
+            energy += cell::energy(*law, modes, sides, variation, *parity) * volume * area;
         });
         self.attached(|corners, integrals| {
             let moved = corners.map(|k| x[0][k] - self.rest.node(0, k));
@@ -361,20 +405,4 @@ fn matrix(columns: Matrix<f64>) -> DMat3 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn principal_values_and_directions_diagonalise_a_matrix() {
-        let a = DMat3::from_cols(
-            DVec3::new(2.0, -0.3, 0.7),
-            DVec3::new(-0.3, 1.1, 0.4),
-            DVec3::new(0.7, 0.4, 1.9),
-        );
-        let (values, directions) = principal(a);
-        for (value, direction) in values.into_iter().zip(directions) {
-            assert!((a * direction - direction * value).length() < 1e-11);
-            assert!((direction.length() - 1.0).abs() < 1e-12);
-        }
-    }
-}
+mod tests;

@@ -7,6 +7,7 @@ use super::attachment::PAIRS;
 use super::border::Border;
 use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
 use super::law::{Matrix, SolidLaw, Volume};
+use super::sides::Upright;
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, shifted_right, store};
 use crate::mesh::rest::MAX_LAYERS;
@@ -260,11 +261,11 @@ impl CellLayer {
         parity: f32x4,
         augmented: f32x4,
     ) -> Modes<f32x4> {
-        let center = || cell::center(&self.law, modes, shape.slope, &shape.variation, augmented);
+        let center = || cell::center(&self.law, modes, &shape.sides, &shape.variation, augmented);
         if !points.any() {
             return center();
         }
-        let four = cell::four_points(&self.law, modes, shape.slope, parity, augmented);
+        let four = cell::four_points(&self.law, modes, &shape.sides, parity, augmented);
         if points.all() {
             return four;
         }
@@ -328,7 +329,7 @@ impl ElasticModel for Layered {
             let slope = spacing / cells.height;
             let zero = f32x4::ZERO;
             *shape = Shape {
-                slope: f32x4::splat(slope as f32),
+                sides: Upright { slope: f32x4::splat(slope as f32) },
                 variation: Variation::new(slope),
                 points: if is_large(spacing, cells.height) { zero.simd_eq(zero) } else { zero },
             };
@@ -374,7 +375,7 @@ impl ElasticModel for Layered {
         self.skin.blocks(&scratch.outer, u, &mut blocks.diagonal, &mut scratch.skin);
         let length = layout.len();
         for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
-            let height = f64::from(1.0 / shape.slope.to_array()[0]);
+            let height = f64::from(1.0 / shape.sides.slope.to_array()[0]);
             blocks.limits[layer] = (MAX_COMPRESSION * height) as f32;
             for row in layout.cell_rows() {
                 let parity = first_parity(layout, row.start);
@@ -420,12 +421,12 @@ impl ElasticModel for Layered {
                     let at = k + layer * length;
                     let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
                     let modes = modes(&faces[0], &faces[1]);
-                    let volume = cell::volume(&modes, shape.slope);
+                    let volume = cell::volume(&modes, &shape.sides);
                     let inverted = volume.simd_le(f32x4::ZERO) & row.counts(group);
                     tension.has_inverted_cell |= inverted.any();
                     let augmented = cells.augmented(scratch, at);
                     let force =
-                        cell::center(&cells.law, &modes, shape.slope, &shape.variation, augmented);
+                        cell::center(&cells.law, &modes, &shape.sides, &shape.variation, augmented);
                     let squares = force.linear.map(|f| dot(f, f));
                     let squares = squares[0] + squares[1] + squares[2];
                     tension.squares += f64::from((squares & row.counts(group)).reduce_add());
@@ -456,9 +457,9 @@ impl ElasticModel for Layered {
                     let modes = modes(&faces[0], &faces[1]);
                     let sign = if layer % 2 == 0 { parity } else { -parity };
                     let points = in_ring & shape.points;
-                    let mut volume = cell::volume(&modes, shape.slope);
+                    let mut volume = cell::volume(&modes, &shape.sides);
                     if points.any() {
-                        let mean = cell::deformed_points(&modes, shape.slope, sign).1;
+                        let mean = cell::deformed_points(&modes, &shape.sides, sign).1;
                         volume = points.bitselect(mean, volume);
                     }
                     let before = load(&scratch.pressure, at);
@@ -474,8 +475,8 @@ impl ElasticModel for Layered {
         for (layer, (cells, pressure)) in self.cells.iter().zip(all).enumerate() {
             if cells.is_augmented {
                 let layers = [layer, layer + 1].map(|layer| layer * length);
-                let slope = scratch.shapes[layer].slope;
-                scratch.border.renew(&cells.law, slope, layers, u, pressure);
+                let shape = &scratch.shapes[layer];
+                scratch.border.renew(&cells.law, shape, layers, u, pressure);
             }
         }
     }

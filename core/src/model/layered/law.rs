@@ -275,6 +275,7 @@ mod tests {
     use crate::curve::{Curve, CurveSpec};
     use crate::model::layered::cell::{self, Modes, Variation};
     use crate::model::layered::curve_law::CurveLaw;
+    use crate::model::layered::sides::Upright;
     use crate::springs::Material;
 
     /// Mooney and Rivlin: W = ½μ·K + ½κ ln²J. K(g) = (1−β)(λ²+2/λ−3) + β(2λ+1/λ²−3) of λ = exp √(2g/3).
@@ -391,9 +392,10 @@ mod tests {
         linear[2] = scale(linear[2], 1.0 / slope);
         let modes = Modes { linear, ..Modes::default() };
         let variation = Variation::new(slope);
+        let sides = Upright { slope };
         for forces in [
-            cell::center(&MOONEY_RIVLIN, &modes, slope, &variation, 0.0),
-            cell::four_points(&MOONEY_RIVLIN, &modes, slope, 1.0, 0.0),
+            cell::center(&MOONEY_RIVLIN, &modes, &sides, &variation, 0.0),
+            cell::four_points(&MOONEY_RIVLIN, &modes, &sides, 1.0, 0.0),
         ] {
             for (k, factor) in [1.0, 1.0, slope].into_iter().enumerate() {
                 let error = (DVec3::from(forces.linear[k]) - expected.col(k) * factor).length();

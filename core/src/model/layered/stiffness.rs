@@ -9,6 +9,7 @@
 use super::cell::{self, Modes, Variation};
 use super::curve_law::CurveLaw;
 use super::law::{Curvature, Deformed, Isochoric, Matrix, SolidLaw, Volume, combined};
+use super::sides::{Sides, Upright};
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;
 use wide::f32x4;
@@ -22,8 +23,7 @@ pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 /// A layer of cells in spacings of a grid.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shape {
-    /// Spacing over height.
-    pub(super) slope: f32x4,
+    pub(super) sides: Upright<f32x4>,
     pub(super) variation: Variation<f32x4>,
     /// May cells have four points? As a mask.
     pub(super) points: f32x4,
@@ -56,12 +56,12 @@ impl CellStiffness {
         shape: &Shape,
         augmented: f32x4,
     ) -> Self {
-        let deformed = Deformed::new(cell::gradient(modes.linear, shape.slope));
+        let deformed = Deformed::new(shape.sides.gradient(modes.linear));
         let v = &shape.variation;
         let iso = deformed.isochoric();
         let g = iso.g + v.mean_square(modes);
         let curvature = law.curvature(g, deformed.volume(), augmented);
-        let mut new = Self::of(deformed, &iso, &curvature, shape.slope);
+        let mut new = Self::of(deformed, &iso, &curvature, shape.sides.slope);
         let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
         let along = v.through * half + v.d;
         new.variation = [
@@ -81,7 +81,7 @@ impl CellStiffness {
         augmented: f32x4,
     ) -> [Self; 5] {
         let zero = f32x4::ZERO;
-        let (points, volume) = cell::deformed_points(modes, shape.slope, parity);
+        let (points, volume) = cell::deformed_points(modes, &shape.sides, parity);
         let log = Volume::new(volume).log;
         let quarter = f32x4::splat(0.25);
         let [a, b, c, d] = points.map(|(deformed, at)| {
@@ -89,7 +89,7 @@ impl CellStiffness {
             // The cell's change of volume at the point's own J.
             let volume = Volume { log, ..deformed.volume() };
             let curvature = law.curvature(iso.g, volume, augmented);
-            let mut point = Self::of(deformed, &iso, &curvature, shape.slope);
+            let mut point = Self::of(deformed, &iso, &curvature, shape.sides.slope);
             point.straight = -point.shear * f32x4::splat(1.0 / 3.0);
             for part in
                 [&mut point.isotropic, &mut point.crossed, &mut point.straight, &mut point.bend]

@@ -11,11 +11,13 @@
 
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Modes, Variation, modes, on_faces, turned, turned_back};
-use super::exact::{Element, Exact, Place};
+use super::cell::{self, Modes, Variation, modes, on_faces};
+use super::exact::{CellShape, Element, Exact, Place};
 use super::law::{
-    Curvature, Deformed, Matrix, SolidLaw, StressSlopes, Volume, nominal_stress, stress_slopes,
+    Curvature, Deformed, Matrix, SolidLaw, StressSlopes, Volume, combined, nominal_stress,
+    stress_slopes,
 };
+use super::sides::{Oblique, Sides, Skew};
 use super::stiffness::CORNERS;
 use crate::mesh::stencil::outer;
 use crate::mesh::vec3::{add, dot, scale};
@@ -37,10 +39,8 @@ pub(crate) struct Tangent {
 struct Cell {
     cell: BorderCell,
     layer: usize,
-    /// Spacing over height.
-    slope: f64,
-    /// Area × height \[mm³\] over the spacing squared.
-    weight: f64,
+    shape: CellShape,
+    /// What varies inside, times the stiffness.
     variation: Variation<f64>,
     /// Ends of this cell's points and vectors in the lists.
     ends: [usize; 2],
@@ -76,10 +76,10 @@ impl Tangent {
     pub(crate) fn linearize(&mut self, exact: &Exact, places: &[Place], x: &[Vec<DVec3>]) {
         let spacing = exact.sheet().spacing_mm();
         exact.each(places, x, |element| {
-            let Element { law, modes, slope, height, cell: BorderCell { area, .. }, .. } = &element;
-            let stress = nominal_stress(*law, cell::gradient(modes.linear, *slope));
+            let Element { law, modes, shape, .. } = &element;
+            let stress = nominal_stress(*law, shape.sides.gradient(modes.linear));
             let squares = dot(stress[0], stress[0]) + dot(stress[1], stress[1]);
-            self.squared_forces += squares * (area * spacing * height).powi(2);
+            self.squared_forces += squares * (shape.volume * spacing).powi(2);
             let variation = match element.parity {
                 None => self.one_point(&element),
                 Some(parity) => {
@@ -90,8 +90,7 @@ impl Tangent {
             self.cells.push(Cell {
                 cell: element.cell,
                 layer: element.layer,
-                slope: element.slope,
-                weight: element.cell.area * element.height,
+                shape: element.shape,
                 variation,
                 ends: [self.points.len(), self.vectors.len()],
             });
@@ -100,16 +99,14 @@ impl Tangent {
 
     /// Adds the point and the vector of a cell; returns what varies inside.
     fn one_point(&mut self, element: &Element) -> Variation<f64> {
-        let Element { law, modes, slope, .. } = element;
-        let columns = cell::gradient(modes.linear, *slope);
+        let Element { law, modes, shape: CellShape { sides, variation, .. }, .. } = element;
+        let columns = sides.gradient(modes.linear);
         let deformed = Deformed::new(columns);
         let shape = deformed.isochoric();
-        let variation = Variation::new(*slope);
         let g = shape.g + variation.mean_square(modes);
         let Curvature { shear, pressure, along: [alpha, beta], bend, volumetric, .. } =
             law.curvature(g, deformed.volume(), 0.0);
-        let [x, y, z] = deformed.stress(&shape, alpha, beta);
-        let linear = [x, y, scale(z, *slope)];
+        let linear = sides.stress(deformed.stress(&shape, alpha, beta));
         self.vectors.push((bend, Modes { linear, ..variation.weighted(alpha).slopes(modes) }));
         let slopes = stress_slopes(columns, shear, pressure, volumetric);
         self.points.push(Point { at: [0.0; 3], slopes });
@@ -118,19 +115,19 @@ impl Tangent {
 
     /// Adds the points and the vectors of a cell.
     fn four_points(&mut self, element: &Element, parity: f64) {
-        let Element { law, modes, slope, .. } = element;
-        let (points, volume) = cell::deformed_points(modes, *slope, parity);
+        let Element { law, modes, shape: CellShape { sides, .. }, .. } = element;
+        let (points, volume) = cell::deformed_points(modes, sides, parity);
         let volume = Volume::new(volume);
         let shapes = points.map(|(point, _)| point.isochoric());
         let curvatures = shapes.map(|shape| law.curvature(shape.g, volume, 0.0));
         let pressure = 0.25 * mean(curvatures.map(|curvature| curvature.pressure));
         let mut volume_slope = Modes::default();
         for (point, at) in &points {
-            volume_slope = sum(&volume_slope, &to_modes(point.cofactors, *at, *slope, 0.25));
+            volume_slope = sum(&volume_slope, &to_modes(point.cofactors, *at, sides, 0.25));
         }
         for (k, (point, at)) in points.iter().enumerate() {
             let Curvature { shear, along: [alpha, beta], bend, .. } = curvatures[k];
-            let shape = to_modes(point.stress(&shapes[k], alpha, 0.0), *at, *slope, 1.0);
+            let shape = to_modes(point.stress(&shapes[k], alpha, 0.0), *at, sides, 1.0);
             self.vectors.push((0.25 * bend, sum(&shape, &volume_slope.weighted(beta))));
             let slopes = stress_slopes(point.columns, 0.25 * shear, pressure, 0.0);
             self.points.push(Point { at: *at, slopes });
@@ -142,21 +139,22 @@ impl Tangent {
     /// Adds H v to `out`, both of every node.
     pub(crate) fn add_product(&self, v: &[Vec<DVec3>], out: &mut [Vec<DVec3>]) {
         let (mut point, mut vector) = (0, 0);
-        for Cell { cell, layer, slope, weight, variation, ends } in &self.cells {
+        for Cell { cell, layer, shape, variation, ends } in &self.cells {
+            let CellShape { sides, skew, volume, .. } = shape;
             let faces = [*layer, layer + 1].map(|l| cell.gather(|k| v[l][k]));
-            let mut modes = modes(&faces[0], &faces[1]);
-            modes.linear = turned(modes.linear, cell.sides());
+            let modes = modes(&faces[0], &faces[1]);
+            let modes = skew.map_or(modes, |skew| skew.removed(&modes));
             let mut force = variation.slopes(&modes);
             for Point { at, slopes } in &self.points[point..ends[0]] {
-                let stress = slopes.product(from_modes(&modes, *at, *slope));
-                force = sum(&force, &to_modes(stress, *at, *slope, 1.0));
+                let stress = slopes.product(from_modes(&modes, *at, sides));
+                force = sum(&force, &to_modes(stress, *at, sides, 1.0));
             }
             for (c, t) in &self.vectors[vector..ends[1]] {
                 force = sum(&force, &t.weighted(c * product(t, &modes)));
             }
             [point, vector] = *ends;
-            force.linear = turned_back(force.linear, cell.sides());
-            for (face, l) in on_faces(&force.weighted(*weight)).iter().zip([*layer, layer + 1]) {
+            let force = shape.handed_back(force).weighted(*volume);
+            for (face, l) in on_faces(&force).iter().zip([*layer, layer + 1]) {
                 cell.spread(face, |k, pull| out[l][k] += pull);
             }
         }
@@ -179,7 +177,7 @@ impl Tangent {
         mut above: impl FnMut(usize, usize, DMat3),
     ) {
         let (mut point, mut vector) = (0, 0);
-        for Cell { cell, layer, slope, weight, variation, ends } in &self.cells {
+        for Cell { cell, layer, shape, variation, ends } in &self.cells {
             let (points, vectors) = (&self.points[point..ends[0]], &self.vectors[vector..ends[1]]);
             [point, vector] = *ends;
             let own = variation.in_plane / 4.0 + variation.through / 2.0 + variation.d;
@@ -189,20 +187,18 @@ impl Tangent {
                     continue;
                 }
                 let [sx, sy] = CORNERS[corner].map(|bit| if bit == 1 { 1.0 } else { -1.0 });
-                let signs = [-1.0, 1.0].map(|sz| [sx, sy, sz]);
-                let block = |[a, b]: [[f64; 3]; 2], variation: f64| {
+                let [low, high] = [-1.0, 1.0].map(|sz| NodeModes::new([sx, sy, sz], shape.skew));
+                let block = |[a, b]: [NodeModes; 2], variation: f64| {
                     let mut block = DMat3::from_diagonal(DVec3::splat(variation));
                     for Point { at, slopes } in points {
-                        block += slopes
-                            .block([a, b].map(|signs| gradient(signs, *at, *slope, cell.sides())));
+                        block += slopes.block([a, b].map(|node| node.gradient(*at, &shape.sides)));
                     }
                     for (c, t) in vectors {
-                        let [a, b] = [a, b].map(|signs| along(t, signs, cell.sides()));
+                        let [a, b] = [a, b].map(|node| node.along(t));
                         block += outer(a, b) * *c;
                     }
-                    block * *weight
+                    block * shape.volume
                 };
-                let [low, high] = signs;
                 diagonal(*layer, k, block([low, low], own));
                 diagonal(layer + 1, k, block([high, high], own));
                 above(*layer, k, block([low, high], pair));
@@ -234,16 +230,17 @@ fn product(a: &Modes<f64>, b: &Modes<f64>) -> f64 {
     of(&a.linear, &b.linear) + of(&a.twist, &b.twist) + dot(a.d, b.d)
 }
 
-/// The gradient of modes at a point.
-fn from_modes(modes: &Modes<f64>, [p, q, r]: [f64; 3], slope: f64) -> Matrix<f64> {
+/// The displacement gradient of modes at a point.
+fn from_modes(modes: &Modes<f64>, at: [f64; 3], sides: &Oblique<f64>) -> Matrix<f64> {
+    let [p, q, r] = at;
     let Modes { linear: [x, y, z], twist: [xy, xz, yz], d } = *modes;
     let column = |own, a, s, b, t| add(own, add(add(scale(a, s), scale(b, t)), scale(d, s * t)));
-    [column(x, xy, q, xz, r), column(y, xy, p, yz, r), scale(column(z, xz, p, yz, q), slope)]
+    sides.turned([column(x, xy, q, xz, r), column(y, xy, p, yz, r), column(z, xz, p, yz, q)])
 }
 
 /// The transpose of [`from_modes`], times a factor.
-fn to_modes([x, y, z]: Matrix<f64>, [p, q, r]: [f64; 3], slope: f64, factor: f64) -> Modes<f64> {
-    let [x, y, z] = [scale(x, factor), scale(y, factor), scale(z, slope * factor)];
+fn to_modes(stress: Matrix<f64>, at: [f64; 3], sides: &Oblique<f64>, factor: f64) -> Modes<f64> {
+    let ([p, q, r], [x, y, z]) = (at, sides.stress(stress.map(|column| scale(column, factor))));
     let both = |a, s, b, t| add(scale(a, s), scale(b, t));
     Modes {
         linear: [x, y, z],
@@ -252,36 +249,46 @@ fn to_modes([x, y, z]: Matrix<f64>, [p, q, r]: [f64; 3], slope: f64, factor: f64
     }
 }
 
-/// The gradient of a node's shape function at a point, from the signs of its corner.
-fn gradient(
-    [sx, sy, sz]: [f64; 3],
-    [p, q, r]: [f64; 3],
-    slope: f64,
-    [a, b, c, d]: [f64; 4],
-) -> DVec3 {
-    let [p, q, r] = [0.5 + sx * p, 0.5 + sy * q, 0.5 + sz * r];
-    let (x, y) = (q * r * sx, p * r * sy);
-    DVec3::new(x * a + y * b, x * c + y * d, p * q * sz * slope)
+/// The modes of a node's shape function, without those of its gradient in the middle of the cell.
+#[derive(Clone, Copy)]
+struct NodeModes {
+    linear: [f64; 3],
+    twist: [f64; 3],
+    d: f64,
 }
 
-/// The product of a vector of all modes with a node's shape function.
-fn along(t: &Modes<f64>, [sx, sy, sz]: [f64; 3], [a, b, c, d]: [f64; 4]) -> DVec3 {
-    let Modes { linear: [x, y, z], twist: [xy, xz, yz], d: all } = *t;
-    let linear =
-        combined([x, y, z], [0.25 * (sx * a + sy * b), 0.25 * (sx * c + sy * d), 0.25 * sz]);
-    let twist = combined([xy, xz, yz], [0.5 * sx * sy, 0.5 * sx * sz, 0.5 * sy * sz]);
-    linear + twist + DVec3::from(all) * (sx * sy * sz)
-}
+impl NodeModes {
+    /// Of the corner of these signs.
+    fn new([sx, sy, sz]: [f64; 3], skew: Option<Skew>) -> Self {
+        let linear = [0.25 * sx, 0.25 * sy, 0.25 * sz];
+        let (twist, d) = ([0.5 * sx * sy, 0.5 * sx * sz, 0.5 * sy * sz], sx * sy * sz);
+        let (twist, d) = skew.map_or((twist, d), |skew| skew.removed_from(linear, twist, d));
+        Self { linear, twist, d }
+    }
 
-fn combined([x, y, z]: Matrix<f64>, [p, q, r]: [f64; 3]) -> DVec3 {
-    DVec3::from(x) * p + DVec3::from(y) * q + DVec3::from(z) * r
+    /// The gradient at a point.
+    fn gradient(&self, [p, q, r]: [f64; 3], Oblique(columns): &Oblique<f64>) -> DVec3 {
+        let Self { linear: [x, y, z], twist: [xy, xz, yz], d } = *self;
+        let slopes = [
+            x + xy * q + xz * r + d * q * r,
+            y + xy * p + yz * r + d * p * r,
+            z + xz * p + yz * q + d * p * q,
+        ];
+        columns.map(|column| dot(slopes, column)).into()
+    }
+
+    /// The product with a vector of all modes.
+    fn along(&self, t: &Modes<f64>) -> DVec3 {
+        let linear = DVec3::from(combined(t.linear, self.linear));
+        linear + DVec3::from(combined(t.twist, self.twist)) + DVec3::from(t.d) * self.d
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
+    use crate::mesh::{Attachment, Chest, NodeKind, Rest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::springs::Material;
 
@@ -289,6 +296,11 @@ mod tests {
     /// are those of the product.
     #[test]
     fn the_tangent_is_the_derivative_of_the_forces() {
+        check_tangent(Chest::Flat);
+        check_tangent(Chest::Curved { across_mm: 90.0, along_mm: 160.0 });
+    }
+
+    fn check_tangent(chest: Chest) {
         let material = |spec: CurveSpec, poisson_ratio: f64, thickness_mm: f64| Material {
             curve: Curve::new(&spec).unwrap(),
             poisson_ratio,
@@ -300,7 +312,7 @@ mod tests {
             material(CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 }, 0.45, 20.0),
         ];
         let law = LayeredLaw::new(&materials, false);
-        let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2);
+        let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2).over(chest);
         let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
         let exact = Exact { rest: &rest, law: &law, pocket_radius: 30.0, attachment };

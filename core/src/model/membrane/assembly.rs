@@ -11,7 +11,7 @@ use super::law::{PaperLaw, SheetLaw};
 use super::triangle::{Principal, Rest};
 use crate::mesh::part::Part;
 use crate::mesh::stencil::{BlockStencil9, outer};
-use crate::mesh::{CellKind, Sheet};
+use crate::mesh::{CellKind, Surface};
 use crate::model::COMPRESSIVE;
 use crate::springs::coupled::CoupledLaw;
 use glam::{DMat3, DVec2, DVec3};
@@ -85,18 +85,18 @@ const PLACE: [[(usize, bool); 4]; 4] = [
 ];
 
 /// Strain energy of a shape \[kPa·mm³\].
-pub fn energy(sheet: &Sheet, law: &SheetLaw, x: &[DVec3]) -> f64 {
-    let rest = sheet.rest();
+pub fn energy(surface: Surface, law: &SheetLaw, x: &[DVec3]) -> f64 {
     let mut sum = 0.0;
-    for (nodes, weight) in sheet.triangles() {
-        let triangle = Rest::new(nodes.map(|k| rest[k]), weight);
+    for (nodes, weight) in surface.sheet().triangles() {
+        let at_rest = surface.triangle(nodes);
+        let triangle = Rest::new(at_rest, weight);
         let x = nodes.map(|k| x[k]);
         sum += match law {
             SheetLaw::Coupled(law) => {
                 let [a, b] = Principal::stretches(Principal::columns(&triangle, x));
                 triangle.area * law.energy([a - 1.0, b - 1.0])
             }
-            SheetLaw::Paper(law) => springs(&triangle, nodes.map(|k| rest[k]), x)
+            SheetLaw::Paper(law) => springs(&triangle, at_rest, x)
                 .iter()
                 .map(|s| s.width * s.rest_length * s.table(law).integral_from_zero(s.strain()))
                 .sum(),
@@ -106,10 +106,11 @@ pub fn energy(sheet: &Sheet, law: &SheetLaw, x: &[DVec3]) -> f64 {
 }
 
 /// Energy and nodal forces −∂E/∂x \[kPa·mm²\] of every node, clamped ones included.
-pub fn forces(sheet: &Sheet, law: &SheetLaw, x: &[DVec3], forces: &mut [DVec3]) -> Totals {
+pub fn forces(surface: Surface, law: &SheetLaw, x: &[DVec3], forces: &mut [DVec3]) -> Totals {
     forces.fill(DVec3::ZERO);
     let mut totals = Totals::default();
-    accumulate(sheet, law, x, 0..sheet.nodes_per_side() - 1, forces, None, &mut totals);
+    let rows = 0..surface.sheet().nodes_per_side() - 1;
+    accumulate(surface, law, x, rows, forces, None, &mut totals);
     totals
 }
 
@@ -122,42 +123,43 @@ pub(crate) struct Sums<'a> {
 
 /// Adds rows of cells to the forces, the Hessian of the energy and the totals; all are zero before the first row.
 pub(crate) fn linearize_rows(
-    sheet: &Sheet,
+    surface: Surface,
     law: &SheetLaw,
     x: &[DVec3],
     rows: Range<usize>,
     stiffness: Stiffness,
     Sums { forces, hessian, totals }: Sums,
 ) {
-    accumulate(sheet, law, x, rows, forces, Some((stiffness, hessian)), totals);
+    accumulate(surface, law, x, rows, forces, Some((stiffness, hessian)), totals);
 }
 
 /// Spring forces \[kPa·mm²\] on the nodes of a part where `wanted`; on other nodes they may be incomplete. `wanted` and
 /// the forces are arrays over the part. Coupled springs in closed form, from the metric of each triangle.
 pub(crate) fn forces_at(
-    sheet: &Sheet,
+    surface: Surface,
     law: &SheetLaw,
     x: &[DVec3],
     part: Part,
     wanted: &[bool],
 ) -> Vec<DVec3> {
     match law {
-        SheetLaw::Coupled(law) => coupled_forces(sheet, law, x, part, wanted),
+        SheetLaw::Coupled(law) => coupled_forces(surface, law, x, part, wanted),
         SheetLaw::Paper(_) => {
-            let mut all = vec![DVec3::ZERO; sheet.len()];
-            forces(sheet, law, x, &mut all);
+            let mut all = vec![DVec3::ZERO; surface.sheet().len()];
+            forces(surface, law, x, &mut all);
             part.nodes().map(|k| all[k]).collect()
         }
     }
 }
 
 fn coupled_forces(
-    sheet: &Sheet,
+    surface: Surface,
     law: &CoupledLaw,
     x: &[DVec3],
     part: Part,
     wanted: &[bool],
 ) -> Vec<DVec3> {
+    let sheet = surface.sheet();
     let n = sheet.nodes_per_side();
     // With a margin for the nodes across an axis of symmetry, whose forces are not used.
     let [first, first_row] = part.first_cell();
@@ -175,9 +177,9 @@ fn coupled_forces(
             }
             let at = |k: usize| (k / n - first_row) * columns + k % n - first;
             let low = (j - first_row) * columns + i - first;
-            if !is_square(sheet, corners) {
+            if !is_square(surface, corners) {
                 for (triangle, weight) in sheet.cell_triangles(i, j) {
-                    let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
+                    let rest = Rest::new(surface.triangle(triangle), weight);
                     let pulls = triangle_forces(law, &rest, triangle.map(|k| x[k]));
                     for (k, pull) in triangle.into_iter().zip(pulls) {
                         forces[at(k)] += pull;
@@ -223,7 +225,7 @@ fn tensions(law: &CoupledLaw, [f1, f2]: [DVec3; 2]) -> [DVec3; 2] {
 }
 
 fn accumulate(
-    sheet: &Sheet,
+    surface: Surface,
     law: &SheetLaw,
     x: &[DVec3],
     rows: Range<usize>,
@@ -231,7 +233,7 @@ fn accumulate(
     mut hessian: Option<(Stiffness, &mut BlockStencil9)>,
     totals: &mut Totals,
 ) {
-    let rest = sheet.rest();
+    let sheet = surface.sheet();
     for j in rows {
         let (first, last) = sheet.cell_span(j);
         for i in first..last {
@@ -243,9 +245,10 @@ fn accumulate(
             let mut blocks = [DMat3::ZERO; 10];
             for local in triangles {
                 let nodes = local.map(|c| corners[c]);
+                let rest_points = surface.triangle(nodes);
                 let mut triangle = Triangle {
-                    rest: Rest::new(nodes.map(|k| rest[k]), weight),
-                    rest_points: nodes.map(|k| rest[k]),
+                    rest: Rest::new(rest_points, weight),
+                    rest_points,
                     x: nodes.map(|k| x[k]),
                     forces: [DVec3::ZERO; 3],
                     blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),

@@ -6,7 +6,7 @@
 use super::triangle::{Principal, Rest};
 use crate::contact::Dome;
 use crate::mesh::part::Part;
-use crate::mesh::{CellKind, NodeKind, Sheet};
+use crate::mesh::{CellKind, NodeKind, Sheet, Surface};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, AddAssign};
 
@@ -124,8 +124,9 @@ fn contribution([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
 
 /// Are all corners of the cell free? Such a cell is a square at rest.
 #[inline]
-pub(crate) fn is_square(sheet: &Sheet, corners: [usize; 4]) -> bool {
-    corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free)
+pub(crate) fn is_square(surface: Surface, corners: [usize; 4]) -> bool {
+    let kinds = surface.sheet().kinds();
+    surface.is_flat() && corners.iter().all(|&k| kinds[k] == NodeKind::Free)
 }
 
 /// The edges of a deformed square cell over the spacing: bottom, top, left, right. The columns of F
@@ -152,12 +153,13 @@ pub struct Deformation {
 impl Deformation {
     /// The deformation of the sheet with its nodes at `x` \[mm\], shape (nodes_per_side², ).
     #[must_use]
-    pub fn new(sheet: &Sheet, x: &[DVec3]) -> Self {
-        Self::of_part(sheet, x, Part::whole(sheet.nodes_per_side()))
+    pub fn new(surface: Surface, x: &[DVec3]) -> Self {
+        Self::of_part(surface, x, Part::whole(surface.sheet().nodes_per_side()))
     }
 
     /// The deformation of a shape that the nodes of a part determine.
-    pub(crate) fn of_part(sheet: &Sheet, x: &[DVec3], part: Part) -> Self {
+    pub(crate) fn of_part(surface: Surface, x: &[DVec3], part: Part) -> Self {
+        let sheet = surface.sheet();
         let spacing = sheet.spacing_mm();
         let (per_spacing, quarter) = (1.0 / spacing, 0.25 * spacing * spacing);
         // The cells across an axis of symmetry add to their own nodes' mirror images as well: with a margin of nodes
@@ -175,9 +177,9 @@ impl Deformation {
                 let at = |k: usize| (k / n - first_row) * columns + k % n - first;
                 let low = (j - first_row) * columns + i - first;
                 let corners = sheet.corners(i, j);
-                if !is_square(sheet, corners) {
+                if !is_square(surface, corners) {
                     for (triangle, weight) in sheet.cell_triangles(i, j) {
-                        let rest = Rest::new(triangle.map(|k| sheet.rest()[k]), weight);
+                        let rest = Rest::new(surface.triangle(triangle), weight);
                         let columns = Principal::columns(&rest, triangle.map(|k| x[k]));
                         let added = contribution(columns, rest.area);
                         triangle.into_iter().for_each(|k| nodes[at(k)] += added);
@@ -358,7 +360,8 @@ mod tests {
             .iter()
             .map(|p| DVec3::new(along * p.x + shear * p.y, across * p.y, 0.3 * p.x))
             .collect();
-        let deformation = Deformation::new(&sheet, &x);
+        let deformation =
+            Deformation::new(crate::mesh::Rest::of_sheet(sheet.clone()).membrane(), &x);
         let normal = DVec3::new(along, 0.0, 0.3).cross(DVec3::new(shear, across, 0.0));
         // λ₁² + λ₂² = tr C, λ₁λ₂ = √det C.
         let trace = along * along + 0.09 + shear * shear + across * across;

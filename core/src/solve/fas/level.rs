@@ -272,7 +272,8 @@ mod tests {
             for mirrored in [[false; 2], [true, false], [false, true], [true; 2]] {
                 let n = 33;
                 let law = SheetLaw::new(springs, &materials);
-                let sheet = Sheet::new(n, (n / 2) as f64);
+                let rest = Rest::of_sheet(Sheet::new(n, (n / 2) as f64));
+                let sheet = rest.sheet();
                 let mut level = Level::new(n, mirrored, true, &Membrane::new(&law));
                 let first = level.layout.first();
                 // A bulge with ripples, symmetric about both axes.
@@ -282,7 +283,7 @@ mod tests {
                     DVec3::new(0.02 * p.x * (p.y * 0.5).cos(), -0.03 * p.y * (1.0 - r), z)
                 };
                 let Level { layout, u, .. } = &mut level;
-                let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
+                let mut x: Vec<DVec3> = rest.nodes(0).collect();
                 layout.free_rows(|j, from, to| {
                     for i in from..to {
                         let k = (j + first[1]) * n + i + first[0];
@@ -298,7 +299,7 @@ mod tests {
                     }
                 }
                 let mut exact = vec![DVec3::ZERO; sheet.len()];
-                assembly::forces(&sheet, &law, &x, &mut exact);
+                assembly::forces(rest.membrane(), &law, &x, &mut exact);
                 let greatest = exact.iter().map(|f| f.length()).fold(0.0, f64::max);
                 level.find_forces(&Membrane::new(&law));
                 let Level { layout, f, .. } = &level;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::curve::{Curve, CurveSpec};
+use crate::mesh::{Rest, Sheet};
 use crate::springs::Material;
 use crate::springs::Springs;
 
@@ -32,20 +33,21 @@ fn both() -> [SheetLaw; 2] {
 
 #[test]
 fn forces_are_the_negative_slope_of_the_energy() {
-    let sheet = Sheet::new(9, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(9, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     for law in both() {
-        let mut x = bumpy(&sheet);
+        let mut x = bumpy(sheet);
         let mut f = vec![DVec3::ZERO; sheet.len()];
-        let totals = forces(&sheet, &law, &x, &mut f);
-        assert!((totals.energy - energy(&sheet, &law, &x)).abs() < 1e-12 * totals.energy.abs());
+        let totals = forces(surface, &law, &x, &mut f);
+        assert!((totals.energy - energy(surface, &law, &x)).abs() < 1e-12 * totals.energy.abs());
         for (nodes, _) in sheet.triangles().step_by(3) {
             let k = nodes[0];
             for axis in 0..3 {
                 let (home, step) = (x[k], 1e-6);
                 x[k][axis] = home[axis] + step;
-                let up = energy(&sheet, &law, &x);
+                let up = energy(surface, &law, &x);
                 x[k][axis] = home[axis] - step;
-                let down = energy(&sheet, &law, &x);
+                let down = energy(surface, &law, &x);
                 x[k] = home;
                 let slope = (up - down) / (2.0 * step);
                 let error = (slope + f[k][axis]).abs();
@@ -57,15 +59,16 @@ fn forces_are_the_negative_slope_of_the_energy() {
 
 #[test]
 fn the_true_hessian_is_the_slope_of_the_forces() {
-    let sheet = Sheet::new(9, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(9, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     for law in both() {
-        let x = bumpy(&sheet);
+        let x = bumpy(sheet);
         let mut f = vec![DVec3::ZERO; sheet.len()];
         let mut hessian = BlockStencil9::new(9);
         let mut totals = Totals::default();
         let mut add = |rows| {
             let to = Sums { forces: &mut f, hessian: &mut hessian, totals: &mut totals };
-            linearize_rows(&sheet, &law, &x, rows, Stiffness::True, to);
+            linearize_rows(surface, &law, &x, rows, Stiffness::True, to);
         };
         // In pieces, as the solver does.
         add(0..3);
@@ -81,7 +84,7 @@ fn the_true_hessian_is_the_slope_of_the_forces() {
             let x: Vec<DVec3> =
                 x.iter().zip(&direction).map(|(x, d)| *x + *d * (sign * step)).collect();
             let mut f = vec![DVec3::ZERO; sheet.len()];
-            forces(&sheet, &law, &x, &mut f);
+            forces(surface, &law, &x, &mut f);
             f
         };
         let (up, down) = (moved(1.0), moved(-1.0));
@@ -101,7 +104,8 @@ fn the_true_hessian_is_the_slope_of_the_forces() {
 #[test]
 fn the_hessian_is_symmetric() {
     let n = 17;
-    let sheet = Sheet::new(n, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(n, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     let free = |k: &usize| sheet.kinds()[*k] == crate::mesh::NodeKind::Free;
     let wave = |f: f64| -> Vec<DVec3> {
         let at = |k: usize| DVec3::new(k as f64, 0.3, 1.7 * k as f64) * f;
@@ -117,7 +121,7 @@ fn the_hessian_is_symmetric() {
             let mut hessian = BlockStencil9::new(n);
             let mut totals = Totals::default();
             let to = Sums { forces: &mut f, hessian: &mut hessian, totals: &mut totals };
-            linearize_rows(&sheet, &law, &bumpy(&sheet), 0..n - 1, stiffness, to);
+            linearize_rows(surface, &law, &bumpy(sheet), 0..n - 1, stiffness, to);
             let bend = |u: &[DVec3], v: &[DVec3]| -> f64 {
                 let nodes = (0..sheet.len()).filter(free);
                 nodes.map(|k| u[k].dot(hessian.row(k, v))).sum()
@@ -134,7 +138,8 @@ fn the_hessian_is_symmetric() {
 /// nothing across.
 #[test]
 fn an_evenly_pulled_sheet_is_balanced_and_shows_the_curve_in_every_direction() {
-    let sheet = Sheet::new(21, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(21, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     let area: f64 = sheet.triangles().map(|(t, w)| w * sheet.rest_area(t)).sum();
     let irregular = sheet
         .triangles()
@@ -154,7 +159,7 @@ fn an_evenly_pulled_sheet_is_balanced_and_shows_the_curve_in_every_direction() {
                 };
                 let x: Vec<DVec3> = sheet.rest().iter().map(pulled).collect();
                 let mut f = vec![DVec3::ZERO; sheet.len()];
-                forces(&sheet, &law, &x, &mut f);
+                forces(surface, &law, &x, &mut f);
                 let stress = curve.stress(strain);
                 let mut virial = [0.0; 3];
                 for (k, f) in f.iter().enumerate() {
@@ -180,11 +185,12 @@ fn an_evenly_pulled_sheet_is_balanced_and_shows_the_curve_in_every_direction() {
 
 #[test]
 fn forces_sum_to_zero_and_give_no_torque() {
-    let sheet = Sheet::new(17, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(17, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     for law in both() {
-        let x = bumpy(&sheet);
+        let x = bumpy(sheet);
         let mut f = vec![DVec3::ZERO; sheet.len()];
-        let scale = forces(&sheet, &law, &x, &mut f).force_scale();
+        let scale = forces(surface, &law, &x, &mut f).force_scale();
         let sum: DVec3 = f.iter().sum();
         let torque: DVec3 = x.iter().zip(&f).map(|(x, f)| x.cross(*f)).sum();
         assert!(sum.length() < 1e-12 * scale && torque.length() < 1e-12 * scale);
@@ -193,29 +199,31 @@ fn forces_sum_to_zero_and_give_no_torque() {
 
 #[test]
 fn a_rotated_sheet_has_rotated_forces() {
-    let sheet = Sheet::new(17, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(17, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     let turn = DMat3::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 1.1);
     for law in both() {
-        let x = bumpy(&sheet);
+        let x = bumpy(sheet);
         let turned: Vec<DVec3> = x.iter().map(|x| turn * *x).collect();
         let mut f = vec![DVec3::ZERO; sheet.len()];
         let mut g = f.clone();
-        let scale = forces(&sheet, &law, &x, &mut f).force_scale();
-        forces(&sheet, &law, &turned, &mut g);
+        let scale = forces(surface, &law, &x, &mut f).force_scale();
+        forces(surface, &law, &turned, &mut g);
         assert!(f.iter().zip(&g).all(|(f, g)| (turn * *f - *g).length() < 1e-12 * scale));
     }
 }
 
 #[test]
 fn forces_in_closed_form_are_those_of_the_principal_strains() {
-    let sheet = Sheet::new(17, 1.0);
+    let rest = Rest::of_sheet(Sheet::new(17, 1.0));
+    let (sheet, surface) = (rest.sheet(), rest.membrane());
     for law in both() {
-        let x = bumpy(&sheet);
+        let x = bumpy(sheet);
         let mut f = vec![DVec3::ZERO; sheet.len()];
-        forces(&sheet, &law, &x, &mut f);
+        forces(surface, &law, &x, &mut f);
         let scale = f.iter().map(|f| f.length()).fold(0.0, f64::max);
         let closed = forces_at(
-            &sheet,
+            surface,
             &law,
             &x,
             Part::whole(sheet.nodes_per_side()),

@@ -176,9 +176,9 @@ impl LayeredSystem {
             hessian: &mut self.skin,
             totals: &mut self.totals,
         };
-        let (sheet, law) = (exact.rest.sheet(), &exact.law.skin);
-        let rows = 0..sheet.nodes_per_side() - 1;
-        assembly::linearize_rows(sheet, law, &x[x.len() - 1], rows, Stiffness::Positive, sums);
+        let (surface, law) = (exact.rest.membrane(), &exact.law.skin);
+        let rows = 0..surface.sheet().nodes_per_side() - 1;
+        assembly::linearize_rows(surface, law, &x[x.len() - 1], rows, Stiffness::Positive, sums);
     }
 
     /// Eliminates the columns of free nodes, whose inner blocks lose the obstacle's curvature.

@@ -78,8 +78,8 @@ impl SheetNewton {
     /// shape is stationary without a balance of forces.
     fn finish(&mut self, case: &SheetCase, state: State) -> State {
         self.work_units += 1.0;
-        let (sheet, forces) = (self.grid.sheet(), &mut self.forces[0]);
-        self.system.totals = assembly::forces(sheet, case.law, &self.x[0], forces);
+        let (surface, forces) = (self.grid.rest.membrane(), &mut self.forces[0]);
+        self.system.totals = assembly::forces(surface, case.law, &self.x[0], forces);
         if self.system.totals.outside_law {
             return State::Unstable;
         }

@@ -114,7 +114,7 @@ impl System for SheetSystem {
     }
 
     fn energy(&self, grid: &Grid, case: &SheetCase, x: &Layers) -> f64 {
-        assembly::energy(grid.sheet(), case.law, &x[0])
+        assembly::energy(grid.rest.membrane(), case.law, &x[0])
     }
 
     fn linearize(newton: &mut SheetNewton, case: &SheetCase, row: usize) -> Option<usize> {
@@ -277,18 +277,18 @@ fn finest<'a>(hessian: &'a BlockStencil9, grid: &'a Grid, contact: &'a Contact) 
 impl SheetNewton {
     /// Adds rows of cells to energy, forces and Hessian; returns the next row, `None` at the end.
     fn add_rows(&mut self, law: &SheetLaw, row: usize, stiffness: Stiffness) -> Option<usize> {
-        let sheet = self.grid.sheet();
-        let rows = sheet.nodes_per_side() - 1;
+        let surface = self.grid.rest.membrane();
+        let rows = surface.sheet().nodes_per_side() - 1;
         let SheetSystem { hessian, totals, .. } = &mut self.system;
         if row == 0 {
             self.forces[0].fill(DVec3::ZERO);
             hessian.clear();
             *totals = Totals::default();
         }
-        let piece = (CELLS_PER_PIECE / sheet.nodes_per_side()).max(1);
+        let piece = (CELLS_PER_PIECE / (rows + 1)).max(1);
         let end = (row + piece).min(rows);
         let sums = assembly::Sums { forces: &mut self.forces[0], hessian, totals };
-        assembly::linearize_rows(sheet, law, &self.x[0], row..end, stiffness, sums);
+        assembly::linearize_rows(surface, law, &self.x[0], row..end, stiffness, sums);
         self.energy = self.system.totals.energy;
         (end < rows).then_some(row + piece)
     }

@@ -1,0 +1,172 @@
+//! The chest wall at rest under the patch, and points above it.
+//!
+//! The wall is a height field over the plane that touches the wall at the pocket's centre, z outwards:
+//! w = ρ₁(√(1 − x²/ρ₁² − y²/(ρ₁ρ₂)) − 1) with the radii of curvature ρ₁ across (x) and ρ₂ along the body (y), an ellipsoid's
+//! patch; a cylinder for one infinite radius, a sphere for equal radii, hollow for negative radii.
+//!
+//! A place on the wall is given in geodesic polar coordinates about the pocket's centre: the lengths of a tape measure.
+
+use glam::{DVec2, DVec3};
+
+/// The wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Chest {
+    /// The plane z = 0.
+    #[default]
+    Flat,
+    /// A curved wall.
+    Curved {
+        /// Radius of curvature across the body, along x \[mm\].
+        across_mm: f64,
+        /// Radius of curvature along the body, along y \[mm\]; infinite: straight.
+        along_mm: f64,
+    },
+}
+
+/// Length of a step along a geodesic \[radii of curvature\]: the error of a place is below 1e-8 radii within a radius.
+const STEP: f64 = 0.04;
+
+impl Chest {
+    /// The point at a height above the wall, along the normal at a place \[mm\].
+    #[must_use]
+    pub fn point(&self, place: DVec2, height_mm: f64) -> DVec3 {
+        let (foot, normal) = self.foot_and_normal(place);
+        foot + normal * height_mm
+    }
+
+    /// The point of the wall at a place \[mm\], and the unit normal outwards.
+    #[must_use]
+    pub fn foot_and_normal(&self, place: DVec2) -> (DVec3, DVec3) {
+        let &Self::Curved { across_mm, along_mm } = self else {
+            return (place.extend(0.0), DVec3::Z);
+        };
+        let foot = self.foot(place, across_mm.abs().min(along_mm.abs()));
+        (foot.extend(self.height(foot)), self.slope(foot).extend(-1.0).normalize() * -1.0)
+    }
+
+    /// The position over the plane after a geodesic from the centre (classic Runge–Kutta steps).
+    fn foot(&self, place: DVec2, radius: f64) -> DVec2 {
+        let length = place.length();
+        if length == 0.0 {
+            return DVec2::ZERO;
+        }
+        let steps = (length / (STEP * radius)).ceil().max(1.0);
+        let step = length / steps;
+        let (mut at, mut direction) = (DVec2::ZERO, place / length);
+        for _ in 0..steps as usize {
+            let (v1, a1) = (direction, self.turn(at, direction));
+            let (v2, a2) = self.ahead((at, direction), (v1, a1), 0.5 * step);
+            let (v3, a3) = self.ahead((at, direction), (v2, a2), 0.5 * step);
+            let (v4, a4) = self.ahead((at, direction), (v3, a3), step);
+            at += (v1 + 2.0 * (v2 + v3) + v4) * (step / 6.0);
+            direction += (a1 + 2.0 * (a2 + a3) + a4) * (step / 6.0);
+        }
+        at
+    }
+
+    /// Rates of position and direction a step ahead.
+    fn ahead(
+        &self,
+        (at, direction): (DVec2, DVec2),
+        (velocity, turn): (DVec2, DVec2),
+        step: f64,
+    ) -> (DVec2, DVec2) {
+        let ahead = direction + turn * step;
+        (ahead, self.turn(at + velocity * step, ahead))
+    }
+
+    /// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
+    fn turn(&self, at: DVec2, v: DVec2) -> DVec2 {
+        let Self::Curved { across_mm, along_mm } = self else { return DVec2::ZERO };
+        let (root, slope) = (self.root(at), self.slope(at));
+        // ∇∇w : v v = −(v_x²/ρ₁ + v_y²/ρ₂)/S − ρ₁ (x v_x/ρ₁² + y v_y/(ρ₁ρ₂))²/S³.
+        let along = at.x * v.x / across_mm + at.y * v.y / along_mm;
+        let bend = (v.x * v.x / across_mm + v.y * v.y / along_mm) / root
+            + along * along / (across_mm * root.powi(3));
+        slope * (bend / (1.0 + slope.length_squared()))
+    }
+
+    /// w \[mm\] over a position of the plane.
+    #[must_use]
+    pub fn height(&self, at: DVec2) -> f64 {
+        match self {
+            Self::Flat => 0.0,
+            Self::Curved { across_mm, .. } => across_mm * (self.root(at) - 1.0),
+        }
+    }
+
+    /// ∇w \[-\].
+    #[must_use]
+    pub fn slope(&self, at: DVec2) -> DVec2 {
+        match self {
+            Self::Flat => DVec2::ZERO,
+            Self::Curved { across_mm, along_mm } => {
+                -DVec2::new(at.x / across_mm, at.y / along_mm) / self.root(at)
+            }
+        }
+    }
+
+    /// S = √(1 − x²/ρ₁² − y²/(ρ₁ρ₂)).
+    fn root(&self, at: DVec2) -> f64 {
+        let Self::Curved { across_mm, along_mm } = self else { return 1.0 };
+        let share = at.x * at.x / across_mm + at.y * at.y / along_mm;
+        (1.0 - share / across_mm).max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn places() -> impl Iterator<Item = DVec2> {
+        (0..40).map(|k| DVec2::from_angle(0.7 * f64::from(k)) * (3.0 * f64::from(k)))
+    }
+
+    #[test]
+    fn lengths_on_a_sphere_are_those_of_its_great_circles() {
+        let radius = 150.0;
+        for (sign, chest) in [1.0, -1.0]
+            .map(|sign| (sign, Chest::Curved { across_mm: sign * radius, along_mm: sign * radius }))
+        {
+            for place in places() {
+                let angle = place.length() / radius;
+                let direction = place.normalize_or_zero();
+                let (sin, cos) = angle.sin_cos();
+                let normal = (direction * sign * sin).extend(cos);
+                let expected = DVec3::new(0.0, 0.0, -sign * radius) + normal * sign * radius;
+                let (foot, found) = chest.foot_and_normal(place);
+                assert!(foot.distance(expected) < 1e-6, "{place}: {foot} {expected}");
+                assert!(found.distance(normal) < 1e-7, "{place}: {found} {normal}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cylinder_is_the_unrolled_plane() {
+        let chest = Chest::Curved { across_mm: 140.0, along_mm: f64::INFINITY };
+        for place in places() {
+            let (sin, cos) = (place.x / 140.0).sin_cos();
+            let expected = DVec3::new(140.0 * sin, place.y, 140.0 * (cos - 1.0));
+            let point = chest.point(place, 12.0);
+            let outwards = DVec3::new(sin, 0.0, cos) * 12.0;
+            assert!(point.distance(expected + outwards) < 1e-6, "{place}: {point}");
+        }
+    }
+
+    /// Unit speed, and the curvature vector along the normal: a geodesic of a general wall.
+    #[test]
+    fn geodesics_of_two_radii_have_unit_speed_and_turn_with_the_wall_only() {
+        let chest = Chest::Curved { across_mm: 130.0, along_mm: 420.0 };
+        let (direction, h) = (DVec2::from_angle(0.9), 0.5);
+        for length in [10.0, 50.0, 90.0] {
+            let at = |s: f64| chest.foot_and_normal(direction * s).0;
+            let [before, middle, after] = [length - h, length, length + h].map(at);
+            let normal = chest.foot_and_normal(direction * length).1;
+            let speed = (after - before).length() / (2.0 * h);
+            assert!((speed - 1.0).abs() < 1e-5, "{length}: {speed}");
+            let turn = (after - 2.0 * middle + before) / (h * h);
+            let beside = turn.cross(normal).length();
+            assert!(beside < 1e-5 && turn.dot(normal) < -2e-3, "{length}: {turn} {beside:e}");
+        }
+    }
+}
