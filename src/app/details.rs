@@ -2,7 +2,7 @@
 
 use super::answer::band_color;
 use super::device::Device;
-use super::texts::tr;
+use super::texts::{localized, tr};
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, remark};
@@ -183,7 +183,7 @@ fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {
                     ui.label(quiet(quantity.display().1));
                 },
             );
-            ui.label(quiet(band.range()).monospace());
+            ui.label(quiet(&localized(band.range())).monospace());
         });
     });
 }
@@ -243,7 +243,7 @@ fn row(
 /// positions.
 pub(super) fn figures(value: f64, decimals: usize, position_error: f64) -> String {
     let decimals = known_decimals(value, decimals, position_error);
-    without_negative_zero(format!("{value:.decimals$}"))
+    localized(without_negative_zero(format!("{value:.decimals$}")))
 }
 
 /// Number of decimals of [`figures`].

@@ -1,7 +1,7 @@
 //! Implant or expander: width, volume, projection, of which one follows the other two; profile.
 
 use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, title};
-use crate::app::texts::tr;
+use crate::app::texts::{localized, tr};
 use crate::app::theme;
 use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
@@ -375,7 +375,7 @@ pub(super) fn set_size(scene: &mut Scene, size: Size) {
 }
 
 fn typical() -> String {
-    let cm = |(least, most): (f64, f64)| format!("{}–{} cm", cm(least), cm(most));
+    let cm = |(least, most): (f64, f64)| localized(format!("{}–{} cm", cm(least), cm(most)));
     let (least, most) = limits::TYPICAL_VOLUME_ML;
     tr!(
         "Typical round implants: width {width}, projection {projection}, {least}–{most} ml.",

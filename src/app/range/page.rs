@@ -5,7 +5,7 @@ use super::{Range, readout};
 use crate::app::commands::{Action, entry_of};
 use crate::app::messages::Notice;
 use crate::app::plan::{Hand, chip};
-use crate::app::texts::tr;
+use crate::app::texts::{fixed, tr};
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{rejection_label, remark};
 use crate::app::{App, theme};
@@ -120,7 +120,7 @@ pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String
     let rounded = (shown / power - 1e-9).ceil() * power;
     let decimals = (-power.log10().round()).max(0.0) as usize;
     let points = if unit == "%" { tr("% (points)") } else { unit };
-    format!("{rounded:.decimals$} {points}")
+    format!("{} {points}", fixed(rounded, decimals))
 }
 impl App {
     /// The switch between picture and range, above the middle of a wide screen.

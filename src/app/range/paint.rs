@@ -6,6 +6,7 @@ use super::plane::{Plane, marks};
 use super::readout;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
+use crate::app::widgets::quantity::format_at_most;
 use crate::study::{Axis, Map, Quantity};
 use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle,
@@ -237,7 +238,7 @@ pub(super) fn paint_axes(
         }
         None => {
             let marks = marks(plane.y, count);
-            let text = |mark: f64| (mark, format!("{}", (mark * 1e6).round() / 1e6));
+            let text = |mark: f64| (mark, format_at_most(mark, 0, 6));
             let title = format!("{} ({})", readout::name(quantity), drawn.scale.unit);
             (marks.into_iter().map(text).collect(), title)
         }

@@ -5,6 +5,7 @@ use super::plane::Plane;
 use super::{Range, readout};
 use crate::app::messages::Notice;
 use crate::app::texts::{shown, tr};
+use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::app::{App, files::Files};
 use crate::clinical::{Listed, Shelf, ShelfSize};
@@ -110,7 +111,7 @@ fn words(size: &ShelfSize) -> String {
                 projection = Words::of(Parameter::Projection).text(projection)
             )
         }
-        Listed::Volume(volume) => format!("{} ml", (volume * 100.0).round() / 100.0),
+        Listed::Volume(volume) => format!("{} ml", format_at_most(volume, 0, 2)),
     };
     tr!("{name}: width {width}, {listed}", name = size.name(), width, listed)
 }
