@@ -146,6 +146,33 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
 }
 
 #[test]
+fn volume_lines_stand_out_in_both_themes() {
+    let mut harness = range_of(sheet(), DESKTOP);
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    for theme in [egui::Theme::Light, egui::Theme::Dark] {
+        harness.ctx.set_theme(theme);
+        harness.run_steps(3);
+        let chart = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
+        // Of all lines in the chart only those of the volumes are segments, each with its halo.
+        let strokes = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+            egui::Shape::LineSegment { points, stroke } => {
+                points.iter().all(|point| chart.contains(*point)).then_some(*stroke)
+            }
+            _ => None,
+        });
+        let brightness = |color: egui::Color32| {
+            let [r, g, b, a] = color.to_srgba_unmultiplied().map(f32::from);
+            (a > 100.0).then_some((r + g + b) / 3.0).unwrap()
+        };
+        let (lines, halos): (Vec<_>, Vec<_>) = strokes.partition(|stroke| stroke.width < 2.0);
+        let [line, halo] = [&lines, &halos].map(|strokes| brightness(strokes[0].color));
+        assert!((line < halo) == (theme == egui::Theme::Light), "{theme:?}: {line} {halo}");
+        assert!((line - halo).abs() > 150.0, "{theme:?}: {line} {halo}");
+        assert_eq!(lines.len(), halos.len());
+    }
+}
+
+#[test]
 fn the_values_at_the_pointer_are_those_of_the_case() {
     for (scene, name) in [(sheet(), "Pressure, greatest"), (layered(), "Least cover")] {
         let mut harness = range_of(scene.clone(), DESKTOP);
