@@ -126,7 +126,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, tr("Stretch at the apex"), outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
                 let greatest = strain.max_principal;
-                row(ui, error, tr("Greatest strain"), Some(100.0 * greatest), 1, "%");
+                row(ui, error, tr("Greatest skin stretch"), Some(100.0 * greatest), 1, "%");
                 band(ui, bands, Quantity::GreatestStrain);
                 if let Some(share) = outcome.skin_reserve_used {
                     row(ui, error, tr("Of the skin's reserve"), Some(100.0 * share), 0, "%");
@@ -136,7 +136,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                     let key = format!("{limit:.2}");
                     let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
                     let name = RichText::new(tr!(
-                        "Area strained above {limit:.0} %",
+                        "Area stretched above {limit:.0} %",
                         limit = 100.0 * limit
                     ));
                     let color = band_color(ui, if fraction > 0.0 { k + 1 } else { 0 });

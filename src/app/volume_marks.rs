@@ -201,8 +201,8 @@ impl VolumeMarks {
     /// What [`Self::largest_usual`] is.
     pub(super) fn about_largest_usual(&self) -> String {
         let words = tr(
-            "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse grid, \
-             between two volumes on a line; in steps of 5 ml, rounded down.",
+            "No word of the cards is above usual up to this volume, for this patient and this pocket. A quick, coarse \
+             computation, between two volumes on a line; in steps of 5 ml, rounded down.",
         );
         words.to_owned() + &self.band.about()
     }

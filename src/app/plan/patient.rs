@@ -132,7 +132,7 @@ fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
     let is_pulled = measured.skin_pull_mm.is_some();
     let word =
         if measured.skin_class.is_none() && !is_pulled { tr(" (set in Advanced)") } else { "" };
-    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(tr!("How far the skin stretches under a pull, as a factor of the preset's strains: {scale:.2}. Tight: \
+    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(tr!("How far the skin stretches under a pull, as a factor of the preset's stretch: {scale:.2}. Tight: \
          pulled less than 2 cm; normal: 2–3 cm; lax: 3–4 cm; very lax: more than 4 cm. Within a factor 2 \
          (1 standard deviation).", scale));
     chips(ui, |ui| {

@@ -23,7 +23,12 @@ impl Range {
             return;
         }
         let Some(map) = self.map.study() else { return };
-        remark(ui, self.caption_in_words(map));
+        let grids = tr!(
+            "The plans are computed with {nodes} nodes per side, some of them again with {fine}.",
+            nodes = map.settings().nodes_per_side,
+            fine = CHECK.nodes_per_side
+        );
+        remark(ui, self.caption_in_words(map)).on_hover_text(grids);
         if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
             let line = RichText::new(failure).small().color(palette.bad);
             ui.add(egui::Label::new(line).wrap());
@@ -78,22 +83,19 @@ impl Range {
 
     /// Grid of the points, and the greatest difference from a finer grid once it is known.
     fn accuracy(&self, map: &Map) -> String {
-        let nodes = map.settings().nodes_per_side;
         let within = self.check.finished().and_then(|check| {
             let differences = map.differences(check);
             differences.into_iter().find(|found| found.quantity == self.quantity)
         });
         match within {
             Some(found) => tr!(
-                "{nodes} nodes a side, within {difference} of the fine grid ({fine} nodes).",
-                nodes,
-                difference = within_text(self.quantity, found.difference),
-                fine = CHECK.nodes_per_side
+                "A quick, coarse computation, within {difference} of a fine one.",
+                difference = within_text(self.quantity, found.difference)
             ),
             None if self.check.is_running() => {
-                tr!("{nodes} nodes a side; comparing with the fine grid.", nodes)
+                tr("A quick, coarse computation; a fine one is being compared.").to_owned()
             }
-            None => tr!("{nodes} nodes a side.", nodes),
+            None => tr("A quick, coarse computation.").to_owned(),
         }
     }
 }

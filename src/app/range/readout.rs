@@ -98,7 +98,7 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
             Some(tr(NOT_COMPUTED).to_owned())
         }
         PointStatus::NotConverged => {
-            Some(tr("No numbers: the solve stopped above its tolerance.").to_owned())
+            Some(tr("No numbers: the computation was not finished.").to_owned())
         }
         PointStatus::NoShape => Some(tr("No stable shape.").to_owned()),
         PointStatus::Invalid => {

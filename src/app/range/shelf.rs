@@ -260,7 +260,7 @@ impl App {
         if !largest.is_empty() {
             remark(ui, largest).on_hover_text(
                 tr("No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
-                 the shelf up to this width stays usual. Solved on a coarse grid."),
+                 the shelf up to this width stays usual. A quick, coarse computation."),
             );
         }
     }
