@@ -3,6 +3,9 @@
 #![cfg(all(feature = "app", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+#[path = "common/window.rs"]
+mod window;
+
 use eframe::egui::{self, Pos2, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -12,6 +15,7 @@ use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, TissueModel};
 use implant_preview::study::{Axis, Case, Job, Map, MapSettings, Quantity, evaluate};
 use std::time::{Duration, Instant};
+use window::window;
 
 const DESKTOP: egui::Vec2 = egui::Vec2::new(1440.0, 900.0);
 const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
@@ -35,17 +39,7 @@ fn layered() -> Scene {
 /// The app, solved, with the range open.
 fn range_of(scene: Scene, size: egui::Vec2) -> Harness<'static, App> {
     let app = App::new(&egui::Context::default(), None, scene, beside_window).unwrap();
-    // The harness has a context of its own: its first frame sets the app's theme.
-    let mut has_theme = false;
-    let frame = move |ui: &mut egui::Ui, app: &mut App| {
-        if std::mem::replace(&mut has_theme, true) {
-            app.show(ui);
-        } else {
-            drop(App::new(ui.ctx(), None, Scene::sheet(), beside_window));
-        }
-    };
-    let mut harness =
-        Harness::builder().with_size(size).with_max_steps(400).build_ui_state(frame, app);
+    let mut harness = window(size, 400, app);
     settle(&mut harness);
     harness.get_by_role_and_label(Role::Button, "Range of implants").click();
     harness.step();

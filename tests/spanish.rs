@@ -3,19 +3,22 @@
 #![cfg(all(feature = "app", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+#[path = "common/frames.rs"]
+mod frames;
 #[path = "common/window.rs"]
 mod window;
 
 use eframe::egui::{self, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{By, NodeT, Queryable};
+use frames::{cut_texts, painted_texts, settle};
 use implant_preview::app::App;
 use implant_preview::curve::CurveSpec;
 use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use window::{cut_texts, painted_texts, settle, window};
+use window::window;
 
 /// Tall enough for all folds.
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
