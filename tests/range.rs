@@ -3,6 +3,9 @@
 #![cfg(all(feature = "app", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+#[path = "common/window.rs"]
+mod window;
+
 use eframe::egui::{self, Pos2, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -12,6 +15,7 @@ use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, TissueModel};
 use implant_preview::study::{Axis, Case, Job, Map, MapSettings, Quantity, evaluate};
 use std::time::{Duration, Instant};
+use window::window;
 
 const DESKTOP: egui::Vec2 = egui::Vec2::new(1440.0, 900.0);
 const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
@@ -35,17 +39,7 @@ fn layered() -> Scene {
 /// The app, solved, with the range open.
 fn range_of(scene: Scene, size: egui::Vec2) -> Harness<'static, App> {
     let app = App::new(&egui::Context::default(), None, scene, beside_window).unwrap();
-    // The harness has a context of its own: its first frame sets the app's theme.
-    let mut has_theme = false;
-    let frame = move |ui: &mut egui::Ui, app: &mut App| {
-        if std::mem::replace(&mut has_theme, true) {
-            app.show(ui);
-        } else {
-            drop(App::new(ui.ctx(), None, Scene::sheet(), beside_window));
-        }
-    };
-    let mut harness =
-        Harness::builder().with_size(size).with_max_steps(400).build_ui_state(frame, app);
+    let mut harness = window(size, 400, app);
     settle(&mut harness);
     harness.get_by_role_and_label(Role::Button, "Range of implants").click();
     harness.step();
@@ -133,9 +127,9 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
     let solves = harness.state().session().counters().solves;
     harness.get_by_label_contains(" of 289 plans computed.");
     assert_eq!(harness.query_all_by_role_and_label(Role::Canvas, "3-D view").count(), 0);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
-    wait_for(&mut harness, "33 nodes a side, within ");
-    harness.get_by_label_contains(" of the fine grid (129 nodes)");
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation, within ");
+    harness.get_by_label_contains(" of a fine one.");
     // The app's own solver has nothing to do, and the complete chart is at rest.
     assert_eq!(harness.state().session().counters().solves, solves);
     harness.run();
@@ -143,6 +137,33 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
     harness.get_by_role_and_label(Role::Button, "Picture").click();
     harness.run();
     harness.get_by_role_and_label(Role::Canvas, "3-D view");
+}
+
+#[test]
+fn volume_lines_stand_out_in_both_themes() {
+    let mut harness = range_of(sheet(), DESKTOP);
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    for theme in [egui::Theme::Light, egui::Theme::Dark] {
+        harness.ctx.set_theme(theme);
+        harness.run_steps(3);
+        let chart = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
+        // Of all lines in the chart only those of the volumes are segments, each with its halo.
+        let strokes = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+            egui::Shape::LineSegment { points, stroke } => {
+                points.iter().all(|point| chart.contains(*point)).then_some(*stroke)
+            }
+            _ => None,
+        });
+        let brightness = |color: egui::Color32| {
+            let [r, g, b, a] = color.to_srgba_unmultiplied().map(f32::from);
+            (a > 100.0).then_some((r + g + b) / 3.0).unwrap()
+        };
+        let (lines, halos): (Vec<_>, Vec<_>) = strokes.partition(|stroke| stroke.width < 2.0);
+        let [line, halo] = [&lines, &halos].map(|strokes| brightness(strokes[0].color));
+        assert!((line < halo) == (theme == egui::Theme::Light), "{theme:?}: {line} {halo}");
+        assert!((line - halo).abs() > 150.0, "{theme:?}: {line} {halo}");
+        assert_eq!(lines.len(), halos.len());
+    }
 }
 
 #[test]
@@ -176,7 +197,7 @@ fn the_values_at_the_pointer_are_those_of_the_case() {
 #[test]
 fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
     let before = harness.state().session().scene().clone();
     let at = place(&harness, 10, 10);
     click(&mut harness, at);
@@ -185,7 +206,7 @@ fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
     let margin = |scene: &Scene| scene.pocket_radius_mm - scene.implant.base_radius_mm;
     assert!((margin(&taken) - margin(&before)).abs() < 1e-9);
     // The points of the chart are the same: none is computed again.
-    harness.get_by_label_contains("289 plans computed. 33 nodes a side");
+    harness.get_by_label_contains("289 plans computed. A quick, coarse computation");
     harness.get_by_role_and_label(Role::Button, "Undo").click();
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &before);
@@ -211,7 +232,7 @@ fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
 #[test]
 fn each_arrow_of_a_slow_frame_counts() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
     harness.get_by_role_and_label(Role::Canvas, CHART).focus();
     harness.run_steps(2);
     // The first one chooses the present implant.
@@ -232,15 +253,15 @@ fn each_arrow_of_a_slow_frame_counts() {
 #[test]
 fn an_edit_restarts_the_chart_and_its_values_follow() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
     let at = place(&harness, 8, 10);
     harness.hover_at(at);
     harness.run_steps(2);
     let before = words(&harness);
     type_into(&mut harness, "Margin (cm)", "2.5");
     // Other pockets are other scenes.
-    assert_eq!(harness.query_all_by_label_contains("289 plans computed. 33").count(), 0);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    assert_eq!(harness.query_all_by_label_contains("289 plans computed. A ").count(), 0);
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
     harness.hover_at(at);
     harness.run_steps(2);
     let scene = harness.state().session().scene().clone();
@@ -251,7 +272,7 @@ fn an_edit_restarts_the_chart_and_its_values_follow() {
     // Undo: all cases are stored.
     harness.get_by_role_and_label(Role::Button, "Undo").click();
     settle(&mut harness);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
     harness.hover_at(at);
     harness.run_steps(2);
     assert_eq!(words(&harness), before);
@@ -273,7 +294,7 @@ fn an_impossible_axis_is_one_line_and_the_plan_stays() {
     type_into(&mut harness, "Across, from", "14");
     harness.get_by_label("Width from 14 cm to 14 cm; allowed: two different numbers.");
     type_into(&mut harness, "Across, from", "10");
-    wait_for(&mut harness, " plans computed. 33 nodes a side");
+    wait_for(&mut harness, " plans computed. A quick, coarse computation");
     assert_eq!(harness.query_all_by_label_contains("allowed:").count(), 0);
     assert_eq!(harness.state().session().scene(), &scene);
 }
@@ -373,7 +394,7 @@ fn axes_and_colours_are_chosen_and_one_number_gives_a_curve() {
     choose(&mut harness, "Colour", "Least cover");
     choose(&mut harness, "Across", "Pinch");
     choose(&mut harness, "Up", "Nothing: a curve");
-    wait_for(&mut harness, " plans computed. 33 nodes a side");
+    wait_for(&mut harness, " plans computed. A quick, coarse computation");
     let before = harness.state().session().scene().clone();
     let rect = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
     // The thickest pinch: 5 cm.
@@ -399,7 +420,7 @@ fn a_sheet_has_no_cover_to_show() {
 #[test]
 fn on_a_phone_a_tap_shows_the_values_and_a_button_takes_the_implant() {
     let mut harness = range_of(sheet(), PHONE);
-    wait_for(&mut harness, "289 plans computed. 33 nodes a side");
+    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
     let chart = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
     assert!(chart.width() > 220.0 && chart.height() > 170.0, "{chart:?}");
     let before = harness.state().session().scene().clone();

@@ -7,6 +7,7 @@
 use eframe::egui::{self, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use frames::{cut_texts, painted_texts, settle};
 use implant_preview::app::App;
 use implant_preview::clinical::Size;
 use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve};
@@ -16,7 +17,7 @@ use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
 use implant_preview::simulate::simulate;
 use serde_json::json;
-use window::{cut_texts, painted_texts, settle, window};
+use window::window;
 
 #[path = "screens/device.rs"]
 mod device;
@@ -24,6 +25,8 @@ mod device;
 mod filling;
 #[path = "screens/form.rs"]
 mod form;
+#[path = "common/frames.rs"]
+mod frames;
 #[path = "screens/hands.rs"]
 mod hands;
 #[path = "screens/no_answer.rs"]
@@ -186,10 +189,10 @@ fn every_control_and_reading_has_its_name() {
         "no published limit",
         "Pressure on the tissue",
         "Height of the breast mound",
-        "Greatest strain",
+        "Greatest skin stretch",
         "Greatest stress, skin",
         "Greatest stress, adipose",
-        "Area strained above 54 %",
+        "Area stretched above 54 %",
         "Force, vertical",
         "Implant volume",
         "Contact radius, at rest",

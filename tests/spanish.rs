@@ -3,19 +3,22 @@
 #![cfg(all(feature = "app", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+#[path = "common/frames.rs"]
+mod frames;
 #[path = "common/window.rs"]
 mod window;
 
 use eframe::egui::{self, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{By, NodeT, Queryable};
+use frames::{cut_texts, painted_texts, settle};
 use implant_preview::app::App;
 use implant_preview::curve::CurveSpec;
 use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use window::{cut_texts, painted_texts, settle, window};
+use window::window;
 
 /// Tall enough for all folds.
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
@@ -94,9 +97,24 @@ fn english(harness: &Harness<'static, App>) -> Vec<String> {
         .collect()
 }
 
+/// Texts of a screen with a decimal point; dates have points, as has the example of a date.
+fn with_decimal_points(harness: &Harness<'static, App>) -> Vec<String> {
+    let has_point = |text: &str| {
+        text.split(|c: char| !c.is_ascii_digit() && c != '.').any(|number| {
+            number.split_once('.').is_some_and(|(whole, decimals)| {
+                !whole.is_empty()
+                    && decimals.starts_with(|c: char| c.is_ascii_digit())
+                    && !decimals.trim_end_matches('.').contains('.')
+            })
+        })
+    };
+    texts(harness).into_iter().filter(|text| has_point(text)).collect()
+}
+
 #[track_caller]
 fn assert_spanish(harness: &Harness<'static, App>) {
     assert_eq!(english(harness), Vec::<String>::new());
+    assert_eq!(with_decimal_points(harness), Vec::<String>::new());
 }
 
 #[test]
@@ -110,7 +128,7 @@ fn the_opening_plan_is_in_spanish() {
         "sin límite publicado",
         "Presión sobre el tejido",
         "Pellizco",
-        "Cobertura 10 mm (6–17): piel 1.5 + grasa 8.5",
+        "Cobertura 10 mm (6–17): piel 1,5 + grasa 8,5",
         "Proyección según anchura y volumen.",
         "Cambiar anchura, volumen o pellizco · arrastrar la imagen para girarla",
         "Al día",
@@ -140,6 +158,34 @@ fn the_opening_plan_is_in_spanish() {
         "{form}"
     );
     assert!(form.contains(" a 24 cm"), "{form}");
+}
+
+#[test]
+fn spanish_numbers_have_commas_and_fields_read_both_signs() {
+    let _alone = alone();
+    for (language, name, width, margin, undo) in [
+        ("es", "Anchura (cm)", "12,5", "1,0", "Deshacer"),
+        ("en", "Width (cm)", "12.5", "1.0", "Undo"),
+    ] {
+        let mut harness = app(language, DESKTOP, |_| {});
+        for typed in ["12,5", "12.5"] {
+            harness.get_by_role_and_label(Role::SpinButton, name).focus();
+            harness.run();
+            harness.event(egui::Event::Text(typed.to_owned()));
+            harness.run();
+            harness.key_press(egui::Key::Enter);
+            settle(&mut harness);
+            let field = harness.get_by_role_and_label(Role::SpinButton, name);
+            assert_eq!(field.value().as_deref(), Some(width), "{typed}");
+            let radius = harness.state().session().scene().implant.base_radius_mm;
+            assert_eq!(radius.to_bits(), 62.5_f64.to_bits(), "{typed}");
+            press(&mut harness, undo);
+        }
+        // The form has the texts of the screen and the numbers of JSON.
+        let form = harness.state().plan_json();
+        assert!(form.contains(&format!(r#""text":"{margin}""#)), "{form}");
+        assert!(form.contains(r#""most":24.0"#), "{form}");
+    }
 }
 
 #[test]
@@ -283,7 +329,7 @@ fn the_reason_of_a_table_that_is_no_shelf_is_spanish() {
     for (text, reason) in [
         (
             "name;width_cm;volume_ml\nA;12;x",
-            "línea 2: volumen: «x»; permitido: un número de 0.4 a 3620",
+            "línea 2: volumen: «x»; permitido: un número de 0,4 a 3620",
         ),
         (
             "name;diameter;volume_ml",

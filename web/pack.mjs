@@ -20,6 +20,7 @@ import {
 import { dirname, extname, join } from "node:path";
 import { promisify } from "node:util";
 import * as zlib from "node:zlib";
+import { brotliOf, GZIP } from "./compression.mjs";
 
 const STAGING = process.env.TRUNK_STAGING_DIR;
 const LAST = process.env.TRUNK_DIST_DIR;
@@ -30,19 +31,15 @@ const ENTRIES = [...NAMING, "favicon.svg", "icon-192.png", "icon-512.png", "mani
 
 const COMPRESSED = new Set([".css", ".html", ".js", ".mjs", ".svg", ".wasm", ".webmanifest"]);
 
-const { BROTLI_PARAM_QUALITY, BROTLI_PARAM_LGWIN, BROTLI_PARAM_SIZE_HINT } = zlib.constants;
 const brotli = promisify(zlib.brotliCompress);
 const gzip = promisify(zlib.gzip);
 const ENCODINGS = [
   {
     suffix: ".br",
-    encode: (bytes) =>
-      brotli(bytes, {
-        params: { [BROTLI_PARAM_QUALITY]: 11, [BROTLI_PARAM_LGWIN]: 24, [BROTLI_PARAM_SIZE_HINT]: bytes.length },
-      }),
+    encode: (bytes) => brotli(bytes, brotliOf(bytes)),
     decode: zlib.brotliDecompressSync,
   },
-  { suffix: ".gz", encode: (bytes) => gzip(bytes, { level: 9 }), decode: zlib.gunzipSync },
+  { suffix: ".gz", encode: (bytes) => gzip(bytes, GZIP), decode: zlib.gunzipSync },
 ];
 
 const inStaging = (file) => join(STAGING, file);

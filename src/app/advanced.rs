@@ -221,7 +221,7 @@ fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
     response.on_hover_text(
         tr("Skin on solid layers: the fat thins over the dome, and the skin over the pocket draws on the \
          skin beyond the pocket. One sheet: all layers stretch alike and are held at the pocket's edge; \
-         force and strain are then too high."),
+         force and stretch are then too high."),
     );
 }
 

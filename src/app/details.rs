@@ -2,7 +2,7 @@
 
 use super::answer::band_color;
 use super::device::Device;
-use super::texts::tr;
+use super::texts::{localized, tr};
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, remark};
@@ -126,7 +126,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, tr("Stretch at the apex"), outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
                 let greatest = strain.max_principal;
-                row(ui, error, tr("Greatest strain"), Some(100.0 * greatest), 1, "%");
+                row(ui, error, tr("Greatest skin stretch"), Some(100.0 * greatest), 1, "%");
                 band(ui, bands, Quantity::GreatestStrain);
                 if let Some(share) = outcome.skin_reserve_used {
                     row(ui, error, tr("Of the skin's reserve"), Some(100.0 * share), 0, "%");
@@ -136,7 +136,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                     let key = format!("{limit:.2}");
                     let fraction = strain.fraction_above.get(&key).copied().unwrap_or(0.0);
                     let name = RichText::new(tr!(
-                        "Area strained above {limit:.0} %",
+                        "Area stretched above {limit:.0} %",
                         limit = 100.0 * limit
                     ));
                     let color = band_color(ui, if fraction > 0.0 { k + 1 } else { 0 });
@@ -183,7 +183,7 @@ fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {
                     ui.label(quiet(quantity.display().1));
                 },
             );
-            ui.label(quiet(band.range()).monospace());
+            ui.label(quiet(&localized(band.range())).monospace());
         });
     });
 }
@@ -243,7 +243,7 @@ fn row(
 /// positions.
 pub(super) fn figures(value: f64, decimals: usize, position_error: f64) -> String {
     let decimals = known_decimals(value, decimals, position_error);
-    without_negative_zero(format!("{value:.decimals$}"))
+    localized(without_negative_zero(format!("{value:.decimals$}")))
 }
 
 /// Number of decimals of [`figures`].

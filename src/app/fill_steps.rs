@@ -141,9 +141,12 @@ impl FillSteps {
                 None
             }
             Use::Save => {
-                // The names of the columns of a file are English.
+                // The names of the columns of a file are English, and its numbers have points.
                 let heads = [HEADS.map(str::to_owned).to_vec()];
-                let rows: Vec<_> = heads.into_iter().chain(rows.into_iter().skip(1)).collect();
+                let mut rows: Vec<_> = heads.into_iter().chain(rows.into_iter().skip(1)).collect();
+                for week in rows.iter_mut().filter_map(|row| row.first_mut()) {
+                    *week = week.replace(',', ".");
+                }
                 Some(export::csv(&rows))
             }
         }

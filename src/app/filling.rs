@@ -7,7 +7,7 @@ use super::plan::{self, Device};
 use super::plots::fixed_plot;
 use super::range::{marks, within_text};
 use super::studies::{Driver, Studies};
-use super::texts::tr;
+use super::texts::{fixed, tr};
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
 use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
@@ -174,7 +174,7 @@ impl Filling {
         let name = tr(chart.name).to_owned();
         let read = move |at: &HoverPosition<'_>| match at {
             HoverPosition::NearDataPoint { position: at, .. } => {
-                Some(format!("{:.0} ml\n{name}: {:.1}", at.x, at.y))
+                Some(format!("{:.0} ml\n{name}: {}", at.x, fixed(at.y, 1)))
             }
             HoverPosition::Elsewhere { .. } => None,
         };

@@ -133,7 +133,7 @@ impl NearestSearch {
             // A plan that stays usual comes before one that has an answer only just.
             let mut taken = largest
                 .filter(|(_, words)| {
-                    let tooltip = tr("The largest volume at this width for which no word of the cards is above usual, on a coarse grid.");
+                    let tooltip = tr("The largest volume at this width for which no word of the cards is above usual, by a quick, coarse computation.");
                     is_pressed(ui, &tr!("Use {plan}", plan = words), tooltip)
                 })
                 .map(|(scene, _)| scene);

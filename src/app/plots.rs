@@ -4,7 +4,7 @@
 use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
 use super::device::Device;
-use super::texts::tr;
+use super::texts::{fixed, tr};
 use super::theme::{self, Palette};
 use super::viewport::Outline;
 use super::widgets::group;
@@ -17,7 +17,8 @@ use crate::study::SectionBand;
 use crate::view::subject::Subject;
 use eframe::egui::{Color32, RichText, Sense, Ui};
 use egui_plot::{
-    FilledArea, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi, Points, uniform_grid_spacer,
+    FilledArea, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi,
+    Points, uniform_grid_spacer,
 };
 use glam::Vec2;
 
@@ -37,7 +38,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
             .legend(Legend::default().position(egui_plot::Corner::LeftTop))
             .x_axis_label(tr("strain"))
             .x_grid_spacer(uniform_grid_spacer(|_| [1.0, 0.5, 0.1]))
-            .x_axis_formatter(|mark, _| format!("{:.1}", mark.value))
+            .x_axis_formatter(|mark, _| fixed(mark.value, 1))
             .y_axis_label(tr("stress (kPa)"))
             .show(ui, |plot| {
                 for k in 0..session.scene().layers.len() {
@@ -252,4 +253,23 @@ pub(super) fn fixed_plot(name: &'static str, height: f32) -> Plot<'static> {
         .allow_scroll(false)
         .allow_drag(false)
         .allow_zoom(false)
+        .x_axis_formatter(|mark, _| axis_number(mark))
+        .y_axis_formatter(|mark, _| axis_number(mark))
+        .label_formatter(|at| Some(values_at(at)))
+}
+
+/// The values at the pointer, with the name of the line there.
+fn values_at(at: &HoverPosition<'_>) -> String {
+    let (name, at) = match *at {
+        HoverPosition::NearDataPoint { plot_name, position, .. } => {
+            (format!("{plot_name}\n"), position)
+        }
+        HoverPosition::Elsewhere { position } => (String::new(), position),
+    };
+    format!("{name}x = {}\ny = {}", fixed(at.x, 3), fixed(at.y, 3))
+}
+
+/// The number of a mark on an axis, with the decimals of its step.
+fn axis_number(mark: GridMark) -> String {
+    fixed(mark.value, (-mark.step_size.log10().round()).max(0.0) as usize)
 }

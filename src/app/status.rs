@@ -1,6 +1,6 @@
 //! The status line: state of the computation, accuracy and cost.
 
-use super::texts::tr;
+use super::texts::{fixed, localized, tr};
 use super::{advanced, theme};
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
@@ -156,12 +156,12 @@ fn status_text(session: &Session) -> StatusText {
 /// Formats an error with one significant digit, rounded up.
 fn percent_text(percent: f64) -> String {
     if percent <= 1e-4 {
-        return "0.0001 %".to_owned();
+        return localized("0.0001 %");
     }
     let unit = 10f64.powf(percent.log10().floor());
     let rounded = (percent / unit).ceil() * unit;
     let decimals = (-rounded.log10().floor()).max(0.0) as usize;
-    format!("{rounded:.decimals$} %")
+    format!("{} %", fixed(rounded, decimals))
 }
 
 /// Shows the status line.

@@ -114,7 +114,7 @@ impl App {
     /// Meshes of the shape in place, for other programs and printers.
     fn shape_menu(&mut self, ui: &mut Ui, ctx: &egui::Context) {
         ui.menu_button(tr("Save shape (3-D)"), |ui| {
-            ui.small(tr("Closed meshes in mm; GLB in m"));
+            ui.small(tr("Closed surfaces in mm; GLB in m"));
             egui::Grid::new("shapes").show(ui, |ui| {
                 for (name, solid) in SOLIDS {
                     let (file, name) =

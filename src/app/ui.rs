@@ -95,7 +95,7 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        plan::implant(ui, scene, &mut self.plan, &mut self.volume_marks, Hand::Mouse);
+        plan::implant(ui, scene, &mut self.plan, &self.volume_marks, Hand::Mouse);
         self.shelf_line(ui, scene);
         self.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
@@ -129,8 +129,7 @@ impl App {
     fn narrow_tab(&mut self, ui: &mut Ui, scene: &mut Scene) {
         match self.narrow_tab {
             NarrowTab::Implant => {
-                let marks = &mut self.volume_marks;
-                plan::implant(ui, scene, &mut self.plan, marks, Hand::Finger);
+                plan::implant(ui, scene, &mut self.plan, &self.volume_marks, Hand::Finger);
                 self.shelf_line(ui, scene);
                 self.insertion_row(ui, scene);
             }

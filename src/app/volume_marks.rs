@@ -1,6 +1,6 @@
 //! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
 //! that stays usual: the implant's volumes at its width, each one solved scene on a coarse grid. Computed once a pointer
-//! rests over the first plan, the slider is used or the plan is edited.
+//! rests over the first plan or the plan is edited.
 
 use super::studies::{Driver, Studies};
 use super::texts::{tr, word_of};
@@ -59,7 +59,7 @@ struct Mark {
 }
 
 impl VolumeMarks {
-    /// The slider or the plan is in use: the marks are computed from now on.
+    /// The plan is edited: the marks are computed from now on.
     pub(super) fn want(&mut self) {
         self.is_wanted = true;
     }
@@ -201,8 +201,8 @@ impl VolumeMarks {
     /// What [`Self::largest_usual`] is.
     pub(super) fn about_largest_usual(&self) -> String {
         let words = tr(
-            "No word of the cards is above usual up to this volume, for this patient and this pocket. Solved on a coarse grid, \
-             between two volumes on a line; in steps of 5 ml, rounded down.",
+            "No word of the cards is above usual up to this volume, for this patient and this pocket. A quick, coarse \
+             computation, between two volumes on a line; in steps of 5 ml, rounded down.",
         );
         words.to_owned() + &self.band.about()
     }

@@ -14,6 +14,9 @@ pub mod command_line;
 #[cfg(all(any(feature = "app", feature = "command-line"), not(target_arch = "wasm32")))]
 pub mod runner;
 
+#[cfg(feature = "app")]
+mod keep;
+
 #[cfg(all(feature = "app", not(target_arch = "wasm32")))]
 pub mod native;
 

@@ -1,5 +1,6 @@
 //! The desktop window, and the files that keep plan and pins for the next start.
 
+use super::keep::{self, Store};
 use super::runner;
 use crate::app::App;
 use crate::scene::{MAX_SCENE_BYTES, Scene};
@@ -31,7 +32,7 @@ pub fn run() -> eframe::Result {
         Box::new(|cc| {
             let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
             let app = App::new(ctx, gl, Scene::opening(), runner::beside_window)?;
-            Ok(Box::new(Window::new(app, Store::of_user())))
+            Ok(Box::new(Window::new(app, Folder::of_user())))
         }),
     )
 }
@@ -39,39 +40,18 @@ pub fn run() -> eframe::Result {
 /// The app in its window.
 struct Window {
     app: App,
-    store: Option<Store>,
+    store: Folder,
 }
 
 impl Window {
-    fn new(mut app: App, store: Option<Store>) -> Self {
-        // The texts of the notices below are in this language.
-        let kept = store.as_ref().and_then(|store| store.read(LANGUAGE).ok().flatten());
-        app.restore_language(kept.as_deref());
-        for file in [PLAN, PINS, SHELF] {
-            match store.as_ref().map(|store| store.read(file)) {
-                Some(Ok(Some(text))) if file == PLAN => app.restore_plan(&text),
-                Some(Ok(Some(text))) if file == SHELF => app.restore_shelf(&text),
-                Some(Ok(Some(text))) => app.restore_pins(&text),
-                Some(Ok(None)) | None => {}
-                Some(Err(_)) => app.report_storage_failure(),
-            }
-        }
+    fn new(mut app: App, store: Folder) -> Self {
+        keep::restore_language(&mut app, &store);
+        keep::restore(&mut app, &store);
         Self { app, store }
     }
 
     fn keep(&mut self, is_closing: bool) {
-        for (file, text) in [
-            (PLAN, self.app.take_plan_to_store(is_closing)),
-            (PINS, self.app.take_pins_to_store(is_closing)),
-            (SHELF, self.app.take_shelf_to_store(is_closing)),
-            (LANGUAGE, self.app.take_language_to_store()),
-        ] {
-            if let Some(text) = text
-                && self.store.as_ref().is_none_or(|store| store.write(file, &text).is_err())
-            {
-                self.app.report_storage_failure();
-            }
-        }
+        keep::keep(&mut self.app, &self.store, is_closing);
     }
 }
 
@@ -87,24 +67,26 @@ impl eframe::App for Window {
     }
 }
 
-/// Names of the files of the kept plan, pins, shelf and language.
-const PLAN: &str = "plan.json";
-const PINS: &str = "pins.json";
-const SHELF: &str = "shelf.csv";
-const LANGUAGE: &str = "language.txt";
+/// The folder of the kept texts, a file each; `None`: the system has no folder for data of programs.
+struct Folder(Option<PathBuf>);
 
-/// The folder of the kept texts.
-struct Store(PathBuf);
-
-impl Store {
-    /// The folder in the user's folder for data of programs, if the system has such a folder.
-    fn of_user() -> Option<Self> {
-        Some(Self(dirs::data_dir()?.join("implant-preview")))
+impl Folder {
+    /// The folder in the user's folder for data of programs.
+    fn of_user() -> Self {
+        Self(dirs::data_dir().map(|folder| folder.join("implant-preview")))
     }
+}
 
-    /// The stored text of a file; `None` without the file.
-    fn read(&self, file: &str) -> io::Result<Option<String>> {
-        let file = match fs::File::open(self.0.join(file)) {
+impl Store for Folder {
+    const PLAN: &'static str = "plan.json";
+    const PINS: &'static str = "pins.json";
+    const SHELF: &'static str = "shelf.csv";
+    const LANGUAGE: &'static str = "language.txt";
+    type Error = io::Error;
+
+    fn read(&self, name: &str) -> io::Result<Option<String>> {
+        let Some(folder) = &self.0 else { return Ok(None) };
+        let file = match fs::File::open(folder.join(name)) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             file => file?,
         };
@@ -115,31 +97,33 @@ impl Store {
     }
 
     /// Replaces the text of a file as a whole: another start never reads a part of the text.
-    fn write(&self, file: &str, text: &str) -> io::Result<()> {
-        fs::create_dir_all(&self.0)?;
-        let temporary = self.0.join(format!("{file}.{}.tmp", std::process::id()));
+    fn write(&self, name: &str, text: &str) -> io::Result<()> {
+        let folder = self.0.as_ref().ok_or(ErrorKind::NotFound)?;
+        fs::create_dir_all(folder)?;
+        let temporary = folder.join(format!("{name}.{}.tmp", std::process::id()));
         fs::write(&temporary, text)?;
-        fs::rename(&temporary, self.0.join(file))
+        fs::rename(&temporary, folder.join(name))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
-    /// A store in a new folder.
-    fn store(name: &str) -> Store {
+    /// The path of a new folder.
+    fn folder(name: &str) -> PathBuf {
         let name = format!("implant-preview-pins-{name}-{}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         let _ = fs::remove_dir_all(&folder);
-        Store(folder.join("data"))
+        folder.join("data")
     }
 
-    fn window(store: &Store) -> Window {
+    fn window(folder: &Path) -> Window {
         let app =
             App::new(&egui::Context::default(), None, Scene::default(), runner::beside_window)
                 .unwrap();
-        Window::new(app, Some(Store(store.0.clone())))
+        Window::new(app, Folder(Some(folder.to_owned())))
     }
 
     /// Draws a frame.
@@ -154,37 +138,37 @@ mod tests {
 
     #[test]
     fn plan_and_pins_are_in_the_next_window_and_an_invalid_file_is_not_touched() {
-        let store = store("next");
-        let mut first = window(&store);
-        assert!(first.app.session().pins().is_empty() && store.read(PINS).unwrap().is_none());
+        let folder = folder("next");
+        let mut first = window(&folder);
+        assert!(first.app.session().pins().is_empty() && !folder.join(Folder::PINS).exists());
         let scene = Scene::default();
         let json = serde_json::json!({ "implant": { "base_radius_mm": 50.0 },
             "pins": [{ "name": "before", "scene": scene }] });
         first.app.open(json.to_string()).unwrap();
         frame(&mut first);
         first.keep(true);
-        let second = window(&store);
+        let second = window(&folder);
         assert_eq!(second.app.session().scene().implant.base_radius_mm.to_bits(), 50f64.to_bits());
         let pins = second.app.session().pins();
         assert_eq!((pins.len(), pins[0].name(), pins[0].scene()), (1, "before", &scene));
 
-        fs::write(store.0.join(PINS), [0xff; 9]).unwrap();
-        let mut third = window(&store);
+        fs::write(folder.join(Folder::PINS), [0xff; 9]).unwrap();
+        let mut third = window(&folder);
         frame(&mut third);
         third.keep(true);
         assert!(third.app.session().pins().is_empty());
-        assert_eq!(fs::read(store.0.join(PINS)).unwrap(), [0xff; 9]);
-        fs::remove_dir_all(store.0.parent().unwrap()).unwrap();
+        assert_eq!(fs::read(folder.join(Folder::PINS)).unwrap(), [0xff; 9]);
+        fs::remove_dir_all(folder.parent().unwrap()).unwrap();
     }
 
     #[test]
     fn a_folder_in_place_of_the_file_is_reported_once() {
-        let store = store("folder");
-        fs::create_dir_all(store.0.join(PINS)).unwrap();
-        let mut window = window(&store);
+        let folder = folder("folder");
+        fs::create_dir_all(folder.join(Folder::PINS)).unwrap();
+        let mut window = window(&folder);
         frame(&mut window);
         window.keep(true);
         assert!(window.app.session().pins().is_empty());
-        fs::remove_dir_all(store.0.parent().unwrap()).unwrap();
+        fs::remove_dir_all(folder.parent().unwrap()).unwrap();
     }
 }

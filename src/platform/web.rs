@@ -6,6 +6,7 @@
 //! After a crash of the app only JavaScript remains: `web/crash.js`, which gets every new scene and
 //! every panic message.
 
+use super::keep::{self, Store};
 use super::page_handle::{Handle, Host};
 use super::workers::Workers;
 use crate::app::App;
@@ -24,12 +25,6 @@ const NOTICE: &str = "implant-preview-notice";
 const SUMMARY_REST_S: f64 = 0.6;
 /// Id of the link before the app; in the Tab order it precedes the app's first control.
 const SKIP: &str = "implant-preview-skip";
-
-/// Keys of the kept pins, plan, shelf and language in the storage of the page's origin; `web/language.js` reads the last.
-const PINS: &str = "implant-preview/pins/1";
-const PLAN: &str = "implant-preview/plan/1";
-const SHELF: &str = "implant-preview/shelf/1";
-const LANGUAGE: &str = "implant-preview/language/1";
 
 /// Initial size of the heap \[bytes\], above that of a session at 129 nodes per side.
 const HEAP: usize = 26 << 20;
@@ -86,27 +81,29 @@ fn show_crash(error: &JsValue) {
 }
 
 /// The storage of the page's origin on this machine. Some browsers refuse the storage in private windows.
+struct Origin;
+
+impl Store for Origin {
+    const PLAN: &'static str = "implant-preview/plan/1";
+    const PINS: &'static str = "implant-preview/pins/1";
+    const SHELF: &'static str = "implant-preview/shelf/1";
+    /// `web/language.js` reads this text.
+    const LANGUAGE: &'static str = "implant-preview/language/1";
+    type Error = JsValue;
+
+    /// A missing storage is reported with the first change.
+    fn read(&self, name: &str) -> Result<Option<String>, JsValue> {
+        Ok(storage().and_then(|storage| storage.get_item(name)).ok().flatten())
+    }
+
+    fn write(&self, name: &str, text: &str) -> Result<(), JsValue> {
+        storage()?.set_item(name, text)
+    }
+}
+
 fn storage() -> Result<web_sys::Storage, JsValue> {
     let window = web_sys::window().ok_or("the page has no window")?;
     Ok(window.local_storage()?.ok_or("the browser has no storage")?)
-}
-
-/// The kept text of a key; a missing storage is reported with the first change.
-fn kept(key: &str) -> Option<String> {
-    storage().and_then(|storage| storage.get_item(key)).ok().flatten()
-}
-
-/// Reads the kept plan and pins into a new app.
-fn restore(app: &mut App) {
-    if let Some(plan) = kept(PLAN) {
-        app.restore_plan(&plan);
-    }
-    if let Some(pins) = kept(PINS) {
-        app.restore_pins(&pins);
-    }
-    if let Some(shelf) = kept(SHELF) {
-        app.restore_shelf(&shelf);
-    }
 }
 
 /// Opens the plan of a link, if the page's address has one, and drops it from the address: a reload opens the kept plan.
@@ -119,22 +116,6 @@ fn open_link(app: &mut App) -> Result<(), JsValue> {
         window.history()?.replace_state_with_url(&JsValue::NULL, "", Some(&page))?;
     }
     Ok(())
-}
-
-/// Stores plan and pins after a change.
-fn store(app: &mut App, is_closing: bool) {
-    for (key, text) in [
-        (PINS, app.take_pins_to_store(is_closing)),
-        (PLAN, app.take_plan_to_store(is_closing)),
-        (SHELF, app.take_shelf_to_store(is_closing)),
-        (LANGUAGE, app.take_language_to_store()),
-    ] {
-        if let Some(text) = text
-            && storage().and_then(|storage| storage.set_item(key, &text)).is_err()
-        {
-            app.report_storage_failure();
-        }
-    }
 }
 
 fn document() -> Result<web_sys::Document, JsValue> {
@@ -230,12 +211,12 @@ impl PageHost {
                 let scene = before.unwrap_or_else(Scene::opening);
                 let new = App::new(ctx, gl, scene, |wake| Box::new(Workers::new(move || wake())))?;
                 let new = app.insert(new);
-                new.restore_language(kept(LANGUAGE).as_deref());
+                keep::restore_language(new, &Origin);
                 new.enable_page_navigation();
                 if is_kept {
                     new.notify_restart();
                 } else {
-                    restore(new);
+                    keep::restore(new, &Origin);
                     // Without a location, in some embedded views, there is no link.
                     let _ = open_link(new);
                 }
@@ -312,7 +293,7 @@ impl PageHost {
             {
                 app.mark_paused();
                 // A tab is hidden before a reload or its end.
-                store(app, true);
+                keep::keep(app, &Origin, true);
             }
         }
     }
@@ -402,7 +383,7 @@ impl eframe::App for PageApp {
             call("implantPreviewPlan", &plan);
             self.plan = plan;
         }
-        store(app, false);
+        keep::keep(app, &Origin, false);
         let notice = app.notice_in_words();
         if self.notice != notice {
             set_text(NOTICE, &notice);

@@ -4,7 +4,7 @@ use crate::contact::Dome;
 use crate::view::body::Body;
 use crate::view::color::{IMPLANT, Pattern, Rgb, WALL};
 use crate::view::section::{CapTriangle, Corner};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
@@ -165,30 +165,23 @@ pub fn caps(caps: &[CapTriangle], colors: &[Rgb], patterns: &[Pattern]) -> Mesh 
 pub fn implant(dome: &Dome) -> Mesh {
     const RINGS: usize = 48;
     const AROUND: usize = 128;
-    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
-    let last = dome.wall_angle();
     if dome.apex().z <= 1e-9 {
         return Mesh::default();
     }
-    let around: [(f64, f64); AROUND + 1] =
-        std::array::from_fn(|step| (std::f64::consts::TAU * step as f64 / AROUND as f64).sin_cos());
-    for ring in 0..=RINGS {
-        let meridian = dome.meridian(last * ring as f64 / RINGS as f64);
-        for (y, x) in around {
-            let across = glam::DVec2::new(x, y) * meridian.x;
-            let point = (dome.center + across).extend(meridian.y);
-            let normal = dome.normal(point + glam::DVec3::Z * 1e-9);
-            vertices.push(vertex(point.as_vec3(), normal.as_vec3(), [-1.0; 2], NO_VALUE, IMPLANT));
-        }
-    }
-    let at = |ring: usize, step: usize| (ring * (AROUND + 1) + step) as u32;
+    let of = |point: DVec3| {
+        let normal = dome.normal(point + DVec3::Z * 1e-9);
+        vertex(point.as_vec3(), normal.as_vec3(), [-1.0; 2], NO_VALUE, IMPLANT)
+    };
+    let at = |ring: usize, step: usize| (ring * AROUND + step % AROUND) as u32;
+    let mut indices = Vec::with_capacity(6 * RINGS * AROUND);
     for ring in 0..RINGS {
         for step in 0..AROUND {
-            let (a, b) = (at(ring, step), at(ring + 1, step));
-            indices.extend([a, b, b + 1, a, b + 1, a + 1]);
+            let [a, b] = [at(ring, step), at(ring, step + 1)];
+            let [c, d] = [at(ring + 1, step), at(ring + 1, step + 1)];
+            indices.extend([a, c, d, a, d, b]);
         }
     }
-    Mesh::new(vertices, indices)
+    Mesh::new(dome.circles(RINGS, AROUND).map(of).collect(), indices)
 }
 
 /// The chest wall: a disc with a rim.

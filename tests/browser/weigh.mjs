@@ -5,7 +5,8 @@
 import { existsSync, readdirSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { brotliCompressSync, brotliDecompressSync, constants, gzipSync } from "node:zlib";
+import { brotliCompressSync, brotliDecompressSync, gzipSync } from "node:zlib";
+import { brotliOf, GZIP } from "../../web/compression.mjs";
 
 const DIST = fileURLToPath(new URL("../../dist", import.meta.url));
 
@@ -13,15 +14,8 @@ const SECTIONS = "custom type import function table memory global export start e
   " ",
 );
 
-const gzip = (bytes) => gzipSync(bytes, { level: 9 });
-
-/** Brotli as web/pack.mjs writes it. */
-function brotli(bytes) {
-  const { BROTLI_PARAM_QUALITY, BROTLI_PARAM_LGWIN, BROTLI_PARAM_SIZE_HINT } = constants;
-  return brotliCompressSync(bytes, {
-    params: { [BROTLI_PARAM_QUALITY]: 11, [BROTLI_PARAM_LGWIN]: 24, [BROTLI_PARAM_SIZE_HINT]: bytes.length },
-  });
-}
+const gzip = (bytes) => gzipSync(bytes, GZIP);
+const brotli = (bytes) => brotliCompressSync(bytes, brotliOf(bytes));
 
 /** The files that a server sends, as paths in the folder of a build. */
 export function files(folder = DIST) {

@@ -6,7 +6,7 @@
 
 use crate::mesh::stencil::outer;
 use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// A dome in place. Lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,6 +188,19 @@ impl Dome {
     #[must_use]
     pub fn meridian(&self, angle: f64) -> DVec2 {
         DVec2::new(self.base_radius * angle.sin(), self.base_height + self.projection * angle.cos())
+    }
+
+    /// Points of the surface above the wall \[mm\]: circles from the apex, itself one, to the wall at equal steps of the parameter
+    /// of [`Self::meridian`], each counter-clockwise from the direction of x.
+    pub fn circles(&self, count: usize, around: usize) -> impl Iterator<Item = DVec3> {
+        let turn = |step: usize| DVec2::from_angle(TAU * step as f64 / around as f64);
+        let directions: Vec<DVec2> = (0..around).map(turn).collect();
+        let (dome, last) = (*self, self.wall_angle());
+        (0..=count).flat_map(move |circle| {
+            let meridian = dome.meridian(last * circle as f64 / count as f64);
+            let point = |across: &DVec2| (dome.center + meridian.x * *across).extend(meridian.y);
+            directions.iter().map(point).collect::<Vec<DVec3>>()
+        })
     }
 
     /// Height of the surface above the wall \[mm\] at a horizontal position, zero beside the dome.

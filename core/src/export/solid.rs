@@ -3,9 +3,8 @@
 
 use crate::contact::Dome;
 use crate::measure::Surfaces;
-use glam::{DVec2, Vec3};
+use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 /// A part of a mesh; its triangles refer to [`Solid::vertices`].
 #[derive(Clone, Debug, PartialEq)]
@@ -50,13 +49,7 @@ impl Solid {
             return Self { name, vertices: Vec::new(), parts: Vec::new() };
         }
         let mut vertices = vec![dome.apex().as_vec3()];
-        for ring in 1..=RINGS {
-            let meridian = dome.meridian(dome.wall_angle() * ring as f64 / RINGS as f64);
-            vertices.extend((0..AROUND).map(|step| {
-                let (y, x) = (TAU * step as f64 / AROUND as f64).sin_cos();
-                (dome.center + meridian.x * DVec2::new(x, y)).extend(meridian.y).as_vec3()
-            }));
-        }
+        vertices.extend(dome.circles(RINGS, AROUND).skip(AROUND).map(DVec3::as_vec3));
         let centre = vertices.len() as u32;
         vertices.push(dome.center.extend(0.0).as_vec3());
         let at = |ring: usize, step: usize| (1 + (ring - 1) * AROUND + step % AROUND) as u32;
@@ -137,6 +130,7 @@ mod tests {
     use super::*;
     use crate::measure::{Stack, of_faces};
     use crate::mesh::Sheet;
+    use glam::DVec2;
 
     fn flat(thickness: f32) -> Solid {
         let sheet = Sheet::new(33, 50.0);

@@ -58,7 +58,7 @@ pub const STRAIN: Limits = Limits {
     ],
     note: "The scale counts what the implant adds to the skin at rest. Standing alone stretches the skin of the breast by up to \
         60 % in places (39 women; Norris and others, BMJ Open Sport Exerc Med 6, 2020, e000770): the limits are those \
-        of skin cut out and at rest, and standing strain is not in them.",
+        of skin cut out and at rest, and the stretch of standing is not in them.",
 };
 
 /// Greatest principal strain of the skin / strain at which this skin's curve turns steep \[-\]
@@ -70,7 +70,7 @@ pub const RESERVE: Limits = Limits {
         Band {
             limit: Some(0.8),
             word: "usual",
-            source: "Up to 80 % of the strain at which this skin's curve turns steep: a convention of this program.",
+            source: "Up to 80 % of the stretch at which this skin's curve turns steep: a convention of this program.",
         },
         Band {
             limit: Some(1.0),

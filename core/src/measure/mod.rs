@@ -101,8 +101,8 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     }
     if report.is_left_at_rest {
         outcome.warnings.push(
-            "The insertion is below the solver tolerance; the tissue was left undeformed. Reduce the \
-             tolerance to resolve it."
+            "The insertion is too small for this accuracy; the tissue was left undeformed. Choose a finer \
+             accuracy (tolerance)."
                 .to_owned(),
         );
     }
@@ -304,8 +304,8 @@ impl Outcome {
     ) {
         if self.status == Status::NotConverged {
             self.warnings.push(
-                "The solver did not reach the tolerance; the estimated position error applies to all \
-                 values. Without an estimate the error is unknown."
+                "The computation is not finished; the estimated position error applies to all values. \
+                 Without an estimate the error is unknown."
                     .to_owned(),
             );
         }
@@ -328,8 +328,8 @@ impl Outcome {
         let (sheet, springs) = (problem.sheet(), problem.springs);
         if let Some(part) = unresolved_part(problem, contact_nodes) {
             self.warnings.push(format!(
-                "The grid is too coarse for {part}: the node spacing is {:.2} mm. Strain, stress, \
-                 pressure and force are inaccurate there. Use more nodes per side.",
+                "The computation is too coarse for {part} (points {:.2} mm apart). Stretch, stress, \
+                 pressure and force are inaccurate there. Choose a finer accuracy (nodes per side).",
                 sheet.spacing_mm()
             ));
         }

@@ -54,6 +54,7 @@ pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointF
 pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
 pub use no_answer::{NoAnswer, size_in_words, volume_and_width};
 pub use parameter::{Parameter, ParameterError, with_values};
+pub use percentile::percentiles;
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};
 pub use samples::{LEAST_ANSWERS, Samples};

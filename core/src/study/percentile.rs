@@ -1,17 +1,19 @@
-//! Percentiles of the samples.
+//! Percentiles of samples.
 
 /// 10th percentile, median and 90th percentile; `None` without values.
-pub(super) fn band(mut values: Vec<f64>) -> Option<[f64; 3]> {
-    values.sort_by(f64::total_cmp);
-    let [low, median, high] = [0.1, 0.5, 0.9].map(|p| percentile(&values, p));
-    Some([low?, median?, high?])
+pub(super) fn band(values: Vec<f64>) -> Option<[f64; 3]> {
+    percentiles(values, [0.1, 0.5, 0.9])
 }
 
-/// The percentile of sorted values, on a line between two values; `None` without values.
-fn percentile(sorted: &[f64], p: f64) -> Option<f64> {
-    let position = p * sorted.len().checked_sub(1)? as f64;
-    let low = position as usize;
-    let high = (low + 1).min(sorted.len() - 1);
-    let part = position - low as f64;
-    Some(sorted[low] * (1.0 - part) + sorted[high] * part)
+/// The percentiles of values for some shares \[-\], each on a line between two values; `None` without values.
+#[must_use]
+pub fn percentiles<const N: usize>(mut values: Vec<f64>, shares: [f64; N]) -> Option<[f64; N]> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some(shares.map(|share| {
+        let position = share * last as f64;
+        let low = position as usize;
+        let part = position - low as f64;
+        values[low] * (1.0 - part) + values[(low + 1).min(last)] * part
+    }))
 }

@@ -81,13 +81,13 @@ impl Quantity {
     fn words(self) -> Words {
         match self {
             Self::GreatestStrain => {
-                Words("greatest_strain", "greatest strain of the skin", "", 100.0, "%")
+                Words("greatest_strain", "greatest stretch of the skin", "", 100.0, "%")
             }
             Self::AreaOver25 => {
-                Words("area_over_25", "skin strained by more than 25 %", "", 100.0, "%")
+                Words("area_over_25", "skin stretched by more than 25 %", "", 100.0, "%")
             }
             Self::AreaOver50 => {
-                Words("area_over_50", "skin strained by more than 50 %", "", 100.0, "%")
+                Words("area_over_50", "skin stretched by more than 50 %", "", 100.0, "%")
             }
             Self::MeanPressureMmhg => {
                 Words("mean_pressure_mmhg", "mean contact pressure", "mmHg", 1.0, "mmHg")

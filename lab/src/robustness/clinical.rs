@@ -11,7 +11,7 @@ use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
 use implant_preview_core::scene::{Scene, limits};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
-use implant_preview_core::study::normal_quantile;
+use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
 
 /// Base radius \[mm\].
@@ -188,11 +188,8 @@ pub struct ClinicalSummary {
 }
 
 /// Median, 95th percentile and greatest number.
-fn spread(mut numbers: Vec<f64>) -> Option<[f64; 3]> {
-    numbers.sort_by(f64::total_cmp);
-    let last = numbers.len().checked_sub(1)?;
-    let at = |share: f64| numbers[(share * last as f64).round() as usize];
-    Some([at(0.5), at(0.95), at(1.0)])
+fn spread(numbers: Vec<f64>) -> Option<[f64; 3]> {
+    percentiles(numbers, [0.5, 0.95, 1.0])
 }
 
 impl ClinicalSummary {

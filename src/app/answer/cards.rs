@@ -1,7 +1,7 @@
 //! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own; the band of sampled
 //! patients stands in brackets, and its worse end decides the word.
 
-use crate::app::texts::{tr, word_of};
+use crate::app::texts::{fixed, localized, tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS};
@@ -154,8 +154,7 @@ impl Sampled<'_> {
         let Some((band, findings)) = self.band(quantity).zip(self.0) else { return String::new() };
         let (factor, unit) = quantity.display();
         let decimals = usize::from(unit == "mm");
-        let [low, high] =
-            [band.p10, band.p90].map(|value| format!("{:.decimals$}", factor * value));
+        let [low, high] = [band.p10, band.p90].map(|value| fixed(factor * value, decimals));
         match findings.without_answer() > OPEN_ABOVE {
             true if is_low_worse => format!("(≤ {low}–{high}) "),
             true => format!("({low}–≥ {high}) "),
@@ -171,7 +170,7 @@ impl Sampled<'_> {
 
     /// The median with its unit.
     fn median(&self, quantity: Quantity) -> Option<String> {
-        let text = |band: &Band| band.text.rsplit_once(", ").map(|(median, _)| median.to_owned());
+        let text = |band: &Band| band.text.rsplit_once(", ").map(|(median, _)| localized(median));
         self.band(quantity).and_then(text)
     }
 
@@ -269,7 +268,7 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     Card {
         title: tr("Cover over implant"),
         short: (tr("Cover"), text_of(answer.cover, |v| format!("{v:.0} mm"))),
-        figure: text_of(answer.cover, |v| format!("{v:.1} mm")),
+        figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
         beside: tr!("{brackets}of {rest:.1} mm, at least", brackets, rest = answer.rest),
         verdict,
         no_verdict: tr("no published limit"),

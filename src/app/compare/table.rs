@@ -1,7 +1,7 @@
 //! The table of the comparison: a column for each pin and one for the current scene.
 
 use crate::app::details::{figures, known_decimals, position_error};
-use crate::app::texts::{tr, word_of};
+use crate::app::texts::{fixed, tr, word_of};
 use crate::measure::{Outcome, Status, bands};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
@@ -110,8 +110,7 @@ impl Row {
         let known = |e: &Entry| known_decimals(e.value, self.decimals, e.error);
         let (decimals, difference) = (known(now).min(known(pin)), now.value - pin.value);
         let text = signed(difference, decimals);
-        let is_zero = text.chars().all(|c| c == '0' || c == '.');
-        if is_zero || difference < 0.0 { text } else { format!("+{text}") }
+        if is_zero(&text) || difference < 0.0 { text } else { format!("+{text}") }
     }
 }
 
@@ -242,9 +241,13 @@ fn range(band: [f64; 2], decimals: usize) -> String {
 
 /// A number with a true minus.
 fn signed(value: f64, decimals: usize) -> String {
-    let text = format!("{:.decimals$}", value.abs());
-    let is_zero = text.chars().all(|c| c == '0' || c == '.');
+    let text = fixed(value.abs(), decimals);
+    let is_zero = is_zero(&text);
     if value < 0.0 && !is_zero { format!("−{text}") } else { text }
+}
+
+fn is_zero(number: &str) -> bool {
+    !number.contains(|c: char| ('1'..='9').contains(&c))
 }
 
 fn header(ui: &mut Ui, text: &str) -> egui::Response {

@@ -1,7 +1,7 @@
 //! Implant or expander: width, volume, projection, of which one follows the other two; profile.
 
 use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, title};
-use crate::app::texts::tr;
+use crate::app::texts::{localized, tr};
 use crate::app::theme;
 use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
@@ -20,7 +20,7 @@ pub(in crate::app) fn implant(
     ui: &mut Ui,
     scene: &mut Scene,
     choices: &mut Choices,
-    marks: &mut VolumeMarks,
+    marks: &VolumeMarks,
     hand: Hand,
 ) {
     // The limits of a scene are those of a size.
@@ -77,7 +77,7 @@ fn implant_rows(
     ui: &mut Ui,
     size: Size,
     choices: &mut Choices,
-    marks: &mut VolumeMarks,
+    marks: &VolumeMarks,
     hand: Hand,
 ) -> Option<Size> {
     let mut changed = None;
@@ -90,7 +90,6 @@ fn implant_rows(
         let mut now = before;
         let mut mark = false;
         let mut control = control_of(size, dimension, choices.follows);
-        let top = ui.cursor().top();
         if dimension == Dimension::Volume && is_marked {
             control.marks = marks.ends();
             control.tooltip = &volume_tooltip;
@@ -104,13 +103,6 @@ fn implant_rows(
                 mark = follow_mark(ui, dimension, is_following, hand);
             }),
         );
-        let line = ui.max_rect().with_min_y(top).with_max_y(ui.cursor().top());
-        if dimension == Dimension::Volume
-            && is_marked
-            && (response.is_changed || ui.rect_contains_pointer(line))
-        {
-            marks.want();
-        }
         if mark {
             choices.follows = dimension;
         }
@@ -375,7 +367,7 @@ pub(super) fn set_size(scene: &mut Scene, size: Size) {
 }
 
 fn typical() -> String {
-    let cm = |(least, most): (f64, f64)| format!("{}–{} cm", cm(least), cm(most));
+    let cm = |(least, most): (f64, f64)| localized(format!("{}–{} cm", cm(least), cm(most)));
     let (least, most) = limits::TYPICAL_VOLUME_ML;
     tr!(
         "Typical round implants: width {width}, projection {projection}, {least}–{most} ml.",

@@ -27,7 +27,7 @@ pub(super) use super::device::Device;
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
 use super::widgets::{Control, ControlResponse, Kind};
-use crate::app::texts::tr;
+use crate::app::texts::{localized, tr};
 use crate::clinical::Dimension;
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
@@ -41,7 +41,8 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let size = implant.size().ok();
     let centimetres = |mm: f64| format!("{} cm", format_at_most(cm(mm), 1, 2));
     let layer = |layer: &Layer| {
-        let [thickness, ratio] = [layer.thickness_mm, layer.poisson_ratio].map(number);
+        let [thickness, ratio] =
+            [layer.thickness_mm, layer.poisson_ratio].map(|value| localized(number(value)));
         tr!(
             "{tissue} {thickness} mm (Poisson ratio {ratio})",
             tissue = tr(&layer.tissue),

@@ -1,7 +1,8 @@
 //! What was measured on the patient, pinch and skin, and what the measurements become.
 
 use super::{Hand, centimetres, chip, chips, cm, mm, row, title, visit};
-use crate::app::texts::{self, tr};
+use crate::app::texts::{self, localized, tr};
+use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Scene, TissueModel};
@@ -66,7 +67,7 @@ pub(super) fn pinch_control(scene: &Scene, measured: &Measurements) -> (Control<
 
 /// The thickness over the implant that follows from the pinch, or the values set by hand.
 fn thickness(ui: &mut Ui, scene: &mut Scene) {
-    let thickness = |mm: f64| format!("{mm:.1}").trim_end_matches(".0").to_owned();
+    let thickness = |mm: f64| format_at_most((10.0 * mm).round() / 10.0, 0, 1);
     let layers: Vec<String> = scene
         .layers
         .iter()
@@ -107,9 +108,9 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
                     tr!(
                         "{field}: {value}; {measured} gives {derived}",
                         field = v.field,
-                        value = v.value,
+                        value = localized(v.value.to_string()),
                         measured = texts::shown(&v.measured),
-                        derived = v.derived
+                        derived = localized(v.derived.to_string())
                     )
                 })
                 .collect();
@@ -131,7 +132,7 @@ fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
     let is_pulled = measured.skin_pull_mm.is_some();
     let word =
         if measured.skin_class.is_none() && !is_pulled { tr(" (set in Advanced)") } else { "" };
-    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(tr!("How far the skin stretches under a pull, as a factor of the preset's strains: {scale:.2}. Tight: \
+    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(tr!("How far the skin stretches under a pull, as a factor of the preset's stretch: {scale:.2}. Tight: \
          pulled less than 2 cm; normal: 2–3 cm; lax: 3–4 cm; very lax: more than 4 cm. Within a factor 2 \
          (1 standard deviation).", scale));
     chips(ui, |ui| {

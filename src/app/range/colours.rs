@@ -3,7 +3,7 @@
 
 use super::plane::marks;
 use super::readout;
-use crate::app::texts::word_of;
+use crate::app::texts::{fixed, word_of};
 use crate::measure::bands::Limits;
 use crate::study::{Map, PointStatus, Quantity};
 use crate::view::color::{Rgb, in_band, sequential};
@@ -86,7 +86,7 @@ impl Scale {
                 let values = marks(self.ends, 5);
                 let step = values.windows(2).next().map_or(1.0, |pair| pair[1] - pair[0]);
                 let decimals = (-(step.log10() + 1e-9).floor()).clamp(0.0, 4.0) as usize;
-                values.into_iter().map(|value| (value, format!("{value:.decimals$}"))).collect()
+                values.into_iter().map(|value| (value, fixed(value, decimals))).collect()
             }
         }
     }

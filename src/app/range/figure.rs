@@ -124,7 +124,7 @@ mod tests {
         let chart = range.for_report(&session).ok().unwrap();
         assert_eq!(chart.title, "Range of implants: skin stretch");
         assert!(
-            chart.caption.starts_with("49 plans computed. 17 nodes a side"),
+            chart.caption.starts_with("49 plans computed. A quick, coarse computation"),
             "{}",
             chart.caption
         );

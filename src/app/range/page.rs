@@ -5,7 +5,7 @@ use super::{Range, readout};
 use crate::app::commands::{Action, entry_of};
 use crate::app::messages::Notice;
 use crate::app::plan::{Hand, chip};
-use crate::app::texts::tr;
+use crate::app::texts::{fixed, tr};
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{rejection_label, remark};
 use crate::app::{App, theme};
@@ -23,7 +23,12 @@ impl Range {
             return;
         }
         let Some(map) = self.map.study() else { return };
-        remark(ui, self.caption_in_words(map));
+        let grids = tr!(
+            "The plans are computed with {nodes} nodes per side, some of them again with {fine}.",
+            nodes = map.settings().nodes_per_side,
+            fine = CHECK.nodes_per_side
+        );
+        remark(ui, self.caption_in_words(map)).on_hover_text(grids);
         if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
             let line = RichText::new(failure).small().color(palette.bad);
             ui.add(egui::Label::new(line).wrap());
@@ -78,22 +83,19 @@ impl Range {
 
     /// Grid of the points, and the greatest difference from a finer grid once it is known.
     fn accuracy(&self, map: &Map) -> String {
-        let nodes = map.settings().nodes_per_side;
         let within = self.check.finished().and_then(|check| {
             let differences = map.differences(check);
             differences.into_iter().find(|found| found.quantity == self.quantity)
         });
         match within {
             Some(found) => tr!(
-                "{nodes} nodes a side, within {difference} of the fine grid ({fine} nodes).",
-                nodes,
-                difference = within_text(self.quantity, found.difference),
-                fine = CHECK.nodes_per_side
+                "A quick, coarse computation, within {difference} of a fine one.",
+                difference = within_text(self.quantity, found.difference)
             ),
             None if self.check.is_running() => {
-                tr!("{nodes} nodes a side; comparing with the fine grid.", nodes)
+                tr("A quick, coarse computation; a fine one is being compared.").to_owned()
             }
-            None => tr!("{nodes} nodes a side.", nodes),
+            None => tr("A quick, coarse computation.").to_owned(),
         }
     }
 }
@@ -120,7 +122,7 @@ pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String
     let rounded = (shown / power - 1e-9).ceil() * power;
     let decimals = (-power.log10().round()).max(0.0) as usize;
     let points = if unit == "%" { tr("% (points)") } else { unit };
-    format!("{rounded:.decimals$} {points}")
+    format!("{} {points}", fixed(rounded, decimals))
 }
 impl App {
     /// The switch between picture and range, above the middle of a wide screen.

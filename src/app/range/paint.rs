@@ -6,6 +6,7 @@ use super::plane::{Plane, marks};
 use super::readout;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
+use crate::app::widgets::quantity::format_at_most;
 use crate::study::{Axis, Map, Quantity};
 use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle,
@@ -76,10 +77,15 @@ pub(super) fn paint(
         let opacity = if drawn.is_previous { 0.5 } else { 1.0 };
         mesh.add_rect_with_uv(rect, all, Color32::WHITE.gamma_multiply(opacity));
         painter.add(Shape::mesh(mesh));
-        let thin = Stroke::new(1.0, Color32::from_black_alpha(110));
+        // Bands have the same colours in both themes, the ground of points without a value has not: a halo parts a line from both.
+        let visuals = ui.visuals();
+        let halo = Stroke::new(2.5, visuals.extreme_bg_color.gamma_multiply(0.5));
+        let thin = Stroke::new(1.0, visuals.text_color().gamma_multiply(0.7));
         for line in &drawn.volumes {
             for points in &line.1 {
-                painter.extend(Shape::dashed_line(&path(points), thin, 3.0, 4.0));
+                for stroke in [halo, thin] {
+                    painter.extend(Shape::dashed_line(&path(points), stroke, 3.0, 4.0));
+                }
             }
         }
         // The sizes of the clinic stand in place of typical ones.
@@ -237,7 +243,7 @@ pub(super) fn paint_axes(
         }
         None => {
             let marks = marks(plane.y, count);
-            let text = |mark: f64| (mark, format!("{}", (mark * 1e6).round() / 1e6));
+            let text = |mark: f64| (mark, format_at_most(mark, 0, 6));
             let title = format!("{} ({})", readout::name(quantity), drawn.scale.unit);
             (marks.into_iter().map(text).collect(), title)
         }

@@ -1,7 +1,7 @@
 //! The values of a point of the range in words: for the box at the pointer and for screen readers.
 
 use super::axes::Words;
-use crate::app::texts::{tr, word_of};
+use crate::app::texts::{fixed, tr, word_of};
 use crate::measure::bands;
 use crate::study::{Map, Parameter, PointStatus, Quantity};
 
@@ -54,7 +54,7 @@ pub(super) fn text(quantity: Quantity, value: f64) -> String {
     };
     // No minus sign before a zero.
     let shown = (value * factor * 10f64.powi(decimals)).round() / 10f64.powi(decimals) + 0.0;
-    format!("{shown:.0$} {unit}", decimals as usize)
+    format!("{} {unit}", fixed(shown, decimals as usize))
 }
 
 /// The place of a point, as "Width 12 cm, projection 4 cm".
@@ -98,7 +98,7 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
             Some(tr(NOT_COMPUTED).to_owned())
         }
         PointStatus::NotConverged => {
-            Some(tr("No numbers: the solve stopped above its tolerance.").to_owned())
+            Some(tr("No numbers: the computation was not finished.").to_owned())
         }
         PointStatus::NoShape => Some(tr("No stable shape.").to_owned()),
         PointStatus::Invalid => {

@@ -5,6 +5,7 @@ use super::plane::Plane;
 use super::{Range, readout};
 use crate::app::messages::Notice;
 use crate::app::texts::{shown, tr};
+use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::app::{App, files::Files};
 use crate::clinical::{Listed, Shelf, ShelfSize};
@@ -110,7 +111,7 @@ fn words(size: &ShelfSize) -> String {
                 projection = Words::of(Parameter::Projection).text(projection)
             )
         }
-        Listed::Volume(volume) => format!("{} ml", (volume * 100.0).round() / 100.0),
+        Listed::Volume(volume) => format!("{} ml", format_at_most(volume, 0, 2)),
     };
     tr!("{name}: width {width}, {listed}", name = size.name(), width, listed)
 }
@@ -259,7 +260,7 @@ impl App {
         if !largest.is_empty() {
             remark(ui, largest).on_hover_text(
                 tr("No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
-                 the shelf up to this width stays usual. Solved on a coarse grid."),
+                 the shelf up to this width stays usual. A quick, coarse computation."),
             );
         }
     }

@@ -8,11 +8,13 @@
 //! No library: those at hand return a new text for every label of every frame, have no precision (`{:.1}`) in a template, and
 //! do not translate a finished sentence of another module.
 //!
-//! `choice` (the user's language, kept for the next start).
+//! `choice` (the user's language, kept for the next start) | `number` (numbers with the decimal sign of the language).
 
 mod choice;
+mod number;
 
 pub(super) use choice::LanguageChoice;
+pub(super) use number::{fixed, localized};
 
 use crate::measure::bands::{Limits, PRESSURE};
 use std::collections::HashMap;
@@ -100,7 +102,7 @@ macro_rules! tr_with_values {
 }
 pub(super) use tr_with_values as tr;
 
-/// A template with the values of its places.
+/// A template with the values of its places. A value with a number of decimals has the decimal sign of the language.
 pub(super) fn filled(template: &str, values: &[(&str, &dyn Display)]) -> String {
     let mut text = String::with_capacity(template.len() + 16);
     for part in parts(template) {
@@ -110,13 +112,13 @@ pub(super) fn filled(template: &str, values: &[(&str, &dyn Display)]) -> String 
                 let value = values.iter().find(|(known, _)| *known == name).map(|(_, value)| value);
                 let Some(value) = value else { continue };
                 let decimals = format.trim_start_matches(['+', '.']).parse::<usize>();
-                // Writing to a text does not fail.
-                let _ = match (format.starts_with('+'), decimals) {
-                    (false, Ok(decimals)) => write!(text, "{value:.decimals$}"),
-                    (true, Ok(decimals)) => write!(text, "{value:+.decimals$}"),
-                    (true, Err(_)) => write!(text, "{value:+}"),
-                    (false, Err(_)) => write!(text, "{value}"),
-                };
+                match (format.starts_with('+'), decimals) {
+                    (false, Ok(decimals)) => text += &localized(format!("{value:.decimals$}")),
+                    (true, Ok(decimals)) => text += &localized(format!("{value:+.decimals$}")),
+                    // Writing to a text does not fail.
+                    (true, Err(_)) => drop(write!(text, "{value:+}")),
+                    (false, Err(_)) => drop(write!(text, "{value}")),
+                }
             }
         }
     }
@@ -166,9 +168,13 @@ fn sentence(english: &str) -> String {
     };
     let value = |name: &str| values.iter().find(|(known, _)| *known == name);
     // The values have their digits already.
+    let shown = |value: &str| match value.parse::<f64>() {
+        Ok(_) => localized(value),
+        Err(_) => sentence(value),
+    };
     let part = |part| match part {
         Part::Text(words) => words.to_owned(),
-        Part::Place(name, _) => value(name).map(|(_, value)| sentence(value)).unwrap_or_default(),
+        Part::Place(name, _) => value(name).map(|(_, value)| shown(value)).unwrap_or_default(),
     };
     parts(spanish).map(part).collect()
 }

@@ -100,6 +100,19 @@ fn every_text_to_translate_has_a_row() {
 }
 
 #[test]
+fn spanish_texts_have_decimal_commas() {
+    let has_point = |text: &str| {
+        // The example of a date.
+        let text = text.replace("25.11.2026", "");
+        let signs: Vec<char> = text.chars().collect();
+        signs.windows(3).any(|s| s[0].is_ascii_digit() && s[1] == '.' && s[2].is_ascii_digit())
+    };
+    let found: Vec<String> =
+        rows().map(|(_, spanish)| spanish).filter(|text| has_point(text)).collect();
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
 fn every_row_is_a_text_of_the_code() {
     let texts: HashSet<String> = ["src", "core"]
         .iter()

@@ -12,7 +12,7 @@ mod unknowns;
 pub(super) use panel::figure;
 
 use super::studies::{Driver, Studies};
-use crate::app::texts::tr;
+use crate::app::texts::{localized, tr};
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::session::Session;
@@ -273,7 +273,7 @@ impl Uncertainty {
         let list: Vec<String> = panel::ANSWER
             .iter()
             .filter_map(|(quantity, name)| Some((findings.band(*quantity)?, name)))
-            .map(|(band, name)| format!("{} {}", tr(name).to_lowercase(), band.text))
+            .map(|(band, name)| format!("{} {}", tr(name).to_lowercase(), localized(&*band.text)))
             .collect();
         tr!(
             " Of {count} sampled patients 8 in 10 lie between: {list}. {note}",

@@ -1,7 +1,7 @@
 //! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
 
 use super::{Findings, Uncertainty, chart, has_answer};
-use crate::app::texts::tr;
+use crate::app::texts::{fixed, localized, tr};
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
 use crate::measure::Outcome;
@@ -160,7 +160,9 @@ fn scenarios(ui: &mut Ui, findings: &Findings, result: Option<&Outcome>) {
     egui::Grid::new("scenarios").num_columns(4).spacing([SPACE, 2.0]).show(ui, |ui| {
         ui.label(RichText::new(tr("all stresses")).small().weak());
         for Scenario { stress_factor, .. } in factors {
-            ui.label(RichText::new(format!("× {stress_factor}")).small().weak());
+            ui.label(
+                RichText::new(format!("× {}", localized(stress_factor.to_string()))).small().weak(),
+            );
         }
         ui.end_row();
         for (quantity, name) in ANSWER {
@@ -193,7 +195,7 @@ fn changed(own: Option<f64>, scenarios: &[Scenario]) -> impl Iterator<Item = Opt
 pub(in crate::app) fn figure(quantity: Quantity, value: f64) -> String {
     let (factor, unit) = quantity.display();
     let decimals = usize::from(unit == "mm");
-    format!("{:.decimals$} {unit}", factor * value)
+    format!("{} {unit}", fixed(factor * value, decimals))
 }
 
 fn caution(ui: &mut Ui, text: String) {

@@ -229,7 +229,7 @@ pub(super) fn words(unknown: Unknown) -> Words {
         Unknown::SkinStrainScale => Words {
             name: tr("Laxity of the skin"),
             tooltip: tr(
-                "How far the skin stretches before it stiffens (strain scale): with a class or a pull a factor \
+                "How far the skin stretches before it stiffens: with a class or a pull a factor \
                       on the plan's, without them the scale itself",
             ),
             unit: "",

@@ -3,7 +3,7 @@
 use super::overlay::pointer_box;
 use super::{Viewport, readout, viewport_point};
 use crate::app::device::Device;
-use crate::app::texts::tr;
+use crate::app::texts::{fixed, tr};
 use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
 use crate::measure::Fields;
@@ -228,7 +228,7 @@ impl Measured {
     }
 
     fn words(&self) -> Vec<String> {
-        let cm = |mm: f32| format!("{:.1} cm", 0.1 * mm);
+        let cm = |mm: f32| format!("{} cm", fixed(0.1 * f64::from(mm), 1));
         // Of the lengths as they are shown.
         let gain = self.line.length_mm.round() - self.rest_mm.round();
         vec![

@@ -70,7 +70,8 @@ fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
     let layout = |words: &str| painter.layout_no_wrap(words.to_owned(), font.clone(), text);
     let words: Vec<_> =
         scale.words.iter().map(|(value, word)| (*value, layout(tr(word)))).collect();
-    let labels: Vec<_> = scale.ticks.iter().map(|(_, label)| layout(tr(label))).collect();
+    let labels: Vec<_> =
+        scale.ticks.iter().map(|(_, label)| layout(&texts::localized(tr(label)))).collect();
     let width = |of: &mut dyn Iterator<Item = f32>| of.fold(0.0, f32::max);
     let word_width = width(&mut words.iter().map(|(_, galley)| galley.size().x));
     let label_width = width(&mut labels.iter().map(|galley| galley.size().x));
@@ -148,7 +149,7 @@ pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Re
     }
     let mut free = f32::NEG_INFINITY;
     for (value, label) in &scale.ticks {
-        let galley = painter.layout_no_wrap(tr(label).to_owned(), font.clone(), text);
+        let galley = painter.layout_no_wrap(texts::localized(tr(label)), font.clone(), text);
         let start =
             (at(*value) - 0.5 * galley.size().x).clamp(bar.left(), bar.right() - galley.size().x);
         if start > free {
@@ -288,7 +289,13 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
         format!("{} cm", 0.1 * length_mm)
     };
     let at = start.lerp(end, 0.5) - vec2(0.0, 5.0);
-    painter.text(at, Align2::CENTER_BOTTOM, label, font(ui), ui.visuals().text_color());
+    painter.text(
+        at,
+        Align2::CENTER_BOTTOM,
+        texts::localized(label),
+        font(ui),
+        ui.visuals().text_color(),
+    );
     place
 }
 

@@ -1,7 +1,7 @@
 //! The values at a point of the tissue, every layer of it, in the units and words of the cards.
 
 use crate::app::device::Device;
-use crate::app::texts::tr;
+use crate::app::texts::{fixed, tr};
 use crate::measure::{Field, Fields, MMHG_PER_KPA};
 use crate::scene::Scene;
 use crate::view::body::Body;
@@ -114,11 +114,12 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
 
 /// Formats a value with at most three digits.
 fn three_figures(value: f32) -> String {
-    match value.abs() {
-        v if v >= 100.0 => format!("{value:.0}"),
-        v if v >= 10.0 => format!("{value:.1}"),
-        _ => format!("{value:.2}"),
-    }
+    let decimals = match value.abs() {
+        v if v >= 100.0 => 0,
+        v if v >= 10.0 => 1,
+        _ => 2,
+    };
+    fixed(f64::from(value), decimals)
 }
 
 #[cfg(test)]

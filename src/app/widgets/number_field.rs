@@ -2,6 +2,7 @@
 
 use super::quantity::{self, Kind};
 use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, set_value_requests};
+use crate::app::texts::localized;
 use crate::app::theme;
 use eframe::egui::{self, Id, Key, Response, Ui};
 use egui::accesskit::ActionData;
@@ -136,7 +137,7 @@ impl NumberField<'_> {
             response = response.on_hover_text(rejection);
         } else if self.formatted(*value).len() > 7 {
             // The number is longer than the field.
-            response = response.on_hover_text(value.to_string());
+            response = response.on_hover_text(localized(value.to_string()));
         }
         FieldResponse { response, is_changed, rejection, out_of_range }
     }

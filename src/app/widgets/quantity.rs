@@ -1,6 +1,6 @@
 //! Numbers as text: decimal commas, units, exact values.
 
-use crate::app::texts::tr;
+use crate::app::texts::{localized, tr};
 use std::ops::RangeInclusive;
 
 /// Kind of a number, which determines the accepted units.
@@ -183,8 +183,14 @@ pub(super) fn stepped(value: f64, step: f64, steps: f64) -> f64 {
     (whole(value / step + steps.signum() * 1e-9) + steps) * step
 }
 
-/// Formats a value with at least the given decimals and, up to six, all further digits that it has.
+/// Formats a value with at least the given decimals and, up to six, all further digits that it has, with the decimal sign of
+/// the language.
 pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
+    localized(digits(value, decimals))
+}
+
+/// A value with a decimal point, as [`format`].
+fn digits(value: f64, decimals: usize) -> String {
     let is_exact = |text: &str| {
         let read: f64 = text.parse().unwrap_or(f64::NAN);
         (read - value).abs() <= 1e-9 * value.abs()
@@ -196,9 +202,10 @@ pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
 
 /// Formats a value like [`format`] with at most the given number of decimals.
 pub(in crate::app) fn format_at_most(value: f64, decimals: usize, most: usize) -> String {
-    let exact = format(value, decimals);
+    let exact = digits(value, decimals);
     let count = exact.split_once('.').map_or(0, |(_, digits)| digits.len());
-    if count <= most { exact } else { without_negative_zero(format!("{value:.most$}")) }
+    let is_short = count <= most;
+    localized(if is_short { exact } else { without_negative_zero(format!("{value:.most$}")) })
 }
 
 /// Removes the minus sign of a number that is rounded to zero.

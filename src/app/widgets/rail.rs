@@ -192,7 +192,7 @@ impl Rail<'_> {
         let step = if self.step > 0.0 { self.step } else { 0.1 * self.step_at(value) };
         let value = (value / step).round() * step;
         // 3 × 0.1 is 0.30000000000000004.
-        let value = quantity::format(value, 0).parse().unwrap_or(value);
+        let value = quantity::significant(value);
         value.max(*self.range.start()).min(*self.range.end())
     }
 
