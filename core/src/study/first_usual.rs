@@ -19,10 +19,14 @@ impl FirstUsual {
     /// The search in these plans, in their order, on a grid of 33 nodes per side.
     #[must_use]
     pub fn new(mut scenes: Vec<Scene>) -> Self {
-        for scene in &mut scenes {
-            scene.patient = None;
-            MapSettings::default().apply(scene);
-        }
+        scenes.iter_mut().for_each(|scene| MapSettings::default().apply(scene));
+        Self::on_own_grids(scenes)
+    }
+
+    /// The search in these plans, in their order, each on its own grid: the word of a found plan is that of its cards.
+    #[must_use]
+    pub fn on_own_grids(mut scenes: Vec<Scene>) -> Self {
+        scenes.iter_mut().for_each(|scene| scene.patient = None);
         Self { scenes, place: 0, is_found: false, is_running: false, jobs: 0 }
     }
 
@@ -115,5 +119,29 @@ mod tests {
         let (index, _) = failed.next_job(&mut store).unwrap();
         failed.receive(index, Vec::new(), &mut store);
         assert_eq!((failed.found(), failed.is_done()), (None, true));
+    }
+
+    /// The stretch of the opening patient's skin is within a percent of the limit at 345 ml: a coarse grid takes the volume as usual.
+    #[test]
+    fn a_plan_that_is_usual_on_its_own_grid_has_usual_cards() {
+        let volumes = [350.0, 345.0, 340.0, 335.0];
+        let plan =
+            |volume: &f64| with_values(&Scene::opening(), &[(Parameter::Volume, *volume)]).unwrap();
+        let mut search = FirstUsual::on_own_grids(volumes.iter().map(plan).collect());
+        let mut store = Cases::default();
+        while let Some((index, job)) = search.next_job(&mut store) {
+            search.receive(index, evaluate(&job), &mut store);
+        }
+        let largest = volumes[search.found().unwrap()];
+        let band = |volume: f64| {
+            let outcome = crate::simulate::simulate(&plan(&volume)).unwrap();
+            let value = |quantity: Quantity| quantity.of(&outcome);
+            bands::stretch(
+                value(Quantity::GreatestStrain).unwrap(),
+                value(Quantity::SkinReserveUsed),
+            )
+            .0
+        };
+        assert_eq!((band(largest), band(largest + 5.0)), (0, 1), "{largest}");
     }
 }

@@ -1,0 +1,278 @@
+//! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
+//! that stays usual. Computed once a pointer rests over the first plan or the plan is edited.
+//!
+//! `marks` (along a curve of volumes) | `width` (the studies of one width).
+
+mod marks;
+mod width;
+
+use super::studies::Studies;
+use super::texts::tr;
+use super::volume_band::VolumeBand;
+use super::volumes::volumes;
+use crate::clinical::{Shelf, ShelfSize};
+use crate::scene::Scene;
+use crate::study::{BandsSettings, Map, Parameter, volume_and_width, with_values};
+use eframe::egui;
+use marks::Mark;
+use web_time::{Duration, Instant};
+use width::{MOST_RATIO, Width};
+
+/// Share of the greatest volume with an answer from which a plan is near the model's limit \[-\].
+const NEAR_END: f64 = 0.9;
+/// Greatest step to the next width of the shelf \[mm\].
+const MOST_STEP_MM: f64 = 20.0;
+/// Rest of the first plan before its marks are computed.
+const REST: Duration = Duration::from_millis(300);
+
+/// The study behind the marks.
+#[derive(Default)]
+pub(super) struct VolumeMarks {
+    /// The volumes of the plan's width.
+    own: Width,
+    /// The scene of the present curve.
+    started: Option<Scene>,
+    is_wanted: bool,
+    /// Start of the rest of the first plan under a pointer.
+    rests_since: Option<Instant>,
+    /// The volumes of the next width.
+    beside: Width,
+    /// The largest usual volume over sampled patients.
+    band: VolumeBand,
+}
+
+impl VolumeMarks {
+    /// The plan is edited: the marks are computed from now on.
+    pub(super) fn want(&mut self) {
+        self.is_wanted = true;
+    }
+
+    /// The marks are computed from a rest of the first plan on, once a pointer or a finger was on it: a page that opens has its picture
+    /// first, and a page in the background computes nothing. `is_busy`: the plan is being solved or edited.
+    pub(super) fn want_after_rest(&mut self, ctx: &egui::Context, is_busy: bool) {
+        if self.is_wanted {
+            return;
+        }
+        let is_used = ctx.input(|input| input.pointer.latest_pos().is_some());
+        let is_at_rest = !is_busy && (is_used || self.rests_since.is_some());
+        let since = is_at_rest.then(|| self.rests_since.unwrap_or_else(Instant::now));
+        self.rests_since = since;
+        match since.map(|since| since.elapsed()) {
+            Some(rest) if rest >= REST => self.is_wanted = true,
+            Some(rest) => ctx.request_repaint_after(REST - rest),
+            None => {}
+        }
+    }
+
+    /// Starts and continues the studies, once a frame. `bands`: the choices of the bands while they are on, and whether the bands
+    /// are complete; `is_busy`: the plan is being solved or edited.
+    pub(super) fn advance(
+        &mut self,
+        (scene, shelf): (&Scene, &Shelf),
+        bands: Option<(BandsSettings, bool)>,
+        studies: &mut Studies,
+        is_busy: bool,
+    ) {
+        if self.is_wanted && !is_busy && self.started.as_ref() != Some(scene) {
+            self.restart(scene, studies);
+        }
+        self.own.advance(studies);
+        self.advance_beside(shelf, studies, is_busy);
+        let curve = self.own.curve().map(|curve| (curve.base(), curve.axes()[0]));
+        self.band.advance(curve, bands, studies, is_busy);
+    }
+
+    /// The volumes of the next width, after those of the plan's own.
+    fn advance_beside(&mut self, shelf: &Shelf, studies: &mut Studies, is_busy: bool) {
+        if !is_busy
+            && self.own.largest_ml().is_some()
+            && let Some(curve) = self.own.curve()
+        {
+            let next = next_width(2.0 * curve.base().implant.base_radius_mm, shelf);
+            let has_width =
+                |beside: &Map| (2.0 * beside.base().implant.base_radius_mm - next).abs() < 1e-6;
+            if !self.beside.any_curve().is_some_and(has_width) {
+                match with_values(curve.base(), &[(Parameter::BaseWidth, next)]) {
+                    Ok(wider) => self.beside.start(&wider, volumes(next, MOST_RATIO), studies),
+                    Err(_) => self.beside.cancel(studies),
+                }
+            }
+        }
+        self.beside.advance(studies);
+    }
+
+    /// Starts the curve of a scene. Another volume leaves the curve as it is.
+    fn restart(&mut self, scene: &Scene, studies: &mut Studies) {
+        self.started = Some(scene.clone());
+        let base = full(scene);
+        let axis = volumes(2.0 * scene.implant.base_radius_mm, MOST_RATIO);
+        if self.own.move_to(&base, axis) {
+            return;
+        }
+        self.beside.cancel(studies);
+        self.band.cancel(studies);
+        self.own.start(&base, axis, studies);
+    }
+
+    /// The volumes \[ml\] above which the worst card is high, is more than high, and above which no scene has an answer.
+    pub(super) fn ends(&self) -> [Option<f64>; 3] {
+        let first = |is_meant: &dyn Fn(Option<usize>) -> bool| {
+            // The marks are in the order of their volumes.
+            let found = self.own.marks().iter().find(|mark| is_meant(mark.band));
+            found.map(|mark| mark.volume_ml)
+        };
+        [
+            first(&|band| band >= Some(1)),
+            first(&|band| band >= Some(2)),
+            first(&|band| band.is_none()),
+        ]
+    }
+
+    /// The largest volume that stays usual at the width of the plan and at the next one, in words; empty while the first is not
+    /// known.
+    pub(super) fn largest_usual(&self) -> String {
+        let (Some(largest), Some(curve)) = (self.own.largest(), self.own.curve()) else {
+            return String::new();
+        };
+        let [_, width] = volume_and_width(curve.base());
+        let words = match largest {
+            None => tr!("No volume on {width} cm stays usual", width),
+            Some(volume) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
+        } + &self.band.words();
+        let beside = self.beside.largest().zip(self.beside.curve()).map(|(largest, beside)| {
+            let [_, width] = volume_and_width(beside.base());
+            let volume = largest.unwrap_or_else(|| tr("none").to_owned());
+            tr!("; {volume} on {width} cm", volume, width)
+        });
+        format!("{words}{}.", beside.unwrap_or_default())
+    }
+
+    /// The largest volume of a plan that stays usual \[ml\]; `None` while that is not known, or without one.
+    pub(super) fn largest_ml(&self, plan: &Scene) -> Option<f64> {
+        let is_of_plan = self.started.as_ref() == Some(plan);
+        self.own.largest_ml()?.filter(|_| is_of_plan)
+    }
+
+    /// [`Self::largest_ml`] as a plan and in words.
+    pub(super) fn largest_plan(&self, plan: &Scene) -> Option<(Scene, String)> {
+        let volume = self.largest_ml(plan)?;
+        let base = self.own.curve()?.base();
+        let scene = with_values(base, &[(Parameter::Volume, volume)]).ok()?;
+        Some((scene, tr!("{volume:.0} ml, the largest that stays usual", volume)))
+    }
+
+    /// What [`Self::largest_usual`] is.
+    pub(super) fn about_largest_usual(&self) -> String {
+        let words = tr(
+            "No word of the cards is above usual up to this volume, for this patient and this pocket. A quick, coarse \
+             computation, checked by the plan's own; in steps of 5 ml.",
+        );
+        words.to_owned() + &self.band.about()
+    }
+
+    /// That the volume of a plan is above or within a tenth of the greatest one with an answer, in words; empty while that is not
+    /// known.
+    pub(super) fn near_end(&self, plan: &Scene) -> String {
+        let words = Parameter::Volume.value(plan).map_or_else(String::new, |v| self.near_end_of(v));
+        // Also during the solve of another volume. The comparison builds scenes: a volume far below the limit needs none.
+        let is_of_plan =
+            || self.own.any_curve().is_some_and(|curve| curve.has_points_of(&full(plan)));
+        if words.is_empty() || is_of_plan() { words } else { String::new() }
+    }
+
+    fn near_end_of(&self, volume_ml: f64) -> String {
+        match self.ends()[2] {
+            Some(end) if volume_ml > end => {
+                tr!(
+                    "Probably no answer: the model has none above about {end:.0} ml at this width.",
+                    end
+                )
+            }
+            Some(end) if volume_ml >= NEAR_END * end => {
+                tr!("Near the model's limit: no answer above about {end:.0} ml at this width.", end)
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// The marks in words; empty without any.
+    pub(super) fn words(&self) -> String {
+        let word = |mark: &Mark| format!("\n{:.0} ml: {}", mark.volume_ml, mark.words());
+        let words: String = self.own.marks().iter().map(word).collect();
+        if words.is_empty() { words } else { tr!("\nAt this width, from about{words}", words) }
+    }
+}
+
+/// The next width \[mm\]: the next one of the shelf within [`MOST_STEP_MM`], else the next whole centimetre at least half a
+/// centimetre wider.
+fn next_width(width_mm: f64, shelf: &Shelf) -> f64 {
+    let widths = shelf.sizes().iter().map(ShelfSize::width_mm);
+    let wider = widths.filter(|other| *other > width_mm + 0.5 && *other <= width_mm + MOST_STEP_MM);
+    let next = wider.fold(f64::INFINITY, f64::min);
+    if next.is_finite() { next } else { 10.0 * ((width_mm + 5.0) / 10.0).ceil() }
+}
+
+/// A plan with the whole implant in place.
+fn full(plan: &Scene) -> Scene {
+    Scene { insertion: 1.0, ..plan.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_width_is_that_of_the_shelf_or_a_whole_centimetre() {
+        let none = Shelf::default();
+        for (width, next) in [(120.0, 130.0), (121.0, 130.0), (127.0, 140.0), (125.0, 130.0)] {
+            assert!((next_width(width, &none) - next).abs() < 1e-9, "{width}");
+        }
+        let shelf = "name;width_mm;volume_ml\na;115;200\nb;124;300\nc;150;500";
+        let shelf = Shelf::from_csv(shelf).unwrap();
+        for (width, next) in [(120.0, 124.0), (124.0, 130.0), (131.0, 150.0)] {
+            assert!((next_width(width, &shelf) - next).abs() < 1e-9, "{width}");
+        }
+    }
+
+    fn width(width_mm: f64, marks: Vec<Mark>, largest_ml: Option<f64>) -> Width {
+        let scene = with_values(&Scene::opening(), &[(Parameter::BaseWidth, width_mm)]).unwrap();
+        Width::done(&scene, volumes(width_mm, MOST_RATIO), marks, largest_ml)
+    }
+
+    #[test]
+    fn the_largest_volume_stands_beside_that_of_the_next_width() {
+        let words =
+            |own, beside| VolumeMarks { own, beside, ..VolumeMarks::default() }.largest_usual();
+        let most = volumes(120.0, MOST_RATIO).to;
+        assert_eq!(words(Width::default(), Width::default()), "");
+        for (own, beside, expected) in [
+            (Some(360.0), None, "Up to 360 ml stays usual on 12 cm; none on 13 cm."),
+            (Some(360.0), Some(410.0), "Up to 360 ml stays usual on 12 cm; 410 ml on 13 cm."),
+            (None, Some(410.0), "No volume on 12 cm stays usual; 410 ml on 13 cm."),
+        ] {
+            assert_eq!(words(width(120.0, vec![], own), width(130.0, vec![], beside)), expected);
+        }
+        let open = words(width(120.0, vec![], Some(most)), Width::default());
+        assert_eq!(open, format!("Up to {most:.0} ml and more stays usual on 12 cm."));
+    }
+
+    #[test]
+    fn a_volume_within_a_tenth_of_the_last_answer_is_near_the_limit() {
+        let end = Mark { volume_ml: 400.0, band: None, quantity: None, word: "no answer" };
+        let own = width(120.0, vec![end], None);
+        let marks = VolumeMarks { own, ..VolumeMarks::default() };
+        assert_eq!(marks.near_end_of(359.0), "");
+        assert!(
+            marks
+                .near_end_of(361.0)
+                .starts_with("Near the model's limit: no answer above about 400 ml")
+        );
+        assert!(
+            marks
+                .near_end_of(401.0)
+                .starts_with("Probably no answer: the model has none above about 400 ml")
+        );
+        assert_eq!(VolumeMarks::default().near_end_of(361.0), "");
+        assert_eq!(marks.near_end(&Scene::opening()), "");
+    }
+}

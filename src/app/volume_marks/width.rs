@@ -1,0 +1,152 @@
+//! The volumes of one width: a curve of solved scenes on a coarse grid, its marks, and the largest volume that stays usual. That
+//! volume is found on the curve and checked on the plan's own grid: the plan of that volume is usual.
+
+use super::marks::{Mark, marks};
+use crate::app::studies::{Driver, Studies};
+use crate::app::texts::tr;
+use crate::scene::Scene;
+use crate::study::{Axis, FirstUsual, Map, MapSettings, Parameter, with_values};
+
+/// Grid and tolerance of the curve.
+pub(super) const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
+/// Projection / half base width of the greatest volume \[-\]: from 1.36 on a scene may have no answer.
+pub(super) const MOST_RATIO: f64 = 1.3;
+/// Step of the volumes that are checked \[ml\].
+const STEP_ML: f64 = 5.0;
+/// Steps above the volume of the curve from which on volumes are checked: the coarse grid may be too strict.
+const STEPS_ABOVE: u32 = 2;
+
+/// The studies of one width.
+#[derive(Default)]
+pub(super) struct Width {
+    curve: Driver<Map>,
+    /// The marks of a curve that is solved.
+    marks: Option<Vec<Mark>>,
+    check: Driver<FirstUsual>,
+    /// The volumes of the check \[ml\], downwards.
+    volumes: Vec<f64>,
+}
+
+impl Width {
+    /// Starts the volumes of an axis at the width of a scene.
+    pub(super) fn start(&mut self, base: &Scene, axis: Axis, studies: &mut Studies) {
+        self.cancel(studies);
+        if let Ok(curve) = Map::new(base, &[axis], SETTINGS) {
+            self.curve.start(curve.with_full_border(), studies);
+        }
+    }
+
+    pub(super) fn cancel(&mut self, studies: &mut Studies) {
+        self.marks = None;
+        self.curve.cancel(studies);
+        self.check.cancel(studies);
+    }
+
+    /// Has the curve these volumes, and every point of the scene? Then the scene becomes that of the curve.
+    pub(super) fn move_to(&mut self, base: &Scene, axis: Axis) -> bool {
+        let is_equal = |curve: &mut Map| curve.axes() == [axis] && curve.move_to(base);
+        self.curve.study_mut().is_some_and(is_equal)
+    }
+
+    /// Continues the studies, once a frame.
+    pub(super) fn advance(&mut self, studies: &mut Studies) {
+        self.curve.advance(studies);
+        if self.marks.is_none()
+            && let Some(curve) = self.curve.finished()
+        {
+            let axis = curve.axes()[0];
+            let value = |quantity, i| curve.value(quantity, i, 0);
+            let found = marks(&axis, |quantity| curve.limits(quantity), value);
+            self.volumes = checked_volumes(&axis, &found);
+            let plan = |volume: &f64| with_values(curve.base(), &[(Parameter::Volume, *volume)]);
+            let plans: Vec<Scene> = self.volumes.iter().map_while(|v| plan(v).ok()).collect();
+            self.check.start(FirstUsual::on_own_grids(plans), studies);
+            self.marks = Some(found);
+        }
+        self.check.advance(studies);
+    }
+
+    /// The curve, once its marks are known.
+    pub(super) fn curve(&self) -> Option<&Map> {
+        self.curve.study().filter(|_| self.marks.is_some())
+    }
+
+    /// The curve, running or solved.
+    pub(super) fn any_curve(&self) -> Option<&Map> {
+        self.curve.study()
+    }
+
+    /// The marks in the order of their volumes; empty while the marks are not known.
+    pub(super) fn marks(&self) -> &[Mark] {
+        self.marks.as_deref().unwrap_or_default()
+    }
+
+    /// The largest volume that stays usual \[ml\], in whole 5 ml, or that none does; `None` while that is not known.
+    pub(super) fn largest_ml(&self) -> Option<Option<f64>> {
+        let check = self.check.finished().filter(|_| self.marks.is_some())?;
+        Some(check.found().and_then(|k| self.volumes.get(k).copied()))
+    }
+
+    /// [`Self::largest_ml`] as "360 ml".
+    pub(super) fn largest(&self) -> Option<Option<String>> {
+        let volume = self.largest_ml()?;
+        let is_last =
+            |volume: f64| self.curve().is_some_and(|curve| volume + STEP_ML > curve.axes()[0].to);
+        Some(volume.map(|volume| {
+            let more = if is_last(volume) { tr(" and more") } else { "" };
+            format!("{volume:.0} ml{more}")
+        }))
+    }
+
+    /// A width whose studies are done: for tests of what is read from them.
+    #[cfg(test)]
+    #[allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+    pub(super) fn done(
+        base: &Scene,
+        axis: Axis,
+        marks: Vec<Mark>,
+        largest_ml: Option<f64>,
+    ) -> Self {
+        use crate::study::{Cases, Study, evaluate};
+        let mut width = Self { marks: Some(marks), ..Self::default() };
+        width.curve.set(Map::new(base, &[axis], SETTINGS).unwrap());
+        width.volumes = largest_ml.into_iter().collect();
+        // Of any usual plan.
+        let plans = vec![Scene::opening(); width.volumes.len()];
+        let (mut check, mut store) = (FirstUsual::new(plans), Cases::default());
+        while let Some((index, job)) = check.next_job(&mut store) {
+            check.receive(index, evaluate(&job), &mut store);
+        }
+        width.check.set(check);
+        width
+    }
+}
+
+/// The volumes of an axis from a little above the first mark downwards \[ml\].
+fn checked_volumes(axis: &Axis, marks: &[Mark]) -> Vec<f64> {
+    let whole = |volume: f64| (volume / STEP_ML + 1e-9).floor();
+    let above = |mark: &Mark| whole(mark.volume_ml) + f64::from(STEPS_ABOVE);
+    let first = marks.first().map_or(f64::INFINITY, above).min(whole(axis.to));
+    let count = (first - axis.from / STEP_ML).max(-1.0).floor() + 1.0;
+    (0..count as usize).map(|k| STEP_ML * (first - k as f64)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::volumes::volumes;
+    use crate::study::Quantity;
+
+    #[test]
+    fn volumes_are_checked_from_a_little_above_the_first_mark_down_to_the_least() {
+        let axis = volumes(120.0, MOST_RATIO);
+        let quantity = Some(Quantity::GreatestStrain);
+        let mark = |volume_ml| Mark { volume_ml, band: Some(1), quantity, word: "high" };
+        let volumes = checked_volumes(&axis, &[mark(347.0)]);
+        assert_eq!(volumes[..4], [355.0, 350.0, 345.0, 340.0]);
+        assert!(volumes.last().is_some_and(|last| (axis.from..axis.from + 5.0).contains(last)));
+        assert_eq!(checked_volumes(&axis, &[]).first(), Some(&axis.to));
+        assert_eq!(checked_volumes(&axis, &[mark(axis.from)]).len(), 3);
+        assert!(checked_volumes(&axis, &[mark(axis.from - 40.0)]).is_empty());
+    }
+}
