@@ -20,8 +20,8 @@ use web_time::{Duration, Instant};
 const SLICE: Duration = Duration::from_millis(10);
 /// Time of a solve after which the app shows its progress and hides the previous results.
 const LONG: Duration = Duration::from_millis(400);
-/// Upper limit of a slice of a long solve, for slow frames.
-const LONG_SLICE: Duration = Duration::from_millis(60);
+/// Upper limit of a slice of a long solve or of a pin, for slow frames.
+const LONG_SLICE: Duration = Duration::from_millis(200);
 /// Time limit of the first slice, which solves most opening scenes.
 const FIRST_SLICE: Duration = Duration::from_millis(400);
 
@@ -40,6 +40,12 @@ pub(super) struct Press {
     pub(super) choices: plan::Choices,
     /// Cancelled by a key: until its release the pointer changes no plan.
     pub(super) is_cancelled: bool,
+}
+
+/// Half of the time of a frame: slow frames would prolong a long solve.
+fn long_slice(ctx: &egui::Context) -> Duration {
+    let frame = Duration::from_secs_f32(ctx.input(|input| input.stable_dt.clamp(0.0, 1.0)));
+    (frame / 2).clamp(SLICE, LONG_SLICE)
 }
 
 impl App {
@@ -93,7 +99,7 @@ impl App {
     fn solve_slice(&mut self, ctx: &egui::Context) {
         if !self.session.is_working() {
             self.solving = None;
-            self.solve_pin();
+            self.solve_pin(ctx);
             return;
         }
         let now = Instant::now();
@@ -103,9 +109,7 @@ impl App {
         let slice = if is_opening {
             FIRST_SLICE
         } else if running.start.elapsed() > LONG {
-            // Slow frames would prolong a long solve: the slice takes half of their time.
-            let frame = Duration::from_secs_f32(ctx.input(|input| input.stable_dt.clamp(0.0, 1.0)));
-            (frame / 2).clamp(SLICE, LONG_SLICE)
+            long_slice(ctx)
         } else {
             SLICE
         };
@@ -153,9 +157,9 @@ impl App {
     }
 
     /// Solves a pin for one slice.
-    fn solve_pin(&mut self) {
-        let now = Instant::now();
-        self.session.advance_pins(&mut || now.elapsed() >= SLICE);
+    fn solve_pin(&mut self, ctx: &egui::Context) {
+        let (now, slice) = (Instant::now(), long_slice(ctx));
+        self.session.advance_pins(&mut || now.elapsed() >= slice);
     }
 
     /// Is a long solve in progress?
