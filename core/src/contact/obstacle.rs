@@ -35,6 +35,13 @@ impl Obstacle {
             + self.wall.curvature(point) * reaction.by_wall
     }
 
+    /// Is the obstacle its own image mirrored along x, along y, about the pocket's centre?
+    #[must_use]
+    pub fn mirrored(&self) -> [bool; 2] {
+        let (dome, wall) = (self.dome.mirrored(), self.wall.mirrored());
+        [0, 1].map(|axis| dome[axis] && wall[axis])
+    }
+
     /// The obstacle in other units of length.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {

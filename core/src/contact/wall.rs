@@ -52,6 +52,14 @@ impl Wall {
         }
     }
 
+    /// Is the wall its own image mirrored along x, along y, about the pocket's centre?
+    #[must_use]
+    pub fn mirrored(self) -> [bool; 2] {
+        match self {
+            Self::Plane => [true; 2],
+        }
+    }
+
     /// The wall in other units of length.
     #[must_use]
     pub fn scaled(self, _factor: f64) -> Self {

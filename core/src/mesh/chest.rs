@@ -44,6 +44,12 @@ impl Chest {
         (foot.extend(self.height(foot)), self.slope(foot).extend(-1.0).normalize() * -1.0)
     }
 
+    /// Is the wall its own image mirrored along x, along y?
+    #[must_use]
+    pub fn mirrored(&self) -> [bool; 2] {
+        [true; 2]
+    }
+
     /// The position over the plane after a geodesic from the centre (classic Runge–Kutta steps).
     fn foot(&self, place: DVec2, radius: f64) -> DVec2 {
         let length = place.length();

@@ -92,6 +92,12 @@ impl Rest {
         self.heights.len()
     }
 
+    /// Is the tissue its own image mirrored along x, along y, about the pocket's centre?
+    #[must_use]
+    pub fn mirrored(&self) -> [bool; 2] {
+        self.chest.mirrored()
+    }
+
     /// Is the wall the plane z = 0?
     #[inline]
     pub(crate) fn is_flat(&self) -> bool {

@@ -237,7 +237,7 @@ impl Solver {
         }
         let Problem { rest, obstacle, .. } = &*self.problem;
         // Off centre the start grids end far from their own solutions: the change would be theirs.
-        if obstacle.dome.mirrored() != [true; 2] {
+        if self.problem.mirrored() != [true; 2] {
             return None;
         }
         let change = self.multigrid.as_ref()?.change_by_refinement()?;

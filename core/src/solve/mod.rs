@@ -210,8 +210,7 @@ impl Solver {
 
     fn start_multigrid(&mut self, stop: Stop) {
         self.stage = Stage::Multigrid;
-        let mirrored =
-            self.problem.obstacle.dome.mirrored().map(|holds| self.options.use_symmetry && holds);
+        let mirrored = self.problem.mirrored().map(|holds| self.options.use_symmetry && holds);
         let multigrid = match self.multigrid.take() {
             Some(mut multigrid) if multigrid.fits(&self.problem, mirrored, &self.law) => {
                 if self.is_multigrid_law_stale {

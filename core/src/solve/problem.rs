@@ -31,6 +31,13 @@ impl Problem {
         self.rest.sheet()
     }
 
+    /// Is the problem its own image mirrored along x, along y? Tissue at rest, implant and wall are.
+    #[must_use]
+    pub fn mirrored(&self) -> [bool; 2] {
+        let (rest, obstacle) = (self.rest.mirrored(), self.obstacle.mirrored());
+        [0, 1].map(|axis| rest[axis] && obstacle[axis])
+    }
+
     /// The layers of the membrane: all layers of a sheet, the skin of layered tissue.
     #[must_use]
     pub fn membrane(&self) -> &[Material] {

@@ -101,7 +101,7 @@ pub fn check(solver: &Solver) -> Vec<Finding> {
 /// Greatest distance of a node from its mirror image along each symmetric axis of the scene \[mm\].
 fn asymmetry(solver: &Solver) -> f64 {
     let problem = solver.problem();
-    let axes = problem.obstacle.dome.mirrored();
+    let axes = problem.mirrored();
     asymmetry_of(solver.positions(), problem.sheet().nodes_per_side(), axes)
 }
 

@@ -55,7 +55,7 @@ pub(super) fn check(solver: &Solver) -> Checked {
     }
     let error = solver.estimated_position_error();
     require_at_most(findings, "estimated error", error, problem.tolerance);
-    let (n, axes) = (problem.sheet().nodes_per_side(), problem.obstacle.dome.mirrored());
+    let (n, axes) = (problem.sheet().nodes_per_side(), problem.mirrored());
     let asymmetry = layers(solver).map(|x| asymmetry_of(x, n, axes)).fold(0.0, f64::max);
     require_at_most(findings, "asymmetry, mm", asymmetry, tolerance);
     let residual = solver.report().relative_residual.unwrap_or(f64::NAN);

@@ -31,7 +31,7 @@ const EXTRAPOLATION: f64 = 2.0;
 #[must_use]
 pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
     let problem = scene.problem().ok()?;
-    if problem.obstacle.dome.mirrored() != [true; 2] {
+    if problem.mirrored() != [true; 2] {
         return None;
     }
     match problem.tissue {

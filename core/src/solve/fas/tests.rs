@@ -35,7 +35,7 @@ fn the_energy_falls_in_every_cycle() {
             tolerance: MEMBRANE.least_tolerance,
         };
         let law = SheetLaw::new(springs, &problem.materials);
-        let mirrored = problem.obstacle.dome.mirrored();
+        let mirrored = problem.mirrored();
         let mut scheme = FullMultigrid::new(65, mirrored, Membrane::new(&law), &MEMBRANE);
         scheme.start(&problem, Stop::Tolerance, None);
         let mut x: Vec<DVec3> = problem.rest.nodes(0).collect();
