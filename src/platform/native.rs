@@ -14,11 +14,14 @@ use std::path::PathBuf;
 /// # Errors
 /// Returns an error without a window system or OpenGL.
 pub fn run() -> eframe::Result {
-    let viewport = egui::ViewportBuilder::default()
-        .with_title("implant-preview")
+    let mut viewport = egui::ViewportBuilder::default()
+        .with_title("Implant preview")
         .with_app_id("implant-preview")
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([360.0, 480.0]);
+    if let Ok(icon) = icon() {
+        viewport = viewport.with_icon(icon);
+    }
     let options = eframe::NativeOptions {
         viewport,
         renderer: eframe::Renderer::Glow,
@@ -35,6 +38,11 @@ pub fn run() -> eframe::Result {
             Ok(Box::new(Window::new(app, Folder::of_user())))
         }),
     )
+}
+
+/// The icon of the window, which is that of the page; without an icon the window would have that of the toolkit.
+fn icon() -> Result<egui::IconData, impl std::error::Error> {
+    eframe::icon_data::from_png_bytes(include_bytes!("../../assets/icon-192.png"))
 }
 
 /// The app in its window.
@@ -134,6 +142,12 @@ mod tests {
             window.keep(false);
         });
         output.textures_delta.clear();
+    }
+
+    #[test]
+    fn the_window_has_the_icon_of_the_page() {
+        let icon = icon().unwrap();
+        assert_eq!((icon.width, icon.height), (192, 192));
     }
 
     #[test]
