@@ -3,8 +3,9 @@
 //! The gradient is that at the middle of the bilinear cell. A cell with a corner outside of the patch is half of a
 //! parallelogram: the fourth corner is the linear continuation of the other three.
 
-use super::cell::{self, Corners, Modes, modes, on_faces};
+use super::cell;
 use super::law::{SolidLaw, Volume};
+use super::modes::{Corners, Modes, modes, on_faces};
 use super::sides::Oblique;
 use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
 use crate::mesh::lanes::{Field, Layout};

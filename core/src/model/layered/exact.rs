@@ -3,10 +3,11 @@
 use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Corners, Modes, Variation, modes, on_faces};
+use super::cell::{self, Variation};
 use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
+use super::modes::{Corners, Modes, modes, on_faces};
 use super::sides::{self, Oblique, Sides, Skew};
 use crate::mesh::part::Part;
 use crate::mesh::{Attachment, NodeKind, Rest, Sheet};

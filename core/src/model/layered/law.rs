@@ -273,8 +273,9 @@ fn polynomial<R: Real>([a, b, c, d, e]: &[f64; 5], x: R) -> (R, R) {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::model::layered::cell::{self, Modes, Variation};
+    use crate::model::layered::cell::{self, Variation};
     use crate::model::layered::curve_law::CurveLaw;
+    use crate::model::layered::modes::Modes;
     use crate::model::layered::sides::Upright;
     use crate::springs::Material;
 

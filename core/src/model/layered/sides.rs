@@ -2,8 +2,8 @@
 //!
 //! With the Jacobian 𝐉 = ∂X/∂(ξ, η, ζ) in the middle of the cell, slopes L along the sides are the displacement gradient L 𝐉⁻¹.
 
-use super::cell::Modes;
 use super::law::{Matrix, combined};
+use super::modes::Modes;
 use crate::mesh::vec3::{dot, scale, sub};
 use crate::number::Real;
 use glam::{DMat3, DVec3};

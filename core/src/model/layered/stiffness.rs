@@ -6,9 +6,10 @@
 //!
 //! where a negative bend is bounded.
 
-use super::cell::{self, Modes, Variation};
+use super::cell::{self, Variation};
 use super::curve_law::CurveLaw;
 use super::law::{Curvature, Deformed, Isochoric, Matrix, SolidLaw, Volume, combined};
+use super::modes::Modes;
 use super::sides::{Sides, Upright};
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;

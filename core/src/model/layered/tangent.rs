@@ -11,12 +11,13 @@
 
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Modes, Variation, modes, on_faces};
+use super::cell::{self, Variation};
 use super::exact::{CellShape, Element, Exact, Place};
 use super::law::{
     Curvature, Deformed, Matrix, SolidLaw, StressSlopes, Volume, combined, nominal_stress,
     stress_slopes,
 };
+use super::modes::{Modes, modes, on_faces};
 use super::sides::{Oblique, Sides, Skew};
 use super::stiffness::CORNERS;
 use crate::mesh::stencil::outer;

@@ -5,8 +5,9 @@ use crate::mesh::lanes::{Field, Layout, load, shifted_right};
 use crate::mesh::rest::MAX_LAYERS;
 use crate::mesh::vec3::{Vec3, add, scale, sub};
 use crate::model::layered::attachment::PAIRS;
-use crate::model::layered::cell::{self, Corners, Modes, modes, on_faces};
+use crate::model::layered::cell;
 use crate::model::layered::law::Matrix;
+use crate::model::layered::modes::{Corners, Modes, modes, on_faces};
 use crate::model::layered::stiffness::{CORNERS, Shape};
 use wide::f32x4;
 
