@@ -293,6 +293,7 @@ impl App {
         self.gesture += 1;
         self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
         self.plan = plan::Choices::default();
+        self.viewport.fit(&self.session, View::All);
     }
 
     /// An item of a menu.

@@ -7,8 +7,8 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 const FIELD_OF_VIEW: f32 = 0.48;
 /// Orbit per screen point of a drag \[radians\].
 const ORBIT_RATE: f32 = 0.008;
-/// Range of the elevation \[radians\].
-const ELEVATION: (f32, f32) = (-0.15, 1.55);
+/// Range of the elevation \[radians\]: the eye stays above the wall.
+const ELEVATION: (f32, f32) = (0.0, 1.55);
 /// Range of the distance \[mm\].
 const DISTANCE_MM: (f32, f32) = (40.0, 3000.0);
 /// Greatest coordinates of the target \[mm\].
@@ -107,6 +107,8 @@ impl Camera {
         let (right, up) = self.right_and_up();
         self.pose.target += (up * delta.y - right * delta.x) * scale;
         self.pose.target = self.pose.target.clamp(-TARGET_MM, TARGET_MM);
+        // The wall is seen from above.
+        self.pose.target.z = self.pose.target.z.max(0.0);
         *self != before
     }
 
