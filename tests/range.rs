@@ -293,7 +293,7 @@ fn the_chart_has_the_pins_and_returns_to_the_plan() {
     type_into(&mut harness, "Across, from", "13");
     assert_eq!(harness.query_all_by_role(Role::Image).count(), 0);
     harness.get_by_label_contains("Pin A is not on this chart.");
-    harness.get_by_label_contains("The present plan is not on this chart.");
+    harness.get_by_label_contains("This plan is not on this chart.");
     harness.get_by_role_and_label(Role::Button, "Around the plan").click();
     harness.run_steps(3);
     let from = harness.get_by_role_and_label(Role::SpinButton, "Across, from").value();

@@ -139,7 +139,7 @@ impl NearestSearch {
                 .map(|(scene, _)| scene);
             for plan in self.found(session) {
                 let tooltip = tr("The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
-                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan.");
+                     of 5 %, or a base wider in steps of 5 mm. Undo brings this plan back.");
                 if is_pressed(ui, &texts::shown(&plan.words), tooltip) {
                     taken = Some(plan.scene.clone());
                 }

@@ -46,7 +46,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
                 }
             });
         ui.small(greatest_strain.map_or_else(
-            || tr("The strains of this scene are being computed.").to_owned(),
+            || tr("The strains of this plan are being computed.").to_owned(),
             |strain| {
                 tr!("Dashed: extrapolated. Thick: how far this plan stretches it, up to {strain:.0} %. Dot: stress at that strain under \
                      uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \

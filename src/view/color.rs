@@ -243,6 +243,14 @@ pub fn in_band(limits: &bands::Limits, most: f64, value: f32) -> Rgb {
     BANDS[BANDS.len() - 1].1
 }
 
+impl Scale {
+    /// The stretch of skins with other limits as shares of their reserves \[-\], up to the `greatest` one.
+    #[must_use]
+    pub fn of_reserve(greatest: f32) -> Self {
+        Self { unit: "% of the reserve", ..strain_scale(greatest, Some(1.0)) }
+    }
+}
+
 /// The strain of a skin in the bands of its limits: those of its reserve, if its curve turns steep.
 fn strain_scale(greatest: f32, knee: Option<f64>) -> Scale {
     let (limits, to_limits) = bands::strain_limits(knee);

@@ -47,7 +47,7 @@ fn visible_plan(session: &Session, previous: PreviousResults) -> &Scene {
 }
 
 fn answer(session: &Session, previous: PreviousResults) -> Answer {
-    Answer::new(visible(session, previous), visible_plan(session, previous))
+    Answer::new(visible(session, previous), visible_plan(session, previous), session.problem())
 }
 
 /// Shows the heading with the state of the computation.
@@ -124,7 +124,7 @@ pub(super) fn rows(
             device.words(card.title),
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
-            card.line,
+            card.of_band.map_or(card.line.clone(), |word| format!("{word}. {}", card.line)),
         ]
     };
     cards.into_iter().map(row).collect()
@@ -177,7 +177,7 @@ pub(super) fn sources(ui: &mut Ui) {
     );
 }
 
-/// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
+/// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
 pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
@@ -212,14 +212,14 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         Status::Converged => tr("Up to date."),
     };
     let [volume, width] = volume_and_width(session.scene());
-    let answer = Answer::new(Some(outcome), session.scene());
+    let answer = Answer::new(Some(outcome), session.scene(), session.problem());
     let strain =
         answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
             tr!(" Skin stretch {strain:.0} percent, {word}.", strain = 100.0 * strain, word)
         });
     let thin = answer.cover_word().map_or_else(String::new, |(_, word)| format!(", {word}"));
     let cover = answer.cover.map_or_else(String::new, |cover| {
-        tr!(" Cover {cover:.0} of {rest:.0} mm{thin}.", cover, rest = answer.rest, thin)
+        tr!(" Cover {cover:.1} mm{thin}, at rest {rest:.1} mm.", cover, rest = answer.rest, thin)
     });
     let pressure = answer.pressure.map_or_else(String::new, |(mean, most)| {
         let word = word_of(&bands::PRESSURE, bands::pressure_word(most));

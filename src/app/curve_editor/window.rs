@@ -317,7 +317,7 @@ impl CurveWindow {
         let spec = self.spec();
         ui.horizontal(|ui| {
             let is_able = reason.is_none() && spec != self.taken;
-            let tip = tr("The layer takes this curve; Undo restores the present one");
+            let tip = tr("The layer takes this curve; Undo restores the previous one");
             if button_if(ui, is_able, tr("Apply"), tr("Apply the curve"), tip) {
                 self.taken = spec.clone();
                 layer.curve = spec.into();

@@ -129,7 +129,7 @@ mod tests {
             chart.caption
         );
         let texts = texts(chart);
-        for word in ["present", "A", "usual", "high", "Width (cm)", "Projection (cm)"] {
+        for word in ["this plan", "A", "usual", "high", "Width (cm)", "Projection (cm)"] {
             assert!(texts.iter().any(|text| text == word), "{word} in {texts:?}");
         }
     }

@@ -57,7 +57,7 @@ impl Range {
             words.push(tr("The pocket keeps its margin.").to_owned());
         }
         if map.present().is_none() {
-            words.push(tr("The present plan is not on this chart.").to_owned());
+            words.push(tr("This plan is not on this chart.").to_owned());
         }
         words.extend(Some(self.pins.beyond()).filter(|beyond| !beyond.is_empty()));
         words.join(" ")

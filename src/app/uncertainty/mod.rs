@@ -89,12 +89,6 @@ impl Findings {
         (solved - self.answers()) as f64 / solved.max(1) as f64
     }
 
-    /// The sampled patients without an answer in a sentence, for a card; `None` if all have one.
-    pub(super) fn missing(&self) -> Option<String> {
-        let share = 100.0 * self.without_answer();
-        (share > 0.0).then(|| tr!("{share:.0} % of such patients have no answer. ", share))
-    }
-
     fn solved(&self) -> usize {
         self.counts.values().sum()
     }
