@@ -1539,9 +1539,9 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     harness.get_by_label("Up to date");
     harness.get_by_label("beyond");
     for source in [
-        "54 ± 17 %: mean failure strain of 56 samples of excised back skin (Ní Annaidh and others, ",
+        "skin tore at 54 ± 17 % (mean of 56 samples of excised back skin; Ní Annaidh and others, ",
         "Standing alone stretches the skin of the breast by up to 60 % in places (39 women; Norris",
-        "(Tebbetts and Adams, Plast Reconstr Surg 116, 2005, 2005)",
+        "(Tebbetts and Adams, Plast Reconstr Surg 116, 2005)",
         "30–60 mmHg were measured right after clinical filling of expanders.",
     ] {
         harness.get_by_label_contains(source);

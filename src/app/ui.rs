@@ -154,7 +154,7 @@ impl App {
             let near_end = self.volume_marks.near_end(self.session.scene());
             answer::show(ui, &self.session, self.previous_results(), findings, &near_end);
         }
-        answer::sources(ui);
+        answer::sources(ui, &self.session);
         self.filling(ui);
         self.uncertainty.show(ui, &self.session);
         self.compare(ui);

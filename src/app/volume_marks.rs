@@ -94,7 +94,10 @@ impl VolumeMarks {
             self.restart(scene, studies);
         }
         self.curve.advance(studies);
-        if self.marks.is_none()
+        if !self.is_of(scene) {
+            // The marks of another patient, pocket or width say nothing about this one.
+            (self.marks, self.beside_marks) = (None, None);
+        } else if self.marks.is_none()
             && let Some(curve) = self.curve.finished()
         {
             self.marks = Some(marks_of(curve));
@@ -125,11 +128,24 @@ impl VolumeMarks {
             }
         }
         self.beside.advance(studies);
-        if self.beside_marks.is_none()
+        if self.marks.is_some()
+            && self.beside_marks.is_none()
             && let Some(beside) = self.beside.finished()
         {
             self.beside_marks = Some(marks_of(beside));
         }
+    }
+
+    /// Is the curve that of a plan, or of the plan with another volume or less of it in place?
+    fn is_of(&self, plan: &Scene) -> bool {
+        let is_other_volume = |started: &Scene| {
+            let mut other = full(plan);
+            other.implant.projection_mm = started.implant.projection_mm;
+            other.is_same_plan(&full(started))
+        };
+        // At rest no scene is built.
+        let started = self.started.as_ref();
+        started.is_some_and(|started| started == plan || is_other_volume(started))
     }
 
     /// Starts the curve of a scene. Another volume leaves the curve as it is.
@@ -414,6 +430,23 @@ mod tests {
         assert_eq!(found.largest_usual(), "Up to 360 ml stays usual on 12 cm.");
         (found.beside, found.beside_marks) = (driver(130.0), Some(vec![mark(411.0)]));
         assert_eq!(found.largest_usual(), "Up to 360 ml stays usual on 12 cm; 410 ml on 13 cm.");
+    }
+
+    #[test]
+    fn the_marks_are_those_of_the_patient_with_any_volume() {
+        let scene = Scene::opening();
+        let marks = VolumeMarks { started: Some(scene.clone()), ..VolumeMarks::default() };
+        let is_of = |edit: &dyn Fn(&mut Scene)| {
+            let mut scene = scene.clone();
+            edit(&mut scene);
+            marks.is_of(&scene)
+        };
+        assert!(is_of(&|_| {}) && is_of(&|scene| scene.insertion = 0.5));
+        assert!(is_of(&|scene| scene.implant.projection_mm += 4.0));
+        assert!(!is_of(&|scene| scene.layers[0].curve.strain_scale *= 0.6));
+        assert!(!is_of(&|scene| scene.layers[1].thickness_mm += 2.0));
+        assert!(!is_of(&|scene| scene.pocket_radius_mm += 2.0));
+        assert!(!VolumeMarks::default().is_of(&scene));
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub use checked::CheckedScene;
 pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem, within};
 use file::{SceneFile, full_insertion, newest_schema};
-pub use layer::Layer;
+pub use layer::{Layer, tissue_in_words};
 use layer::default_layers;
 pub use patient::Patient;
 pub use pins::{Document, Letter, PinnedScene};

@@ -157,7 +157,7 @@ impl App {
             table: compare::rows(session, &sampled),
             bands: self.uncertainty.about_bands(),
             steps: self.filling.steps(session.scene()),
-            limits: answer::limits_in_words(device),
+            limits: answer::limits_in_words(session, device).to_vec(),
             plan_json: session.document_json(),
         }
     }

@@ -46,8 +46,8 @@ pub(super) struct Page {
     pub(super) bands: Option<String>,
     /// The fill steps of an expander, heads first; may be empty.
     pub(super) steps: Vec<Vec<String>>,
-    /// Limits with their sources, a source in a line.
-    pub(super) limits: Vec<String>,
+    /// Headings and limits with their sources, a source in a line.
+    pub(super) limits: Vec<(&'static str, String)>,
     /// The plan's file.
     pub(super) plan_json: String,
 }
@@ -124,9 +124,10 @@ impl Page {
             let _ = write!(page, "<p class=\"quiet screen\">{}</p>", escaped(how));
         }
         put(page, "h2", tr("Where limits come from"));
-        for limits in &self.limits {
+        for (heading, limits) in &self.limits {
             let lines: Vec<String> = limits.lines().map(escaped).collect();
-            let _ = write!(page, "<p class=\"quiet\">{}</p>", lines.join("<br>"));
+            let (heading, lines) = (escaped(heading), lines.join("<br>"));
+            let _ = write!(page, "<p class=\"quiet\"><b>{heading}</b><br>{lines}</p>");
         }
         let _ = write!(
             page,
@@ -265,7 +266,7 @@ mod tests {
             table: vec![vec![hostile.clone()], vec![hostile.clone()]],
             bands: Some(hostile.clone()),
             steps: vec![vec![hostile.clone()], vec![hostile.clone()]],
-            limits: vec![hostile.clone()],
+            limits: vec![("Pressure", hostile.clone())],
             plan_json: hostile.clone(),
         };
         let html = page.html();
