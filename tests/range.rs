@@ -372,7 +372,7 @@ fn axes_and_colours_are_chosen_and_one_number_gives_a_curve() {
     let mut harness = range_of(layered(), DESKTOP);
     choose(&mut harness, "Colour", "Least cover");
     choose(&mut harness, "Across", "Pinch");
-    choose(&mut harness, "Up", "Nothing: a curve");
+    choose(&mut harness, "Upwards", "Nothing: a curve");
     wait_for(&mut harness, " plans computed. 33 nodes a side");
     let before = harness.state().session().scene().clone();
     let rect = harness.get_by_role_and_label(Role::Canvas, CHART).rect();

@@ -168,7 +168,7 @@ fn every_control_and_reading_has_its_name() {
         "Normal",
         "Fine",
         "Add skin",
-        "Add adipose",
+        "Add fat",
         "Move inward layer 1",
         "Move outward layer 2",
         "Remove layer 2",
@@ -188,7 +188,7 @@ fn every_control_and_reading_has_its_name() {
         "Height of the breast mound",
         "Greatest strain",
         "Greatest stress, skin",
-        "Greatest stress, adipose",
+        "Greatest stress, fat",
         "Area strained above 54 %",
         "Force, vertical",
         "Implant volume",
@@ -498,7 +498,7 @@ fn layers_are_added_exchanged_and_removed() {
     harness.get_by_role_and_label(Role::Button, "Move inward layer 1").click();
     settle(&mut harness);
     assert_eq!(tissues(&harness), ["adipose", "skin"]);
-    harness.get_by_role_and_label(Role::Button, "Add adipose").click();
+    harness.get_by_role_and_label(Role::Button, "Add fat").click();
     settle(&mut harness);
     assert_eq!(tissues(&harness), ["adipose", "skin", "adipose"]);
     harness.get_by_role_and_label(Role::Button, "Remove layer 1").click();
@@ -662,7 +662,7 @@ fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
         scene.layers = vec![implant_preview::scene::Layer::paper_adipose()];
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
-    assert!(harness.get_all_by_label("No answer for this plan").count() > 0);
+    assert!(harness.get_all_by_label("No answer").count() > 0);
     harness.get_by_role_and_label(Role::Button, "Use the standard model").click();
     settle(&mut harness);
     assert_eq!(harness.state().session().scene().springs, Springs::Coupled);

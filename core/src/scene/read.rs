@@ -198,9 +198,15 @@ mod tests {
             "scene: ends too early, in line 2; allowed: one whole JSON object"
         );
         let unknown = error(r#"{ "scene": {} }"#);
-        assert!(unknown.starts_with("scene: unknown field `scene`; allowed: `schema`"), "{unknown}");
+        assert!(
+            unknown.starts_with("scene: unknown field `scene`; allowed: `schema`"),
+            "{unknown}"
+        );
         let unknown = error(r#"{ "implant": { "width": 1 } }"#);
-        assert!(unknown.starts_with("implant.width: unknown field `width`; allowed: `"), "{unknown}");
+        assert!(
+            unknown.starts_with("implant.width: unknown field `width`; allowed: `"),
+            "{unknown}"
+        );
         let number = error(r#"{ "insertion": "a" }"#);
         assert!(number.starts_with("insertion: ") && !number.contains("at line"), "{number}");
     }

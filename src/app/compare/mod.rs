@@ -148,7 +148,7 @@ fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> 
         None => tr("is being computed"),
         Some(Status::Converged) => return command,
         Some(Status::NotConverged) => tr("is not finished: no numbers"),
-        Some(Status::Unstable) => tr("has no stable shape"),
+        Some(Status::Unstable) => tr("has no answer"),
     };
     remark(ui, format!("{letter} {note}"));
     command
@@ -183,26 +183,24 @@ fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> 
 struct Style {
     line: LineStyle,
     color: Color32,
-    /// Position of the letter along the silhouette \[-\].
-    at: f64,
 }
 
 impl Style {
     fn of(letter: Letter, palette: &Palette) -> Self {
-        let (line, color, at) = match letter {
-            Letter::A => (LineStyle::dashed_loose(), palette.curves[2], 0.5),
-            Letter::B => (LineStyle::dotted_dense(), palette.curves[3], 0.42),
-            Letter::C => (LineStyle::dashed_dense(), palette.text, 0.58),
-            Letter::D => (LineStyle::dotted_loose(), palette.text, 0.35),
+        let (line, color) = match letter {
+            Letter::A => (LineStyle::dashed_loose(), palette.curves[2]),
+            Letter::B => (LineStyle::dotted_dense(), palette.curves[3]),
+            Letter::C => (LineStyle::dashed_dense(), palette.text),
+            Letter::D => (LineStyle::dotted_loose(), palette.text),
         };
-        Self { line, color, at }
+        Self { line, color }
     }
 }
 
 /// Draws the outer skin of the pins into the plot of the cross-section, each with its letter.
 pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette: &Palette) {
     for Silhouette { letter, points } in lines {
-        let Style { line, color, at } = Style::of(letter, palette);
+        let (Style { line, color }, at) = (Style::of(letter, palette), place_of(letter));
         let place = points.get((at * points.len() as f64) as usize).copied().unwrap_or_default();
         let name = letter.to_string();
         plot.line(Line::new(name.clone(), points).color(color).width(1.5).style(line));
@@ -211,10 +209,29 @@ pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette
     }
 }
 
+/// Place of a pin's letter along its line \[-\].
+pub(super) fn place_of(letter: Letter) -> f64 {
+    match letter {
+        Letter::A => 0.5,
+        Letter::B => 0.42,
+        Letter::C => 0.58,
+        Letter::D => 0.35,
+    }
+}
+
+/// Length of the dashes of a pin's line and of the gaps between them \[points\]: in print and for some eyes the colours are alike.
+pub(super) fn dashes_of(letter: Letter) -> (f32, f32) {
+    match letter {
+        Letter::A => (7.0, 4.0),
+        Letter::B => (2.0, 4.0),
+        Letter::C => (13.0, 3.0),
+        Letter::D => (2.0, 8.0),
+    }
+}
+
 /// Colour of a pin's line, and length of its dashes and of the gaps between them \[points\].
 pub(super) fn stroke_of(letter: Letter, palette: &Palette) -> (Color32, f32, f32) {
-    let is_dotted = matches!(letter, Letter::B | Letter::D);
-    let (dash, gap) = if is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
+    let (dash, gap) = dashes_of(letter);
     (Style::of(letter, palette).color, dash, gap)
 }
 

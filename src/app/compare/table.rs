@@ -312,21 +312,30 @@ pub(in crate::app) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) -> Vec<Vec<String>> {
-    let pins = session.pins().iter().map(|pin| {
+    // A pin of this plan stands in its column.
+    let is_equal = |pin: &Pin| pin.scene().is_same_plan(session.scene());
+    let own = session.pins().iter().find(|pin| is_equal(pin));
+    let own = own.map_or_else(String::new, |pin| format!(" = {}", pin.letter()));
+    let pins = session.pins().iter().filter(|pin| !is_equal(pin)).map(|pin| {
         let letter = pin.letter().to_string();
         match pin.name() {
             name if name.is_empty() || name == letter => letter,
             name => format!("{letter}: {name}"),
         }
     });
-    let head = ["".to_owned(), tr("this plan").to_owned()].into_iter().chain(pins).collect();
+    let head = ["".to_owned(), format!("{}{own}", tr("this plan"))].into_iter().chain(pins);
+    let head = head.collect();
+    let is_printed: Vec<bool> =
+        [true].into_iter().chain(session.pins().iter().map(|pin| !is_equal(pin))).collect();
     let cell = |cell: Cell| {
         let word = cell.word.map(|word| format!(", {word}"));
         let band = cell.band.map(|band| format!(" ({band})"));
         format!("{}{}{}", cell.text, word.unwrap_or_default(), band.unwrap_or_default())
     };
-    let row =
-        |line: Line| [line.name].into_iter().chain(line.cells.into_iter().map(cell)).collect();
+    let row = |line: Line| {
+        let cells = line.cells.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
+        [line.name].into_iter().chain(cells.map(|(of, _)| cell(of))).collect()
+    };
     [head].into_iter().chain(lines(session, false, sampled).into_iter().map(row)).collect()
 }
 
@@ -356,6 +365,7 @@ fn name_of(pin: &Pin) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::session::Command;
     use crate::solve::Progress;
 
     #[test]
@@ -392,5 +402,10 @@ mod tests {
         assert_eq!(cell("Most stretch, %"), format!("{:.0}, {word}", 100.0 * strain));
         assert_eq!(cell("Reserve used, %"), format!("{:.0}", 100.0 * reserve));
         assert!(cell("Most pressure, mmHg").ends_with(", usual"), "{rows:?}");
+        // A pin of this plan is its column.
+        session.apply(Command::Pin).unwrap();
+        let rows = super::rows(&session, &|_| None);
+        assert_eq!(rows[0], ["", "this plan = A"]);
+        assert!(rows.iter().all(|row| row.len() == 2), "{rows:?}");
     }
 }

@@ -258,7 +258,7 @@ pub(crate) fn outline(ui: &Ui, painter: &Painter, points: Vec<Pos2>, outline: &O
     let at = 0.24 + 0.09 * outline.letter as usize as f32;
     let Some(&end) = points.get((at * points.len() as f32) as usize) else { return };
     let ground = ui.visuals().panel_fill.gamma_multiply(0.6);
-    let (dash, gap) = if outline.is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
+    let (dash, gap) = outline.dashes;
     painter.add(Shape::line(points.clone(), Stroke::new(4.0, ground)));
     painter.extend(Shape::dashed_line(&points, Stroke::new(2.0, outline.color), dash, gap));
     let galley = painter.layout_no_wrap(outline.letter.to_string(), font(ui), outline.color);

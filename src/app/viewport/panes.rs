@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::Problem;
 use crate::study::size_in_words;
-use crate::view::color::{Quantity, Scale};
+use crate::view::color::{Quantity, Rgb, Scale};
 use crate::view::picture::Picture;
 use crate::view::side_by_side::{Colours, Limited};
 use crate::view::subject::{PinnedShape, Subject};
@@ -29,10 +29,11 @@ pub(super) struct Pane {
 impl Viewport {
     /// Shows the pins with a shape and the session side by side in the remaining space.
     pub(crate) fn show_side_by_side(&mut self, ui: &mut Ui, shown: Shown<'_>) {
-        let Shown { session, options, envelope, bar, .. } = shown;
+        let Shown { session, options, envelope, bar, is_on_paper, .. } = shown;
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
+        let is_shown = |pin: &&Pin| !(is_on_paper && pin.scene().is_same_plan(session.scene()));
         let pins: Vec<PinnedShape<'_>> =
-            session.pins().iter().filter_map(PinnedShape::of).collect();
+            session.pins().iter().filter(is_shown).filter_map(PinnedShape::of).collect();
         // The cells without a picture.
         overlay::background(ui, &ui.painter_at(area), area);
         self.keep_panes(&pins);
@@ -77,18 +78,12 @@ impl Viewport {
         }
         let numbers: Arc<[u64]> =
             self.panes.iter().map(|pane| pane.number).chain([CURRENT]).collect();
-        let drawn = |number, picture, problem| Drawn {
+        let drawn = |number, picture, (table, range), problem| Drawn {
             number,
             numbers: Arc::clone(&numbers),
             picture,
-            table: match &colours {
-                Colours::Common(_) => &self.common_table,
-                Colours::Own(_) => &picture.table,
-            },
-            range: match &colours {
-                Colours::Common(scale) => range_of(scale.as_ref()),
-                Colours::Own(_) => range_of(picture.scale.as_ref()),
-            },
+            table,
+            range,
             problem,
             section: section_of(options, problem),
             net: options.net,
@@ -105,7 +100,12 @@ impl Viewport {
             let area = response.rect;
             let painter = ui.painter_at(area);
             overlay::background(ui, &painter, area);
-            let drawn = drawn(pane.number, &pane.picture, shape.problem());
+            let drawn = drawn(
+                pane.number,
+                &pane.picture,
+                self.colours(&colours, &pane.picture),
+                shape.problem(),
+            );
             let section = drawn.section;
             self.draw(ui, &painter, area, drawn);
             overlay::caption(ui, &painter, area, &caption(title(shape.pin), shape.scene()));
@@ -121,7 +121,12 @@ impl Viewport {
         }
         let painter = ui.painter_at(own_area);
         overlay::background(ui, &painter, own_area);
-        let drawn = drawn(CURRENT, &self.picture, Subject::problem(session));
+        let drawn = drawn(
+            CURRENT,
+            &self.picture,
+            self.colours(&colours, &self.picture),
+            Subject::problem(session),
+        );
         let section = drawn.section;
         self.draw(ui, &painter, own_area, drawn);
         self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
@@ -140,6 +145,18 @@ impl Viewport {
         let marked = Marked { picture: &self.picture, subject: session, section };
         let clicked = clicked.or(self.show_marks(ui, &own, &marked));
         self.click(clicked);
+    }
+
+    /// Colours of a picture and the field values at their ends.
+    fn colours<'a>(
+        &'a self,
+        colours: &Colours,
+        picture: &'a Picture,
+    ) -> (&'a Arc<Vec<Rgb>>, [f32; 2]) {
+        match colours {
+            Colours::Common(scale) => (&self.common_table, range_of(scale.as_ref())),
+            Colours::Own(_) => (&picture.table, range_of(picture.scale.as_ref())),
+        }
     }
 
     /// Radius of the sphere around the bodies of the session and of the pins beside it \[mm\].
