@@ -464,7 +464,7 @@ fn a_foreign_text_is_no_list_of_pins() {
     let good = json!({ "schema": "implant-preview/pins/1", "pins": [] });
     assert_eq!(pins_from_json(&good.to_string()), Ok(Vec::new()));
     for (text, wanted) in [
-        (String::new(), "EOF"),
+        (String::new(), "is empty; allowed: one JSON object"),
         ("hello".to_owned(), "expected value"),
         ("\u{0}\u{feff}{".to_owned(), "expected value"),
         ("[]".to_owned(), "is a list"),

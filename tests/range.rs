@@ -314,7 +314,7 @@ fn the_chart_has_the_pins_and_returns_to_the_plan() {
     type_into(&mut harness, "Across, from", "13");
     assert_eq!(harness.query_all_by_role(Role::Image).count(), 0);
     harness.get_by_label_contains("Pin A is not on this chart.");
-    harness.get_by_label_contains("The present plan is not on this chart.");
+    harness.get_by_label_contains("This plan is not on this chart.");
     harness.get_by_role_and_label(Role::Button, "Around the plan").click();
     harness.run_steps(3);
     let from = harness.get_by_role_and_label(Role::SpinButton, "Across, from").value();
@@ -393,7 +393,7 @@ fn axes_and_colours_are_chosen_and_one_number_gives_a_curve() {
     let mut harness = range_of(layered(), DESKTOP);
     choose(&mut harness, "Colour", "Least cover");
     choose(&mut harness, "Across", "Pinch");
-    choose(&mut harness, "Up", "Nothing: a curve");
+    choose(&mut harness, "Upwards", "Nothing: a curve");
     wait_for(&mut harness, " plans computed. A quick, coarse computation");
     let before = harness.state().session().scene().clone();
     let rect = harness.get_by_role_and_label(Role::Canvas, CHART).rect();

@@ -171,7 +171,7 @@ fn every_control_and_reading_has_its_name() {
         "Normal",
         "Fine",
         "Add skin",
-        "Add adipose",
+        "Add fat",
         "Move inward layer 1",
         "Move outward layer 2",
         "Remove layer 2",
@@ -191,7 +191,7 @@ fn every_control_and_reading_has_its_name() {
         "Height of the breast mound",
         "Greatest skin stretch",
         "Greatest stress, skin",
-        "Greatest stress, adipose",
+        "Greatest stress, fat",
         "Area stretched above 54 %",
         "Force, vertical",
         "Implant volume",
@@ -260,7 +260,7 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     // Stretch and pressure have a word, the cover has none.
     assert_eq!(harness.query_all_by_label("usual").count(), 2);
     harness.get_by_label("no published limit");
-    harness.get_by_label_contains("300 ml, 12 cm: usual. Stretch 14 %, cover 8 mm, pressure 1");
+    harness.get_by_label_contains("300 ml, 12 cm: usual. Stretch 14 %, cover 8, pressure 1");
     harness.get_by_label_contains("longer: 6");
     harness.get_by_label_contains(
         "Counted from the skin at rest; standing adds up to 60 % in places.",
@@ -501,7 +501,7 @@ fn layers_are_added_exchanged_and_removed() {
     harness.get_by_role_and_label(Role::Button, "Move inward layer 1").click();
     settle(&mut harness);
     assert_eq!(tissues(&harness), ["adipose", "skin"]);
-    harness.get_by_role_and_label(Role::Button, "Add adipose").click();
+    harness.get_by_role_and_label(Role::Button, "Add fat").click();
     settle(&mut harness);
     assert_eq!(tissues(&harness), ["adipose", "skin", "adipose"]);
     harness.get_by_role_and_label(Role::Button, "Remove layer 1").click();
@@ -665,7 +665,7 @@ fn springs_without_a_stable_shape_are_reported_and_coupled_springs_offered() {
         scene.layers = vec![implant_preview::scene::Layer::paper_adipose()];
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
-    assert!(harness.get_all_by_label("No answer for this plan").count() > 0);
+    assert!(harness.get_all_by_label("No answer").count() > 0);
     harness.get_by_role_and_label(Role::Button, "Use the standard model").click();
     settle(&mut harness);
     assert_eq!(harness.state().session().scene().springs, Springs::Coupled);
@@ -1542,9 +1542,9 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     harness.get_by_label("Up to date");
     harness.get_by_label("beyond");
     for source in [
-        "54 ± 17 %: mean failure strain of 56 samples of excised back skin (Ní Annaidh and others, ",
+        "skin tore at 54 ± 17 % (mean of 56 samples of excised back skin; Ní Annaidh and others, ",
         "Standing alone stretches the skin of the breast by up to 60 % in places (39 women; Norris",
-        "(Tebbetts and Adams, Plast Reconstr Surg 116, 2005, 2005)",
+        "(Tebbetts and Adams, Plast Reconstr Surg 116, 2005)",
         "30–60 mmHg were measured right after clinical filling of expanders.",
     ] {
         harness.get_by_label_contains(source);
@@ -1672,9 +1672,12 @@ fn a_pinned_scene_is_compared_opened_and_removed_without_a_solve() {
     settle(&mut harness);
     let (solves, edited) =
         (harness.state().session().counters().solves, harness.state().session().scene().clone());
-    for label in ["Width, cm", "Volume, ml", "Most stretch, %", "Least cover, mm", "now"] {
+    for label in
+        ["Width, cm", "Volume, ml", "Most stretch, %", "Least cover, mm", "Most pressure, mmHg"]
+    {
         harness.get_by_label(label);
     }
+    press(&mut harness, "More numbers");
     // The values of the pin and of the present scene.
     let of = |outcome: &Outcome| format!("{:.1}", outcome.skin_projection_mm.unwrap());
     let session = harness.state().session();
@@ -1683,9 +1686,13 @@ fn a_pinned_scene_is_compared_opened_and_removed_without_a_solve() {
     for value in &values {
         assert!(harness.query_all_by_label(value).count() > 0, "{value}");
     }
-    harness.get_by_label("Differences").click();
+    harness.get_by_label("Differences in the table").click();
     harness.run();
-    harness.get_by_label("now − A");
+    harness.get_by_label("− A");
+    // The pin's own values stay beside the differences.
+    for value in &values {
+        assert!(harness.query_all_by_label(value).count() > 0, "{value}");
+    }
     press(&mut harness, "Open A");
     assert!((harness.state().session().scene().insertion - 1.0).abs() < 1e-9);
     assert_eq!(harness.state().session().counters().solves, solves);
@@ -1696,6 +1703,62 @@ fn a_pinned_scene_is_compared_opened_and_removed_without_a_solve() {
     press(&mut harness, "Remove A");
     assert!(pins(&harness).is_empty());
     harness.get_by_role_and_label(Role::Button, "Pin as A");
+}
+
+#[test]
+fn the_columns_of_the_comparison_are_as_wide_as_their_numbers_when_the_results_come() {
+    let mut harness = app(DESKTOP, |_| {});
+    let places = |harness: &Harness<'static, App>, name: &str| {
+        let found = harness.query_all_by_label(name);
+        found.map(|node| node.rect()).collect::<Vec<egui::Rect>>()
+    };
+    press(&mut harness, "Pin as A");
+    // The figures of the answer are in sight without a scroll.
+    for name in ["Volume, ml", "Most stretch, %", "Least cover, mm", "Most pressure, mmHg"] {
+        let [place] = places(&harness, name)[..] else { panic!("{name}") };
+        assert!(place.bottom() < DESKTOP.y - 30.0, "{name}: {place}");
+    }
+    // Another plan, whose result is missing at first.
+    type_into(&mut harness, "Volume (ml)", "320");
+    press(&mut harness, "Pin as B");
+    let outcome = harness.state().session().pins()[1].outcome().unwrap();
+    let volume = format!("{:.0}", outcome.implant_volume_ml);
+    let name = places(&harness, "Volume, ml")[0];
+    let numbers = places(&harness, &volume);
+    let in_row = numbers.iter().filter(|it| (it.center().y - name.center().y).abs() < 4.0);
+    // Of the plan and of B, each in one line of its own column.
+    let in_row: Vec<&egui::Rect> = in_row.collect();
+    assert_eq!(in_row.len(), 2, "{numbers:?} {name}");
+    assert!(in_row.iter().all(|it| it.height() < 20.0), "{in_row:?}");
+    assert!((in_row[0].left() - in_row[1].left()).abs() > in_row[0].width() + 8.0, "{in_row:?}");
+    // The switch of the differences moves nothing.
+    let switch = places(&harness, "Differences in the table");
+    press(&mut harness, "Differences in the table");
+    assert_eq!(places(&harness, "Differences in the table"), switch);
+    assert_eq!(places(&harness, "Volume, ml")[0], name);
+}
+
+#[test]
+fn pins_of_another_skin_have_a_row_with_their_skin() {
+    let mut harness = app(WIDE, |_| {});
+    press(&mut harness, "tight");
+    settle(&mut harness);
+    press(&mut harness, "Pin as A");
+    assert!(harness.query_by_label("Skin").is_none());
+    press(&mut harness, "lax");
+    settle(&mut harness);
+    let row = harness.get_by_label("Skin").rect();
+    for word in ["tight", "lax"] {
+        let is_in_row = |place: egui::Rect| (place.center().y - row.center().y).abs() < 4.0;
+        let mut places = harness.query_all_by_label(word).map(|node| node.rect());
+        assert!(places.any(is_in_row), "{word}");
+    }
+    harness.get_by_label("Side by side").click();
+    harness.run();
+    let texts = painted_texts(&harness);
+    let caption = |words: &str| texts.iter().any(|text| text.ends_with(words));
+    assert!(caption("\nSkin tight") && caption("\nSkin lax"), "{texts:?}");
+    assert!(texts.iter().any(|text| text == "Skin stretch [% of the reserve]"), "{texts:?}");
 }
 
 #[test]
@@ -1726,7 +1789,7 @@ fn four_pins_are_the_most_and_are_shown_side_by_side() {
         harness.key_press(egui::Key::OpenBracket);
         settle(&mut harness);
     }
-    harness.get_by_label("All four pins are in use. Remove a pin to pin this scene.");
+    harness.get_by_label("All four pins are in use. Remove a pin to pin this plan.");
     assert!(harness.query_by_label("Pin as A").is_none());
     let views = |harness: &Harness<'static, App>| {
         let is_view = |name: &str| harness.query_by_role_and_label(Role::Canvas, name).is_some();
@@ -1744,7 +1807,7 @@ fn four_pins_are_the_most_and_are_shown_side_by_side() {
     harness.key_press(egui::Key::OpenBracket);
     settle(&mut harness);
     assert!(harness.state().session().scene().insertion < before);
-    harness.get_by_label("Side by side").click();
+    harness.get_by_label("Overlay").click();
     harness.run();
     assert_eq!(views(&harness), [false, false, true]);
 }
@@ -1754,7 +1817,7 @@ fn a_second_pin_of_one_scene_is_refused_in_one_line() {
     let mut harness = app(WIDE, |_| {});
     press(&mut harness, "Pin as A");
     press(&mut harness, "Pin as B");
-    harness.get_by_label("Error: This scene is pinned already, as A.");
+    harness.get_by_label("Error: This plan is pinned already, as A.");
     assert_eq!(pins(&harness), ["A "]);
 }
 

@@ -542,7 +542,7 @@ fn rejected_input_changes_nothing_and_is_reported_in_one_line() {
     settle(&mut session);
     let (scene, revision) = (session.scene().clone(), session.revision());
     for (json, expected) in [
-        ("", "scene: EOF"),
+        ("", "scene: is empty"),
         ("[1]", "scene"),
         (r#"{"implant":{"base_radius_mm":"big"}}"#, "implant.base_radius_mm"),
         (r#"{"implant":{"base_radius_mm":50,"x":1}}"#, "`x`"),

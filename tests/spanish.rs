@@ -77,10 +77,8 @@ fn english(harness: &Harness<'static, App>) -> Vec<String> {
         "pinch", "pocket", "stretch", "answer", "usual", "high", "fat", "adipose", "percent",
         "most", "up",
     ];
-    // Titles of publications, the choice of the language, names of layers in their fields.
-    let stays = |text: &str| {
-        text.contains("Nikolaev, Non-linear") || ["English", "adipose", "skin"].contains(&text)
-    };
+    // Titles of publications, the choice of the language.
+    let stays = |text: &str| text.contains("Nikolaev, Non-linear") || text == "English";
     let rows = TABLE.lines().filter_map(|line| line.split_once('\t'));
     let words: BTreeSet<&str> =
         rows.filter(|(english, spanish)| english != spanish).map(|(english, _)| english).collect();

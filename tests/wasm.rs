@@ -45,7 +45,7 @@ fn the_browser_computes_what_the_native_program_computes() {
 #[wasm_bindgen_test]
 fn invalid_input_throws_an_error_of_one_line() {
     for (scene, expected) in [
-        ("{", "EOF"),
+        ("{", "ends too early"),
         ("{}", "implant"),
         (
             r#"{"implant":{"base_radius_mm":500}}"#,

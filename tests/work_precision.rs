@@ -162,7 +162,7 @@ fn a_plan_is_read_from_json_or_rejected_in_one_line() {
     assert_eq!(read(chosen), Ok(expected));
     for (json, expected) in [
         ("[]", "options: is a list; allowed: one JSON object"),
-        (r#"{"methods": ["magic"]}"#, "methods[0]: unknown variant `magic`, expected one of"),
+        (r#"{"methods": ["magic"]}"#, "methods[0]: unknown variant `magic`; allowed: "),
         (r#"{"nodes_per_side": [17, 5]}"#, "nodes_per_side[1] is 5; allowed: 17 to 1025"),
         (r#"{"cases": []}"#, "cases is an empty list; allowed: one entry or more"),
         (r#"{"speed": 1}"#, "unknown field `speed`"),

@@ -4,7 +4,7 @@ use super::curve_editor;
 use super::fat;
 use super::plan::{Hand, chip, chips};
 use super::stability;
-use super::texts::tr;
+use super::texts::{self, tr};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
 use crate::scene::{Body, Layer, Scene, Springs, TissueModel, limits};
@@ -79,7 +79,8 @@ fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
     let (mut action, mut edited) = (None, None);
     let count = scene.layers.len();
     for (k, layer) in scene.layers.iter_mut().enumerate() {
-        let title = tr!("Layer {number}: {tissue}", number = k + 1, tissue = tr(&layer.tissue));
+        let title =
+            tr!("Layer {number}: {tissue}", number = k + 1, tissue = texts::tissue(&layer.tissue));
         let header = egui::CollapsingHeader::new(RichText::new(title).strong())
             .id_salt(("layer", k))
             .default_open(k < 2);
@@ -123,7 +124,7 @@ fn layers(ui: &mut Ui, scene: &mut Scene) -> Option<usize> {
     ui.horizontal_wrapped(|ui| {
         let room = count < limits::LAYERS.1;
         for (name, make) in
-            [(tr("Add skin"), Layer::skin as fn() -> Layer), (tr("Add adipose"), Layer::adipose)]
+            [(tr("Add skin"), Layer::skin as fn() -> Layer), (tr("Add fat"), Layer::adipose)]
         {
             if button_if(ui, room, name, name, tr("Add this layer innermost; at most 8 layers")) {
                 action = Some(Action::Add(make()));
@@ -153,23 +154,24 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
     let usual = if layer.tissue == "adipose" { Layer::adipose() } else { Layer::skin() };
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new(tr("Tissue")).color(ui.visuals().weak_text_color()));
-        let field = egui::TextEdit::singleline(&mut layer.tissue)
+        let mut name = texts::tissue(&layer.tissue).to_owned();
+        let field = egui::TextEdit::singleline(&mut name)
             .char_limit(40)
             .desired_width(ui.available_width() - SPACE);
         let response = ui.add(field).labelled_by(label.id);
         response.widget_info(|| egui::WidgetInfo {
             label: Some(tr("Tissue").to_owned()),
-            ..egui::WidgetInfo::text_edit(true, "", &layer.tissue, "")
+            ..egui::WidgetInfo::text_edit(true, "", &name, "")
         });
-        response
-            .on_hover_text(tr("Any name; “skin”, “adipose” and “muscle” have their own colours"));
+        if response.changed() {
+            texts::tissue_of_file(&name).clone_into(&mut layer.tissue);
+        }
+        response.on_hover_text(tr("Any name; “skin”, “fat” and “muscle” have their own colours"));
     });
     Control {
         step: 0.1,
         logarithmic: true,
-        tooltip: tr(
-            "Unstretched thickness. Breast skin is about 1–3 mm thick, the adipose layer 5–40 mm.",
-        ),
+        tooltip: tr("Unstretched thickness. Breast skin is about 1–3 mm thick, the fat 5–40 mm."),
         ..length(limits::THICKNESS_MM, tr("Thickness"), usual.thickness_mm)
     }
     .show(ui, &mut layer.thickness_mm);

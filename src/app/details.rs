@@ -2,7 +2,7 @@
 
 use super::answer::band_color;
 use super::device::Device;
-use super::texts::{localized, tr};
+use super::texts::{self, localized, tr};
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, remark};
@@ -64,7 +64,7 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, tr("Least cover"), outcome.cover_mm.map(|c| c.least), 1, "mm");
             band(ui, bands, Quantity::LeastCoverMm);
             for layer in &outcome.layers {
-                let name = tr!("Thinnest {tissue}", tissue = tr(&layer.tissue));
+                let name = tr!("Thinnest {tissue}", tissue = texts::tissue(&layer.tissue));
                 row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
             }
             let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
@@ -150,7 +150,7 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                 row(ui, error, tr("Skin wrinkled or slack"), Some(100.0 * wrinkled), 1, "%");
             }
             for (k, layer) in outcome.layers.iter().enumerate() {
-                let name = tr!("Greatest stress, {tissue}", tissue = tr(&layer.tissue));
+                let name = tr!("Greatest stress, {tissue}", tissue = texts::tissue(&layer.tissue));
                 row(ui, error, name, layer.max_stress_kpa, 1, "kPa");
                 if k == 0 {
                     band(ui, bands, Quantity::SkinStressKpa);

@@ -179,6 +179,29 @@ pub(super) fn date() -> String {
     humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
 }
 
+/// Present date and time (RFC 3339): that of the browser's place with its distance from UTC; on the desktop, which has no place,
+/// that of UTC.
+pub(super) fn local_date() -> String {
+    #[cfg(target_arch = "wasm32")]
+    {
+        let now = js_sys::Date::new_0();
+        // Minutes west of UTC.
+        let offset = -now.get_timezone_offset() as i32;
+        let sign = if offset < 0 { '-' } else { '+' };
+        format!(
+            "{}T{:02}:{:02}:{:02}{sign}{:02}:{:02}",
+            today(),
+            now.get_hours(),
+            now.get_minutes(),
+            now.get_seconds(),
+            offset.abs() / 60,
+            offset.abs() % 60
+        )
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    date()
+}
+
 /// Present day as 2026-01-31: that of the browser's place; on the desktop, which has no place, that of UTC.
 pub(super) fn today() -> String {
     #[cfg(target_arch = "wasm32")]

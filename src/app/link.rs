@@ -2,7 +2,7 @@
 //! (RFC 4648 §5), in the fragment of the page's address. Browsers send no fragment to a server. The link leaves out the visit.
 
 use super::App;
-use super::messages::Notice;
+use super::messages::{Notice, Severity};
 use super::texts::tr;
 use crate::scene::MAX_SCENE_BYTES;
 use base64::Engine as _;
@@ -23,9 +23,13 @@ impl App {
     /// Opens the plan in the fragment of an address; a fragment without a plan changes nothing. Returns whether there was one.
     pub fn open_link(&mut self, fragment: &str) -> bool {
         let Some(text) = fragment.strip_prefix(START) else { return false };
+        let before = self.session.scene().clone();
         let opened = plan(text).and_then(|json| self.open(json).map_err(|e| e.to_string()));
-        let done = tr("Opened the plan of the link. Undo restores the present one.").to_owned();
-        self.notice = Some(self.show_opened(opened, tr("The link"), done));
+        let is_changed = !before.is_same_plan(self.session.scene());
+        let done = tr("Opened the plan of the link. Undo brings the previous one back.").to_owned();
+        let notice = self.show_opened(opened, tr("The link"), done);
+        // The page of a link that was open already says nothing.
+        self.notice = (is_changed || notice.severity == Severity::Error).then_some(notice);
         self.request_frame();
         true
     }

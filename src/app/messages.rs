@@ -10,7 +10,7 @@ use eframe::egui::accesskit::Live;
 use eframe::egui::{self, Rect, RichText, Ui};
 
 /// Heading of a scene without a shape.
-const NO_ANSWER: &str = "No answer for this plan";
+const NO_ANSWER: &str = "No answer";
 /// Greatest width of a box over the picture \[points\].
 const BOX_WIDTH: f32 = 560.0;
 /// Time for which a notice of success stays \[s\], and the further time of a character.

@@ -23,6 +23,7 @@ mod controls;
 mod curve_editor;
 mod details;
 mod device;
+mod differing;
 mod fat;
 mod files;
 mod fill_steps;

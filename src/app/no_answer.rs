@@ -78,7 +78,7 @@ impl NearestSearch {
         let frame = egui::Frame::group(ui.style()).inner_margin(SPACE).corner_radius(8);
         let card = frame.show(ui, |ui| {
             ui.set_width(ui.available_width());
-            ui.label(RichText::new(tr("No answer for this plan")).strong());
+            ui.label(RichText::new(tr("No answer")).strong());
             let words = Device::of(ui.ctx()).words(&words(session));
             ui.add(egui::Label::new(words).wrap());
             let pressed = self.offer(ui, session, largest, Hand::Mouse);
@@ -110,12 +110,14 @@ impl NearestSearch {
                 tr("The search for the nearest plan with an answer has failed.")
             }
             [Some(Search::Found(_)), _] | [_, Some(Search::Found(_))] => {
-                tr("the nearest plan with an answer")
+                tr("The nearest plans with an answer:")
             }
             _ => tr(
                 "No smaller volume, no lesser insertion and no base up to 4 cm wider has an answer.",
             ),
         };
+        // A sentence of its own: the buttons come and go below it.
+        remark(ui, words);
         let line = ui.horizontal_wrapped(|ui| {
             ui.set_min_height(height);
             let palette = theme::palette(ui.visuals());
@@ -139,12 +141,11 @@ impl NearestSearch {
                 .map(|(scene, _)| scene);
             for plan in self.found(session) {
                 let tooltip = tr("The nearest plan for which a shape was found: a smaller volume in steps of 5 ml, less insertion in steps \
-                     of 5 %, or a base wider in steps of 5 mm. Undo restores the present plan.");
+                     of 5 %, or a base wider in steps of 5 mm. Undo brings this plan back.");
                 if is_pressed(ui, &texts::shown(&plan.words), tooltip) {
                     taken = Some(plan.scene.clone());
                 }
             }
-            remark(ui, words);
             let last = session.last_answer().map(|answer| &answer.scene);
             let back = last.filter(|scene| {
                 let button = egui::Button::new(tr!("Back to {size}", size = texts::shown(&size_in_words(scene))));

@@ -4,13 +4,12 @@
 use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
 use super::device::Device;
-use super::texts::{fixed, tr};
+use super::texts::{self, fixed, tr};
 use super::theme::{self, Palette};
 use super::viewport::Outline;
 use super::widgets::group;
 use crate::curve::Curve;
 use crate::mesh::NodeKind;
-use crate::scene::Letter;
 use crate::session::{Pin, Session};
 use crate::solve::{Problem, Solution};
 use crate::study::SectionBand;
@@ -47,7 +46,7 @@ pub(super) fn curves(ui: &mut Ui, session: &Session, previous: PreviousResults) 
                 }
             });
         ui.small(greatest_strain.map_or_else(
-            || tr("The strains of this scene are being computed.").to_owned(),
+            || tr("The strains of this plan are being computed.").to_owned(),
             |strain| {
                 tr!("Dashed: extrapolated. Thick: how far this plan stretches it, up to {strain:.0} %. Dot: stress at that strain under \
                      uniaxial stretch, as in the measured curve. Diamond: greatest stress over this \
@@ -66,7 +65,7 @@ fn layer_curve(
     greatest_strain: Option<f64>,
 ) {
     let (layer, material) = (&session.scene().layers[k], &session.problem().materials[k]);
-    let name = format!("{} {}", k + 1, tr(&layer.tissue));
+    let name = format!("{} {}", k + 1, texts::tissue(&layer.tissue));
     let curve = &material.curve;
     // Solid up to the end of the measurements, dashed beyond.
     let mut part = |end: f64, color: Color32, width: f32| {
@@ -226,7 +225,7 @@ pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) 
         Some(Outline {
             letter: pin.letter(),
             color,
-            is_dotted: matches!(pin.letter(), Letter::B | Letter::D),
+            dashes: compare::dashes_of(pin.letter()),
             points: outwards.map(|[x, z]| Vec2::new(x as f32, z as f32)).collect(),
             center_mm: pin.scene().implant.center_mm,
         })

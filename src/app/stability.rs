@@ -48,7 +48,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, limits: &Limits, greatest_str
         || tr("vertical line: greatest strain, not yet computed").to_owned(),
         |greatest_strain| {
             tr!(
-                "vertical line: greatest strain in this scene, {strain:.0} %",
+                "vertical line: greatest strain in this plan, {strain:.0} %",
                 strain = 100.0 * greatest_strain
             )
         },

@@ -147,9 +147,7 @@ fn status_text(session: &Session) -> StatusText {
             let text = tr("Not finished: do not use these numbers");
             warning(text, tr!("The solver stopped above its tolerance; {error}.", error))
         }
-        Status::Unstable => {
-            warning(tr("No stable shape"), tr(no_shape(session.invalid())).to_owned())
-        }
+        Status::Unstable => warning(tr("No answer"), tr(no_shape(session.invalid())).to_owned()),
     }
 }
 
@@ -164,9 +162,19 @@ fn percent_text(percent: f64) -> String {
     format!("{} %", fixed(rounded, decimals))
 }
 
-/// Shows the status line.
-pub(super) fn show(ui: &mut Ui, session: &Session, timing: &Timing) {
+/// Shows the status line. `sampling`: numbers of computed and of all plans of sampled patients, while they are computed.
+pub(super) fn show(
+    ui: &mut Ui,
+    session: &Session,
+    timing: &Timing,
+    sampling: Option<(usize, usize)>,
+) {
     let StatusText { text, mut details, is_warning } = status_text(session);
+    let mut text = text.to_owned();
+    let is_converged = session.result().is_some_and(|it| it.status == Status::Converged);
+    if let Some((done, all)) = sampling.filter(|_| is_converged) {
+        text = tr!("Computing patients: {done} of {all} plans", done, all);
+    }
     if let Some(outcome) = session.result() {
         let solver = &outcome.solver;
         details += &tr!(

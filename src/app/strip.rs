@@ -3,7 +3,7 @@
 //! Uses `compare`, `plots`, `theme`, `viewport`. Used by `ui`.
 
 use super::compare::{self, Silhouette};
-use super::texts::tr;
+use super::texts::{self, tr};
 use super::theme;
 use super::uncertainty::Findings;
 use super::viewport::{scale_bar, veil};
@@ -86,7 +86,7 @@ impl App {
         if !section.skin().is_empty() {
             let tissue = |layer: usize| {
                 let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
-                (tr(name).to_owned(), color32(color::tissue(name, layer)))
+                (texts::tissue(name).to_owned(), color32(color::tissue(name, layer)))
             };
             paint_implant(ui, &painter, &place, problem);
             paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
@@ -277,7 +277,9 @@ fn paint_pin(ui: &Ui, painter: &Painter, place: &Place, pin: &Silhouette) {
     let (color, dash, gap) = compare::stroke_of(pin.letter, theme::palette(ui.visuals()));
     let points = place.line(&pin.points);
     painter.extend(Shape::dashed_line(&points, Stroke::new(2.0, color), dash, gap));
-    if let Some(at) = points.get(points.len() / 3) {
+    // Each letter at a place of its own: similar skins lie over each other.
+    let place = compare::place_of(pin.letter);
+    if let Some(at) = points.get((place * points.len() as f64) as usize) {
         let at = *at - vec2(4.0, 2.0);
         let font = TextStyle::Button.resolve(ui.style());
         painter.text(at, Align2::RIGHT_BOTTOM, pin.letter.to_string(), font, color);

@@ -153,7 +153,7 @@ impl App {
             let near_end = self.volume_marks.near_end(self.session.scene());
             answer::show(ui, &self.session, self.previous_results(), findings, &near_end);
         }
-        answer::sources(ui);
+        answer::sources(ui, &self.session);
         self.filling(ui);
         self.uncertainty.show(ui, &self.session);
         self.compare(ui);
@@ -195,7 +195,7 @@ impl App {
                 });
                 return;
             }
-            status::show(ui, &self.session, &self.timing);
+            status::show(ui, &self.session, &self.timing, self.uncertainty.running());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| match layout {
                 Layout::Narrow => disclaimer(ui, layout),
                 Layout::Wide => {
@@ -261,7 +261,10 @@ impl App {
         let about_picture = no_answer::about_picture(&self.session);
         let mut accepted = None;
         let add = |ui: &mut Ui| {
-            ui.label(words);
+            // On a wide screen the card beside the picture has the sentence.
+            if about_picture.is_none() || layout == Layout::Narrow {
+                ui.label(words);
+            }
             if let Some(words) = &about_picture {
                 ui.label(words);
             }
@@ -297,7 +300,8 @@ impl App {
             let envelope = self.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.session, &self.options);
             let bar = self.view_bar_height;
-            let shown = Shown { session, options, envelope, outlines: &[], bar };
+            let shown =
+                Shown { session, options, envelope, outlines: &[], bar, is_on_paper: false };
             if session.has_no_shape() {
                 self.viewport.show(ui, shown);
                 self.no_shape(ui, area, scene, layout);
@@ -323,14 +327,20 @@ impl App {
     }
 }
 
+/// Greatest width of the scale bar on the lower edge of the picture \[points\].
+const SCALE_BAR: f32 = 140.0;
+
 /// What to do first, on the lower edge of the picture.
 fn hint(ui: &mut Ui, area: Rect) {
     let layout = egui::Layout::bottom_up(egui::Align::Max);
     let inner = area.shrink(2.0 * theme::SPACE);
+    // To the right of the scale bar.
+    let inner = inner.with_min_x(inner.left() + SCALE_BAR);
     let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
     let words = tr("Change width, volume or pinch · drag the picture to turn it");
     let words = RichText::new(words).color(ui.visuals().weak_text_color());
-    ui.new_child(builder).add(egui::Label::new(words).selectable(false));
+    ui.new_child(builder)
+        .add(egui::Label::new(words).selectable(false).wrap().halign(egui::Align::Max));
 }
 
 /// A side panel of a given width. A width that follows the content would grow for good with a wide line or figure, and

@@ -1,7 +1,7 @@
 //! The controls of the picture, on the picture: standard views, cut, grid, colours.
 
 use super::commands::{Action, entry_of};
-use super::texts::tr;
+use super::texts::{self, tr};
 use super::toolbar::Layout;
 use super::widgets::{Kind, NumberField, choice, set_accessible_name};
 use super::{App, theme};
@@ -63,6 +63,7 @@ impl App {
             return;
         }
         // Always present, so that nothing moves; without a cut the direction waits for one.
+        ui.label(tr("at"));
         let mut angle = f64::from(options.section_azimuth_deg);
         let field = NumberField {
             name: tr("Direction of the cut"),
@@ -85,7 +86,8 @@ impl App {
     fn quantity_box(&mut self, ui: &mut Ui) {
         let layers = &self.session.scene().layers;
         let is_layered = self.session.scene().is_layered();
-        let tissue = |k: usize| layers.get(k).map_or(tr("layer"), |layer| tr(&layer.tissue));
+        let tissue =
+            |k: usize| layers.get(k).map_or(tr("layer"), |layer| texts::tissue(&layer.tissue));
         let name = |quantity: Quantity| match quantity {
             Quantity::Tissue => tr("Natural colours").to_owned(),
             Quantity::Strain => tr("Skin stretch").to_owned(),

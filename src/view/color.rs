@@ -1,7 +1,7 @@
 //! Colours of quantities and tissues, and scales of the colour bar.
 
 use crate::measure::{Field, MMHG_PER_KPA, bands};
-use crate::scene::{Layer, Scene};
+use crate::scene::{Layer, Scene, tissue_in_words};
 
 /// A colour as sRGB, 0 to 1 each.
 pub type Rgb = [f32; 3];
@@ -92,7 +92,7 @@ impl Quantity {
     /// curve of the skin turns steep \[-\], if the skin has a reserve ([`Problem::skin_knee`](crate::solve::Problem::skin_knee)).
     #[must_use]
     pub fn scale(&self, greatest: f32, layers: &[Layer], knee: Option<f64>) -> Option<Scale> {
-        let name = |layer: usize| layers.get(layer).map_or("layer", |l| l.tissue.as_str());
+        let name = |layer: usize| layers.get(layer).map_or("layer", |l| tissue_in_words(&l.tissue));
         Some(match *self {
             Self::Tissue => return None,
             Self::Strain => strain_scale(greatest, knee),
@@ -241,6 +241,14 @@ pub fn in_band(limits: &bands::Limits, most: f64, value: f32) -> Rgb {
         from = to;
     }
     BANDS[BANDS.len() - 1].1
+}
+
+impl Scale {
+    /// The stretch of skins with other limits as shares of their reserves \[-\], up to the `greatest` one.
+    #[must_use]
+    pub fn of_reserve(greatest: f32) -> Self {
+        Self { unit: "% of the reserve", ..strain_scale(greatest, Some(1.0)) }
+    }
 }
 
 /// The strain of a skin in the bands of its limits: those of its reserve, if its curve turns steep.

@@ -14,6 +14,7 @@ pub mod pick;
 pub mod picture;
 pub mod place;
 pub mod section;
+pub mod side_by_side;
 pub mod strokes;
 pub mod subject;
 pub mod torso;

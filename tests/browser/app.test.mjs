@@ -50,7 +50,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assertSameAsNative(opened);
     // The words follow once they rest.
     const words = await harness.summary(page, "Up to date.");
-    assert.match(words, /^300 ml implant, 12 cm wide\. Skin stretch 1\d percent, usual\. Cover 8 of 10 mm\. Pressure \d+/);
+    assert.match(words, /^300 ml implant, 12 cm wide\. Skin stretch 1\d percent, usual\. Cover 8\.\d mm, at rest 10\.0 mm\. Pressure \d+/);
     const frames = await settled(page);
     const before = await stats(page);
     await page.waitForTimeout(2000);

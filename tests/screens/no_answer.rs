@@ -4,7 +4,7 @@
 use super::*;
 use implant_preview::curve::Fat;
 
-const TITLE: &str = "No answer for this plan";
+const TITLE: &str = "No answer";
 const LOOKING: &str = "Searching for the nearest plan with an answer…";
 const FATS: [&str; 4] = ["Soft", "Usual", "Firm", "Nikolaev 2013"];
 
@@ -54,7 +54,7 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
         assert!(harness.query_by_label_contains("The solver found no shape").is_none());
         assert_eq!(harness.query_all_by_label("longer, at most").count(), 0);
         wait(&mut harness);
-        harness.get_by_label("the nearest plan with an answer");
+        harness.get_by_label("The nearest plans with an answer:");
         let (button, volume) = offer(&harness);
         assert!((100.0..300.0).contains(&volume), "{button}");
         assert!(harness.state().summary().contains(&button));
@@ -267,7 +267,7 @@ fn the_curve_of_the_fat_is_plotted_measured_and_extrapolated() {
     let mut harness = app(WIDE, |scene| *scene = opening());
     unfold(&mut harness, "Advanced");
     let plot = |end: u32| {
-        format!("Curve of adipose. Solid: measured, to {end} % strain. Dashed: extrapolated.")
+        format!("Curve of fat. Solid: measured, to {end} % strain. Dashed: extrapolated.")
     };
     harness.get_by_role_and_label(Role::Image, &plot(30));
     harness.get_by_label("Solid: measured, to 30 % strain. Dashed: extrapolated.");

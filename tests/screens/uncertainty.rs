@@ -314,7 +314,7 @@ fn the_comparison_has_the_bands_of_pins_and_of_their_differences() {
         let label = shown(samples.band(quantity).unwrap(), 1.0, 1);
         wait_for_label(&mut harness, &label);
     }
-    super::press(&mut harness, "Differences");
+    super::press(&mut harness, "Differences in the table");
     let label = shown(now.difference(&a, quantity).unwrap(), 1.0, 1);
     wait_for_label(&mut harness, &label);
 }

@@ -41,25 +41,27 @@ pub const STRAIN: Limits = Limits {
         Band {
             limit: Some(STRAIN_BANDS[0]),
             word: "usual",
-            source: "Below 25 %: less than half of the failure strain; a convention of this program.",
+            source: "Up to 25 % usual: less than half of the stretch at which skin tears; a convention of this program.",
         },
         Band {
             limit: Some(STRAIN_BANDS[1]),
             word: "high",
-            source: "25–50 %: up to the failure strain; a convention of this program.",
+            source: "25–50 % high: up to the stretch at which skin tears; a convention of this program.",
         },
         Band {
             limit: Some(STRAIN_BANDS[2]),
             word: "very high",
-            source: "54 ± 17 %: mean failure strain of 56 samples of excised back skin (Ní Annaidh and others, J Mech Behav \
-                Biomed Mater 5, 2012, 139).",
+            source: "50–54 % very high, above beyond: skin tore at 54 ± 17 % (mean of 56 samples of excised back skin; Ní \
+                Annaidh and others, J Mech Behav Biomed Mater 5, 2012).",
         },
         Band { limit: None, word: "beyond", source: "" },
     ],
-    note: "The scale counts what the implant adds to the skin at rest. Standing alone stretches the skin of the breast by up to \
-        60 % in places (39 women; Norris and others, BMJ Open Sport Exerc Med 6, 2020, e000770): the limits are those \
-        of skin cut out and at rest, and the stretch of standing is not in them.",
+    note: STANDING,
 };
+
+/// What every strain of the skin leaves out.
+const STANDING: &str = "The stretch counts from the skin at rest. Standing alone stretches the skin of the breast by up to 60 % in \
+    places (39 women; Norris and others, BMJ Open Sport Exerc Med 6, 2020).";
 
 /// Greatest principal strain of the skin / strain at which this skin's curve turns steep \[-\]
 /// ([`Curve::knee`](crate::curve::Curve::knee)).
@@ -70,18 +72,18 @@ pub const RESERVE: Limits = Limits {
         Band {
             limit: Some(0.8),
             word: "usual",
-            source: "Up to 80 % of the stretch at which this skin's curve turns steep: a convention of this program.",
+            source: "Up to 80 % of the reserve usual: a convention of this program.",
         },
         Band {
             limit: Some(1.0),
             word: "high",
-            source: "At 100 % the slope of the curve is twice the initial one and grows on: each further millimetre costs \
-                more and more stress (shape of the curve: Hendriks 2005, as in Nikolaev 2013).",
+            source: "80–100 % high, above very high. The reserve is the stretch at which this skin gets twice as stiff as at \
+                rest: from there each further millimetre costs more and more stress (curve of skin in vivo: Hendriks 2005, as in \
+                Nikolaev 2013). The class of the skin sets the reserve within a factor of 2 (1 standard deviation).",
         },
         Band { limit: None, word: "very high", source: "" },
     ],
-    note: "Tight skin turns steep at a smaller stretch than lax skin; the class of the skin sets that stretch within a factor \
-        of 2 (1 standard deviation).",
+    note: STANDING,
 };
 
 /// Contact pressure \[mmHg\].
@@ -92,13 +94,13 @@ pub const PRESSURE: Limits = Limits {
         Band {
             limit: Some(PRESSURE_BANDS_MMHG[0]),
             word: "usual",
-            source: "30–60 mmHg were measured right after clinical filling of expanders.",
+            source: "Up to 60 mmHg usual: 30–60 mmHg were measured right after clinical filling of expanders.",
         },
         Band {
             limit: Some(PRESSURE_BANDS_MMHG[1]),
             word: "high",
-            source: "Above 80 mmHg blood flow was near zero in one study of pigs; in another it fell only moderately \
-                to 100 mmHg (pressure and dermal blood flow of expanded skin; Ann Plast Surg 21, 1988, 134).",
+            source: "60–80 mmHg high, above very high: above 80 mmHg the blood flow of the skin was near zero in one study of pigs; in \
+                another it fell only moderately to 100 mmHg (expanded skin; Ann Plast Surg 21, 1988).",
         },
         Band { limit: None, word: "very high", source: "" },
     ],
@@ -109,9 +111,8 @@ pub const PRESSURE: Limits = Limits {
 pub const THIN_COVER_MM: f64 = 5.0;
 
 /// What is known about a limit of the cover.
-pub const COVER: &str = "Least thickness of skin and fat over the implant. No published limit was found. Below 5 mm the word is \
-    thin, from practice, no limit: with a pinch below 2 cm at the upper pole, a cover of 10 mm at rest, surgeons go under the \
-    muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005, 2005); half of that is left here.";
+pub const COVER: &str = "Below 5 mm thin: a word of practice, no measured limit. With a pinch below 2 cm at the upper pole, a cover of 10 \
+    mm at rest, surgeons go under the muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005); half of that is left here.";
 
 /// All limits.
 pub const LIMITS: [&Limits; 3] = [&STRAIN, &RESERVE, &PRESSURE];

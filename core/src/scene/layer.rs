@@ -140,5 +140,11 @@ impl Layer {
     }
 }
 
+/// The name of a tissue as surgeons read it: fat for adipose, the name in files.
+#[must_use]
+pub fn tissue_in_words(tissue: &str) -> &str {
+    if tissue == ADIPOSE { "fat" } else { tissue }
+}
+
 /// Name of the tissue between skin and implant that a pinch measures.
 pub(super) const ADIPOSE: &str = "adipose";

@@ -119,6 +119,9 @@ pub fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneErro
     if text.len() > MAX_SCENE_BYTES {
         return Err(out_of_range(whole, format!("{} bytes long", text.len()), "up to 10 MB"));
     }
+    if text.trim().is_empty() {
+        return Err(problem(whole, "is empty; allowed: one JSON object"));
+    }
     if text.trim_start().starts_with('[') {
         return Err(problem(whole, "is a list; allowed: one JSON object"));
     }
@@ -133,8 +136,11 @@ pub fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneErro
         let error = error.into_inner();
         let text = match error.classify() {
             Category::Syntax => format!("{error}; allowed: JSON, numbers as 12.5"),
-            Category::Eof => format!("{error}; allowed: one whole JSON object"),
-            Category::Data | Category::Io => error.to_string(),
+            Category::Eof => {
+                format!("ends too early, in line {}; allowed: one whole JSON object", error.line())
+            }
+            // The path is the place.
+            Category::Data | Category::Io => without_place(&error.to_string()),
         };
         // Names of Rust types mean nothing to a reader.
         let text = text.replace("expected f64", "expected a number");
@@ -142,6 +148,16 @@ pub fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneErro
     })?;
     reader.end().map_err(|error| problem(whole, &error.to_string()))?;
     Ok(read)
+}
+
+/// A message of the parser without its place, with the names of what is allowed.
+fn without_place(message: &str) -> String {
+    let message = message.rfind(" at line ").map_or(message, |end| &message[..end]);
+    if !message.starts_with("unknown ") {
+        return message.to_owned();
+    }
+    let allowed = message.replacen(", expected one of ", "; allowed: ", 1);
+    allowed.replacen(", expected ", "; allowed: ", 1)
 }
 
 #[cfg(test)]
@@ -171,5 +187,27 @@ mod tests {
             let line = texts(text).unwrap_err().to_string();
             assert!(line.contains(expected) && !line.contains('\n'), "{line}");
         }
+    }
+
+    #[test]
+    fn an_error_names_what_is_wrong_where_and_what_is_allowed() {
+        let error = |text: &str| json::<SceneFile>(text, "scene").unwrap_err().to_string();
+        assert_eq!(error(" \n"), "scene: is empty; allowed: one JSON object");
+        assert_eq!(
+            error("{\n\"insertion\": 1"),
+            "scene: ends too early, in line 2; allowed: one whole JSON object"
+        );
+        let unknown = error(r#"{ "scene": {} }"#);
+        assert!(
+            unknown.starts_with("scene: unknown field `scene`; allowed: `schema`"),
+            "{unknown}"
+        );
+        let unknown = error(r#"{ "implant": { "width": 1 } }"#);
+        assert!(
+            unknown.starts_with("implant.width: unknown field `width`; allowed: `"),
+            "{unknown}"
+        );
+        let number = error(r#"{ "insertion": "a" }"#);
+        assert!(number.starts_with("insertion: ") && !number.contains("at line"), "{number}");
     }
 }

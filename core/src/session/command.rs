@@ -40,7 +40,7 @@ pub enum CommandError {
     #[error("4 scenes are pinned; allowed: up to 4. Remove a pin first.")]
     Full,
     /// The scene or the letter is pinned already.
-    #[error("This scene is pinned already, as {0}.")]
+    #[error("This plan is pinned already, as {0}.")]
     Pinned(Letter),
     /// The current scene has no converged result.
     #[error("This scene has no finished result; only a scene with a result can be pinned.")]

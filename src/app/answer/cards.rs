@@ -1,11 +1,13 @@
-//! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own; the band of sampled
-//! patients stands in brackets, and its worse end decides the word.
+//! Figures and words of the three cards: skin stretch, cover, pressure. Figure and word are the plan's own, as those of the
+//! sentence, the legend and the report; the band of sampled patients stands in brackets, and a word of its worse end that is
+//! worse has a line of its own.
 
 use crate::app::texts::{fixed, localized, tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
+use crate::solve::Problem;
 use crate::study::{Band, Quantity};
 use crate::view::color::{MOST_RESERVE, MOST_STRAIN};
 
@@ -25,6 +27,8 @@ pub(super) struct Answer {
     pub(super) strain: Option<f64>,
     /// The strain relative to that at which this skin turns steep \[-\].
     reserve: Option<f64>,
+    /// Has this skin a reserve? Without a value too: the bar keeps its limits during a solve.
+    has_reserve: bool,
     /// Fraction of the skin above [`SHARE_ABOVE`] \[-\].
     share: f64,
     /// Least thickness over the implant \[mm\].
@@ -54,13 +58,19 @@ fn pressure_verdict(mmhg: f64) -> Verdict {
 }
 
 impl Answer {
-    pub(super) fn new(outcome: Option<&Outcome>, scene: &Scene) -> Self {
+    /// The figures of a result of a plan; without a result the limits are those of a problem.
+    pub(super) fn new(outcome: Option<&Outcome>, scene: &Scene, problem: &Problem) -> Self {
         let strain = outcome.and_then(|outcome| outcome.strain.as_ref());
         let share = strain.and_then(|s| s.fraction_above.get(SHARE_ABOVE.1)).copied();
         let cover = outcome.and_then(|outcome| outcome.cover_mm);
+        let reserve = outcome.and_then(|outcome| outcome.skin_reserve_used);
         Self {
             strain: strain.map(|strain| strain.max_principal.max(0.0)),
-            reserve: outcome.and_then(|outcome| outcome.skin_reserve_used),
+            reserve,
+            has_reserve: match strain {
+                Some(_) => reserve.is_some(),
+                None => problem.skin_knee().is_some(),
+            },
             share: share.unwrap_or(0.0),
             cover: cover.map(|cover| cover.least),
             apex: cover.map(|cover| cover.apex),
@@ -80,11 +90,12 @@ impl Answer {
         self.cover.and_then(bands::cover).map(in_words)
     }
 
+    /// The word of the pressure.
     fn pressure_word(&self) -> Option<Verdict> {
         self.pressure.map(|(_, most)| pressure_verdict(most))
     }
 
-    /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
+    /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
     pub(super) fn in_a_sentence(&self) -> String {
         let words = [
             (self.stretch(), tr("skin stretch")),
@@ -99,7 +110,7 @@ impl Answer {
             .map_or_else(|| tr("usual").to_owned(), |((_, word), name)| format!("{name} {word}"));
         let figures = [
             self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
-            self.cover.map(|mm| tr!("cover {mm:.0} mm", mm)),
+            self.cover.map(|mm| tr!("cover {mm:.1} mm", mm)),
             self.pressure.map(|(_, most)| tr!("pressure {most:.0} mmHg", most)),
         ];
         let figures: Vec<String> = figures.into_iter().flatten().collect();
@@ -122,6 +133,8 @@ pub(super) struct Card {
     pub(super) verdict: Option<Verdict>,
     /// What stands in place of a word without limits.
     pub(super) no_verdict: &'static str,
+    /// The word of the band's worse end, if it is worse than the plan's.
+    pub(super) of_band: Option<String>,
     pub(super) line: String,
     /// The value on the bar.
     pub(super) value: Option<f64>,
@@ -191,18 +204,11 @@ fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.map_or_else(|| "–".to_owned(), text)
 }
 
-/// The word of the worse end of a band in place of the plan's own, and both in words if they differ.
-fn worse(
-    own: Option<Verdict>,
-    of_band: Option<Verdict>,
-    line: String,
-) -> (Option<Verdict>, String) {
-    match (own, of_band) {
-        (Some(own), Some(worse)) if worse.0 > own.0 => {
-            (Some(worse), tr!("this plan itself: {word}. {line}", word = own.1, line))
-        }
-        (own, of_band) => (own.or(of_band), line),
-    }
+/// The word of the worse end of a band in a sentence, if it is worse than the plan's own word; a cover that is not thin has none.
+fn word_of_band(own: Option<Verdict>, of_band: Option<Verdict>) -> Option<String> {
+    let (band, word) = of_band?;
+    let own = own.map_or(0, |(band, _)| band);
+    (band > own).then(|| tr!("In 1 of 10 such patients: {word}", word))
 }
 
 fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
@@ -212,7 +218,6 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let of_band =
         range.map(|[_, high]| in_words(bands::stretch(high, reserve.map(|[_, high]| high))));
     let line = answer.strain.map_or_else(String::new, |_| {
-        let missing = sampled.0.and_then(Findings::missing).unwrap_or_default();
         let share = match answer.reserve {
             Some(_) => String::new(),
             None => tr!(
@@ -221,19 +226,17 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
                 limit = 100.0 * SHARE_ABOVE.0
             ),
         };
-        format!("{missing}{share}{}", tr(FROM_REST))
+        format!("{share}{}", tr(FROM_REST))
     });
-    let (verdict, line) = worse(answer.stretch(), of_band, line);
+    let verdict = answer.stretch();
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
-    let (words, scale) = match answer.reserve {
-        Some(share) => (
-            tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
-            BarScale::Bands { limits: &bands::RESERVE, most: MOST_RESERVE, in_percent: true },
-        ),
-        None => (
-            tr("longer, at most").to_owned(),
-            BarScale::Bands { limits: &bands::STRAIN, most: MOST_STRAIN, in_percent: true },
-        ),
+    let words = answer.reserve.map_or_else(
+        || tr("longer, at most").to_owned(),
+        |share| tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
+    );
+    let (limits, most) = match answer.has_reserve {
+        true => (&bands::RESERVE, MOST_RESERVE),
+        false => (&bands::STRAIN, MOST_STRAIN),
     };
     Card {
         title: tr("Skin stretch"),
@@ -242,11 +245,12 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
         beside: format!("{brackets}{words}"),
         verdict,
         no_verdict: "",
+        of_band: word_of_band(verdict, of_band).filter(|_| answer.strain.is_some()),
         line,
         value: answer.reserve.or(answer.strain),
-        range: if answer.reserve.is_some() { reserve } else { range },
+        range: if answer.has_reserve { reserve } else { range },
         median: sampled.median(Quantity::GreatestStrain),
-        scale,
+        scale: BarScale::Bands { limits, most, in_percent: true },
     }
 }
 
@@ -260,18 +264,16 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     };
     let range = sampled.range(Quantity::LeastCoverMm);
     let of_band = range.and_then(|[low, _]| bands::cover(low)).map(in_words);
-    let (verdict, line) = match (answer.cover_word(), of_band) {
-        (None, Some(worse)) => (Some(worse), tr!("this plan itself is not. {line}", line)),
-        (own, of_band) => (own.or(of_band), line),
-    };
+    let verdict = answer.cover_word();
     let brackets = sampled.brackets(Quantity::LeastCoverMm, true);
     Card {
         title: tr("Cover over implant"),
-        short: (tr("Cover"), text_of(answer.cover, |v| format!("{v:.0} mm"))),
+        short: (tr("Cover"), text_of(answer.cover, |v| format!("{} mm", fixed(v, 1)))),
         figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
-        beside: tr!("{brackets}of {rest:.1} mm, at least", brackets, rest = answer.rest),
+        beside: tr!("{brackets}at least; at rest {rest:.1} mm", brackets, rest = answer.rest),
         verdict,
         no_verdict: tr("no published limit"),
+        of_band: word_of_band(verdict, of_band).filter(|_| answer.cover.is_some()),
         line,
         value: answer.cover,
         range,
@@ -288,7 +290,7 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
         tr!("{pressure} on average", pressure = sampled.in_line(Quantity::MeanPressureMmhg, mean))
     });
-    let (verdict, line) = worse(answer.pressure_word(), of_band, line);
+    let verdict = answer.pressure_word();
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
     Card {
         title: tr("Pressure on the tissue"),
@@ -297,6 +299,7 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
         beside: tr!("{brackets}at most", brackets),
         verdict,
         no_verdict: "",
+        of_band: word_of_band(verdict, of_band).filter(|_| most.is_some()),
         line,
         value: most,
         range,
@@ -308,12 +311,14 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::session::Session;
 
     #[test]
     fn the_sentence_begins_with_the_worst_word() {
         let answer = |strain, reserve, cover, pressure| Answer {
             strain: Some(strain),
             reserve,
+            has_reserve: reserve.is_some(),
             share: 0.0,
             cover: Some(cover),
             apex: None,
@@ -324,31 +329,52 @@ mod tests {
         for (of, sentence) in [
             (
                 answer(0.14, Some(0.65), 7.2, 13.0),
-                "usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg.",
+                "usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg.",
             ),
             (
                 answer(0.09, Some(0.9), 7.2, 17.0),
-                "skin stretch high. Stretch 9 %, cover 7 mm, pressure 17 mmHg.",
+                "skin stretch high. Stretch 9 %, cover 7.2 mm, pressure 17 mmHg.",
             ),
             (
                 answer(0.09, Some(0.3), 4.4, 17.0),
-                "cover thin. Stretch 9 %, cover 4 mm, pressure 17 mmHg.",
+                "cover thin. Stretch 9 %, cover 4.4 mm, pressure 17 mmHg.",
             ),
             (
                 answer(0.09, Some(0.9), 4.4, 90.0),
-                "pressure very high. Stretch 9 %, cover 4 mm, pressure 90 mmHg.",
+                "pressure very high. Stretch 9 %, cover 4.4 mm, pressure 90 mmHg.",
             ),
             // A skin with a reserve is judged by the reserve alone, another one by its strain.
             (
                 answer(0.6, Some(0.9), 7.2, 17.0),
-                "skin stretch high. Stretch 60 %, cover 7 mm, pressure 17 mmHg.",
+                "skin stretch high. Stretch 60 %, cover 7.2 mm, pressure 17 mmHg.",
             ),
             (
                 answer(0.6, None, 7.2, 90.0),
-                "skin stretch beyond. Stretch 60 %, cover 7 mm, pressure 90 mmHg.",
+                "skin stretch beyond. Stretch 60 %, cover 7.2 mm, pressure 90 mmHg.",
             ),
         ] {
             assert_eq!(of.in_a_sentence(), sentence);
         }
+    }
+
+    #[test]
+    fn a_worse_word_of_the_band_has_its_own_line() {
+        let line = |own, of_band| word_of_band(own, of_band);
+        let worse = Some("In 1 of 10 such patients: very high".to_owned());
+        assert_eq!(line(Some((1, "high")), Some((2, "very high"))), worse);
+        assert_eq!(line(Some((2, "very high")), Some((2, "very high"))), None);
+        assert_eq!(line(Some((2, "very high")), Some((1, "high"))), None);
+        assert_eq!(line(Some((1, "high")), None), None);
+        // A cover that is not thin has no word.
+        assert!(line(None, Some((1, "thin"))).is_some());
+    }
+
+    #[test]
+    fn the_bar_of_the_stretch_has_the_same_limits_before_the_result() {
+        let session = Session::new(Scene::opening()).unwrap();
+        let answer = Answer::new(None, session.scene(), session.problem());
+        let [card, ..] = cards(&answer, None);
+        let BarScale::Bands { limits, .. } = card.scale else { panic!("no limits") };
+        assert_eq!((limits.quantity, card.value), (bands::RESERVE.quantity, None));
     }
 }

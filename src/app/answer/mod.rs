@@ -47,7 +47,7 @@ fn visible_plan(session: &Session, previous: PreviousResults) -> &Scene {
 }
 
 fn answer(session: &Session, previous: PreviousResults) -> Answer {
-    Answer::new(visible(session, previous), visible_plan(session, previous))
+    Answer::new(visible(session, previous), visible_plan(session, previous), session.problem())
 }
 
 /// Shows the heading with the state of the computation.
@@ -124,7 +124,7 @@ pub(super) fn rows(
             device.words(card.title),
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
-            card.line,
+            card.of_band.map_or(card.line.clone(), |word| format!("{word}. {}", card.line)),
         ]
     };
     cards.into_iter().map(row).collect()
@@ -151,18 +151,35 @@ fn text_of(limits: &Limits) -> String {
     sources.chain([limits.note]).map(tr).collect::<Vec<_>>().join("\n")
 }
 
-/// All limits with their sources, for the plan of a device.
-pub(super) fn limits_in_words(device: Device) -> Vec<String> {
-    let texts = bands::LIMITS.map(text_of).into_iter().chain([tr(bands::COVER).to_owned()]);
-    texts.map(|text| device.words(&text)).collect()
+/// The limits of a session's plan on a device with their sources, as headings with texts: those of the cards only.
+pub(super) fn limits_in_words(session: &Session, device: Device) -> [(&'static str, String); 3] {
+    let knee = session.problem().skin_knee();
+    let (limits, to_limits) = bands::strain_limits(knee);
+    let percent = |limit: f64| 100.0 * limit / to_limits;
+    let of_skin = knee.map(|_| {
+        tr!(
+            "For the skin of this plan: 80 % is a stretch of {usual:.0} %, 100 % one of {high:.0} %.\n",
+            usual = percent(0.8),
+            high = percent(1.0)
+        )
+    });
+    let stretch = format!("{}{}", of_skin.unwrap_or_default(), text_of(limits));
+    let texts = [
+        (tr("Skin stretch"), stretch),
+        (tr("Cover over implant"), tr(bands::COVER).to_owned()),
+        (tr("Pressure on the tissue"), text_of(&bands::PRESSURE)),
+    ];
+    texts.map(|(heading, text)| (heading, device.words(&text)))
 }
 
-/// The fold with the sources of all limits.
-pub(super) fn sources(ui: &mut Ui) {
+/// The fold with the sources of the limits.
+pub(super) fn sources(ui: &mut Ui, session: &Session) {
     egui::CollapsingHeader::new(tr("Where limits come from")).id_salt("sources").show_unindented(
         ui,
         |ui| {
-            for text in limits_in_words(Device::of(ui.ctx())) {
+            let device = Device::of(ui.ctx());
+            for (heading, text) in limits_in_words(session, device) {
+                ui.label(RichText::new(device.words(heading)).small().strong());
                 ui.label(RichText::new(text).small());
             }
             ui.label(
@@ -177,7 +194,7 @@ pub(super) fn sources(ui: &mut Ui) {
     );
 }
 
-/// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7 mm, pressure 13 mmHg."
+/// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
 pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
@@ -212,14 +229,14 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         Status::Converged => tr("Up to date."),
     };
     let [volume, width] = volume_and_width(session.scene());
-    let answer = Answer::new(Some(outcome), session.scene());
+    let answer = Answer::new(Some(outcome), session.scene(), session.problem());
     let strain =
         answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
             tr!(" Skin stretch {strain:.0} percent, {word}.", strain = 100.0 * strain, word)
         });
     let thin = answer.cover_word().map_or_else(String::new, |(_, word)| format!(", {word}"));
     let cover = answer.cover.map_or_else(String::new, |cover| {
-        tr!(" Cover {cover:.0} of {rest:.0} mm{thin}.", cover, rest = answer.rest, thin)
+        tr!(" Cover {cover:.1} mm{thin}, at rest {rest:.1} mm.", cover, rest = answer.rest, thin)
     });
     let pressure = answer.pressure.map_or_else(String::new, |(mean, most)| {
         let word = word_of(&bands::PRESSURE, bands::pressure_word(most));
@@ -242,4 +259,29 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         state,
         warnings
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::TissueModel;
+
+    #[test]
+    fn the_limits_in_words_are_those_of_the_cards() {
+        let mut scene = Scene::opening();
+        let words = |scene: &Scene| {
+            let session = Session::new(scene.clone()).unwrap();
+            limits_in_words(&session, Device::Implant)
+        };
+        let [(heading, stretch), (_, cover), (_, pressure)] = words(&scene);
+        let knee = 100.0 * scene.skin_knee().unwrap();
+        assert_eq!(heading, "Skin stretch");
+        let own = format!("80 % is a stretch of {:.0} %, 100 % one of {knee:.0} %.", 0.8 * knee);
+        assert!(stretch.contains(&own) && !stretch.contains("25 %"), "{stretch}");
+        assert!(cover.contains("5 mm") && pressure.contains("60–80 mmHg"), "{cover} {pressure}");
+        // A sheet has no reserve.
+        scene.set_tissue_model(TissueModel::Sheet);
+        let [(_, stretch), ..] = words(&scene);
+        assert!(stretch.contains("25 %") && !stretch.contains("reserve"), "{stretch}");
+    }
 }

@@ -30,28 +30,31 @@ const NAME_LENGTH: usize = 25;
 const LETTER_LIFT_MM: f64 = 5.0;
 
 /// The choices of the comparison.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Compare {
-    /// Are the silhouettes of the pins drawn in the cross-section?
-    has_silhouettes: bool,
-    /// Are the pictures of the pins beside the picture?
-    is_side_by_side: bool,
-    /// Does the table contain differences in place of the pins' values?
+    pictures: Pictures,
+    /// Does the table contain differences beside the pins' values?
     has_differences: bool,
     /// The name being typed, with its pin.
     name: Option<(Letter, String)>,
 }
 
-impl Default for Compare {
-    fn default() -> Self {
-        Self { has_silhouettes: true, is_side_by_side: false, has_differences: false, name: None }
-    }
+/// Where the pictures contain the pins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Pictures {
+    /// The skin of the pins is drawn over the picture and the cross-section.
+    #[default]
+    Overlay,
+    /// The pictures of the pins are beside the picture.
+    SideBySide,
+    /// Nowhere.
+    PlanOnly,
 }
 
 impl Compare {
     /// Are pictures of pins to be shown beside the picture?
     pub(super) fn is_side_by_side(&self, session: &Session) -> bool {
-        self.is_side_by_side && session.pins().iter().any(Pin::has_shape)
+        self.pictures == Pictures::SideBySide && session.pins().iter().any(Pin::has_shape)
     }
 }
 
@@ -76,8 +79,7 @@ pub(super) fn section<'a>(
     group(ui, tr("Compare"), |ui| {
         command = pin_button(ui, session);
         if session.pins().is_empty() {
-            let hint =
-                tr("A pin keeps this scene with its result, to compare other scenes with it.");
+            let hint = tr("A pin keeps this plan with its result, to compare other plans with it.");
             remark(ui, hint);
             return;
         }
@@ -85,15 +87,29 @@ pub(super) fn section<'a>(
             command = pin_row(ui, pin, session, compare).or(command.take());
         }
         ui.horizontal_wrapped(|ui| {
-            ui.toggle_value(&mut compare.has_silhouettes, tr("Overlay")).on_hover_text(tr(
-                "Draw the skin of the pins over the picture and the cross-section",
-            ));
-            ui.toggle_value(&mut compare.is_side_by_side, tr("Side by side")).on_hover_text(tr(
-                "Show the pins beside the picture, with one camera and one colour scale",
-            ));
-            ui.toggle_value(&mut compare.has_differences, tr("Differences"))
-                .on_hover_text(tr("Show now minus pin in place of the pin's values"));
+            ui.label(tr("Pictures:"));
+            let choices = [
+                (
+                    Pictures::Overlay,
+                    tr("Overlay"),
+                    tr("Draw the skin of the pins over the picture and the cross-section"),
+                ),
+                (
+                    Pictures::SideBySide,
+                    tr("Side by side"),
+                    tr("Show the pins beside the picture, with one camera"),
+                ),
+                (Pictures::PlanOnly, tr("This plan only"), tr("Show no pin in the pictures")),
+            ];
+            for (pictures, name, tip) in choices {
+                let is_present = compare.pictures == pictures;
+                if ui.radio(is_present, name).on_hover_text(tip).clicked() {
+                    compare.pictures = pictures;
+                }
+            }
         });
+        ui.checkbox(&mut compare.has_differences, tr("Differences in the table"))
+            .on_hover_text(tr("Show this plan minus pin beside the pin's values"));
         table::show(ui, session, compare.has_differences, sampled);
     });
     command
@@ -101,10 +117,10 @@ pub(super) fn section<'a>(
 
 fn pin_button(ui: &mut Ui, session: &Session) -> Option<Command> {
     let Some(letter) = session.free_letter() else {
-        ui.weak(tr("All four pins are in use. Remove a pin to pin this scene."));
+        ui.weak(tr("All four pins are in use. Remove a pin to pin this plan."));
         return None;
     };
-    let tip = tr("Keep this scene and its result for comparison");
+    let tip = tr("Keep this plan and its result for comparison");
     let button = ui.button(tr!("Pin as {letter}", letter)).on_hover_text(tip);
     button.clicked().then_some(Command::Pin)
 }
@@ -118,7 +134,7 @@ fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> 
         ui.label(RichText::new(letter.to_string()).strong().color(style.color));
         command = name_field(ui, pin, compare);
         let is_present = session.scene().is_same_plan(pin.scene());
-        let tip = tr("Open this scene in place of the present one; Undo restores the present one");
+        let tip = tr("Open this pin in place of this plan; Undo brings this plan back");
         if button_if(ui, !is_present, tr("Open"), &tr!("Open {letter}", letter), tip) {
             command = Some(Command::OpenPin(letter));
         }
@@ -132,7 +148,7 @@ fn pin_row(ui: &mut Ui, pin: &Pin, session: &Session, compare: &mut Compare) -> 
         None => tr("is being computed"),
         Some(Status::Converged) => return command,
         Some(Status::NotConverged) => tr("is not finished: no numbers"),
-        Some(Status::Unstable) => tr("has no stable shape"),
+        Some(Status::Unstable) => tr("has no answer"),
     };
     remark(ui, format!("{letter} {note}"));
     command
@@ -167,26 +183,24 @@ fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> 
 struct Style {
     line: LineStyle,
     color: Color32,
-    /// Position of the letter along the silhouette \[-\].
-    at: f64,
 }
 
 impl Style {
     fn of(letter: Letter, palette: &Palette) -> Self {
-        let (line, color, at) = match letter {
-            Letter::A => (LineStyle::dashed_loose(), palette.curves[2], 0.5),
-            Letter::B => (LineStyle::dotted_dense(), palette.curves[3], 0.42),
-            Letter::C => (LineStyle::dashed_dense(), palette.text, 0.58),
-            Letter::D => (LineStyle::dotted_loose(), palette.text, 0.35),
+        let (line, color) = match letter {
+            Letter::A => (LineStyle::dashed_loose(), palette.curves[2]),
+            Letter::B => (LineStyle::dotted_dense(), palette.curves[3]),
+            Letter::C => (LineStyle::dashed_dense(), palette.text),
+            Letter::D => (LineStyle::dotted_loose(), palette.text),
         };
-        Self { line, color, at }
+        Self { line, color }
     }
 }
 
 /// Draws the outer skin of the pins into the plot of the cross-section, each with its letter.
 pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette: &Palette) {
     for Silhouette { letter, points } in lines {
-        let Style { line, color, at } = Style::of(letter, palette);
+        let (Style { line, color }, at) = (Style::of(letter, palette), place_of(letter));
         let place = points.get((at * points.len() as f64) as usize).copied().unwrap_or_default();
         let name = letter.to_string();
         plot.line(Line::new(name.clone(), points).color(color).width(1.5).style(line));
@@ -195,10 +209,29 @@ pub(super) fn silhouettes(plot: &mut PlotUi<'_>, lines: Vec<Silhouette>, palette
     }
 }
 
+/// Place of a pin's letter along its line \[-\].
+pub(super) fn place_of(letter: Letter) -> f64 {
+    match letter {
+        Letter::A => 0.5,
+        Letter::B => 0.42,
+        Letter::C => 0.58,
+        Letter::D => 0.35,
+    }
+}
+
+/// Length of the dashes of a pin's line and of the gaps between them \[points\]: in print and for some eyes the colours are alike.
+pub(super) fn dashes_of(letter: Letter) -> (f32, f32) {
+    match letter {
+        Letter::A => (7.0, 4.0),
+        Letter::B => (2.0, 4.0),
+        Letter::C => (13.0, 3.0),
+        Letter::D => (2.0, 8.0),
+    }
+}
+
 /// Colour of a pin's line, and length of its dashes and of the gaps between them \[points\].
 pub(super) fn stroke_of(letter: Letter, palette: &Palette) -> (Color32, f32, f32) {
-    let is_dotted = matches!(letter, Letter::B | Letter::D);
-    let (dash, gap) = if is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
+    let (dash, gap) = dashes_of(letter);
     (Style::of(letter, palette).color, dash, gap)
 }
 
@@ -215,7 +248,7 @@ pub(super) fn drawn_pins<'a>(
     compare: &Compare,
     palette: &'a Palette,
 ) -> impl Iterator<Item = (&'a Pin, Color32)> {
-    let is_drawn = compare.has_silhouettes;
+    let is_drawn = compare.pictures != Pictures::PlanOnly;
     let pins = session.pins().iter().filter(move |pin| is_drawn && pin.has_shape());
     pins.map(|pin| (pin, Style::of(pin.letter(), palette).color))
 }

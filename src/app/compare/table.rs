@@ -1,12 +1,14 @@
 //! The table of the comparison: a column for each pin and one for the current scene.
 
 use crate::app::details::{figures, known_decimals, position_error};
+use crate::app::differing;
 use crate::app::texts::{fixed, tr, word_of};
+use crate::app::theme::SPACE_SMALL;
 use crate::measure::{Outcome, Status, bands};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::study::{Quantity, Samples};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 
 /// A row: a quantity of a scene and its result.
 struct Row {
@@ -69,6 +71,9 @@ const ROWS: [Row; 11] = [
     }),
 ];
 
+/// The rows in sight: the size and the figures of the answer.
+const FIRST: [&str; 4] = ["Volume", "Most stretch", "Least cover", "Most pressure"];
+
 impl Row {
     const fn new(
         name: &'static str,
@@ -99,16 +104,27 @@ impl Row {
         Some([factor * low, factor * high])
     }
 
+    /// The cell of a value with its band.
+    fn cell(&self, entry: Option<&Entry>, band: Option<[f64; 2]>) -> Cell {
+        Cell {
+            text: self.text(entry),
+            word: entry.and_then(|entry| entry.word),
+            band: band.map(|band| range(band, self.decimals)),
+        }
+    }
+
     fn text(&self, entry: Option<&Entry>) -> String {
         let figures = |e: &Entry| figures(e.value, self.decimals, e.error);
         entry.map_or_else(|| "–".to_owned(), figures)
     }
 
-    /// Now minus pin, with its sign and the decimals that both values have.
-    fn difference(&self, now: Option<&Entry>, pin: Option<&Entry>) -> String {
-        let Some((now, pin)) = now.zip(pin) else { return "–".to_owned() };
+    /// Plan minus pin of the values as they are shown, with its sign and the decimals that both values have.
+    fn difference(&self, own: Option<&Entry>, pin: Option<&Entry>) -> String {
+        let Some((own, pin)) = own.zip(pin) else { return "–".to_owned() };
         let known = |e: &Entry| known_decimals(e.value, self.decimals, e.error);
-        let (decimals, difference) = (known(now).min(known(pin)), now.value - pin.value);
+        let decimals = known(own).min(known(pin));
+        let shown = |e: &Entry| format!("{:.decimals$}", e.value).parse().unwrap_or(e.value);
+        let difference: f64 = shown(own) - shown(pin);
         let text = signed(difference, decimals);
         if is_zero(&text) || difference < 0.0 { text } else { format!("+{text}") }
     }
@@ -121,38 +137,173 @@ struct Entry {
     word: Option<&'static str>,
 }
 
-/// Shows the table, with the bands of the `sampled` scenes; `has_differences` replaces the pins' values by now minus pin.
+/// A row of the table as texts.
+struct Line {
+    name: String,
+    cells: Vec<Cell>,
+    /// Is the row in sight without the further ones?
+    is_first: bool,
+}
+
+/// A number or a word, with the word and the band of a result.
+#[derive(Default)]
+struct Cell {
+    text: String,
+    word: Option<&'static str>,
+    band: Option<String>,
+}
+
+/// The rows of the table: a cell for the plan, one for each pin, and behind it the difference, if the table `has_differences`.
+fn lines<'a>(
+    session: &Session,
+    has_differences: bool,
+    sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+) -> Vec<Line> {
+    let line = |row: &Row| {
+        let own = row.of(session.scene(), session.result());
+        let of_own = sampled(session.scene());
+        let mut cells = vec![row.cell(own.as_ref(), row.band(of_own, None))];
+        for pin in session.pins() {
+            let (entry, of_pin) = (row.of(pin.scene(), pin.outcome()), sampled(pin.scene()));
+            cells.push(row.cell(entry.as_ref(), row.band(of_pin, None)));
+            if has_differences {
+                let band = of_pin.and_then(|of_pin| row.band(of_own, Some(of_pin)));
+                let band = band.filter(|_| own.is_some() && entry.is_some());
+                let text = row.difference(own.as_ref(), entry.as_ref());
+                let band = band.map(|band| range(band, row.decimals));
+                cells.push(Cell { text, word: None, band });
+            }
+        }
+        let name = format!("{}, {}", tr(row.name), row.unit);
+        Line { name, cells, is_first: FIRST.contains(&row.name) }
+    };
+    let given = differing::rows(session).into_iter().map(|(name, values)| {
+        let mut cells = Vec::new();
+        for (k, text) in values.into_iter().enumerate() {
+            cells.push(Cell { text, ..Cell::default() });
+            if has_differences && k > 0 {
+                cells.push(Cell::default());
+            }
+        }
+        Line { name, cells, is_first: true }
+    });
+    given.chain(ROWS.iter().map(line)).collect()
+}
+
+/// Shows the table with the bands of the `sampled` scenes: what differs and the figures of the answer, the further rows in a fold.
 pub(super) fn show<'a>(
     ui: &mut Ui,
     session: &Session,
     has_differences: bool,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) {
-    let pins = session.pins();
+    let mut heads = vec![(tr("this plan").to_owned(), String::new())];
+    for pin in session.pins() {
+        let letter = pin.letter();
+        heads.push((letter.to_string(), name_of(pin)));
+        if has_differences {
+            let tip = tr!("This plan minus {letter}, of the numbers as shown", letter);
+            heads.push((format!("− {letter}"), tip));
+        }
+    }
+    let lines = lines(session, has_differences, sampled);
+    let columns = Columns::fitting(ui, &heads, &lines);
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
-        egui::Grid::new("comparison")
-            .num_columns(pins.len() + 3)
-            .min_col_width(0.0)
-            .spacing([8.0, 3.0])
-            .show(ui, |ui| {
-                ui.label("");
-                // The present plan first: a narrow panel scrolls to further pins.
-                header(ui, tr("now"));
-                for pin in pins {
-                    let letter = pin.letter();
-                    let head = if has_differences {
-                        tr!("now − {letter}", letter)
-                    } else {
-                        letter.to_string()
-                    };
-                    header(ui, &head).on_hover_text(name_of(pin));
-                }
-                ui.end_row();
-                for row in &ROWS {
-                    show_row(ui, row, session, has_differences, sampled);
+        ui.spacing_mut().item_spacing = vec2(Columns::SPACE, 3.0);
+        columns.row(ui, "", heads.iter(), |ui, (head, tip)| {
+            let head = ui.add(egui::Label::new(RichText::new(head).strong()).extend());
+            if !tip.is_empty() {
+                head.on_hover_text(tip);
+            }
+        });
+        let (first, further): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|it| it.is_first);
+        for line in first {
+            columns.row(ui, &line.name, line.cells.iter(), cell);
+        }
+        let fold = egui::CollapsingHeader::new(tr("More numbers")).id_salt("further rows");
+        fold.show_unindented(ui, |ui| {
+            for line in further {
+                columns.row(ui, &line.name, line.cells.iter(), cell);
+            }
+        });
+        // Room for the scroll bar.
+        ui.add_space(SPACE_SMALL);
+    });
+}
+
+/// Widths of the columns \[points\]: those of the widest text. A grid would keep the widths of its previous frame.
+struct Columns {
+    name: f32,
+    cells: Vec<f32>,
+}
+
+impl Columns {
+    /// Space between two columns \[points\].
+    const SPACE: f32 = 12.0;
+
+    fn fitting(ui: &Ui, heads: &[(String, String)], lines: &[Line]) -> Self {
+        let width = |style: TextStyle, text: &str| {
+            let (font, color) = (style.resolve(ui.style()), ui.visuals().text_color());
+            ui.painter().layout_no_wrap(text.to_owned(), font, color).size().x.ceil()
+        };
+        let name = |line: &Line| width(TextStyle::Small, &line.name);
+        let cell = |cell: &Cell| {
+            let band = cell.band.as_ref().map_or(0.0, |band| width(TextStyle::Small, band));
+            width(TextStyle::Monospace, &cell.text).max(band)
+        };
+        let column = |(k, head): (usize, &(String, String))| {
+            let cells = lines.iter().filter_map(|line| line.cells.get(k)).map(cell);
+            cells.fold(width(TextStyle::Body, &head.0), f32::max)
+        };
+        Self {
+            name: lines.iter().map(name).fold(0.0, f32::max),
+            cells: heads.iter().enumerate().map(column).collect(),
+        }
+    }
+
+    /// Shows a row: the name on the line of the numbers, the cells aligned to the right.
+    fn row<T>(
+        &self,
+        ui: &mut Ui,
+        name: &str,
+        cells: impl Iterator<Item = T>,
+        show: impl Fn(&mut Ui, T),
+    ) {
+        let height = ui.text_style_height(&TextStyle::Monospace);
+        ui.horizontal_top(|ui| {
+            let left = egui::Layout::left_to_right(egui::Align::Center);
+            ui.allocate_ui_with_layout(vec2(self.name, height), left, |ui| {
+                ui.set_min_size(vec2(self.name, height));
+                if !name.is_empty() {
+                    ui.add(egui::Label::new(RichText::new(name).small()).extend());
                 }
             });
-    });
+            for (width, of) in self.cells.iter().zip(cells) {
+                let right = egui::Layout::top_down(egui::Align::Max);
+                ui.allocate_ui_with_layout(vec2(*width, height), right, |ui| {
+                    ui.set_min_width(*width);
+                    ui.spacing_mut().item_spacing.y = 0.0;
+                    show(ui, of);
+                });
+            }
+        });
+    }
+}
+
+/// Shows a value; below it its band, if the band is known.
+fn cell(ui: &mut Ui, cell: &Cell) {
+    if cell.text.is_empty() {
+        return;
+    }
+    let response = ui.add(egui::Label::new(RichText::new(&cell.text).monospace()).extend());
+    if let Some(word) = cell.word {
+        response.on_hover_text(word);
+    }
+    if let Some(band) = &cell.band {
+        ui.add(egui::Label::new(RichText::new(band).small()).extend()).on_hover_text(tr(
+            "10th to 90th percentile of the sampled patients; of a difference, of the same patients",
+        ));
+    }
 }
 
 /// The table as texts, heads first, with the words of the cards; a band stands in brackets.
@@ -160,75 +311,31 @@ pub(in crate::app) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) -> Vec<Vec<String>> {
-    let columns: Vec<(&Scene, Option<&Outcome>)> = [(session.scene(), session.result())]
-        .into_iter()
-        .chain(session.pins().iter().map(|pin| (pin.scene(), pin.outcome())))
-        .collect();
-    let pins = session.pins().iter().map(|pin| {
+    // A pin of this plan stands in its column.
+    let is_equal = |pin: &Pin| pin.scene().is_same_plan(session.scene());
+    let own = session.pins().iter().find(|pin| is_equal(pin));
+    let own = own.map_or_else(String::new, |pin| format!(" = {}", pin.letter()));
+    let pins = session.pins().iter().filter(|pin| !is_equal(pin)).map(|pin| {
         let letter = pin.letter().to_string();
         match pin.name() {
             name if name.is_empty() || name == letter => letter,
             name => format!("{letter}: {name}"),
         }
     });
-    let head = ["".to_owned(), tr("this plan").to_owned()].into_iter().chain(pins).collect();
-    let cell = |row: &Row, (scene, outcome): (&Scene, Option<&Outcome>)| {
-        let entry = row.of(scene, outcome);
-        let text = row.text(entry.as_ref());
-        let word = entry.and_then(|entry| entry.word).map(|word| format!(", {word}"));
-        let band = row.band(sampled(scene), None);
-        let band = band.map(|band| format!(" ({})", range(band, row.decimals)));
-        format!("{text}{}{}", word.unwrap_or_default(), band.unwrap_or_default())
+    let head = ["".to_owned(), format!("{}{own}", tr("this plan"))].into_iter().chain(pins);
+    let head = head.collect();
+    let is_printed: Vec<bool> =
+        [true].into_iter().chain(session.pins().iter().map(|pin| !is_equal(pin))).collect();
+    let cell = |cell: Cell| {
+        let word = cell.word.map(|word| format!(", {word}"));
+        let band = cell.band.map(|band| format!(" ({band})"));
+        format!("{}{}{}", cell.text, word.unwrap_or_default(), band.unwrap_or_default())
     };
-    let row = |row: &Row| {
-        let name = format!("{}, {}", tr(row.name), row.unit);
-        [name].into_iter().chain(columns.iter().map(|column| cell(row, *column))).collect()
+    let row = |line: Line| {
+        let cells = line.cells.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
+        [line.name].into_iter().chain(cells.map(|(of, _)| cell(of))).collect()
     };
-    [head].into_iter().chain(ROWS.iter().map(row)).collect()
-}
-
-fn show_row<'a>(
-    ui: &mut Ui,
-    row: &Row,
-    session: &Session,
-    has_differences: bool,
-    sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
-) {
-    let name = format!("{}, {}", tr(row.name), row.unit);
-    ui.add(egui::Label::new(RichText::new(name).small()).wrap_mode(egui::TextWrapMode::Extend));
-    let now = row.of(session.scene(), session.result());
-    let of_now = sampled(session.scene());
-    cell(ui, row, row.text(now.as_ref()), now.as_ref(), row.band(of_now, None));
-    for pin in session.pins() {
-        let (entry, of_pin) = (row.of(pin.scene(), pin.outcome()), sampled(pin.scene()));
-        if has_differences {
-            let band = of_pin.and_then(|of_pin| row.band(of_now, Some(of_pin)));
-            let text = row.difference(now.as_ref(), entry.as_ref());
-            cell(ui, row, text, None, band.filter(|_| now.is_some() && entry.is_some()));
-        } else {
-            let band = row.band(of_pin, None);
-            cell(ui, row, row.text(entry.as_ref()), entry.as_ref(), band);
-        }
-    }
-    // Room for the scroll bar.
-    ui.label("");
-    ui.end_row();
-}
-
-/// A right-aligned value; below it its band, if the band is known.
-fn cell(ui: &mut Ui, row: &Row, text: String, entry: Option<&Entry>, band: Option<[f64; 2]>) {
-    ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
-        let response = ui.monospace(text);
-        if let Some(word) = entry.and_then(|entry| entry.word) {
-            response.on_hover_text(word);
-        }
-        if let Some(band) = band {
-            let text = RichText::new(range(band, row.decimals)).small();
-            ui.add(egui::Label::new(text).extend()).on_hover_text(
-                tr("10th to 90th percentile of the sampled patients; of a difference, of the same patients"),
-            );
-        }
-    });
+    [head].into_iter().chain(lines(session, false, sampled).into_iter().map(row)).collect()
 }
 
 /// A band, as "4.5–6.1".
@@ -250,12 +357,6 @@ fn is_zero(number: &str) -> bool {
     !number.contains(|c: char| ('1'..='9').contains(&c))
 }
 
-fn header(ui: &mut Ui, text: &str) -> egui::Response {
-    let layout = egui::Layout::top_down(egui::Align::Max);
-    let label = egui::Label::new(RichText::new(text).strong()).extend();
-    ui.with_layout(layout, |ui| ui.add(label)).inner
-}
-
 fn name_of(pin: &Pin) -> String {
     if pin.name().is_empty() {
         tr!("Pin {letter}", letter = pin.letter())
@@ -267,6 +368,7 @@ fn name_of(pin: &Pin) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::session::Command;
     use crate::solve::Progress;
 
     #[test]
@@ -276,6 +378,9 @@ mod tests {
         let difference = |now, pin| row.difference(Some(&entry(now)), Some(&entry(pin)));
         assert_eq!(difference((6.9, 1e-6), (7.3, 1e-6)), "−0.4");
         assert_eq!(difference((7.34, 1e-6), (7.3, 1e-6)), "0.0");
+        // 4.6 − 4.0 as they are shown, not 4.64 − 3.96.
+        assert_eq!(difference((4.64, 1e-6), (3.96, 1e-6)), "+0.6");
+        assert_eq!(difference((4.56, 1e-6), (4.64, 1e-6)), "0.0");
         assert_eq!(difference((12.0, 1e-6), (7.3, 1e-6)), "+4.7");
         assert_eq!(difference((12.0, 1e-6), (7.3, 2e-2)), "+5");
         assert_eq!(row.difference(None, Some(&entry((7.3, 1e-6)))), "–");
@@ -300,5 +405,10 @@ mod tests {
         assert_eq!(cell("Most stretch, %"), format!("{:.0}, {word}", 100.0 * strain));
         assert_eq!(cell("Reserve used, %"), format!("{:.0}", 100.0 * reserve));
         assert!(cell("Most pressure, mmHg").ends_with(", usual"), "{rows:?}");
+        // A pin of this plan is its column.
+        session.apply(Command::Pin).unwrap();
+        let rows = super::rows(&session, &|_| None);
+        assert_eq!(rows[0], ["", "this plan = A"]);
+        assert!(rows.iter().all(|row| row.len() == 2), "{rows:?}");
     }
 }

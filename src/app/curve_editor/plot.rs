@@ -2,7 +2,7 @@
 
 use crate::app::plots::{fixed_plot, sampled};
 use crate::app::range::marks;
-use crate::app::texts::tr;
+use crate::app::texts::{self, tr};
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
@@ -63,7 +63,7 @@ pub(super) fn show(ui: &mut Ui, scaled: &ScaledCurve, tissue: &str) {
     } else {
         tr!("Up to {end:.0} % strain", end = 100.0 * end)
     };
-    let name = tr!("Curve of {tissue}. {words}", tissue = tr(tissue), words);
+    let name = tr!("Curve of {tissue}. {words}", tissue = texts::tissue(tissue), words);
     set_accessible_name(&plot.response, egui::Role::Image, &name);
     plot.response.on_hover_text(source);
     if is_extrapolated {

@@ -6,7 +6,7 @@ use super::table;
 use crate::app::clipboard::Clipboard;
 use crate::app::plots::fixed_plot;
 use crate::app::range::marks;
-use crate::app::texts::tr;
+use crate::app::texts::{self, tr};
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{
     Kind, NumberField, button_if, quantity, rejection_label, remark, set_accessible_name,
@@ -82,7 +82,7 @@ impl CurveWindow {
         egui::Window::new(tr!(
             "Curve of layer {number}: {tissue}",
             number = self.layer + 1,
-            tissue = tr(&layer.tissue)
+            tissue = texts::tissue(&layer.tissue)
         ))
         .id(egui::Id::unique("curve window"))
         .open(&mut is_open)
@@ -317,7 +317,7 @@ impl CurveWindow {
         let spec = self.spec();
         ui.horizontal(|ui| {
             let is_able = reason.is_none() && spec != self.taken;
-            let tip = tr("The layer takes this curve; Undo restores the present one");
+            let tip = tr("The layer takes this curve; Undo restores the previous one");
             if button_if(ui, is_able, tr("Apply"), tr("Apply the curve"), tip) {
                 self.taken = spec.clone();
                 layer.curve = spec.into();

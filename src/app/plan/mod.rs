@@ -27,7 +27,7 @@ pub(super) use super::device::Device;
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
 use super::widgets::{Control, ControlResponse, Kind};
-use crate::app::texts::{localized, tr};
+use crate::app::texts::{self, fixed, tr};
 use crate::clinical::Dimension;
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
@@ -39,16 +39,9 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let implant = &scene.implant;
     let width = 2.0 * implant.base_radius_mm;
     let size = implant.size().ok();
-    let centimetres = |mm: f64| format!("{} cm", format_at_most(cm(mm), 1, 2));
+    let centimetres = |mm: f64| format!("{} cm", format_at_most(cm(mm), 1, 1));
     let layer = |layer: &Layer| {
-        let [thickness, ratio] =
-            [layer.thickness_mm, layer.poisson_ratio].map(|value| localized(number(value)));
-        tr!(
-            "{tissue} {thickness} mm (Poisson ratio {ratio})",
-            tissue = tr(&layer.tissue),
-            thickness,
-            ratio
-        )
+        format!("{} {} mm", texts::tissue(&layer.tissue), fixed(layer.thickness_mm, 1))
     };
     let measured = scene.patient.as_ref().map(|patient| patient.measured);
     let pinch = measured.and_then(|m| m.pinch_mm).map(|pinch| (tr("Pinch"), centimetres(pinch)));
@@ -57,6 +50,8 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let pull = measured
         .and_then(|m| m.skin_pull_mm)
         .map(|pull| (tr("Pull of the skin"), centimetres(pull)));
+    let base =
+        measured.and_then(|m| m.base_width_mm).map(|base| (tr("Base width"), centimetres(base)));
     let [x, y] = implant.center_mm;
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
     let margin = scene.pocket_radius_mm - implant.base_radius_mm;
@@ -69,6 +64,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         pinch,
         class,
         pull,
+        base,
         Some((tr("Tissue"), layers.join(", "))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
         Some((
@@ -80,6 +76,14 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// The Poisson ratios of the layers in a sentence, for the technical details.
+pub(super) fn poisson_ratios(scene: &Scene) -> String {
+    let ratio =
+        |layer: &Layer| format!("{} {}", texts::tissue(&layer.tissue), number(layer.poisson_ratio));
+    let layers: Vec<String> = scene.layers.iter().map(ratio).collect();
+    tr!("Poisson ratio: {layers}.", layers = layers.join(", "))
 }
 
 /// What moves the controls.

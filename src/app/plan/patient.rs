@@ -72,8 +72,7 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
         .layers
         .iter()
         .map(|layer| {
-            let name = if layer.tissue == "adipose" { tr("fat") } else { tr(&layer.tissue) };
-            let name: String = name.chars().take(12).collect();
+            let name: String = texts::tissue(&layer.tissue).chars().take(12).collect();
             format!("{name} {}", thickness(layer.thickness_mm))
         })
         .collect();
@@ -172,7 +171,7 @@ fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
             allowed: Some(cm(least)..=cm(most)),
             reset: 12.0,
             tooltip: tr("Measured base width of the breast; the pull depends on it."),
-            ..centimetres(tr("Breast"))
+            ..centimetres(tr("Base width"))
         };
         if row(ui, hand, control, &mut width, (0.0, none)).is_changed {
             measured.base_width_mm = Some(mm(width));

@@ -90,7 +90,7 @@ impl Range {
     }
 
     fn field_box(&mut self, ui: &mut Ui, scene: &Scene, is_across: bool) {
-        let name = if is_across { tr("Across") } else { tr("Up") };
+        let name = if is_across { tr("Across") } else { tr("Upwards") };
         let present = if is_across { Some(self.across.field) } else { self.up.map(|up| up.field) };
         let selected = present.map_or(tr(NOTHING), |field| Words::of(field).name);
         quiet(ui, name);
@@ -134,7 +134,7 @@ impl Range {
         let (least, most) = axes::allowed(axis.field);
         let before = axis.ends(scene, middle);
         let mut ends = [before.0, before.1].map(|value| words.display(value));
-        let name = if is_across { tr("Across") } else { tr("Up") };
+        let name = if is_across { tr("Across") } else { tr("Upwards") };
         let mut is_changed = false;
         for (end, side) in ends.iter_mut().zip([tr("from"), tr("to")]) {
             let field = NumberField {

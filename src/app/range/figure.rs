@@ -19,6 +19,8 @@ pub(in crate::app) struct ReportChart<'a> {
     pub(in crate::app) title: String,
     /// The lines below the chart.
     pub(in crate::app) caption: String,
+    /// Grid and accuracy of its points.
+    pub(in crate::app) accuracy: String,
 }
 
 impl Range {
@@ -45,6 +47,7 @@ impl Range {
                 quantity = readout::name(self.quantity).to_lowercase()
             ),
             caption: self.caption_in_words(map),
+            accuracy: self.accuracy_in_words(map),
             chart: Chart::default(),
             range: self,
         })
@@ -123,13 +126,12 @@ mod tests {
         edit(&mut session, Parameter::BaseWidth, 100.0);
         let chart = range.for_report(&session).ok().unwrap();
         assert_eq!(chart.title, "Range of implants: skin stretch");
-        assert!(
-            chart.caption.starts_with("49 plans computed. A quick, coarse computation"),
-            "{}",
-            chart.caption
-        );
+        assert!(chart.caption.starts_with("49 plans computed."), "{}", chart.caption);
+        // The grid stands with the technical details.
+        assert!(!chart.caption.contains("computation"), "{}", chart.caption);
+        assert!(chart.accuracy.starts_with("A quick, coarse computation"), "{}", chart.accuracy);
         let texts = texts(chart);
-        for word in ["present", "A", "usual", "high", "Width (cm)", "Projection (cm)"] {
+        for word in ["this plan", "A", "usual", "high", "Width (cm)", "Projection (cm)"] {
             assert!(texts.iter().any(|text| text == word), "{word} in {texts:?}");
         }
     }

@@ -33,7 +33,7 @@ use pins::Pins;
 use web_time::{Duration, Instant};
 
 /// Numbers of values of an axis: coarse, medium, fine; and of a curve.
-const FINENESS: [(&str, usize); 3] = [("Coarse", 20), ("Medium", 40), ("Fine", 60)];
+const FINENESS: [(&str, usize); 3] = [("Coarse grid", 20), ("Medium grid", 40), ("Fine grid", 60)];
 const CURVE_POINTS: usize = 41;
 /// Rest after which a complete map is compared with a finer grid: an edit would wait for a fine scene that runs.
 const REST: Duration = Duration::from_secs(1);

@@ -28,14 +28,22 @@ impl Range {
             nodes = map.settings().nodes_per_side,
             fine = CHECK.nodes_per_side
         );
-        remark(ui, self.caption_in_words(map)).on_hover_text(grids);
+        let words = self.caption_in_words(map);
+        let words = format!("{words} {}", self.accuracy_in_words(map));
+        remark(ui, words.trim_end()).on_hover_text(grids);
         if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
             let line = RichText::new(failure).small().color(palette.bad);
             ui.add(egui::Label::new(line).wrap());
         }
     }
 
-    /// Progress or accuracy, pocket, points without an answer, pins beyond the chart, in sentences.
+    /// Grid and accuracy of the points once they are computed, in a sentence; empty before.
+    pub(super) fn accuracy_in_words(&self, map: &Map) -> String {
+        let done = self.map.progress().0 - map.solved_in_full();
+        if done < map.cases().len() { String::new() } else { self.accuracy(map) }
+    }
+
+    /// Progress, pocket, points without an answer, pins beyond the chart, in sentences.
     pub(super) fn caption_in_words(&self, map: &Map) -> String {
         let in_full = map.solved_in_full();
         let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
@@ -43,7 +51,7 @@ impl Range {
         if done < all {
             words.push(tr!("{done} of {all} plans computed.", done, all));
         } else {
-            words.push(tr!("{all} plans computed. {accuracy}", all, accuracy = self.accuracy(map)));
+            words.push(tr!("{all} plans computed.", all));
         }
         if self.map.is_running() && done == all {
             words.push(tr!("The border of no answer is solved in full: {in_full} plans.", in_full));
@@ -62,8 +70,9 @@ impl Range {
             words.push(tr("The pocket keeps its margin.").to_owned());
         }
         if map.present().is_none() {
-            words.push(tr("The present plan is not on this chart.").to_owned());
+            words.push(tr("This plan is not on this chart.").to_owned());
         }
+        words.extend(Some(self.sizes.legend().to_owned()).filter(|words| !words.is_empty()));
         words.extend(Some(self.pins.beyond()).filter(|beyond| !beyond.is_empty()));
         words.join(" ")
     }

@@ -163,7 +163,7 @@ fn present(ui: &Ui, painter: &Painter, map: &Map, plane: &Plane, labels: &mut La
     if map.axes().len() == 1 {
         let at = plane.at((x, 0.0)).x;
         painter.vline(at, plane.rect.y_range(), Stroke::new(1.5, palette.accent));
-        labels.add(tr("present"), pos2(at, plane.rect.top() + 10.0), true);
+        labels.add(tr("this plan"), pos2(at, plane.rect.top() + 10.0), true);
         return;
     }
     let at = plane.at((x, y));
@@ -171,7 +171,7 @@ fn present(ui: &Ui, painter: &Painter, map: &Map, plane: &Plane, labels: &mut La
         painter.circle_stroke(at, 8.0, Stroke::new(width, color));
     }
     painter.circle_filled(at, 2.5, palette.on_accent);
-    labels.add(tr("present"), at + vec2(0.0, -18.0), true);
+    labels.add(tr("this plan"), at + vec2(0.0, -18.0), true);
 }
 
 /// Texts on the chart; a text that would cover another one is left out.

@@ -70,6 +70,11 @@ impl Sizes {
         !self.shelf.sizes().is_empty()
     }
 
+    /// What the dots are, in a sentence; empty without dots.
+    pub(super) fn legend(&self) -> &'static str {
+        if self.dots.is_empty() { "" } else { tr("White dots: the sizes of the shelf.") }
+    }
+
     /// Draws the dots of a map of two axes.
     pub(super) fn paint(&self, painter: &Painter, plane: &Plane) {
         for dot in &self.dots {

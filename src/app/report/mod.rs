@@ -17,7 +17,7 @@ use super::viewport::Shown;
 use super::{App, files, no_answer, plan, plots, status};
 use crate::app::texts::{self, tr};
 use crate::scene::Scene;
-use crate::session::Session;
+use crate::session::{Pin, Session};
 use crate::study::volume_and_width;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
@@ -55,9 +55,9 @@ impl App {
                 ctx.copy_image(image);
                 self.notice = Some(Notice::info(tr("The picture is in the clipboard.")));
             }),
-            Purpose::Report => self.pictures().map(|(pictures, missing)| {
+            Purpose::Report => self.pictures().map(|pictures| {
                 let name = self.name_of_file("", "html");
-                self.files.save(ctx, &name, self.report(pictures, missing).html());
+                self.files.save(ctx, &name, self.report(pictures).html());
             }),
         };
         if let Err(error) = done {
@@ -77,7 +77,9 @@ impl App {
             origin: format!("{} · {}", origin(), status::model(session.scene())),
         };
         let envelope = self.uncertainty.envelope().unwrap_or_default();
-        let shown = Shown { session, options: &self.options, envelope, outlines: &[], bar: 0.0 };
+        let options = &self.options;
+        let shown =
+            Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
         self.viewport.aside(|viewport| {
             let gl = viewport.graphics()?;
             offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
@@ -90,13 +92,16 @@ impl App {
         })
     }
 
-    /// The pictures of the report, and how to get a picture that is missing.
-    fn pictures(&mut self) -> Result<(Vec<Picture>, Option<&'static str>), String> {
+    /// The pictures of the report with what belongs to them.
+    fn pictures(&mut self) -> Result<Pictures, String> {
         let Self { session, options, compare, uncertainty, viewport, plan, range, .. } = self;
         let device = plan.device;
         let envelope = uncertainty.envelope().unwrap_or_default();
-        let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0 };
-        let has_pins = session.pins().iter().any(|pin| pin.solution().is_some());
+        let shown =
+            Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
+        // A pin of this plan is its picture.
+        let is_other = |pin: &&Pin| !pin.scene().is_same_plan(session.scene());
+        let has_pins = session.pins().iter().filter(is_other).any(|pin| pin.solution().is_some());
         let section = uncertainty.findings().map_or(&[][..], Findings::section);
         let range = range.for_report(session);
         viewport.aside(|viewport| {
@@ -125,7 +130,9 @@ impl App {
             })?;
             let mut range = match range {
                 Ok(range) => range,
-                Err(how) => return Ok((pictures, Some(how))),
+                Err(how) => {
+                    return Ok(Pictures { pictures, missing: Some(how), accuracy: String::new() });
+                }
             };
             let [title, caption] = [&range.title, &range.caption].map(|text| device.words(text));
             take(&title, HALF, &mut |ui| {
@@ -134,12 +141,16 @@ impl App {
             if let Some(picture) = pictures.last_mut() {
                 picture.caption = caption;
             }
-            Ok((pictures, None))
+            let accuracy = match range.accuracy.as_str() {
+                "" => String::new(),
+                words => tr!("Range of implants: {words}", words),
+            };
+            Ok(Pictures { pictures, missing: None, accuracy })
         })
     }
 
     /// The content of the report.
-    fn report(&self, pictures: Vec<Picture>, missing: Option<&'static str>) -> Page {
+    fn report(&self, Pictures { pictures, missing, accuracy }: Pictures) -> Page {
         let (session, device) = (&self.session, self.plan.device);
         let findings = self.uncertainty.findings();
         let sampled = |scene: &_| self.uncertainty.values(scene);
@@ -151,16 +162,33 @@ impl App {
             origin: origin(),
             headline: answer::headline(session, PreviousResults::Shown) + &self.largest_in_words(),
             plan: plan::rows(session.scene(), device),
-            model: status::model(session.scene()),
+            technical: [
+                status::model(session.scene()),
+                plan::poisson_ratios(session.scene()),
+                self.uncertainty.seed_in_words().unwrap_or_default(),
+                accuracy,
+            ]
+            .into_iter()
+            .filter(|words| !words.is_empty())
+            .collect(),
             cards: cards(session, device, findings),
             remarks: remarks(session, device),
             table: compare::rows(session, &sampled),
             bands: self.uncertainty.about_bands(),
             steps: self.filling.steps(session.scene()),
-            limits: answer::limits_in_words(device),
+            limits: answer::limits_in_words(session, device).to_vec(),
             plan_json: session.document_json(),
         }
     }
+}
+
+/// The pictures of a report.
+struct Pictures {
+    pictures: Vec<Picture>,
+    /// How to get a picture that is missing.
+    missing: Option<&'static str>,
+    /// Grid and accuracy of the chart of the range; may be empty.
+    accuracy: String,
 }
 
 /// The head of every page on paper: the visit, else the program, and the plan.
@@ -192,15 +220,21 @@ fn remarks(session: &Session, device: Device) -> Vec<String> {
 fn origin() -> String {
     tr!(
         "{date} · version {version}",
-        date = date_in_words(&files::date()),
+        date = date_in_words(&files::local_date()),
         version = env!("CARGO_PKG_VERSION")
     )
 }
 
-/// A date (UTC, RFC 3339) in words, as "2026-01-31, 12:34 UTC".
+/// A date (RFC 3339) in words with its distance from UTC, as "2026-01-31, 12:34 (UTC+01:00)".
 fn date_in_words(date: &str) -> String {
-    let minutes = date.get(..16).map(|minutes| minutes.replace('T', ", "));
-    minutes.map_or_else(|| date.to_owned(), |minutes| format!("{minutes} UTC"))
+    let Some(minutes) = date.get(..16).map(|minutes| minutes.replace('T', ", ")) else {
+        return date.to_owned();
+    };
+    let zone = date.get(date.len() - 6..).filter(|zone| zone.starts_with(['+', '-']));
+    match zone {
+        Some(zone) => format!("{minutes} (UTC{})", zone.replace('-', "−")),
+        None => format!("{minutes} UTC"),
+    }
 }
 
 /// A picture as PNG, without transparency.
@@ -224,6 +258,8 @@ mod tests {
     #[test]
     fn a_date_has_no_seconds() {
         assert_eq!(date_in_words("2026-01-31T12:34:56.789Z"), "2026-01-31, 12:34 UTC");
+        assert_eq!(date_in_words("2026-01-31T12:34:56+01:00"), "2026-01-31, 12:34 (UTC+01:00)");
+        assert_eq!(date_in_words("2026-01-31T12:34:56-03:30"), "2026-01-31, 12:34 (UTC−03:30)");
         assert_eq!(date_in_words("now"), "now");
     }
 

@@ -34,8 +34,6 @@ pub(super) struct Page {
     pub(super) headline: String,
     /// The plan: names and values.
     pub(super) plan: Vec<(&'static str, String)>,
-    /// Model and accuracy in words.
-    pub(super) model: String,
     /// The cards: title, figure, word, further line.
     pub(super) cards: Vec<[String; 4]>,
     /// Warnings, or what a missing answer means.
@@ -46,8 +44,10 @@ pub(super) struct Page {
     pub(super) bands: Option<String>,
     /// The fill steps of an expander, heads first; may be empty.
     pub(super) steps: Vec<Vec<String>>,
-    /// Limits with their sources, a source in a line.
-    pub(super) limits: Vec<String>,
+    /// Headings and limits with their sources, a source in a line.
+    pub(super) limits: Vec<(&'static str, String)>,
+    /// Model, grids and what repeats the computation, a sentence in a line.
+    pub(super) technical: Vec<String>,
     /// The plan's file.
     pub(super) plan_json: String,
 }
@@ -58,7 +58,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     border-bottom:1px solid #e4e4e4}.numbers td:not(:first-child),.numbers th:not(:first-child){text-align:right}\
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 28px}.pair>div{flex:1 1 300px}\
-    .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
+    .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.blank{margin:6px 0;display:flex;flex-wrap:wrap;gap:4px 10px}.blank span{flex:1 1 90px;border-bottom:1px solid #222}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
     @media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:9px 0 2px}p{margin:4px 0}.quiet{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
     .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead>div:first-child{flex-grow:1.15}.lead h2{margin-top:0}img{max-height:72mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
@@ -74,6 +74,12 @@ impl Page {
             if !text.is_empty() {
                 let _ = write!(page, "<p class=\"{class}\">{}</p>", escaped(text));
             }
+        }
+        if visit.is_empty() {
+            // To fill by hand.
+            let names = ["Patient", "Date of the visit", "Surgeon"].map(|name| escaped(tr(name)));
+            let blanks = names.map(|name| format!("{name}: <span></span>")).join(" ");
+            let _ = write!(page, "<p class=\"blank\">{blanks}</p>");
         }
         put(page, "p", &self.headline);
         let _ = write!(page, "<p class=\"note\">{}</p>", escaped(tr(DISCLAIMER)));
@@ -91,7 +97,7 @@ impl Page {
         put(page, "h2", tr("Plan"));
         let rows = self.plan.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]);
         table(page, "", None, rows);
-        let _ = write!(page, "<p class=\"quiet\">{}</p></div><div>", escaped(&self.model));
+        page.push_str("</div><div>");
         if let Some((head, rows)) = self.steps.split_first() {
             put(page, "h2", tr("Fill steps by week"));
             table(page, "steps", Some(head), rows.iter().cloned());
@@ -124,9 +130,15 @@ impl Page {
             let _ = write!(page, "<p class=\"quiet screen\">{}</p>", escaped(how));
         }
         put(page, "h2", tr("Where limits come from"));
-        for limits in &self.limits {
+        for (heading, limits) in &self.limits {
             let lines: Vec<String> = limits.lines().map(escaped).collect();
-            let _ = write!(page, "<p class=\"quiet\">{}</p>", lines.join("<br>"));
+            let (heading, lines) = (escaped(heading), lines.join("<br>"));
+            let _ = write!(page, "<p class=\"quiet\"><b>{heading}</b><br>{lines}</p>");
+        }
+        if !self.technical.is_empty() {
+            let lines: Vec<String> = self.technical.iter().map(|line| escaped(line)).collect();
+            let (heading, lines) = (escaped(tr("Technical details")), lines.join("<br>"));
+            let _ = write!(page, "<p class=\"quiet\"><b>{heading}</b><br>{lines}</p>");
         }
         let _ = write!(
             page,
@@ -259,13 +271,13 @@ mod tests {
             origin: "2026-01-01, 00:00 UTC".to_owned(),
             headline: hostile.clone(),
             plan: vec![("Width", hostile.clone())],
-            model: hostile.clone(),
             cards: vec![[(); 4].map(|()| hostile.clone())],
             remarks: vec![hostile.clone()],
             table: vec![vec![hostile.clone()], vec![hostile.clone()]],
             bands: Some(hostile.clone()),
             steps: vec![vec![hostile.clone()], vec![hostile.clone()]],
-            limits: vec![hostile.clone()],
+            limits: vec![("Pressure", hostile.clone())],
+            technical: vec![hostile.clone()],
             plan_json: hostile.clone(),
         };
         let html = page.html();
@@ -274,6 +286,7 @@ mod tests {
         assert_eq!(count, 20);
         let css = "@top-left{content:\"\\3c script\\3e alert\\28 1\\29 \\3c \\2f script\\3e \\26 \\22 \";";
         assert!(html.contains(css), "{html}");
+        assert!(!html.contains("class=\"blank\""), "a filled line of the patient");
         let number = "content:\"page \" counter(page) \" of \" counter(pages) \"\"";
         assert!(html.contains(number), "{html}");
         assert!(html.contains("data:image/png;base64,AQID"));

@@ -17,6 +17,7 @@ pub(super) use choice::LanguageChoice;
 pub(super) use number::{fixed, localized};
 
 use crate::measure::bands::{Limits, PRESSURE};
+use crate::scene::tissue_in_words;
 use std::collections::HashMap;
 use std::fmt::{Display, Write as _};
 use std::sync::OnceLock;
@@ -78,6 +79,17 @@ pub(super) fn tr(english: &str) -> &str {
         Language::English => english,
         Language::Spanish => spanish(english).unwrap_or(english),
     }
+}
+
+/// The name of a tissue in the present language: surgeons read fat for adipose, the name in files.
+pub(super) fn tissue(name: &str) -> &str {
+    tr(tissue_in_words(name))
+}
+
+/// The name of a tissue in files from a typed one.
+pub(super) fn tissue_of_file(typed: &str) -> &str {
+    let known = ["skin", "adipose", "muscle"];
+    known.into_iter().find(|name| tissue(name) == typed.trim()).unwrap_or(typed)
 }
 
 /// The word of a band of limits in the present language; words of the pressure are feminine in Spanish.

@@ -7,9 +7,8 @@ use crate::app::widgets::{choice, labelled_box, remark, set_accessible_name};
 use crate::study::{Band, Index, Quantity, Unknown};
 use eframe::egui::{self, Align2, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
-/// Height of a bar's row, width of its name and of its number \[points\].
+/// Height of a bar's row and width of its number \[points\].
 const HEIGHT: f32 = 17.0;
-const NAME_WIDTH: f32 = 124.0;
 const NUMBER_WIDTH: f32 = 34.0;
 
 /// Shows the choice of the explained quantity; returns whether the choice has changed.
@@ -42,8 +41,15 @@ pub(super) fn bars(ui: &mut Ui, importance: &[(Unknown, Index)], is_running: boo
         remark(ui, words);
         return;
     }
+    let (font, text) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
+    let width = |unknown: Unknown| {
+        let name = words(unknown).name.to_owned();
+        ui.painter().layout_no_wrap(name, font.clone(), text).size().x
+    };
+    // As wide as the longest name.
+    let names = importance.iter().map(|(unknown, _)| width(*unknown)).fold(0.0, f32::max);
     for (unknown, index) in importance {
-        bar(ui, *unknown, index);
+        bar(ui, *unknown, index, names + SPACE);
     }
     let alone: f64 = importance.iter().map(|(_, index)| index.first_order.max(0.0)).sum();
     let rest = (1.0 - alone).max(0.0);
@@ -57,8 +63,8 @@ pub(super) fn bars(ui: &mut Ui, importance: &[(Unknown, Index)], is_running: boo
     );
 }
 
-/// Shows the bar of an unknown: name, bar with the standard error, number.
-fn bar(ui: &mut Ui, unknown: Unknown, index: &Index) {
+/// Shows the bar of an unknown: name in a width \[points\], bar with the standard error, number.
+fn bar(ui: &mut Ui, unknown: Unknown, index: &Index, name_width: f32) {
     let size = vec2(ui.available_width() - SPACE, HEIGHT);
     let (row, response) = ui.allocate_exact_size(size, Sense::hover());
     let palette = theme::palette(ui.visuals());
@@ -69,7 +75,7 @@ fn bar(ui: &mut Ui, unknown: Unknown, index: &Index) {
     let number = format!("{:.0} %", 100.0 * share);
     painter.text(row.right_center(), Align2::RIGHT_CENTER, number, font, text);
     let rail = Rect::from_min_max(
-        pos2(row.left() + NAME_WIDTH, row.top() + 4.0),
+        pos2(row.left() + name_width, row.top() + 4.0),
         pos2(row.right() - NUMBER_WIDTH, row.bottom() - 4.0),
     );
     let at = |share: f64| rail.left() + rail.width() * share.clamp(0.0, 1.0) as f32;

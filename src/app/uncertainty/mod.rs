@@ -89,12 +89,6 @@ impl Findings {
         (solved - self.answers()) as f64 / solved.max(1) as f64
     }
 
-    /// The sampled patients without an answer in a sentence, for a card; `None` if all have one.
-    pub(super) fn missing(&self) -> Option<String> {
-        let share = 100.0 * self.without_answer();
-        (share > 0.0).then(|| tr!("{share:.0} % of such patients have no answer. ", share))
-    }
-
     fn solved(&self) -> usize {
         self.counts.values().sum()
     }
@@ -220,6 +214,11 @@ impl Uncertainty {
         self.is_on.then(|| (self.choices.settings(scene), self.findings.is_sampled()))
     }
 
+    /// [`Self::progress`] while the study runs.
+    pub(super) fn running(&self) -> Option<(usize, usize)> {
+        self.driver.is_running().then(|| self.progress())
+    }
+
     /// Numbers of computed plans and of all plans of the study; both 0 without one.
     pub(super) fn progress(&self) -> (usize, usize) {
         self.driver.progress()
@@ -247,21 +246,23 @@ impl Uncertainty {
     /// What the bands are, in a few sentences; `None` without bands.
     pub(super) fn about_bands(&self) -> Option<String> {
         let findings = self.findings()?;
-        let seed = self.driver.study()?.settings().seed;
         let count = match (findings.solved(), findings.samples) {
             (solved, all) if solved == all => all.to_string(),
             (solved, all) => tr!("{solved} of {all}", solved, all),
         };
-        let mut words = tr!(
-            "In brackets: 10th to 90th percentile of {count} sampled patients (seed {seed}).",
-            count,
-            seed
-        );
+        let mut words =
+            tr!("In brackets: 10th to 90th percentile of {count} sampled patients.", count);
         if let Some(missing) = panel::without_answer(findings) {
             words += " ";
             words += &missing;
         }
         Some(words)
+    }
+
+    /// What repeats the sampled patients, in a sentence; `None` without bands.
+    pub(super) fn seed_in_words(&self) -> Option<String> {
+        let seed = self.findings().and(self.driver.study())?.settings().seed;
+        Some(tr!("Seed of the sampled patients: {seed}.", seed))
     }
 
     /// The bands of the answer in one sentence, for screen readers; empty before the last sample.

@@ -137,13 +137,17 @@ pub(super) fn without_answer(findings: &Findings) -> Option<String> {
         .map(|(count, words)| format!("{count} {words}"))
         .collect();
     (sum > 0).then(|| {
-        let of = findings.samples;
-        tr!(
-            "{sum} of {of} sampled patients have no answer and are left out: {causes}.",
-            sum,
-            of,
-            causes = list.join(", ")
-        )
+        let (of, causes) = (findings.samples, list.join(", "));
+        if sum == 1 {
+            tr!("1 of {of} sampled patients has no answer and is left out: {causes}.", of, causes)
+        } else {
+            tr!(
+                "{sum} of {of} sampled patients have no answer and are left out: {causes}.",
+                sum,
+                of,
+                causes
+            )
+        }
     })
 }
 
@@ -212,6 +216,13 @@ mod tests {
         let mut findings = Findings { samples: 256, ..Findings::default() };
         findings.counts.insert(PointStatus::Converged.word(), 256);
         assert_eq!(without_answer(&findings), None);
+        findings.counts.insert(PointStatus::NoShape.word(), 1);
+        assert_eq!(
+            without_answer(&findings).as_deref(),
+            Some(
+                "1 of 256 sampled patients has no answer and is left out: 1 without a stable shape."
+            )
+        );
         findings.counts.insert(PointStatus::NoShape.word(), 2);
         findings.counts.insert(PointStatus::Invalid.word(), 1);
         assert_eq!(

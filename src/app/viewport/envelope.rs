@@ -15,7 +15,7 @@ pub(crate) struct Outline {
     /// The pin's letter, and the colour and the gaps of its line.
     pub(crate) letter: Letter,
     pub(crate) color: Color32,
-    pub(crate) is_dotted: bool,
+    pub(crate) dashes: (f32, f32),
     /// Distance from the pocket's centre and height of the skin's outer surface \[mm\], outwards.
     pub(crate) points: Vec<Vec2>,
     /// Position of the implant on the wall \[mm\].
@@ -99,7 +99,7 @@ mod tests {
             let outline = Outline {
                 letter: Letter::A,
                 color: Color32::RED,
-                is_dotted: false,
+                dashes: (7.0, 4.0),
                 points: vec![Vec2::new(20.0, 15.0)],
                 center_mm: [0.0; 2],
             };

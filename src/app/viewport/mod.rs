@@ -58,6 +58,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) outlines: &'a [Outline],
     /// Height of the controls over the top of the picture \[points\].
     pub(crate) bar: f32,
+    /// On paper a pin of the same plan has no picture of its own.
+    pub(crate) is_on_paper: bool,
 }
 
 /// The 3-D view with its camera.

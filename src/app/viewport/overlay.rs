@@ -37,7 +37,7 @@ fn title(scale: &Scale) -> String {
     if scale.unit.is_empty() {
         return texts::shown(&scale.title);
     }
-    format!("{} [{}]", texts::shown(&scale.title), scale.unit)
+    format!("{} [{}]", texts::shown(&scale.title), tr(scale.unit))
 }
 
 /// Position of a value in the bar, 0 to 1.
@@ -259,7 +259,7 @@ pub(crate) fn outline(ui: &Ui, painter: &Painter, points: Vec<Pos2>, outline: &O
     let at = 0.24 + 0.09 * outline.letter as usize as f32;
     let Some(&end) = points.get((at * points.len() as f32) as usize) else { return };
     let ground = ui.visuals().panel_fill.gamma_multiply(0.6);
-    let (dash, gap) = if outline.is_dotted { (2.0, 4.0) } else { (7.0, 4.0) };
+    let (dash, gap) = outline.dashes;
     painter.add(Shape::line(points.clone(), Stroke::new(4.0, ground)));
     painter.extend(Shape::dashed_line(&points, Stroke::new(2.0, outline.color), dash, gap));
     let galley = painter.layout_no_wrap(outline.letter.to_string(), font(ui), outline.color);
@@ -299,10 +299,14 @@ pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f
     place
 }
 
-/// Draws the name of a picture at the left of its upper edge.
+/// Height of a caption of two lines with its margin \[points\].
+pub(crate) const CAPTION: f32 = 58.0;
+
+/// Draws the name of a picture at the left of its upper edge; long lines go on below.
 pub(crate) fn caption(ui: &Ui, painter: &Painter, area: Rect, title: &str) {
     let font = TextStyle::Button.resolve(ui.style());
-    let galley = painter.layout_no_wrap(title.to_owned(), font, ui.visuals().strong_text_color());
+    let (color, width) = (ui.visuals().strong_text_color(), area.width() - 2.0 * MARGIN);
+    let galley = painter.layout(title.to_owned(), font, color, width);
     let at = area.left_top() + vec2(MARGIN, MARGIN);
     backdrop(ui, painter, Rect::from_min_size(at, galley.size()));
     painter.galley(at, galley, ui.visuals().strong_text_color());

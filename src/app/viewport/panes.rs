@@ -1,13 +1,17 @@
-//! Pictures of the current scene and of the pins side by side, with one camera and one colour scale.
+//! Pictures of the current scene and of the pins side by side, with one camera, each skin in the colours of its limits.
 
 use super::marks::Marked;
 use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
+use crate::app::differing;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
+use crate::scene::Scene;
 use crate::session::{Pin, Session};
+use crate::solve::Problem;
 use crate::study::size_in_words;
-use crate::view::color::Quantity;
+use crate::view::color::{Quantity, Rgb, Scale};
 use crate::view::picture::Picture;
+use crate::view::side_by_side::{Colours, Limited};
 use crate::view::subject::{PinnedShape, Subject};
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 use std::sync::Arc;
@@ -25,10 +29,11 @@ pub(super) struct Pane {
 impl Viewport {
     /// Shows the pins with a shape and the session side by side in the remaining space.
     pub(crate) fn show_side_by_side(&mut self, ui: &mut Ui, shown: Shown<'_>) {
-        let Shown { session, options, envelope, bar, .. } = shown;
+        let Shown { session, options, envelope, bar, is_on_paper, .. } = shown;
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
+        let is_shown = |pin: &&Pin| !(is_on_paper && pin.scene().is_same_plan(session.scene()));
         let pins: Vec<PinnedShape<'_>> =
-            session.pins().iter().filter_map(PinnedShape::of).collect();
+            session.pins().iter().filter(is_shown).filter_map(PinnedShape::of).collect();
         // The cells without a picture.
         overlay::background(ui, &ui.painter_at(area), area);
         self.keep_panes(&pins);
@@ -56,40 +61,57 @@ impl Viewport {
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
-        let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
-        let greatest = pictures.map(|picture| picture.greatest).fold(0.0, f32::max);
-        let scale = options.quantity.scale(
-            greatest,
-            &session.scene().layers,
-            session.problem().skin_knee(),
-        );
-        let table = scale.as_ref().map_or(&[[1.0; 3]][..], |scale| &scale.table);
-        if self.common_table.as_slice() != table {
-            self.common_table = Arc::new(table.to_vec());
+        let limited = |picture: &Picture, problem: &Problem| Limited {
+            greatest: picture.greatest,
+            knee: problem.skin_knee(),
+        };
+        let own_limits = limited(&self.picture, Subject::problem(session));
+        let panes = self.panes.iter().zip(&pins);
+        let limits = panes.map(|(pane, shape)| limited(&pane.picture, shape.problem()));
+        let limits: Vec<Limited> = limits.chain([own_limits]).collect();
+        let colours = Colours::new(options.quantity, &limits, &session.scene().layers);
+        if let Colours::Common(scale) = &colours {
+            let table = scale.as_ref().map_or(&[[1.0; 3]][..], |scale| &scale.table);
+            if self.common_table.as_slice() != table {
+                self.common_table = Arc::new(table.to_vec());
+            }
         }
-        let range = scale.as_ref().map_or([0.0, 1.0], |s| [s.low, s.high]);
         let numbers: Arc<[u64]> =
             self.panes.iter().map(|pane| pane.number).chain([CURRENT]).collect();
-        let drawn = |number, picture, problem| Drawn {
+        let drawn = |number, picture, (table, range), problem| Drawn {
             number,
             numbers: Arc::clone(&numbers),
             picture,
-            table: &self.common_table,
+            table,
             range,
             problem,
             section: section_of(options, problem),
             net: options.net,
             areola: options.areola(),
         };
+        // What differs beside the size, in a line below the title.
+        let differs = differing::in_words(session);
+        let caption = |title: String, scene: &Scene| match differs(scene) {
+            words if words.is_empty() => title,
+            words => format!("{title}\n{words}"),
+        };
         let mut clicked = None;
         for ((pane, shape), response) in self.panes.iter().zip(&pins).zip(&responses) {
             let area = response.rect;
             let painter = ui.painter_at(area);
             overlay::background(ui, &painter, area);
-            let drawn = drawn(pane.number, &pane.picture, shape.problem());
+            let drawn = drawn(
+                pane.number,
+                &pane.picture,
+                self.colours(&colours, &pane.picture),
+                shape.problem(),
+            );
             let section = drawn.section;
             self.draw(ui, &painter, area, drawn);
-            overlay::caption(ui, &painter, area, &title(shape.pin));
+            overlay::caption(ui, &painter, area, &caption(title(shape.pin), shape.scene()));
+            if colours == Colours::Own(None) {
+                own_legend(ui, &painter, area, &pane.picture);
+            }
             let marked = Marked { picture: &pane.picture, subject: shape, section };
             clicked = clicked.or(self.show_marks(ui, response, &marked));
         }
@@ -99,21 +121,42 @@ impl Viewport {
         }
         let painter = ui.painter_at(own_area);
         overlay::background(ui, &painter, own_area);
-        let drawn = drawn(CURRENT, &self.picture, Subject::problem(session));
+        let drawn = drawn(
+            CURRENT,
+            &self.picture,
+            self.colours(&colours, &self.picture),
+            Subject::problem(session),
+        );
         let section = drawn.section;
         self.draw(ui, &painter, own_area, drawn);
         self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
-        let caption = tr!("now · {size}", size = texts::shown(&size_in_words(session.scene())));
-        overlay::caption(ui, &painter, own_area, &caption);
-        if let Some(scale) = &scale {
-            let strip = area.with_min_y(area.top() + bar);
-            overlay::strip(ui, &ui.painter_at(strip), strip, scale);
+        let title = tr!("this plan · {size}", size = texts::shown(&size_in_words(session.scene())));
+        overlay::caption(ui, &painter, own_area, &caption(title, session.scene()));
+        match &colours {
+            Colours::Common(Some(scale)) | Colours::Own(Some(scale)) => {
+                let strip = area.with_min_y(area.top() + bar);
+                overlay::strip(ui, &ui.painter_at(strip), strip, scale);
+            }
+            Colours::Own(None) => own_legend(ui, &painter, own_area, &self.picture),
+            Colours::Common(None) => {}
         }
         overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section };
         let clicked = clicked.or(self.show_marks(ui, &own, &marked));
         self.click(clicked);
+    }
+
+    /// Colours of a picture and the field values at their ends.
+    fn colours<'a>(
+        &'a self,
+        colours: &Colours,
+        picture: &'a Picture,
+    ) -> (&'a Arc<Vec<Rgb>>, [f32; 2]) {
+        match colours {
+            Colours::Common(scale) => (&self.common_table, range_of(scale.as_ref())),
+            Colours::Own(_) => (&picture.table, range_of(picture.scale.as_ref())),
+        }
     }
 
     /// Radius of the sphere around the bodies of the session and of the pins beside it \[mm\].
@@ -170,6 +213,18 @@ fn pane(ui: &Ui, pin: &Pin, area: Rect) -> Response {
     let name = tr!("3-D view of {letter}", letter = pin.letter());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, &name));
     response
+}
+
+/// Field values at both ends of a scale.
+fn range_of(scale: Option<&Scale>) -> [f32; 2] {
+    scale.map_or([0.0, 1.0], |scale| [scale.low, scale.high])
+}
+
+/// Draws the legend of one picture of several, below its caption.
+fn own_legend(ui: &Ui, painter: &egui::Painter, area: Rect, picture: &Picture) {
+    if let Some(scale) = &picture.scale {
+        overlay::strip(ui, painter, area.with_min_y(area.top() + overlay::CAPTION), scale);
+    }
 }
 
 /// Letter of a pin with its name, or with its size.

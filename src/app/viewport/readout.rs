@@ -1,7 +1,7 @@
 //! The values at a point of the tissue, every layer of it, in the units and words of the cards.
 
 use crate::app::device::Device;
-use crate::app::texts::{fixed, tr};
+use crate::app::texts::{self, fixed, tr};
 use crate::measure::{Field, Fields, MMHG_PER_KPA};
 use crate::scene::Scene;
 use crate::view::body::Body;
@@ -59,7 +59,7 @@ pub(super) fn heading(hit: &Hit, scene: &Scene, device: Device) -> Option<String
 }
 
 fn name(scene: &Scene, layer: usize) -> &str {
-    scene.layers.get(layer).map_or(tr("tissue"), |layer| tr(&layer.tissue))
+    scene.layers.get(layer).map_or(tr("tissue"), |layer| texts::tissue(&layer.tissue))
 }
 
 /// The values at three nodes: skin, every layer now and at rest, cover, pressure; one per line.
@@ -83,8 +83,10 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
         let now = |&(node, weight): &(usize, f32)| thickness.get(node).map(|mm| mm * weight);
         let now = nodes.iter().map(now).sum::<Option<f32>>().unwrap_or(0.0);
         let rest = materials.get(k).map_or(0.0, |material| material.thickness_mm);
-        let stress = three_figures(value(Field::Stress(k)));
-        let (name, word) = (name(scene, k), if k == 0 { tr("tension") } else { tr("stress") });
+        let stress = value(Field::Stress(k));
+        let (name, word) =
+            (name(scene, k), if stress < 0.0 { tr("compression") } else { tr("pull") });
+        let stress = three_figures(stress.abs());
         lines.push(tr!(
             "{name} {now:.1} mm (at rest {rest:.1}), {word} {stress} kPa",
             name,
@@ -155,10 +157,14 @@ mod tests {
         assert!(lines.contains(&format!("Cover {cover:.1} mm (at rest {rest:.1})")), "{lines:?}");
         for layer in &session.scene().layers {
             let rest = format!("(at rest {:.1}), ", layer.thickness_mm);
-            let is_read = |line: &String| line.starts_with(&layer.tissue) && line.contains(&rest);
+            let is_read = |line: &String| {
+                line.starts_with(texts::tissue(&layer.tissue)) && line.contains(&rest)
+            };
             assert!(lines.iter().any(is_read), "{} in {lines:?}", layer.tissue);
         }
         assert!(lines[0].starts_with("Skin stretch "), "{lines:?}");
+        // Fat under the skin is pressed: its word has the sign.
+        assert!(!lines.iter().any(|line| line.contains(" -")), "{lines:?}");
         assert!(lines.iter().any(|line| line.starts_with("Pressure ")), "{lines:?}");
     }
 

@@ -76,7 +76,9 @@ impl VolumeMarks {
         if self.is_wanted && !is_busy && self.started.as_ref() != Some(scene) {
             self.restart(scene, studies);
         }
-        self.own.advance(studies);
+        // The marks of another patient, pocket or width say nothing about this one.
+        let is_shown = self.is_of(scene);
+        self.own.advance(studies, is_shown);
         self.advance_beside(shelf, studies, is_busy);
         let curve = self.own.curve().map(|curve| (curve.base(), curve.axes()[0]));
         self.band.advance(curve, bands, studies, is_busy);
@@ -98,7 +100,20 @@ impl VolumeMarks {
                 }
             }
         }
-        self.beside.advance(studies);
+        let is_shown = self.own.largest_ml().is_some();
+        self.beside.advance(studies, is_shown);
+    }
+
+    /// Is the curve that of a plan, or of the plan with another volume or less of it in place?
+    fn is_of(&self, plan: &Scene) -> bool {
+        let is_other_volume = |started: &Scene| {
+            let mut other = full(plan);
+            other.implant.projection_mm = started.implant.projection_mm;
+            other.is_same_plan(&full(started))
+        };
+        // At rest no scene is built.
+        let started = self.started.as_ref();
+        started.is_some_and(|started| started == plan || is_other_volume(started))
     }
 
     /// Starts the curve of a scene. Another volume leaves the curve as it is.
@@ -254,6 +269,23 @@ mod tests {
         }
         let open = words(width(120.0, vec![], Some(most)), Width::default());
         assert_eq!(open, format!("Up to {most:.0} ml and more stays usual on 12 cm."));
+    }
+
+    #[test]
+    fn the_marks_are_those_of_the_patient_with_any_volume() {
+        let scene = Scene::opening();
+        let marks = VolumeMarks { started: Some(scene.clone()), ..VolumeMarks::default() };
+        let is_of = |edit: &dyn Fn(&mut Scene)| {
+            let mut scene = scene.clone();
+            edit(&mut scene);
+            marks.is_of(&scene)
+        };
+        assert!(is_of(&|_| {}) && is_of(&|scene| scene.insertion = 0.5));
+        assert!(is_of(&|scene| scene.implant.projection_mm += 4.0));
+        assert!(!is_of(&|scene| scene.layers[0].curve.strain_scale *= 0.6));
+        assert!(!is_of(&|scene| scene.layers[1].thickness_mm += 2.0));
+        assert!(!is_of(&|scene| scene.pocket_radius_mm += 2.0));
+        assert!(!VolumeMarks::default().is_of(&scene));
     }
 
     #[test]

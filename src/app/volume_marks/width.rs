@@ -48,10 +48,12 @@ impl Width {
         self.curve.study_mut().is_some_and(is_equal)
     }
 
-    /// Continues the studies, once a frame.
-    pub(super) fn advance(&mut self, studies: &mut Studies) {
+    /// Continues the studies, once a frame. `is_shown`: else nothing is known about the present plan.
+    pub(super) fn advance(&mut self, studies: &mut Studies, is_shown: bool) {
         self.curve.advance(studies);
-        if self.marks.is_none()
+        if !is_shown {
+            self.marks = None;
+        } else if self.marks.is_none()
             && let Some(curve) = self.curve.finished()
         {
             let axis = curve.axes()[0];
