@@ -7,7 +7,7 @@ use super::stability;
 use super::texts::tr;
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
-use crate::scene::{Body, Layer, Scene, Springs, TissueModel, limits};
+use crate::scene::{Body, Layer, Scene, Springs, TissueModel, field, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
@@ -170,10 +170,10 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
         tooltip: tr(
             "Unstretched thickness. Breast skin is about 1–3 mm thick, the adipose layer 5–40 mm.",
         ),
-        ..length(limits::THICKNESS_MM, tr("Thickness"), usual.thickness_mm)
+        ..length(field::THICKNESS.limits, tr("Thickness"), usual.thickness_mm)
     }
     .show(ui, &mut layer.thickness_mm);
-    let (least, most) = limits::POISSON_RATIO;
+    let (least, most) = field::POISSON_RATIO.limits;
     Control {
         label: tr("Poisson ratio"),
         range: least..=most,
@@ -238,7 +238,7 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
         ..length((least, most), tr("Computed radius"), usual.patch_radius_mm)
     }
     .show(ui, &mut body.patch_radius_mm);
-    let (least, most) = limits::ATTACHMENT_STIFFNESS;
+    let (least, most) = field::ATTACHMENT_STIFFNESS.limits;
     Control {
         label: tr("Attachment stiffness"),
         unit: "kPa/mm",
@@ -253,7 +253,7 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
     Control {
         tooltip: tr("Width over which the hold rises from zero at the pocket's edge."),
-        ..length(limits::ATTACHMENT_RAMP_MM, tr("Attachment ramp"), usual.attachment.ramp_mm)
+        ..length(field::ATTACHMENT_RAMP.limits, tr("Attachment ramp"), usual.attachment.ramp_mm)
     }
     .show(ui, &mut body.attachment.ramp_mm);
 }
@@ -297,7 +297,7 @@ fn resolution(ui: &mut Ui, nodes_per_side: &mut usize) {
 }
 
 fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
-    let (least, most) = limits::TOLERANCE;
+    let (least, most) = field::TOLERANCE.limits;
     let mut percent = 100.0 * *tolerance;
     let change = Control {
         label: tr("Tolerance"),

@@ -3,7 +3,7 @@
 use super::quantity::short;
 use crate::clinical::spread::{self, Spread};
 use crate::curve::{Curve, CurveSpec, SCALES};
-use crate::scene::{Body, Layer, Scene, limits};
+use crate::scene::{Body, Layer, Scene, field, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -114,7 +114,7 @@ impl Unknown {
     #[must_use]
     pub fn allowed(self) -> (f64, f64) {
         match self {
-            Self::SkinThickness => limits::THICKNESS_MM,
+            Self::SkinThickness => field::THICKNESS.limits,
             Self::SkinStressScale
             | Self::SkinStrainScale
             | Self::CoverThickness
@@ -122,7 +122,7 @@ impl Unknown {
             Self::FatModulus => (0.01, 1e4),
             Self::PocketRadius => (-50.0, 50.0),
             Self::Projection => (-0.9, 0.9),
-            Self::PoissonRatio | Self::FatPoissonRatio => limits::POISSON_RATIO,
+            Self::PoissonRatio | Self::FatPoissonRatio => field::POISSON_RATIO.limits,
         }
     }
 
@@ -131,7 +131,7 @@ impl Unknown {
         let into = |value: f64, (least, most): (f64, f64)| value.clamp(least, most);
         match self {
             Self::SkinThickness => {
-                scene.layers[0].thickness_mm = into(value, limits::THICKNESS_MM);
+                scene.layers[0].thickness_mm = into(value, field::THICKNESS.limits);
             }
             Self::SkinStressScale => {
                 let scale = base.layers[0].curve.stress_scale * value;
@@ -152,7 +152,7 @@ impl Unknown {
             }
             Self::CoverThickness => {
                 for (layer, base) in scene.layers.iter_mut().zip(&base.layers).skip(1) {
-                    layer.thickness_mm = into(base.thickness_mm * value, limits::THICKNESS_MM);
+                    layer.thickness_mm = into(base.thickness_mm * value, field::THICKNESS.limits);
                 }
             }
             Self::PocketRadius => {
@@ -168,10 +168,10 @@ impl Unknown {
             }
             Self::Projection => {
                 let projection = base.implant.projection_mm * (1.0 + value);
-                scene.implant.projection_mm = into(projection, limits::PROJECTION_MM);
+                scene.implant.projection_mm = into(projection, field::PROJECTION.limits);
             }
             Self::PoissonRatio => {
-                let ratio = into(value, limits::POISSON_RATIO);
+                let ratio = into(value, field::POISSON_RATIO.limits);
                 let others = scene.layers.iter_mut().filter(|layer| !has_fat_curve(layer));
                 others.for_each(|layer| layer.poisson_ratio = ratio);
             }
@@ -183,7 +183,7 @@ impl Unknown {
                 }
             }
             Self::FatPoissonRatio => {
-                let ratio = into(value, limits::POISSON_RATIO);
+                let ratio = into(value, field::POISSON_RATIO.limits);
                 let fat = scene.layers.iter_mut().filter(|layer| has_fat_curve(layer));
                 fat.for_each(|layer| layer.poisson_ratio = ratio);
             }

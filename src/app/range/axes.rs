@@ -4,7 +4,7 @@ use crate::app::texts::tr;
 use crate::app::widgets::Kind;
 use crate::app::widgets::quantity::{format_at_most, significant};
 use crate::clinical::{self, Size};
-use crate::scene::{Implant, Scene, limits};
+use crate::scene::{Implant, Scene, field, limits};
 use crate::study::{Axis, Parameter, with_values};
 
 /// The numbers on offer, the usual ones first.
@@ -162,17 +162,17 @@ pub(super) fn allowed(field: Parameter) -> (f64, f64) {
     use clinical::limits as of_size;
     match field {
         Parameter::BaseWidth => of_size::BASE_WIDTH_MM,
-        Parameter::Projection => limits::PROJECTION_MM,
+        Parameter::Projection => field::PROJECTION.limits,
         Parameter::Volume => (10.0, 5000.0),
         Parameter::PocketMargin => (0.0, limits::POCKET_RADIUS_MAX_MM),
         Parameter::Pinch => of_size::PINCH_MM,
-        Parameter::Thickness => (0.5, 8.0 * limits::THICKNESS_MM.1),
+        Parameter::Thickness => (0.5, 8.0 * field::THICKNESS.limits.1),
         Parameter::StrainScale(_) | Parameter::StressScale(_) => crate::curve::SCALES,
-        Parameter::PoissonRatio => limits::POISSON_RATIO,
+        Parameter::PoissonRatio => field::POISSON_RATIO.limits,
         Parameter::CenterX | Parameter::CenterY => {
             (-limits::POCKET_RADIUS_MAX_MM, limits::POCKET_RADIUS_MAX_MM)
         }
-        Parameter::AttachmentStiffness => limits::ATTACHMENT_STIFFNESS,
+        Parameter::AttachmentStiffness => field::ATTACHMENT_STIFFNESS.limits,
         _ => (0.0, 1.0),
     }
 }
