@@ -51,6 +51,13 @@ pub struct Field {
     place: fn(&mut Scene, usize) -> Option<&mut f64>,
 }
 
+impl PartialEq for Field {
+    /// A path has one row.
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+}
+
 macro_rules! value {
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.as_ref()?.$($at)+) };
@@ -128,9 +135,7 @@ impl Field {
     pub fn range(&self, scene: &Scene) -> (f64, f64) {
         match self.part {
             Part::Body if !scene.is_layered() => (0.0, f64::MAX),
-            Part::Body if self.path == PATCH_RADIUS.path => {
-                Body::patch_range(scene.pocket_radius_mm)
-            }
+            Part::Body if self == PATCH_RADIUS => Body::patch_range(scene.pocket_radius_mm),
             _ => self.limits,
         }
     }

@@ -128,31 +128,30 @@ impl Unknown {
 
     /// Sets the sampled value in a scene; values beyond the limits of a scene become the limit.
     pub(super) fn apply(self, scene: &mut Scene, base: &Scene, value: f64) {
-        let into = |value: f64, (least, most): (f64, f64)| value.clamp(least, most);
+        let of_base = |wanted: fn(&Layer) -> bool| {
+            base.layers.iter().enumerate().filter(move |(_, layer)| wanted(layer))
+        };
         match self {
-            Self::SkinThickness => {
-                scene.layers[0].thickness_mm = into(value, field::THICKNESS.limits);
-            }
+            Self::SkinThickness => field::THICKNESS.set(scene, 0, value),
             Self::SkinStressScale => {
-                let scale = base.layers[0].curve.stress_scale * value;
-                scene.layers[0].curve.stress_scale = into(scale, SCALES);
+                field::STRESS_SCALE.set(scene, 0, base.layers[0].curve.stress_scale * value);
             }
             Self::SkinStrainScale => {
                 let own = if has_own_scale(base) { base.layers[0].curve.strain_scale } else { 1.0 };
-                scene.layers[0].curve.strain_scale = into(own * value, SCALES);
+                field::STRAIN_SCALE.set(scene, 0, own * value);
             }
             Self::FatModulus => {
-                for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
+                for (k, base) in of_base(is_other_fat) {
                     let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
-                    if is_other_fat(base) && modulus > 0.0 {
+                    if modulus > 0.0 {
                         let scale = base.curve.stress_scale * value / modulus;
-                        layer.curve.stress_scale = into(scale, SCALES);
+                        field::STRESS_SCALE.set(scene, k, scale);
                     }
                 }
             }
             Self::CoverThickness => {
-                for (layer, base) in scene.layers.iter_mut().zip(&base.layers).skip(1) {
-                    layer.thickness_mm = into(base.thickness_mm * value, field::THICKNESS.limits);
+                for (k, base) in base.layers.iter().enumerate().skip(1) {
+                    field::THICKNESS.set(scene, k, base.thickness_mm * value);
                 }
             }
             Self::PocketRadius => {
@@ -167,25 +166,22 @@ impl Unknown {
                 }
             }
             Self::Projection => {
-                let projection = base.implant.projection_mm * (1.0 + value);
-                scene.implant.projection_mm = into(projection, field::PROJECTION.limits);
+                field::PROJECTION.set(scene, 0, base.implant.projection_mm * (1.0 + value));
             }
             Self::PoissonRatio => {
-                let ratio = into(value, field::POISSON_RATIO.limits);
-                let others = scene.layers.iter_mut().filter(|layer| !has_fat_curve(layer));
-                others.for_each(|layer| layer.poisson_ratio = ratio);
+                for (k, _) in of_base(|layer| !has_fat_curve(layer)) {
+                    field::POISSON_RATIO.set(scene, k, value);
+                }
             }
             Self::FatStressScale => {
-                for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
-                    if has_fat_curve(base) {
-                        layer.curve.stress_scale = into(base.curve.stress_scale * value, SCALES);
-                    }
+                for (k, base) in of_base(has_fat_curve) {
+                    field::STRESS_SCALE.set(scene, k, base.curve.stress_scale * value);
                 }
             }
             Self::FatPoissonRatio => {
-                let ratio = into(value, field::POISSON_RATIO.limits);
-                let fat = scene.layers.iter_mut().filter(|layer| has_fat_curve(layer));
-                fat.for_each(|layer| layer.poisson_ratio = ratio);
+                for (k, _) in of_base(has_fat_curve) {
+                    field::POISSON_RATIO.set(scene, k, value);
+                }
             }
         }
     }
