@@ -165,3 +165,55 @@ impl Field {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::Measurements;
+    use serde_json::Value;
+
+    /// The paths of the numbers of a scene.
+    fn paths(of: &Value, path: &str, found: &mut Vec<String>) {
+        match of {
+            Value::Number(_) => found.push(path.trim_start_matches('.').to_owned()),
+            Value::Array(list) => {
+                list.iter().enumerate().for_each(|(k, v)| paths(v, &format!("{path}[{k}]"), found));
+            }
+            Value::Object(map) => {
+                map.iter().for_each(|(name, v)| paths(v, &format!("{path}.{name}"), found));
+            }
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn each_number_of_a_scene_has_a_row_with_its_value_and_its_place() {
+        let mut scene = Scene::opening();
+        let measured = Measurements {
+            base_width_mm: Some(120.0),
+            pinch_mm: Some(30.0),
+            skin_pull_mm: Some(20.0),
+            skin_class: None,
+        };
+        scene.apply_patient(measured).unwrap();
+        scene.layers[1].curve.strain_scale = 1.5;
+        scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
+        let json = serde_json::to_value(&scene).unwrap();
+        let (mut wanted, mut found) = (Vec::new(), vec!["solver.nodes_per_side".to_owned()]);
+        paths(&json, "", &mut wanted);
+        for field in ALL {
+            let layers = if field.part == Part::Layer { scene.layers.len() } else { 1 };
+            for layer in 0..layers {
+                let value = field.value(&scene, layer).unwrap();
+                let path = field.path(layer);
+                let pointer = format!("/{}", path.replace(['.', '['], "/").replace(']', ""));
+                assert_eq!(json.pointer(&pointer).and_then(Value::as_f64), Some(value), "{path}");
+                assert_eq!(field.place(&mut scene, layer).copied(), Some(value), "{path}");
+                found.push(path);
+            }
+        }
+        wanted.sort();
+        found.sort();
+        assert_eq!(wanted, found);
+    }
+}

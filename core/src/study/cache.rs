@@ -1,8 +1,8 @@
 //! Cases by the content of their scenes: equal scenes are solved once.
 
 use super::Case;
-use crate::curve::{CurveSpec, ScaledCurve};
-use crate::scene::{Layer, Scene};
+use crate::curve::CurveSpec;
+use crate::scene::Scene;
 use std::collections::{HashMap, VecDeque};
 
 /// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
@@ -27,54 +27,8 @@ pub const MAX_CASES: usize = 20_000;
 impl Cases {
     /// The key of a scene.
     pub fn key(&mut self, scene: &Scene) -> Key {
-        let is_layered = scene.is_layered();
-        let Scene {
-            schema: _,
-            implant,
-            pocket_radius_mm,
-            body,
-            insertion,
-            layers,
-            patient: _,
-            visit: _,
-            springs,
-            solver,
-        } = scene;
-        let [x, y] = implant.center_mm;
-        let mut words = vec![
-            *springs as u64,
-            solver.nodes_per_side as u64,
-            bits(solver.tolerance),
-            bits(implant.base_radius_mm),
-            bits(implant.projection_mm),
-            bits(x),
-            bits(y),
-            bits(*pocket_radius_mm),
-            bits(*insertion),
-        ];
-        // Patch, attachment and cells belong to layered tissue.
-        if let Some(body) = body.filter(|_| is_layered) {
-            use crate::scene::CellsThrough;
-            let cells = match solver.cells_through.unwrap_or_default() {
-                CellsThrough::Auto => 0,
-                CellsThrough::Count(count) => count as u64,
-            };
-            words.extend([
-                cells,
-                bits(body.patch_radius_mm),
-                bits(body.attachment.stiffness_kpa_per_mm),
-                bits(body.attachment.ramp_mm),
-                u64::from(scene.skin_wrinkles()),
-            ]);
-        }
-        words.push(u64::from(is_layered));
-        for layer in layers {
-            let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;
-            let ScaledCurve { spec, strain_scale, stress_scale } = curve;
-            let numbers = [*thickness_mm, *poisson_ratio, *strain_scale, *stress_scale];
-            words.push(self.curve(spec));
-            words.extend(numbers.map(bits));
-        }
+        let mut words: Vec<u64> = scene.numbers().map(bits).collect();
+        words.extend(scene.layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         Key(words.into())
     }
 
