@@ -125,6 +125,16 @@ impl Field {
         (self.value)(scene, layer)
     }
 
+    /// How many of these numbers the equilibrium of a scene depends on; patch and attachment belong to layered tissue.
+    pub(crate) fn count(&self, scene: &Scene) -> usize {
+        match self.part {
+            Part::Scene => 1,
+            Part::Body => usize::from(scene.is_layered()),
+            Part::Layer => scene.layers.len(),
+            Part::Patient => 0,
+        }
+    }
+
     /// The place of the value in a scene.
     pub fn place<'a>(&self, scene: &'a mut Scene, layer: usize) -> Option<&'a mut f64> {
         (self.place)(scene, layer)
@@ -215,5 +225,28 @@ mod tests {
         wanted.sort();
         found.sort();
         assert_eq!(wanted, found);
+    }
+
+    #[test]
+    fn each_row_stands_in_the_document_of_the_formats_with_its_limits_and_unit() {
+        let document = include_str!("../../../docs/formats.md");
+        for field in ALL {
+            let (least, most) = field.limits;
+            let range = if [POCKET_RADIUS, PATCH_RADIUS].contains(field) {
+                // Other numbers narrow the least value.
+                format!("to {most}")
+            } else if *field == TOLERANCE {
+                format!("{least:e}–{most:e}")
+            } else {
+                format!("{least}–{most}").replace('-', "−")
+            };
+            let allowed = format!("{range} {}", field.unit);
+            let path = field.path.trim_end_matches(['[', '0', '1', ']']);
+            let is_short = field.part == Part::Patient || path.contains("curve");
+            let name = if is_short { path.rsplit('.').next().unwrap() } else { path };
+            let has_name = |line: &&str| line.contains(&format!("`{name}`"));
+            let mut lines = document.lines().filter(has_name);
+            assert!(lines.any(|line| line.contains(allowed.trim_end())), "{name}: {allowed}");
+        }
     }
 }

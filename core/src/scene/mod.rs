@@ -30,7 +30,6 @@ pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
 pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem};
-use field::Part;
 use file::{SceneFile, full_insertion, newest_schema};
 pub use layer::Layer;
 use layer::default_layers;
@@ -308,31 +307,35 @@ impl Scene {
     /// Do two scenes have the same equilibrium? The names of their tissues, the patients and the visits may differ.
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
-        let mut layers = self.layers.iter().zip(&other.layers);
-        self.numbers().eq(other.numbers()) && layers.all(|(a, b)| a.curve.spec == b.curve.spec)
-    }
-
-    /// Numbers, choices and counts that the equilibrium depends on, without the curves of the layers.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let (is_layered, is_paper) = (self.is_layered(), self.springs == Springs::Nikolaev);
-        let cells = match self.solver.cells_through {
-            Some(CellsThrough::Count(count)) if is_layered => count,
-            _ => 0,
+        let of = |scene: &Self| {
+            let Self {
+                schema: _,
+                implant,
+                pocket_radius_mm,
+                body,
+                insertion,
+                layers: _,
+                patient: _,
+                visit: _,
+                springs,
+                solver,
+            } = scene;
+            // Patch and attachment belong to layered tissue.
+            let body = body.filter(|_| scene.is_layered());
+            let cells = solver.cells_through.unwrap_or_default();
+            let grid = (solver.nodes_per_side, solver.tolerance, body.map(|_| cells));
+            // The version determines the law of compressed skin.
+            let wrinkles = scene.skin_wrinkles();
+            (*implant, *pocket_radius_mm, body, *insertion, *springs, grid, wrinkles)
         };
-        // The version determines the law of compressed skin.
-        let choices = [is_layered, self.skin_wrinkles(), is_paper].map(f64::from);
-        let counts = [self.layers.len(), self.solver.nodes_per_side, cells].map(|n| n as f64);
-        let of_row = move |field: &'static field::Field| {
-            let count = match field.part {
-                Part::Scene => 1,
-                // Patch and attachment belong to layered tissue.
-                Part::Body => usize::from(is_layered),
-                Part::Layer => self.layers.len(),
-                Part::Patient => 0,
-            };
-            (0..count).filter_map(move |layer| field.value(self, layer))
+        let layer = |layer: &Layer, other: &Layer| {
+            let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;
+            (*thickness_mm, *poisson_ratio) == (other.thickness_mm, other.poisson_ratio)
+                && *curve == other.curve
         };
-        choices.into_iter().chain(counts).chain(field::ALL.iter().copied().flat_map(of_row))
+        of(self) == of(other)
+            && self.layers.len() == other.layers.len()
+            && self.layers.iter().zip(&other.layers).all(|(a, b)| layer(a, b))
     }
 }
 

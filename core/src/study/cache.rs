@@ -2,7 +2,7 @@
 
 use super::Case;
 use crate::curve::CurveSpec;
-use crate::scene::Scene;
+use crate::scene::{CellsThrough, Scene, field};
 use std::collections::{HashMap, VecDeque};
 
 /// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
@@ -27,8 +27,22 @@ pub const MAX_CASES: usize = 20_000;
 impl Cases {
     /// The key of a scene.
     pub fn key(&mut self, scene: &Scene) -> Key {
-        let mut words: Vec<u64> = scene.numbers().map(bits).collect();
-        words.extend(scene.layers.iter().map(|layer| self.curve(&layer.curve.spec)));
+        let Scene { springs, solver, layers, .. } = scene;
+        let is_layered = scene.is_layered();
+        let cells = match solver.cells_through {
+            Some(CellsThrough::Count(count)) if is_layered => count as u64,
+            _ => 0,
+        };
+        // The version determines the law of compressed skin.
+        let choices = [u64::from(is_layered), u64::from(scene.skin_wrinkles()), *springs as u64];
+        let counts = [layers.len() as u64, solver.nodes_per_side as u64, cells];
+        let mut words = Vec::with_capacity(32);
+        words.extend(choices.into_iter().chain(counts));
+        for field in field::ALL {
+            let values = (0..field.count(scene)).filter_map(|layer| field.value(scene, layer));
+            words.extend(values.map(bits));
+        }
+        words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         Key(words.into())
     }
 
@@ -118,7 +132,7 @@ fn bits(value: f64) -> u64 {
 mod tests {
     use super::*;
     use crate::clinical::Measurements;
-    use crate::scene::{CellsThrough, TissueModel};
+    use crate::scene::TissueModel;
     use crate::study::{Job, evaluate};
 
     #[test]

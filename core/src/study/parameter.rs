@@ -103,12 +103,12 @@ impl Parameter {
             let (index, field) = name.strip_prefix("layers[")?.split_once("].")?;
             let layer = index.parse().ok().filter(|k| usize::from(*k) < limits::LAYERS.1)?;
             let is_named =
-                |known: &Self| known.field().0.path.strip_prefix("layers[].") == Some(field);
+                |known: &Self| known.row().0.path.strip_prefix("layers[].") == Some(field);
             OF_LAYER.map(|of| of(layer)).into_iter().find(is_named)
         };
         of_layer().ok_or_else(|| {
             let names: Vec<&str> = NAMES[..19].iter().map(|(name, _)| *name).collect();
-            let layers = OF_LAYER.map(|of| of(0).field().0.path.replace("[]", "[k]"));
+            let layers = OF_LAYER.map(|of| of(0).row().0.path.replace("[]", "[k]"));
             format!(
                 "{:?} is not a field; allowed: {}, {}",
                 short(name),
@@ -124,13 +124,13 @@ impl Parameter {
         if let Some((name, _)) = NAMES.into_iter().find(|(_, parameter)| *parameter == self) {
             return name.to_owned();
         }
-        let (field, layer) = self.field();
+        let (field, layer) = self.row();
         field.path(layer)
     }
 
     /// The row of the number that the parameter sets, and its layer; of several layers the first.
     #[must_use]
-    pub fn field(self) -> (&'static Field, usize) {
+    pub fn row(self) -> (&'static Field, usize) {
         let (field, layer) = match self {
             Self::BaseWidth | Self::BaseRadius => (field::BASE_RADIUS, 0),
             Self::Projection | Self::Volume => (field::PROJECTION, 0),
@@ -156,7 +156,7 @@ impl Parameter {
     /// The parameter in words and its unit.
     #[must_use]
     pub fn label(self) -> (String, &'static str) {
-        let (field, layer) = self.field();
+        let (field, layer) = self.row();
         let words = match self {
             Self::BaseWidth => "base width",
             Self::Volume => return ("volume".to_owned(), "ml"),
@@ -184,7 +184,7 @@ impl Parameter {
                 is_common.then_some(first)?
             }
             _ => {
-                let (field, layer) = self.field();
+                let (field, layer) = self.row();
                 field.value(scene, layer)?
             }
         })
@@ -215,13 +215,13 @@ impl Parameter {
             Self::Pinch | Self::Thickness => of_all(field::THICKNESS),
             Self::SkinPull => vec![(field::STRAIN_SCALE, 0)],
             Self::PoissonRatio => of_all(field::POISSON_RATIO),
-            _ => vec![self.field()],
+            _ => vec![self.row()],
         }
     }
 
     /// The cost of a change; a volume may set the base width, too.
     pub(super) fn change(self) -> Change {
-        if self == Self::Volume { Change::Grid } else { self.field().0.change }
+        if self == Self::Volume { Change::Grid } else { self.row().0.change }
     }
 }
 
@@ -370,7 +370,7 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);
         }
         _ => {
-            let (field, layer) = parameter.field();
+            let (field, layer) = parameter.row();
             if field.part == Part::Body && !scene.is_layered() {
                 return Err(ParameterError::Sheet(name()));
             }
