@@ -7,7 +7,8 @@ use super::stability;
 use super::texts::{self, tr};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
-use crate::scene::{Body, Layer, Scene, Springs, TissueModel, limits};
+use crate::scene::field::{self, Field};
+use crate::scene::{AttachmentSettings, Body, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
@@ -62,16 +63,11 @@ fn accuracy(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     });
 }
 
-/// A control of a length \[mm\].
-fn length((least, most): (f64, f64), label: &str, reset: f64) -> Control<'_> {
-    Control {
-        label,
-        unit: "mm",
-        kind: Kind::Length,
-        range: least..=most,
-        reset,
-        ..Control::default()
-    }
+/// The control of a number of the scene, within its limits.
+fn control<'a>(field: &Field, label: &'a str, reset: f64) -> Control<'a> {
+    let kind = if field.unit == "mm" { Kind::Length } else { Kind::Plain };
+    let (least, most) = field.limits;
+    Control { label, unit: field.unit, kind, range: least..=most, reset, ..Control::default() }
 }
 
 /// Shows the layers, from the skin inwards. Returns the layer whose points are to be edited.
@@ -172,19 +168,15 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
         step: 0.1,
         logarithmic: true,
         tooltip: tr("Unstretched thickness. Breast skin is about 1–3 mm thick, the fat 5–40 mm."),
-        ..length(limits::THICKNESS_MM, tr("Thickness"), usual.thickness_mm)
+        ..control(field::THICKNESS, tr("Thickness"), usual.thickness_mm)
     }
     .show(ui, &mut layer.thickness_mm);
-    let (least, most) = limits::POISSON_RATIO;
     Control {
-        label: tr("Poisson ratio"),
-        range: least..=most,
-        reset: usual.poisson_ratio,
         decimals: 2,
         step: 0.01,
         tooltip: tr("How little the volume changes when pulled: transverse contraction relative to the stretch. Soft \
                   tissue: 0.35–0.50."),
-        ..Control::default()
+        ..control(field::POISSON_RATIO, tr("Poisson ratio"), usual.poisson_ratio)
     }
     .show(ui, &mut layer.poisson_ratio);
     ui.small(tr("How little the volume changes when pulled (0.5 = not at all)"));
@@ -234,28 +226,23 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     let usual = Body::around(pocket, TissueModel::Layered);
     let (least, most) = Body::patch_range(pocket);
     Control {
-        allowed: Some(least..=most),
+        range: least..=most,
         limit_reason: tr!("{least:.0} to {most:.0} mm around this pocket", least, most),
         tooltip: tr("Radius of the computed tissue around the pocket's centre; the tissue is held at its edge."),
-        ..length((least, most), tr("Computed radius"), usual.patch_radius_mm)
+        ..control(field::PATCH_RADIUS, tr("Computed radius"), usual.patch_radius_mm)
     }
     .show(ui, &mut body.patch_radius_mm);
-    let (least, most) = limits::ATTACHMENT_STIFFNESS;
+    let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = usual.attachment;
     Control {
-        label: tr("Attachment stiffness"),
-        unit: "kPa/mm",
-        range: least..=most,
-        reset: usual.attachment.stiffness_kpa_per_mm,
-        decimals: 1,
         step: 0.1,
         logarithmic: true,
         tooltip: tr("How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm."),
-        ..Control::default()
+        ..control(field::ATTACHMENT_STIFFNESS, tr("Attachment stiffness"), stiffness_kpa_per_mm)
     }
     .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
     Control {
         tooltip: tr("Width over which the hold rises from zero at the pocket's edge."),
-        ..length(limits::ATTACHMENT_RAMP_MM, tr("Attachment ramp"), usual.attachment.ramp_mm)
+        ..control(field::ATTACHMENT_RAMP, tr("Attachment ramp"), ramp_mm)
     }
     .show(ui, &mut body.attachment.ramp_mm);
 }
@@ -299,7 +286,7 @@ fn resolution(ui: &mut Ui, nodes_per_side: &mut usize) {
 }
 
 fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
-    let (least, most) = limits::TOLERANCE;
+    let (least, most) = field::TOLERANCE.limits;
     let mut percent = 100.0 * *tolerance;
     let change = Control {
         label: tr("Tolerance"),

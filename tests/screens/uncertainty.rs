@@ -185,7 +185,7 @@ fn unknowns_are_switched_and_their_spread_is_edited() {
 
     let mut without = settings();
     without.unknowns.insert(Unknown::PocketRadius, None);
-    press(&mut harness, "Width of the pocket");
+    press(&mut harness, "Margin of the pocket");
     wait(&mut harness);
     let certain = study_of(&scene, without.clone()).bands();
     assert_cards(&harness, &certain);
@@ -194,10 +194,10 @@ fn unknowns_are_switched_and_their_spread_is_edited() {
         band.p90 - band.p10
     };
     assert!(width(&certain) < 0.8 * width(&usual), "{} {}", width(&certain), width(&usual));
-    let mean = "Width of the pocket: mean";
+    let mean = "Margin of the pocket: mean";
     assert!(harness.query_by_role_and_label(Role::SpinButton, mean).is_none());
 
-    type_into(&mut harness, "Skin thickness: standard deviation", "0,5 mm");
+    type_into(&mut harness, "Thickness of the skin: standard deviation", "0,5 mm");
     wait(&mut harness);
     let mut edited = without;
     let wide = Distribution::Normal { mean: 1.55, sd: 0.5 };
@@ -215,10 +215,10 @@ fn bad_numbers_of_a_spread_change_nothing_and_have_a_reason() {
     let mut harness = sampled(WIDE);
     let usual = study_of(harness.state().session().scene(), settings()).bands();
     for (field, text, reason) in [
-        ("Skin thickness: mean", "thick", "Not accepted: “thick” is not a number"),
-        ("Skin thickness: standard deviation", "-1", "Not accepted: at least 0 mm"),
+        ("Thickness of the skin: mean", "thick", "Not accepted: “thick” is not a number"),
+        ("Thickness of the skin: standard deviation", "-1", "Not accepted: at least 0 mm"),
         ("Stiffness of the skin: spread factor", "0.5", "Not accepted: at least 1"),
-        ("Compressibility: least", "0.495", "Not accepted: at most 0.49"),
+        ("Poisson ratio: least", "0.495", "Not accepted: at most 0.49"),
         ("Sampled patients", "3", "Not accepted: at least 16"),
         ("Seed", "-1", "Not accepted: at least 0"),
     ] {
@@ -232,15 +232,15 @@ fn bad_numbers_of_a_spread_change_nothing_and_have_a_reason() {
     assert_cards(&harness, &usual);
     // Without any unknown there is nothing to sample.
     for unknown in [
-        "Skin thickness",
+        "Thickness of the skin",
         "Stiffness of the skin",
         "Laxity of the skin",
         "Stiffness of the fat",
         "Thickness of the fat",
-        "Width of the pocket",
+        "Margin of the pocket",
         "Projection in the body",
-        "Compressibility",
-        "Compressibility of the fat",
+        "Poisson ratio",
+        "Poisson ratio of the fat",
     ] {
         press(&mut harness, unknown);
     }

@@ -1,10 +1,10 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
 use super::{
-    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, limits, out_of_range,
-    problem, within,
+    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, field, limits,
+    out_of_range, problem,
 };
-use crate::curve::{Curve, number};
+use crate::curve::Curve;
 use crate::mesh::rest::{automatic_cells, balanced_cells};
 use crate::mesh::{Attachment, Edge, Patch};
 use crate::springs::Springs;
@@ -112,6 +112,10 @@ const MARGIN_MM: f64 = 60.0;
 /// The least width of the patch around the pocket \[mm\].
 const LEAST_MARGIN_MM: f64 = 20.0;
 
+/// The numbers of a body.
+const NUMBERS: [&field::Field; 3] =
+    [field::PATCH_RADIUS, field::ATTACHMENT_STIFFNESS, field::ATTACHMENT_RAMP];
+
 impl Body {
     /// The default body around a pocket.
     #[must_use]
@@ -176,19 +180,17 @@ impl Scene {
         let pocket = self.pocket_radius_mm;
         let mut body = self.body.unwrap_or_else(|| Body::around(pocket, tissue_model));
         body.tissue_model = tissue_model;
+        self.body = Some(body);
         if tissue_model == TissueModel::Layered {
-            let into =
-                |value: &mut f64, (least, most): (f64, f64)| *value = value.clamp(least, most);
-            into(&mut body.patch_radius_mm, Body::patch_range(pocket));
-            into(&mut body.attachment.stiffness_kpa_per_mm, limits::ATTACHMENT_STIFFNESS);
-            into(&mut body.attachment.ramp_mm, limits::ATTACHMENT_RAMP_MM);
+            for number in NUMBERS {
+                number.set(self, 0, number.value(self, 0).unwrap_or_default());
+            }
             if let Some(CellsThrough::Count(count)) = &mut self.solver.cells_through {
                 let (least, most) = limits::CELLS_THROUGH;
                 *count = (*count).clamp(least, most);
             }
             self.springs = Springs::Coupled;
         }
-        self.body = Some(body);
     }
 
     /// Sets the springs; the paper's springs make layered tissue a sheet.
@@ -205,7 +207,7 @@ impl Scene {
         let cells = self.solver.cells_through;
         let mut layers = self.layers.iter().enumerate();
         let scaled = layers.find_map(|(k, layer)| Some(format!("layers[{k}].{}", layer.scale()?)));
-        let Some(body) = self.body else {
+        if self.body.is_none() {
             return match cells {
                 _ if !is_first => {
                     Err(problem("tissue_model", "missing in a scene of scene/2 or later"))
@@ -218,28 +220,12 @@ impl Scene {
                     None => Ok(()),
                 },
             };
-        };
+        }
         if is_first {
             return Err(in_first("tissue_model"));
         }
-        let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = body.attachment;
-        let range = Body::patch_range(self.pocket_radius_mm);
-        for (field, value, range, unit) in [
-            ("patch_radius_mm", body.patch_radius_mm, range, " mm"),
-            (
-                "attachment.stiffness_kpa_per_mm",
-                stiffness_kpa_per_mm,
-                limits::ATTACHMENT_STIFFNESS,
-                " kPa/mm",
-            ),
-            ("attachment.ramp_mm", ramp_mm, limits::ATTACHMENT_RAMP_MM, " mm"),
-        ] {
-            if self.is_layered() {
-                within(field, value, range, unit)?;
-            } else if !(value.is_finite() && value >= 0.0) {
-                // A sheet ignores the value; a file cannot contain a number that is not finite.
-                return Err(out_of_range(field, number(value), &format!("0{unit} or more")));
-            }
+        for number in NUMBERS {
+            number.check(self, 0)?;
         }
         if !self.is_layered() {
             return Ok(());

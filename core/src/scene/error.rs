@@ -1,7 +1,7 @@
 //! The error of an invalid scene, and the checks that several parts of a scene share.
 
 use crate::clinical::ClinicalError;
-use crate::curve::{CurveError, number};
+use crate::curve::CurveError;
 
 /// Error of an invalid scene, in one line: field, value, allowed range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -59,20 +59,6 @@ pub enum SceneError {
         /// The error of the scene in that line.
         source: Box<SceneError>,
     },
-}
-
-pub(super) fn within(
-    field: &str,
-    value: f64,
-    (least, most): (f64, f64),
-    unit: &str,
-) -> Result<(), SceneError> {
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        let allowed = format!("{} to {}{unit}", number(least), number(most));
-        Err(out_of_range(field, number(value), &allowed))
-    }
 }
 
 /// Checks a name or words of a user.

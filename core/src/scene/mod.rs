@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `error` | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
+//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
 //!
@@ -13,6 +13,7 @@
 mod body;
 mod checked;
 mod error;
+pub mod field;
 mod file;
 mod layer;
 mod patient;
@@ -28,7 +29,7 @@ pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
 pub use error::SceneError;
-use error::{check_words, one_line, out_of_range, problem, within};
+use error::{check_words, one_line, out_of_range, problem};
 use file::{SceneFile, full_insertion, newest_schema};
 use layer::default_layers;
 pub use layer::{Layer, tissue_in_words};
@@ -66,32 +67,18 @@ impl Version {
     }
 }
 
-/// Allowed ranges, as inclusive bounds \[mm, unless said otherwise\].
+/// Inclusive bounds of whole numbers, and bounds that other numbers narrow; those of all other numbers are in [`field`].
 pub mod limits {
-    /// Implant base radius \[mm\]; round implants are 78–180 mm across.
-    pub const BASE_RADIUS_MM: (f64, f64) = (10.0, 120.0);
-    /// Implant projection \[mm\].
-    pub const PROJECTION_MM: (f64, f64) = (2.0, 120.0);
     /// Greatest pocket radius \[mm\]; the least is base radius + distance of the centre.
     pub const POCKET_RADIUS_MAX_MM: f64 = 200.0;
-    /// Layer thickness \[mm\].
-    pub const THICKNESS_MM: (f64, f64) = (0.2, 60.0);
-    /// Poisson ratio \[-\].
-    pub const POISSON_RATIO: (f64, f64) = (0.0, 0.5);
     /// Sheet nodes per side.
     pub const NODES_PER_SIDE: (usize, usize) = (17, 1025);
     /// Greatest radius of the patch of layered tissue \[mm\]; the least is pocket + 20 mm.
     pub const PATCH_RADIUS_MAX_MM: f64 = 260.0;
-    /// Stiffness of the attachment \[kPa/mm\].
-    pub const ATTACHMENT_STIFFNESS: (f64, f64) = (0.1, 50.0);
-    /// Width of the attachment's ramp \[mm\].
-    pub const ATTACHMENT_RAMP_MM: (f64, f64) = (1.0, 40.0);
     /// Cells through the thickness of the solid layers.
     pub const CELLS_THROUGH: (usize, usize) = (1, 8);
     /// Layers in a scene.
     pub const LAYERS: (usize, usize) = (1, 8);
-    /// Position tolerance \[fraction of the base radius\].
-    pub const TOLERANCE: (f64, f64) = (1e-7, 1e-2);
 }
 
 /// A scene: one implant in one pocket under a stack of tissue layers.
@@ -255,13 +242,10 @@ impl Scene {
                 &format!("{SCENE_SCHEMA}, {SCENE_SCHEMA_2} or {SCENE_SCHEMA_3}"),
             ));
         }
-        let implant = &self.implant;
-        within("implant.base_radius_mm", implant.base_radius_mm, limits::BASE_RADIUS_MM, " mm")?;
-        within("implant.projection_mm", implant.projection_mm, limits::PROJECTION_MM, " mm")?;
-        let most = limits::POCKET_RADIUS_MAX_MM;
-        for (k, c) in implant.center_mm.into_iter().enumerate() {
-            within(&format!("implant.center_mm[{k}]"), c, (-most, most), " mm")?;
+        for number in [field::BASE_RADIUS, field::PROJECTION, field::CENTER_X, field::CENTER_Y] {
+            number.check(self, 0)?;
         }
+        let (implant, most) = (&self.implant, limits::POCKET_RADIUS_MAX_MM);
         let [x, y] = implant.center_mm;
         let (distance, room) = (x.hypot(y), most - implant.base_radius_mm);
         if distance > room * (1.0 + 1e-9) {
@@ -285,7 +269,7 @@ impl Scene {
         self.check_body()?;
         self.check_patient()?;
         self.check_visit()?;
-        within("insertion", self.insertion, (0.0, 1.0), "")?;
+        field::INSERTION.check(self, 0)?;
         let (least, most) = limits::LAYERS;
         if !(least..=most).contains(&self.layers.len()) {
             return Err(out_of_range(
@@ -295,10 +279,9 @@ impl Scene {
             ));
         }
         for (k, layer) in self.layers.iter().enumerate() {
-            let field = |name: &str| format!("layers[{k}].{name}");
-            within(&field("thickness_mm"), layer.thickness_mm, limits::THICKNESS_MM, " mm")?;
-            within(&field("poisson_ratio"), layer.poisson_ratio, limits::POISSON_RATIO, "")?;
-            check_words(&field("tissue"), &layer.tissue, 100)?;
+            field::THICKNESS.check(self, k)?;
+            field::POISSON_RATIO.check(self, k)?;
+            check_words(&format!("layers[{k}].tissue"), &layer.tissue, 100)?;
         }
         let (least, most) = limits::NODES_PER_SIDE;
         if !(least..=most).contains(&self.solver.nodes_per_side) {
@@ -308,7 +291,7 @@ impl Scene {
                 &format!("{least} to {most}"),
             ));
         }
-        within("solver.tolerance", self.solver.tolerance, limits::TOLERANCE, "")
+        field::TOLERANCE.check(self, 0)
     }
 }
 

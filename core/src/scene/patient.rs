@@ -8,7 +8,7 @@
 
 use super::body::in_first;
 use super::layer::{ADIPOSE, LayerFile, given};
-use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
+use super::{SCENE_SCHEMA, Scene, SceneError, field, limits, one_line, out_of_range};
 use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
 use crate::curve::{CurveSpec, List, number};
 use schemars::JsonSchema;
@@ -83,8 +83,8 @@ enum Field {
 impl Field {
     fn path(self) -> String {
         match self {
-            Self::Thickness(k) => format!("layers[{k}].thickness_mm"),
-            Self::StrainScale => "layers[0].curve.strain_scale".to_owned(),
+            Self::Thickness(k) => field::THICKNESS.path(k),
+            Self::StrainScale => field::STRAIN_SCALE.path(0),
         }
     }
 

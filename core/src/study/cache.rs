@@ -1,8 +1,8 @@
 //! Cases by the content of their scenes: equal scenes are solved once.
 
 use super::Case;
-use crate::curve::{CurveSpec, ScaledCurve};
-use crate::scene::{Layer, Scene};
+use crate::curve::CurveSpec;
+use crate::scene::{CellsThrough, Scene, field};
 use std::collections::{HashMap, VecDeque};
 
 /// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
@@ -27,54 +27,22 @@ pub const MAX_CASES: usize = 20_000;
 impl Cases {
     /// The key of a scene.
     pub fn key(&mut self, scene: &Scene) -> Key {
+        let Scene { springs, solver, layers, .. } = scene;
         let is_layered = scene.is_layered();
-        let Scene {
-            schema: _,
-            implant,
-            pocket_radius_mm,
-            body,
-            insertion,
-            layers,
-            patient: _,
-            visit: _,
-            springs,
-            solver,
-        } = scene;
-        let [x, y] = implant.center_mm;
-        let mut words = vec![
-            *springs as u64,
-            solver.nodes_per_side as u64,
-            bits(solver.tolerance),
-            bits(implant.base_radius_mm),
-            bits(implant.projection_mm),
-            bits(x),
-            bits(y),
-            bits(*pocket_radius_mm),
-            bits(*insertion),
-        ];
-        // Patch, attachment and cells belong to layered tissue.
-        if let Some(body) = body.filter(|_| is_layered) {
-            use crate::scene::CellsThrough;
-            let cells = match solver.cells_through.unwrap_or_default() {
-                CellsThrough::Auto => 0,
-                CellsThrough::Count(count) => count as u64,
-            };
-            words.extend([
-                cells,
-                bits(body.patch_radius_mm),
-                bits(body.attachment.stiffness_kpa_per_mm),
-                bits(body.attachment.ramp_mm),
-                u64::from(scene.skin_wrinkles()),
-            ]);
+        let cells = match solver.cells_through {
+            Some(CellsThrough::Count(count)) if is_layered => count as u64,
+            _ => 0,
+        };
+        // The version determines the law of compressed skin.
+        let choices = [u64::from(is_layered), u64::from(scene.skin_wrinkles()), *springs as u64];
+        let counts = [layers.len() as u64, solver.nodes_per_side as u64, cells];
+        let mut words = Vec::with_capacity(32);
+        words.extend(choices.into_iter().chain(counts));
+        for field in field::ALL {
+            let values = (0..field.count(scene)).filter_map(|layer| field.value(scene, layer));
+            words.extend(values.map(bits));
         }
-        words.push(u64::from(is_layered));
-        for layer in layers {
-            let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;
-            let ScaledCurve { spec, strain_scale, stress_scale } = curve;
-            let numbers = [*thickness_mm, *poisson_ratio, *strain_scale, *stress_scale];
-            words.push(self.curve(spec));
-            words.extend(numbers.map(bits));
-        }
+        words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         Key(words.into())
     }
 
@@ -164,7 +132,7 @@ fn bits(value: f64) -> u64 {
 mod tests {
     use super::*;
     use crate::clinical::Measurements;
-    use crate::scene::{CellsThrough, TissueModel};
+    use crate::scene::TissueModel;
     use crate::study::{Job, evaluate};
 
     #[test]

@@ -9,7 +9,7 @@ use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::number;
 use crate::measure::Status;
-use crate::scene::{Scene, TissueModel, limits};
+use crate::scene::{Scene, TissueModel, field, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,7 +58,7 @@ impl MapSettings {
                 self.nodes_per_side
             ));
         }
-        let (least, most) = limits::TOLERANCE;
+        let (least, most) = field::TOLERANCE.limits;
         if !(least..=most).contains(&self.tolerance) {
             let tolerance = number(self.tolerance);
             return Err(format!("tolerance is {tolerance}; allowed: {least} to {most}"));

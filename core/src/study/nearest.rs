@@ -6,7 +6,7 @@
 
 use super::{Case, Cases, Job, MapSettings, Parameter, Study, with_values};
 use crate::clinical::Size;
-use crate::scene::{Scene, limits};
+use crate::scene::{Scene, field};
 
 /// Grid and tolerance of the bisection.
 const COARSE: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -218,7 +218,7 @@ impl Bracket {
                 let projection = LEAST_RATIO * plan.implant.base_radius_mm;
                 let volume = |projection: f64| {
                     let projection =
-                        projection.clamp(limits::PROJECTION_MM.0, limits::PROJECTION_MM.1);
+                        projection.clamp(field::PROJECTION.limits.0, field::PROJECTION.limits.1);
                     Size::of_width_and_projection(width, projection).map_or(0.0, Size::volume_ml)
                 };
                 let [least, present] = [projection, plan.implant.projection_mm].map(volume);

@@ -3,6 +3,7 @@
 use super::quantity::short;
 use crate::clinical::{ClinicalError, Measurements, Size};
 use crate::curve::number;
+use crate::scene::field::{self, Change, Field, Part};
 use crate::scene::{Body, Scene, SceneError, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -54,71 +55,39 @@ pub enum Parameter {
     LayerPoissonRatio(u8),
 }
 
-/// What a change of a parameter costs a solver that goes from scene to scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Change {
-    /// Neither grid nor tables.
-    Dome,
-    /// Another grid.
-    Grid,
-    /// Other tables.
-    Tables,
-}
-
-/// A field that a parameter sets; two axes that set the same field exclude each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Slot {
-    Width,
-    Projection,
-    CenterX,
-    CenterY,
-    Pocket,
-    Insertion,
-    Patch,
-    Stiffness,
-    Ramp,
-    Thickness(u8),
-    PoissonRatio(u8),
-    StrainScale(u8),
-    StressScale(u8),
-}
-
 /// Names without an index, in the order of help and messages.
 const NAMES: [(&str, Parameter); 23] = [
     ("base_width_mm", Parameter::BaseWidth),
     ("projection_mm", Parameter::Projection),
     ("volume_ml", Parameter::Volume),
     ("pocket_margin_mm", Parameter::PocketMargin),
-    ("pocket_radius_mm", Parameter::PocketRadius),
-    ("insertion", Parameter::Insertion),
+    (field::POCKET_RADIUS.path, Parameter::PocketRadius),
+    (field::INSERTION.path, Parameter::Insertion),
     ("pinch_mm", Parameter::Pinch),
     ("skin_pull_mm", Parameter::SkinPull),
     ("thickness_mm", Parameter::Thickness),
     ("strain_scale", Parameter::StrainScale(0)),
     ("stress_scale", Parameter::StressScale(0)),
     ("poisson_ratio", Parameter::PoissonRatio),
-    ("implant.base_radius_mm", Parameter::BaseRadius),
-    ("implant.projection_mm", Parameter::Projection),
-    ("implant.center_mm[0]", Parameter::CenterX),
-    ("implant.center_mm[1]", Parameter::CenterY),
-    ("patch_radius_mm", Parameter::PatchRadius),
-    ("attachment.stiffness_kpa_per_mm", Parameter::AttachmentStiffness),
-    ("attachment.ramp_mm", Parameter::AttachmentRamp),
+    (field::BASE_RADIUS.path, Parameter::BaseRadius),
+    (field::PROJECTION.path, Parameter::Projection),
+    (field::CENTER_X.path, Parameter::CenterX),
+    (field::CENTER_Y.path, Parameter::CenterY),
+    (field::PATCH_RADIUS.path, Parameter::PatchRadius),
+    (field::ATTACHMENT_STIFFNESS.path, Parameter::AttachmentStiffness),
+    (field::ATTACHMENT_RAMP.path, Parameter::AttachmentRamp),
     ("thickness", Parameter::Thickness),
-    ("patient.pinch_mm", Parameter::Pinch),
-    ("patient.skin_pull_mm", Parameter::SkinPull),
+    (field::PINCH.path, Parameter::Pinch),
+    (field::SKIN_PULL.path, Parameter::SkinPull),
     ("implant.base_width_mm", Parameter::BaseWidth),
 ];
 
-/// Name of a field of a layer, and its parameter by the index of the layer.
-type LayerName = (&'static str, fn(u8) -> Parameter);
-
-/// Fields of a layer.
-const LAYER_NAMES: [LayerName; 4] = [
-    ("thickness_mm", Parameter::LayerThickness),
-    ("poisson_ratio", Parameter::LayerPoissonRatio),
-    ("curve.strain_scale", Parameter::StrainScale),
-    ("curve.stress_scale", Parameter::StressScale),
+/// The numbers of a layer, by the index of the layer.
+const OF_LAYER: [fn(u8) -> Parameter; 4] = [
+    Parameter::LayerThickness,
+    Parameter::LayerPoissonRatio,
+    Parameter::StrainScale,
+    Parameter::StressScale,
 ];
 
 impl Parameter {
@@ -133,12 +102,13 @@ impl Parameter {
         let of_layer = || {
             let (index, field) = name.strip_prefix("layers[")?.split_once("].")?;
             let layer = index.parse().ok().filter(|k| usize::from(*k) < limits::LAYERS.1)?;
-            let (_, parameter) = LAYER_NAMES.into_iter().find(|(known, _)| *known == field)?;
-            Some(parameter(layer))
+            let is_named =
+                |known: &Self| known.row().0.path.strip_prefix("layers[].") == Some(field);
+            OF_LAYER.map(|of| of(layer)).into_iter().find(is_named)
         };
         of_layer().ok_or_else(|| {
             let names: Vec<&str> = NAMES[..19].iter().map(|(name, _)| *name).collect();
-            let layers = LAYER_NAMES.map(|(name, _)| format!("layers[k].{name}"));
+            let layers = OF_LAYER.map(|of| of(0).row().0.path.replace("[]", "[k]"));
             format!(
                 "{:?} is not a field; allowed: {}, {}",
                 short(name),
@@ -154,75 +124,69 @@ impl Parameter {
         if let Some((name, _)) = NAMES.into_iter().find(|(_, parameter)| *parameter == self) {
             return name.to_owned();
         }
-        let named = |(name, parameter): LayerName| {
-            let of = |k| parameter(k) == self;
-            let layer = (0..limits::LAYERS.1 as u8).find(|k| of(*k))?;
-            Some(format!("layers[{layer}].{name}"))
+        let (field, layer) = self.row();
+        field.path(layer)
+    }
+
+    /// The row of the number that the parameter sets, and its layer; of several layers the first.
+    #[must_use]
+    pub fn row(self) -> (&'static Field, usize) {
+        let (field, layer) = match self {
+            Self::BaseWidth | Self::BaseRadius => (field::BASE_RADIUS, 0),
+            Self::Projection | Self::Volume => (field::PROJECTION, 0),
+            Self::CenterX => (field::CENTER_X, 0),
+            Self::CenterY => (field::CENTER_Y, 0),
+            Self::PocketMargin | Self::PocketRadius => (field::POCKET_RADIUS, 0),
+            Self::Insertion => (field::INSERTION, 0),
+            Self::PatchRadius => (field::PATCH_RADIUS, 0),
+            Self::AttachmentStiffness => (field::ATTACHMENT_STIFFNESS, 0),
+            Self::AttachmentRamp => (field::ATTACHMENT_RAMP, 0),
+            Self::Pinch => (field::PINCH, 0),
+            Self::SkinPull => (field::SKIN_PULL, 0),
+            Self::Thickness => (field::THICKNESS, 0),
+            Self::PoissonRatio => (field::POISSON_RATIO, 0),
+            Self::StrainScale(k) => (field::STRAIN_SCALE, k),
+            Self::StressScale(k) => (field::STRESS_SCALE, k),
+            Self::LayerThickness(k) => (field::THICKNESS, k),
+            Self::LayerPoissonRatio(k) => (field::POISSON_RATIO, k),
         };
-        LAYER_NAMES.into_iter().find_map(named).unwrap_or_default()
+        (field, usize::from(layer))
     }
 
     /// The parameter in words and its unit.
     #[must_use]
     pub fn label(self) -> (String, &'static str) {
-        let (words, unit) = match self {
-            Self::BaseWidth => ("base width", "mm"),
-            Self::BaseRadius => ("base radius", "mm"),
-            Self::Projection => ("projection", "mm"),
-            Self::Volume => ("volume", "ml"),
-            Self::CenterX => ("centre of the implant, x", "mm"),
-            Self::CenterY => ("centre of the implant, y", "mm"),
-            Self::PocketMargin => ("margin of the pocket", "mm"),
-            Self::PocketRadius => ("radius of the pocket", "mm"),
-            Self::Insertion => ("insertion", ""),
-            Self::PatchRadius => ("radius of the simulated tissue", "mm"),
-            Self::AttachmentStiffness => ("stiffness of the attachment", "kPa/mm"),
-            Self::AttachmentRamp => ("ramp of the attachment", "mm"),
-            Self::Pinch => ("pinch", "mm"),
-            Self::SkinPull => ("pull of the skin", "mm"),
-            Self::Thickness => ("thickness of the cover", "mm"),
-            Self::PoissonRatio => ("Poisson ratio", ""),
-            Self::StrainScale(0) => ("strain scale of the skin", ""),
-            Self::StressScale(0) => ("stress scale of the skin", ""),
-            Self::LayerThickness(0) => ("thickness of the skin", "mm"),
-            Self::LayerThickness(_) => return (self.name(), "mm"),
-            _ => return (self.name(), ""),
+        let (field, layer) = self.row();
+        let words = match self {
+            Self::BaseWidth => "base width",
+            Self::Volume => return ("volume".to_owned(), "ml"),
+            Self::PocketMargin => "margin of the pocket",
+            Self::Thickness => "thickness of the cover",
+            Self::LayerPoissonRatio(_) => return (self.name(), field.unit),
+            _ if layer > 0 => return (self.name(), field.unit),
+            _ => field.words,
         };
-        (words.to_owned(), unit)
+        (words.to_owned(), field.unit)
     }
 
     /// The value in a scene; `None` if the scene has no such value.
     #[must_use]
     pub fn value(self, scene: &Scene) -> Option<f64> {
-        let implant = &scene.implant;
-        let layer = |k: u8| scene.layers.get(usize::from(k));
-        let measured = || scene.patient.as_ref().map(|patient| &patient.measured);
         Some(match self {
-            Self::BaseWidth => 2.0 * implant.base_radius_mm,
-            Self::BaseRadius => implant.base_radius_mm,
-            Self::Projection => implant.projection_mm,
-            Self::Volume => implant.size().ok()?.volume_ml(),
-            Self::CenterX => implant.center_mm[0],
-            Self::CenterY => implant.center_mm[1],
+            Self::BaseWidth => 2.0 * scene.implant.base_radius_mm,
+            Self::Volume => scene.implant.size().ok()?.volume_ml(),
             Self::PocketMargin => margin(scene),
-            Self::PocketRadius => scene.pocket_radius_mm,
-            Self::Insertion => scene.insertion,
-            Self::PatchRadius => scene.body?.patch_radius_mm,
-            Self::AttachmentStiffness => scene.body?.attachment.stiffness_kpa_per_mm,
-            Self::AttachmentRamp => scene.body?.attachment.ramp_mm,
-            Self::Pinch => measured()?.pinch_mm?,
-            Self::SkinPull => measured()?.skin_pull_mm?,
             Self::Thickness => scene.layers.iter().map(|layer| layer.thickness_mm).sum(),
             Self::PoissonRatio => {
-                let first = layer(0)?.poisson_ratio;
+                let first = scene.layers.first()?.poisson_ratio;
                 let is_first = |other: f64| other.to_bits() == first.to_bits();
                 let is_common = scene.layers.iter().all(|layer| is_first(layer.poisson_ratio));
                 is_common.then_some(first)?
             }
-            Self::StrainScale(k) => layer(k)?.curve.strain_scale,
-            Self::StressScale(k) => layer(k)?.curve.stress_scale,
-            Self::LayerThickness(k) => layer(k)?.thickness_mm,
-            Self::LayerPoissonRatio(k) => layer(k)?.poisson_ratio,
+            _ => {
+                let (field, layer) = self.row();
+                field.value(scene, layer)?
+            }
         })
     }
 
@@ -240,43 +204,24 @@ impl Parameter {
         if matches!(pair, (Self::Projection, Self::Volume) | (Self::Volume, Self::Projection)) {
             return false;
         }
-        let slots = other.slots(scene);
-        self.slots(scene).iter().any(|slot| slots.contains(slot))
+        let others = other.fields(scene);
+        self.fields(scene).iter().any(|field| others.contains(field))
     }
 
-    fn slots(self, scene: &Scene) -> Vec<Slot> {
-        let layers = 0..scene.layers.len() as u8;
+    /// The numbers of a scene that the parameter sets; two axes that set the same number exclude each other.
+    fn fields(self, scene: &Scene) -> Vec<(&'static Field, usize)> {
+        let of_all = |field| (0..scene.layers.len()).map(|layer| (field, layer)).collect();
         match self {
-            Self::BaseWidth | Self::BaseRadius => vec![Slot::Width],
-            Self::Projection | Self::Volume => vec![Slot::Projection],
-            Self::CenterX => vec![Slot::CenterX],
-            Self::CenterY => vec![Slot::CenterY],
-            Self::PocketMargin | Self::PocketRadius => vec![Slot::Pocket],
-            Self::Insertion => vec![Slot::Insertion],
-            Self::PatchRadius => vec![Slot::Patch],
-            Self::AttachmentStiffness => vec![Slot::Stiffness],
-            Self::AttachmentRamp => vec![Slot::Ramp],
-            Self::Pinch | Self::Thickness => layers.map(Slot::Thickness).collect(),
-            Self::SkinPull => vec![Slot::StrainScale(0)],
-            Self::PoissonRatio => layers.map(Slot::PoissonRatio).collect(),
-            Self::StrainScale(k) => vec![Slot::StrainScale(k)],
-            Self::StressScale(k) => vec![Slot::StressScale(k)],
-            Self::LayerThickness(k) => vec![Slot::Thickness(k)],
-            Self::LayerPoissonRatio(k) => vec![Slot::PoissonRatio(k)],
+            Self::Pinch | Self::Thickness => of_all(field::THICKNESS),
+            Self::SkinPull => vec![(field::STRAIN_SCALE, 0)],
+            Self::PoissonRatio => of_all(field::POISSON_RATIO),
+            _ => vec![self.row()],
         }
     }
 
-    /// The cost of a change.
+    /// The cost of a change; a volume may set the base width, too.
     pub(super) fn change(self) -> Change {
-        match self {
-            Self::Projection | Self::Insertion | Self::AttachmentStiffness => Change::Dome,
-            Self::Volume | Self::CenterX | Self::CenterY | Self::AttachmentRamp => Change::Grid,
-            Self::BaseWidth | Self::BaseRadius => Change::Grid,
-            Self::PocketMargin | Self::PocketRadius | Self::PatchRadius => Change::Grid,
-            Self::Pinch | Self::SkinPull | Self::Thickness | Self::PoissonRatio => Change::Tables,
-            Self::StrainScale(_) | Self::StressScale(_) => Change::Tables,
-            Self::LayerThickness(_) | Self::LayerPoissonRatio(_) => Change::Tables,
-        }
+        if self == Self::Volume { Change::Grid } else { self.row().0.change }
     }
 }
 
@@ -374,29 +319,14 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
     Ok(scene)
 }
 
-/// Sets one parameter; volume, margin and patch are set after the others.
+/// Sets one parameter; volume and margin are set after the others.
 fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), ParameterError> {
     let count = scene.layers.len();
     let name = || parameter.name();
     match parameter {
         Parameter::BaseWidth => scene.implant.base_radius_mm = 0.5 * value,
-        Parameter::BaseRadius => scene.implant.base_radius_mm = value,
-        Parameter::Projection => scene.implant.projection_mm = value,
-        Parameter::CenterX => scene.implant.center_mm[0] = value,
-        Parameter::CenterY => scene.implant.center_mm[1] = value,
         Parameter::PocketRadius => scene.set_pocket_radius(value),
-        Parameter::Insertion => scene.insertion = value,
         Parameter::Volume | Parameter::PocketMargin => {}
-        Parameter::PatchRadius | Parameter::AttachmentStiffness | Parameter::AttachmentRamp => {
-            let is_layered = scene.is_layered();
-            let body = scene.body.as_mut().filter(|_| is_layered);
-            let body = body.ok_or_else(|| ParameterError::Sheet(name()))?;
-            match parameter {
-                Parameter::AttachmentStiffness => body.attachment.stiffness_kpa_per_mm = value,
-                Parameter::AttachmentRamp => body.attachment.ramp_mm = value,
-                _ => {}
-            }
-        }
         Parameter::Pinch | Parameter::SkinPull => {
             let mut measured = scene.patient.take().map(|patient| patient.measured);
             let measured = measured.get_or_insert_with(Measurements::default);
@@ -439,19 +369,13 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
         Parameter::PoissonRatio => {
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);
         }
-        Parameter::StrainScale(k)
-        | Parameter::StressScale(k)
-        | Parameter::LayerThickness(k)
-        | Parameter::LayerPoissonRatio(k) => {
-            let layer = scene.layers.get_mut(usize::from(k));
-            let layer =
-                layer.ok_or_else(|| ParameterError::NoLayer { name: name(), layers: count })?;
-            match parameter {
-                Parameter::StrainScale(_) => layer.curve.strain_scale = value,
-                Parameter::StressScale(_) => layer.curve.stress_scale = value,
-                Parameter::LayerThickness(_) => layer.thickness_mm = value,
-                _ => layer.poisson_ratio = value,
+        _ => {
+            let (field, layer) = parameter.row();
+            if field.part == Part::Body && !scene.is_layered() {
+                return Err(ParameterError::Sheet(name()));
             }
+            let place = field.place(scene, layer);
+            *place.ok_or_else(|| ParameterError::NoLayer { name: name(), layers: count })? = value;
         }
     }
     Ok(())

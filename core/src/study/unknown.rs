@@ -3,7 +3,7 @@
 use super::quantity::short;
 use crate::clinical::spread::{self, Spread};
 use crate::curve::{Curve, CurveSpec, SCALES};
-use crate::scene::{Body, Layer, Scene, limits};
+use crate::scene::{Body, Layer, Scene, field, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -114,7 +114,7 @@ impl Unknown {
     #[must_use]
     pub fn allowed(self) -> (f64, f64) {
         match self {
-            Self::SkinThickness => limits::THICKNESS_MM,
+            Self::SkinThickness => field::THICKNESS.limits,
             Self::SkinStressScale
             | Self::SkinStrainScale
             | Self::CoverThickness
@@ -122,37 +122,36 @@ impl Unknown {
             Self::FatModulus => (0.01, 1e4),
             Self::PocketRadius => (-50.0, 50.0),
             Self::Projection => (-0.9, 0.9),
-            Self::PoissonRatio | Self::FatPoissonRatio => limits::POISSON_RATIO,
+            Self::PoissonRatio | Self::FatPoissonRatio => field::POISSON_RATIO.limits,
         }
     }
 
     /// Sets the sampled value in a scene; values beyond the limits of a scene become the limit.
     pub(super) fn apply(self, scene: &mut Scene, base: &Scene, value: f64) {
-        let into = |value: f64, (least, most): (f64, f64)| value.clamp(least, most);
+        let of_base = |wanted: fn(&Layer) -> bool| {
+            base.layers.iter().enumerate().filter(move |(_, layer)| wanted(layer))
+        };
         match self {
-            Self::SkinThickness => {
-                scene.layers[0].thickness_mm = into(value, limits::THICKNESS_MM);
-            }
+            Self::SkinThickness => field::THICKNESS.set(scene, 0, value),
             Self::SkinStressScale => {
-                let scale = base.layers[0].curve.stress_scale * value;
-                scene.layers[0].curve.stress_scale = into(scale, SCALES);
+                field::STRESS_SCALE.set(scene, 0, base.layers[0].curve.stress_scale * value);
             }
             Self::SkinStrainScale => {
                 let own = if has_own_scale(base) { base.layers[0].curve.strain_scale } else { 1.0 };
-                scene.layers[0].curve.strain_scale = into(own * value, SCALES);
+                field::STRAIN_SCALE.set(scene, 0, own * value);
             }
             Self::FatModulus => {
-                for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
+                for (k, base) in of_base(is_other_fat) {
                     let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
-                    if is_other_fat(base) && modulus > 0.0 {
+                    if modulus > 0.0 {
                         let scale = base.curve.stress_scale * value / modulus;
-                        layer.curve.stress_scale = into(scale, SCALES);
+                        field::STRESS_SCALE.set(scene, k, scale);
                     }
                 }
             }
             Self::CoverThickness => {
-                for (layer, base) in scene.layers.iter_mut().zip(&base.layers).skip(1) {
-                    layer.thickness_mm = into(base.thickness_mm * value, limits::THICKNESS_MM);
+                for (k, base) in base.layers.iter().enumerate().skip(1) {
+                    field::THICKNESS.set(scene, k, base.thickness_mm * value);
                 }
             }
             Self::PocketRadius => {
@@ -167,25 +166,22 @@ impl Unknown {
                 }
             }
             Self::Projection => {
-                let projection = base.implant.projection_mm * (1.0 + value);
-                scene.implant.projection_mm = into(projection, limits::PROJECTION_MM);
+                field::PROJECTION.set(scene, 0, base.implant.projection_mm * (1.0 + value));
             }
             Self::PoissonRatio => {
-                let ratio = into(value, limits::POISSON_RATIO);
-                let others = scene.layers.iter_mut().filter(|layer| !has_fat_curve(layer));
-                others.for_each(|layer| layer.poisson_ratio = ratio);
+                for (k, _) in of_base(|layer| !has_fat_curve(layer)) {
+                    field::POISSON_RATIO.set(scene, k, value);
+                }
             }
             Self::FatStressScale => {
-                for (layer, base) in scene.layers.iter_mut().zip(&base.layers) {
-                    if has_fat_curve(base) {
-                        layer.curve.stress_scale = into(base.curve.stress_scale * value, SCALES);
-                    }
+                for (k, base) in of_base(has_fat_curve) {
+                    field::STRESS_SCALE.set(scene, k, base.curve.stress_scale * value);
                 }
             }
             Self::FatPoissonRatio => {
-                let ratio = into(value, limits::POISSON_RATIO);
-                let fat = scene.layers.iter_mut().filter(|layer| has_fat_curve(layer));
-                fat.for_each(|layer| layer.poisson_ratio = ratio);
+                for (k, _) in of_base(has_fat_curve) {
+                    field::POISSON_RATIO.set(scene, k, value);
+                }
             }
         }
     }

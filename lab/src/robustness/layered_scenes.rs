@@ -5,7 +5,7 @@ use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Fat};
 use implant_preview_core::scene::{
     AttachmentSettings, Body, CellsThrough, Implant, Layer, SCENE_SCHEMA_3, Scene, SolverSettings,
-    Springs, TissueModel, limits,
+    Springs, TissueModel, field, limits,
 };
 use std::f64::consts::TAU;
 
@@ -148,8 +148,8 @@ pub(super) fn body(rng: &mut Rng, scene: &mut Scene) {
         _ => uniform(rng, range),
     };
     let attachment = AttachmentSettings {
-        stiffness_kpa_per_mm: log_uniform(rng, limits::ATTACHMENT_STIFFNESS),
-        ramp_mm: log_uniform(rng, limits::ATTACHMENT_RAMP_MM),
+        stiffness_kpa_per_mm: log_uniform(rng, field::ATTACHMENT_STIFFNESS.limits),
+        ramp_mm: log_uniform(rng, field::ATTACHMENT_RAMP.limits),
     };
     if let Some(body) = &mut scene.body {
         (body.patch_radius_mm, body.attachment) = (patch_radius_mm, attachment);

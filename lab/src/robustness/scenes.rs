@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Interpolation, Section};
 use implant_preview_core::scene::{
-    Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, limits,
+    Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, field, limits,
 };
 use std::f64::consts::TAU;
 
@@ -46,13 +46,13 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
 /// Replaces the scene's dome and pocket by random ones.
 pub(super) fn dome_and_pocket(rng: &mut Rng, scene: &mut Scene) {
     let most = limits::POCKET_RADIUS_MAX_MM;
-    let radius = log_uniform(rng, limits::BASE_RADIUS_MM);
-    let (least_projection, most_projection) = limits::PROJECTION_MM;
+    let radius = log_uniform(rng, field::BASE_RADIUS.limits);
+    let (least_projection, most_projection) = field::PROJECTION.limits;
     let projection = if rng.u8(0..10) < 4 {
         // Aspect ratios of real implants.
         (radius * uniform(rng, (0.39, 1.07))).clamp(least_projection, most_projection)
     } else {
-        log_uniform(rng, limits::PROJECTION_MM)
+        log_uniform(rng, field::PROJECTION.limits)
     };
     let pocket = match rng.u8(0..5) {
         0 => radius,
@@ -99,11 +99,11 @@ pub(super) fn layers(rng: &mut Rng) -> Vec<Layer> {
 fn layer(rng: &mut Rng) -> Layer {
     Layer {
         tissue: if rng.bool() { "skin" } else { "adipose" }.to_owned(),
-        thickness_mm: log_uniform(rng, limits::THICKNESS_MM),
+        thickness_mm: log_uniform(rng, field::THICKNESS.limits),
         poisson_ratio: match rng.u8(0..6) {
-            0 => limits::POISSON_RATIO.0,
-            1 => limits::POISSON_RATIO.1,
-            _ => uniform(rng, limits::POISSON_RATIO),
+            0 => field::POISSON_RATIO.limits.0,
+            1 => field::POISSON_RATIO.limits.1,
+            _ => uniform(rng, field::POISSON_RATIO.limits),
         },
         curve: curve(rng).into(),
     }

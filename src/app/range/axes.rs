@@ -4,7 +4,7 @@ use crate::app::texts::tr;
 use crate::app::widgets::Kind;
 use crate::app::widgets::quantity::{format_at_most, significant};
 use crate::clinical::{self, Size};
-use crate::scene::{Implant, Scene, limits};
+use crate::scene::{Implant, Scene, field, limits};
 use crate::study::{Axis, Parameter, with_values};
 
 /// The numbers on offer, the usual ones first.
@@ -57,14 +57,14 @@ impl Words {
             Parameter::PocketMargin => cm(tr("Margin of the pocket")),
             Parameter::Pinch => cm(tr("Pinch")),
             Parameter::Thickness => cm(tr("Thickness of the cover")),
-            Parameter::StrainScale(_) => plain(tr("Slack of the skin (factor)")),
-            Parameter::StressScale(_) => plain(tr("Stiffness of the skin (factor)")),
+            Parameter::StrainScale(_) => plain(tr("Laxity of the skin")),
+            Parameter::StressScale(_) => plain(tr("Stiffness of the skin")),
             Parameter::PoissonRatio => plain(tr("Poisson ratio")),
             Parameter::CenterX => cm(tr("Position, to the side")),
             Parameter::CenterY => cm(tr("Position, up")),
             Parameter::Insertion => new(tr("In place"), Kind::Percent, "%", 100.0, 1.0, 0),
             Parameter::AttachmentStiffness => {
-                new(tr("Attachment of the tissue"), Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
+                new(tr("Attachment stiffness"), Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
             }
             // Not on offer.
             _ => plain(tr("Number")),
@@ -159,21 +159,12 @@ pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) 
 
 /// The values that may be typed.
 pub(super) fn allowed(field: Parameter) -> (f64, f64) {
-    use clinical::limits as of_size;
     match field {
-        Parameter::BaseWidth => of_size::BASE_WIDTH_MM,
-        Parameter::Projection => limits::PROJECTION_MM,
+        Parameter::BaseWidth => clinical::limits::BASE_WIDTH_MM,
         Parameter::Volume => (10.0, 5000.0),
         Parameter::PocketMargin => (0.0, limits::POCKET_RADIUS_MAX_MM),
-        Parameter::Pinch => of_size::PINCH_MM,
-        Parameter::Thickness => (0.5, 8.0 * limits::THICKNESS_MM.1),
-        Parameter::StrainScale(_) | Parameter::StressScale(_) => crate::curve::SCALES,
-        Parameter::PoissonRatio => limits::POISSON_RATIO,
-        Parameter::CenterX | Parameter::CenterY => {
-            (-limits::POCKET_RADIUS_MAX_MM, limits::POCKET_RADIUS_MAX_MM)
-        }
-        Parameter::AttachmentStiffness => limits::ATTACHMENT_STIFFNESS,
-        _ => (0.0, 1.0),
+        Parameter::Thickness => (0.5, 8.0 * field::THICKNESS.limits.1),
+        _ => field.row().0.limits,
     }
 }
 

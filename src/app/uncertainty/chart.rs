@@ -112,7 +112,7 @@ mod tests {
         let index = Index { first_order: -0.02, total: 0.314, standard_error: [0.04, 0.051] };
         assert_eq!(
             description(Unknown::PocketRadius, &index),
-            "Width of the pocket: 0 ± 4 % of the spread alone, 31 ± 5 % together with others"
+            "Margin of the pocket: 0 ± 4 % of the spread alone, 31 ± 5 % together with others"
         );
     }
 }

@@ -215,7 +215,7 @@ pub(super) fn words(unknown: Unknown) -> Words {
     };
     match unknown {
         Unknown::SkinThickness => Words {
-            name: tr("Skin thickness"),
+            name: tr("Thickness of the skin"),
             tooltip: tr("Thickness of the skin of the breast; it replaces the plan's"),
             unit: "mm",
             kind: Kind::Length,
@@ -250,7 +250,7 @@ pub(super) fn words(unknown: Unknown) -> Words {
             ..of_plan
         },
         Unknown::PocketRadius => Words {
-            name: tr("Width of the pocket"),
+            name: tr("Margin of the pocket"),
             tooltip: tr("Difference of the pocket's radius from the plan"),
             unit: "mm, added",
             kind: Kind::Length,
@@ -266,7 +266,7 @@ pub(super) fn words(unknown: Unknown) -> Words {
             most_sd: 0.5,
         },
         Unknown::PoissonRatio => Words {
-            name: tr("Compressibility"),
+            name: tr("Poisson ratio"),
             tooltip: tr(
                 "Poisson ratio of the skin and of all layers but fat as measured; 0.5: the volume of the tissue \
                       stays. It replaces the plan's",
@@ -281,7 +281,7 @@ pub(super) fn words(unknown: Unknown) -> Words {
             ..of_plan
         },
         Unknown::FatPoissonRatio => Words {
-            name: tr("Compressibility of the fat"),
+            name: tr("Poisson ratio of the fat"),
             tooltip: tr(
                 "Poisson ratio of the fat; 0.5: the volume of the fat stays. It replaces the plan's",
             ),

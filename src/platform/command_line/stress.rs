@@ -2,7 +2,7 @@
 
 use super::output::{self, File, STANDARD};
 use super::{ExitStatus, InputError, in_range};
-use crate::scene::{TissueModel, limits};
+use crate::scene::{TissueModel, field, limits};
 use implant_preview_lab::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
 use implant_preview_lab::robustness::{
     Case, LayeredSummary, Population, Summary, panicked, run_of,
@@ -72,7 +72,7 @@ fn most_nodes(text: &str) -> Result<usize, String> {
 }
 
 fn poisson_ratio(text: &str) -> Result<f64, String> {
-    in_range(text, limits::POISSON_RATIO.0, limits::POISSON_RATIO.1)
+    in_range(text, field::POISSON_RATIO.limits.0, field::POISSON_RATIO.limits.1)
 }
 
 fn rate(text: &str) -> Result<f64, String> {

@@ -1,0 +1,252 @@
+//! The numbers that a scene stores, a row each: path, words, unit, limits, the cost of a change, place.
+//!
+//! Check and key of a scene, the patient's values, `study::Parameter`, `study::Unknown` and the controls of the app read
+//! the rows. Numbers of nodes and cells are whole, see [`super::limits`].
+
+use super::limits::{PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
+use super::{Body, Scene, SceneError, error::out_of_range};
+use crate::clinical::limits::{BASE_WIDTH_MM, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM};
+use crate::curve::{SCALES, number};
+
+/// What a change of a number costs a solver that goes from scene to scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Change {
+    /// Neither grid nor tables.
+    Dome,
+    /// Another grid.
+    Grid,
+    /// Other tables.
+    Tables,
+}
+
+/// What contains a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Every scene.
+    Scene,
+    /// A scene with a tissue model; a sheet ignores the number.
+    Body,
+    /// A layer.
+    Layer,
+    /// The measurements of a patient; no result depends on the number.
+    Patient,
+}
+
+/// A number that a scene stores.
+#[derive(Debug)]
+pub struct Field {
+    /// The path in a file; `[]` stands for the index of a layer.
+    pub path: &'static str,
+    /// The number in words; of a layer's number those of the skin.
+    pub words: &'static str,
+    /// The unit; empty for a number without unit.
+    pub unit: &'static str,
+    /// The limits of every scene, inclusive; other numbers may narrow them.
+    pub limits: (f64, f64),
+    /// The cost of a change.
+    pub change: Change,
+    /// What contains the number.
+    pub part: Part,
+    value: fn(&Scene, usize) -> Option<f64>,
+    place: fn(&mut Scene, usize) -> Option<&mut f64>,
+}
+
+impl PartialEq for Field {
+    /// A path has one row.
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+}
+
+macro_rules! value {
+    (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
+    (Body $($at:tt)+) => { |scene, _| Some(scene.body.as_ref()?.$($at)+) };
+    (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
+    (Patient $($at:tt)+) => { |scene, _| scene.patient.as_ref()?.measured.$($at)+ };
+}
+
+macro_rules! place {
+    (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
+    (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.as_mut()?.$($at)+) };
+    (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
+    (Patient $($at:tt)+) => { |scene, _| scene.patient.as_mut()?.measured.$($at)+.as_mut() };
+}
+
+macro_rules! fields {
+    ($($name:ident: $path:literal, $words:literal, $unit:literal, $limits:expr, $change:ident, $part:ident[$($at:tt)+];)+) => {
+        /// All rows, in the order of a file.
+        pub const ALL: &[&Field] = &[$($name),+];
+        $(
+            #[doc = concat!("`", $path, "`")]
+            pub const $name: &Field = &Field {
+                path: $path,
+                words: $words,
+                unit: $unit,
+                limits: $limits,
+                change: Change::$change,
+                part: Part::$part,
+                value: value!($part $($at)+),
+                place: place!($part $($at)+),
+            };
+        )+
+    };
+}
+
+fields! {
+    BASE_RADIUS: "implant.base_radius_mm", "base radius", "mm", (0.5 * BASE_WIDTH_MM.0, 0.5 * BASE_WIDTH_MM.1), Grid, Scene[implant.base_radius_mm];
+    PROJECTION: "implant.projection_mm", "projection", "mm", PROJECTION_MM, Dome, Scene[implant.projection_mm];
+    CENTER_X: "implant.center_mm[0]", "centre of the implant, x", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid, Scene[implant.center_mm[0]];
+    CENTER_Y: "implant.center_mm[1]", "centre of the implant, y", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid, Scene[implant.center_mm[1]];
+    POCKET_RADIUS: "pocket_radius_mm", "radius of the pocket", "mm", (10.0, POCKET_RADIUS_MAX_MM), Grid, Scene[pocket_radius_mm];
+    PATCH_RADIUS: "patch_radius_mm", "radius of the simulated tissue", "mm", (30.0, PATCH_RADIUS_MAX_MM), Grid, Body[patch_radius_mm];
+    ATTACHMENT_STIFFNESS: "attachment.stiffness_kpa_per_mm", "stiffness of the attachment", "kPa/mm", (0.1, 50.0), Dome, Body[attachment.stiffness_kpa_per_mm];
+    ATTACHMENT_RAMP: "attachment.ramp_mm", "ramp of the attachment", "mm", (1.0, 40.0), Grid, Body[attachment.ramp_mm];
+    INSERTION: "insertion", "insertion", "", (0.0, 1.0), Dome, Scene[insertion];
+    THICKNESS: "layers[].thickness_mm", "thickness of the skin", "mm", (0.2, 60.0), Tables, Layer[thickness_mm];
+    POISSON_RATIO: "layers[].poisson_ratio", "Poisson ratio", "", (0.0, 0.5), Tables, Layer[poisson_ratio];
+    STRAIN_SCALE: "layers[].curve.strain_scale", "strain scale of the skin", "", SCALES, Tables, Layer[curve.strain_scale];
+    STRESS_SCALE: "layers[].curve.stress_scale", "stress scale of the skin", "", SCALES, Tables, Layer[curve.stress_scale];
+    BREAST_WIDTH: "patient.base_width_mm", "base width of the breast", "mm", MEASURED_WIDTH_MM, Tables, Patient[base_width_mm];
+    PINCH: "patient.pinch_mm", "pinch", "mm", PINCH_MM, Tables, Patient[pinch_mm];
+    SKIN_PULL: "patient.skin_pull_mm", "pull of the skin", "mm", PULL_MM, Tables, Patient[skin_pull_mm];
+    TOLERANCE: "solver.tolerance", "tolerance", "", (1e-7, 1e-2), Dome, Scene[solver.tolerance];
+}
+
+impl Field {
+    /// The path of the number of a layer, from the skin from 0; other numbers have one path.
+    #[must_use]
+    pub fn path(&self, layer: usize) -> String {
+        self.path.replacen("[]", &format!("[{layer}]"), 1)
+    }
+
+    /// The value in a scene, of a layer's number in that layer; `None` if the scene has no such number.
+    #[must_use]
+    pub fn value(&self, scene: &Scene, layer: usize) -> Option<f64> {
+        (self.value)(scene, layer)
+    }
+
+    /// How many of these numbers the equilibrium of a scene depends on; patch and attachment belong to layered tissue.
+    pub(crate) fn count(&self, scene: &Scene) -> usize {
+        match self.part {
+            Part::Scene => 1,
+            Part::Body => usize::from(scene.is_layered()),
+            Part::Layer => scene.layers.len(),
+            Part::Patient => 0,
+        }
+    }
+
+    /// The place of the value in a scene.
+    pub fn place<'a>(&self, scene: &'a mut Scene, layer: usize) -> Option<&'a mut f64> {
+        (self.place)(scene, layer)
+    }
+
+    /// The limits in a scene: the patch depends on the pocket, and a sheet ignores the numbers of a body.
+    #[must_use]
+    pub fn range(&self, scene: &Scene) -> (f64, f64) {
+        match self.part {
+            Part::Body if !scene.is_layered() => (0.0, f64::MAX),
+            Part::Body if self == PATCH_RADIUS => Body::patch_range(scene.pocket_radius_mm),
+            _ => self.limits,
+        }
+    }
+
+    /// Sets the value, of a number beyond its range the limit.
+    pub fn set(&self, scene: &mut Scene, layer: usize, value: f64) {
+        let (least, most) = self.range(scene);
+        if let Some(place) = self.place(scene, layer) {
+            *place = value.clamp(least, most);
+        }
+    }
+
+    /// Checks the value in a scene.
+    pub(super) fn check(&self, scene: &Scene, layer: usize) -> Result<(), SceneError> {
+        let (least, most) = self.range(scene);
+        match self.value(scene, layer) {
+            Some(value) if !(least..=most).contains(&value) => {
+                let with_unit =
+                    |end| format!("{} {}", number(end), self.unit).trim_end().to_owned();
+                let allowed = match most {
+                    f64::MAX => format!("{} or more", with_unit(least)),
+                    _ => format!("{} to {}", number(least), with_unit(most)),
+                };
+                Err(out_of_range(&self.path(layer), number(value), &allowed))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::Measurements;
+    use serde_json::Value;
+
+    /// The paths of the numbers of a scene.
+    fn paths(of: &Value, path: &str, found: &mut Vec<String>) {
+        match of {
+            Value::Number(_) => found.push(path.trim_start_matches('.').to_owned()),
+            Value::Array(list) => {
+                list.iter().enumerate().for_each(|(k, v)| paths(v, &format!("{path}[{k}]"), found));
+            }
+            Value::Object(map) => {
+                map.iter().for_each(|(name, v)| paths(v, &format!("{path}.{name}"), found));
+            }
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn each_number_of_a_scene_has_a_row_with_its_value_and_its_place() {
+        let mut scene = Scene::opening();
+        let measured = Measurements {
+            base_width_mm: Some(120.0),
+            pinch_mm: Some(30.0),
+            skin_pull_mm: Some(20.0),
+            skin_class: None,
+        };
+        scene.apply_patient(measured).unwrap();
+        scene.layers[1].curve.strain_scale = 1.5;
+        scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
+        let json = serde_json::to_value(&scene).unwrap();
+        let (mut wanted, mut found) = (Vec::new(), vec!["solver.nodes_per_side".to_owned()]);
+        paths(&json, "", &mut wanted);
+        for field in ALL {
+            let layers = if field.part == Part::Layer { scene.layers.len() } else { 1 };
+            for layer in 0..layers {
+                let value = field.value(&scene, layer).unwrap();
+                let path = field.path(layer);
+                let pointer = format!("/{}", path.replace(['.', '['], "/").replace(']', ""));
+                assert_eq!(json.pointer(&pointer).and_then(Value::as_f64), Some(value), "{path}");
+                assert_eq!(field.place(&mut scene, layer).copied(), Some(value), "{path}");
+                found.push(path);
+            }
+        }
+        wanted.sort();
+        found.sort();
+        assert_eq!(wanted, found);
+    }
+
+    #[test]
+    fn each_row_stands_in_the_document_of_the_formats_with_its_limits_and_unit() {
+        let document = include_str!("../../../docs/formats.md");
+        for field in ALL {
+            let (least, most) = field.limits;
+            let range = if [POCKET_RADIUS, PATCH_RADIUS].contains(field) {
+                // Other numbers narrow the least value.
+                format!("to {most}")
+            } else if *field == TOLERANCE {
+                format!("{least:e}–{most:e}")
+            } else {
+                format!("{least}–{most}").replace('-', "−")
+            };
+            let allowed = format!("{range} {}", field.unit);
+            let path = field.path.trim_end_matches(['[', '0', '1', ']']);
+            let is_short = field.part == Part::Patient || path.contains("curve");
+            let name = if is_short { path.rsplit('.').next().unwrap() } else { path };
+            let has_name = |line: &&str| line.contains(&format!("`{name}`"));
+            let mut lines = document.lines().filter(has_name);
+            assert!(lines.any(|line| line.contains(allowed.trim_end())), "{name}: {allowed}");
+        }
+    }
+}
