@@ -296,6 +296,7 @@ fn the_comparison_has_the_bands_of_pins_and_of_their_differences() {
     let mut harness = sampled(WIDE);
     let pinned = harness.state().session().scene().clone();
     super::press(&mut harness, "Pin as A");
+    unfold(&mut harness, "More numbers");
     type_into(&mut harness, "Pinch (cm)", "2.5");
     wait(&mut harness);
     let study_of = |scene: &Scene| study_of(scene, settings()).values();
@@ -314,7 +315,7 @@ fn the_comparison_has_the_bands_of_pins_and_of_their_differences() {
         let label = shown(samples.band(quantity).unwrap(), 1.0, 1);
         wait_for_label(&mut harness, &label);
     }
-    super::press(&mut harness, "Differences in the table");
+    press(&mut harness, "Differences in the table");
     let label = shown(now.difference(&a, quantity).unwrap(), 1.0, 1);
     wait_for_label(&mut harness, &label);
 }
