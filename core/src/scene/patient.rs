@@ -7,8 +7,9 @@
 //! changes a number that the file contains.
 
 use super::body::in_first;
+use super::field::{self, Field};
 use super::layer::{ADIPOSE, LayerFile, given};
-use super::{SCENE_SCHEMA, Scene, SceneError, field, limits, one_line, out_of_range};
+use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
 use crate::curve::{CurveSpec, List, number};
 use schemars::JsonSchema;
@@ -71,47 +72,23 @@ impl Given {
     }
 }
 
-/// A field of a scene that a measurement may determine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Field {
-    /// `layers[k].thickness_mm`.
-    Thickness(usize),
-    /// `layers[0].curve.strain_scale`.
-    StrainScale,
+/// A number that a measurement may determine, with its layer: the thickness of a layer, the strain scale of the skin.
+type Number = (&'static Field, usize);
+
+fn of_path(path: &str) -> Option<Number> {
+    let thicknesses = (0..limits::LAYERS.1).map(|layer| (field::THICKNESS, layer));
+    let mut numbers = thicknesses.chain([(field::STRAIN_SCALE, 0)]);
+    numbers.find(|(field, layer)| field.path(*layer) == path)
 }
 
-impl Field {
-    fn path(self) -> String {
-        match self {
-            Self::Thickness(k) => field::THICKNESS.path(k),
-            Self::StrainScale => field::STRAIN_SCALE.path(0),
-        }
-    }
+fn is_given((field, layer): Number, given: &[Given]) -> bool {
+    let is_thickness = field == field::THICKNESS;
+    given.get(layer).is_some_and(|of| if is_thickness { of.thickness } else { of.strain_scale })
+}
 
-    fn of_path(path: &str) -> Option<Self> {
-        let thicknesses = (0..limits::LAYERS.1).map(Self::Thickness);
-        thicknesses.chain([Self::StrainScale]).find(|field| field.path() == path)
-    }
-
-    fn is_given(self, given: &[Given]) -> bool {
-        match self {
-            Self::Thickness(k) => given.get(k).is_some_and(|layer| layer.thickness),
-            Self::StrainScale => given.first().is_some_and(|layer| layer.strain_scale),
-        }
-    }
-
-    fn value(self, scene: &Scene) -> f64 {
-        match self {
-            Self::Thickness(k) => scene.layers[k].thickness_mm,
-            Self::StrainScale => scene.layers[0].curve.strain_scale,
-        }
-    }
-
-    fn set(self, scene: &mut Scene, value: f64) {
-        match self {
-            Self::Thickness(k) => scene.layers[k].thickness_mm = value,
-            Self::StrainScale => scene.layers[0].curve.strain_scale = value,
-        }
+fn set(scene: &mut Scene, (field, layer): Number, value: f64) {
+    if let Some(place) = field.place(scene, layer) {
+        *place = value;
     }
 }
 
@@ -139,21 +116,23 @@ impl PatientFile {
         let mut paths = Vec::new();
         if let Some(list) = derived {
             let listed = fields(&list.0)?;
-            for field in scene.patient_fields().into_iter().filter(|field| listed.contains(field)) {
-                let value = derivation(&measured, field).ok().flatten();
+            for number in
+                scene.patient_fields().into_iter().filter(|number| listed.contains(number))
+            {
+                let value = derivation(&measured, number).ok().flatten();
+                let (field, layer) = number;
+                let present = field.value(scene, layer);
                 // Another number in the file was set by hand.
-                if value.is_some_and(|value| is_equal(field.value(scene), value.value)) {
-                    paths.push(field.path());
+                if present.zip(value).is_some_and(|(present, value)| is_equal(present, value.value))
+                {
+                    paths.push(field.path(layer));
                 }
             }
         } else {
-            for field in scene.patient_fields() {
-                if field.is_given(given) {
-                    continue;
-                }
-                if let Some(value) = derivation(&measured, field)? {
-                    field.set(scene, value.value);
-                    paths.push(field.path());
+            for number in scene.patient_fields().into_iter().filter(|n| !is_given(*n, given)) {
+                if let Some(value) = derivation(&measured, number)? {
+                    set(scene, number, value.value);
+                    paths.push(number.0.path(number.1));
                 }
             }
         }
@@ -163,9 +142,9 @@ impl PatientFile {
 }
 
 /// The fields of a list of paths.
-fn fields(paths: &[String]) -> Result<Vec<Field>, SceneError> {
+fn fields(paths: &[String]) -> Result<Vec<Number>, SceneError> {
     let field = |(k, path): (usize, &String)| {
-        Field::of_path(path).ok_or_else(|| {
+        of_path(path).ok_or_else(|| {
             out_of_range(
                 &format!("patient.derived[{k}]"),
                 one_line(path, 40),
@@ -194,17 +173,17 @@ impl Scene {
         let by_hand: Vec<String> =
             self.patient_values().into_iter().filter(is_by_hand).map(|value| value.field).collect();
         let mut values = Vec::new();
-        for field in self.patient_fields() {
-            if !by_hand.contains(&field.path())
-                && let Some(value) = derivation(&measured, field)?
+        for number in self.patient_fields() {
+            if !by_hand.contains(&number.0.path(number.1))
+                && let Some(value) = derivation(&measured, number)?
             {
-                values.push((field, value.value));
+                values.push((number, value.value));
             }
         }
         let mut derived = Vec::new();
-        for (field, value) in values {
-            field.set(self, value);
-            derived.push(field.path());
+        for (number, value) in values {
+            set(self, number, value);
+            derived.push(number.0.path(number.1));
         }
         self.patient = Some(Patient { measured, derived });
         Ok(())
@@ -216,9 +195,9 @@ impl Scene {
     #[must_use]
     pub fn patient_values(&self) -> Vec<PatientValue> {
         let Some(patient) = &self.patient else { return Vec::new() };
-        let value = |field: Field| {
-            let derived = derivation(&patient.measured, field).ok()??;
-            let (path, value) = (field.path(), field.value(self));
+        let value = |(field, layer): Number| {
+            let derived = derivation(&patient.measured, (field, layer)).ok()??;
+            let (path, value) = (field.path(layer), field.value(self, layer)?);
             let is_derived = patient.derived.contains(&path) && is_equal(value, derived.value);
             Some(PatientValue::new(path, value, !is_derived, &derived))
         };
@@ -235,8 +214,8 @@ impl Scene {
         let fields = self.patient_fields();
         let errors = fields.iter().filter_map(|field| derivation(measured, *field).err());
         warnings.extend(errors.map(|error| format!("{error}.")));
-        if measured.pinch_mm.is_some() && !fields.iter().any(|f| matches!(f, Field::Thickness(1..)))
-        {
+        let has_fat = fields.iter().any(|(field, layer)| *field == field::THICKNESS && *layer > 0);
+        if measured.pinch_mm.is_some() && !has_fat {
             warnings.push(
                 "The pinch determines no thickness of fat: the scene has no layer named adipose below the skin."
                     .to_owned(),
@@ -274,23 +253,26 @@ impl Scene {
     }
 
     /// The fields of this scene that a patient may determine.
-    fn patient_fields(&self) -> Vec<Field> {
+    fn patient_fields(&self) -> Vec<Number> {
         let is_fat = |k: &usize| self.layers[*k].tissue == ADIPOSE;
         let skin = (!self.layers.is_empty()).then_some(0);
         let fat = (1..self.layers.len()).find(is_fat);
-        let strain_scale = self.has_preset_skin().then_some(Field::StrainScale);
-        skin.into_iter().chain(fat).map(Field::Thickness).chain(strain_scale).collect()
+        let strain_scale = self.has_preset_skin().then_some((field::STRAIN_SCALE, 0));
+        let thicknesses = skin.into_iter().chain(fat).map(|layer| (field::THICKNESS, layer));
+        thicknesses.chain(strain_scale).collect()
     }
 }
 
 /// The value that the measurements give for a field.
-fn derivation(measured: &Measurements, field: Field) -> Result<Option<Derived>, SceneError> {
+fn derivation(
+    measured: &Measurements,
+    (field, layer): Number,
+) -> Result<Option<Derived>, SceneError> {
     let invalid = |name| move |source| error((name, source));
-    match field {
-        Field::Thickness(k) => {
-            let cover = measured.cover().map_err(invalid("pinch_mm"))?;
-            Ok(cover.map(|cover| if k == 0 { cover.skin } else { cover.fat }))
-        }
-        Field::StrainScale => measured.strain_scale().map_err(invalid("skin_pull_mm")),
+    if field == field::THICKNESS {
+        let cover = measured.cover().map_err(invalid("pinch_mm"))?;
+        Ok(cover.map(|cover| if layer == 0 { cover.skin } else { cover.fat }))
+    } else {
+        measured.strain_scale().map_err(invalid("skin_pull_mm"))
     }
 }
