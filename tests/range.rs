@@ -127,7 +127,7 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
     let solves = harness.state().session().counters().solves;
     harness.get_by_label_contains(" of 289 plans computed.");
     assert_eq!(harness.query_all_by_role_and_label(Role::Canvas, "3-D view").count(), 0);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     wait_for(&mut harness, "A quick, coarse computation, within ");
     harness.get_by_label_contains(" of a fine one.");
     // The app's own solver has nothing to do, and the complete chart is at rest.
@@ -142,7 +142,7 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
 #[test]
 fn volume_lines_stand_out_in_both_themes() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     for theme in [egui::Theme::Light, egui::Theme::Dark] {
         harness.ctx.set_theme(theme);
         harness.run_steps(3);
@@ -197,7 +197,7 @@ fn the_values_at_the_pointer_are_those_of_the_case() {
 #[test]
 fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     let before = harness.state().session().scene().clone();
     let at = place(&harness, 10, 10);
     click(&mut harness, at);
@@ -206,7 +206,8 @@ fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
     let margin = |scene: &Scene| scene.pocket_radius_mm - scene.implant.base_radius_mm;
     assert!((margin(&taken) - margin(&before)).abs() < 1e-9);
     // The points of the chart are the same: none is computed again.
-    harness.get_by_label_contains("289 plans computed. A quick, coarse computation");
+    harness.get_by_label_contains("289 plans computed. ");
+    harness.get_by_label_contains("A quick, coarse computation");
     harness.get_by_role_and_label(Role::Button, "Undo").click();
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &before);
@@ -232,7 +233,7 @@ fn a_click_and_the_enter_key_take_the_implant_in_one_step() {
 #[test]
 fn each_arrow_of_a_slow_frame_counts() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     harness.get_by_role_and_label(Role::Canvas, CHART).focus();
     harness.run_steps(2);
     // The first one chooses the present implant.
@@ -253,15 +254,15 @@ fn each_arrow_of_a_slow_frame_counts() {
 #[test]
 fn an_edit_restarts_the_chart_and_its_values_follow() {
     let mut harness = range_of(sheet(), DESKTOP);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     let at = place(&harness, 8, 10);
     harness.hover_at(at);
     harness.run_steps(2);
     let before = words(&harness);
     type_into(&mut harness, "Margin (cm)", "2.5");
     // Other pockets are other scenes.
-    assert_eq!(harness.query_all_by_label_contains("289 plans computed. A ").count(), 0);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    assert_eq!(harness.query_all_by_label_contains("A quick, coarse").count(), 0);
+    wait_for(&mut harness, "A quick, coarse computation");
     harness.hover_at(at);
     harness.run_steps(2);
     let scene = harness.state().session().scene().clone();
@@ -272,7 +273,7 @@ fn an_edit_restarts_the_chart_and_its_values_follow() {
     // Undo: all cases are stored.
     harness.get_by_role_and_label(Role::Button, "Undo").click();
     settle(&mut harness);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     harness.hover_at(at);
     harness.run_steps(2);
     assert_eq!(words(&harness), before);
@@ -294,7 +295,7 @@ fn an_impossible_axis_is_one_line_and_the_plan_stays() {
     type_into(&mut harness, "Across, from", "14");
     harness.get_by_label("Width from 14 cm to 14 cm; allowed: two different numbers.");
     type_into(&mut harness, "Across, from", "10");
-    wait_for(&mut harness, " plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     assert_eq!(harness.query_all_by_label_contains("allowed:").count(), 0);
     assert_eq!(harness.state().session().scene(), &scene);
 }
@@ -394,7 +395,7 @@ fn axes_and_colours_are_chosen_and_one_number_gives_a_curve() {
     choose(&mut harness, "Colour", "Least cover");
     choose(&mut harness, "Across", "Pinch");
     choose(&mut harness, "Upwards", "Nothing: a curve");
-    wait_for(&mut harness, " plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     let before = harness.state().session().scene().clone();
     let rect = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
     // The thickest pinch: 5 cm.
@@ -420,7 +421,7 @@ fn a_sheet_has_no_cover_to_show() {
 #[test]
 fn on_a_phone_a_tap_shows_the_values_and_a_button_takes_the_implant() {
     let mut harness = range_of(sheet(), PHONE);
-    wait_for(&mut harness, "289 plans computed. A quick, coarse computation");
+    wait_for(&mut harness, "A quick, coarse computation");
     let chart = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
     assert!(chart.width() > 220.0 && chart.height() > 170.0, "{chart:?}");
     let before = harness.state().session().scene().clone();
