@@ -208,7 +208,8 @@ impl App {
 
     /// The answer in one sentence.
     fn headline(&self, ui: &mut Ui) {
-        let mut text = answer::headline(&self.session, self.previous_results());
+        let mut text =
+            answer::headline(&self.session, self.previous_results(), self.uncertainty.findings());
         if self.is_long() {
             // A plan without an answer takes the longest.
             text = format!("{text} {}", self.volume_marks.near_end(self.session.scene()));

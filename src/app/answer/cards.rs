@@ -1,6 +1,6 @@
-//! Figures and words of the three cards: skin stretch, cover, pressure. Figure and word are the plan's own, as those of the
-//! sentence, the legend and the report; the band of sampled patients stands in brackets, and a word of its worse end that is
-//! worse has a line of its own.
+//! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own, the band of sampled patients
+//! stands in brackets, and the band's worse end decides the word, on the card, in the sentence and in the report alike; the
+//! plan's own word then has a line of its own.
 
 use crate::app::texts::{fixed, localized, tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
@@ -90,24 +90,39 @@ impl Answer {
         self.cover.and_then(bands::cover).map(in_words)
     }
 
-    /// The word of the pressure.
-    fn pressure_word(&self) -> Option<Verdict> {
-        self.pressure.map(|(_, most)| pressure_verdict(most))
+    /// The words of the cards: stretch, cover, pressure.
+    fn words(&self, sampled: &Sampled<'_>) -> [Word; 3] {
+        let reserve = sampled.range(Quantity::SkinReserveUsed).map(|[_, high]| high);
+        let stretch = sampled.range(Quantity::GreatestStrain);
+        let stretch = stretch.map(|[_, high]| in_words(bands::stretch(high, reserve)));
+        let cover = sampled.range(Quantity::LeastCoverMm);
+        let cover = cover.and_then(|[low, _]| bands::cover(low)).map(in_words);
+        let pressure = sampled.range(Quantity::GreatestPressureMmhg);
+        let pressure = pressure.map(|[_, high]| pressure_verdict(high));
+        let own = self.pressure.map(|(_, most)| pressure_verdict(most));
+        [
+            Word { own: self.stretch(), of_band: stretch.filter(|_| self.strain.is_some()) },
+            Word { own: self.cover_word(), of_band: cover.filter(|_| self.cover.is_some()) },
+            Word { own, of_band: pressure.filter(|_| self.pressure.is_some()) },
+        ]
     }
 
     /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
-    pub(super) fn in_a_sentence(&self) -> String {
-        let words = [
-            (self.stretch(), tr("skin stretch")),
-            (self.cover_word(), tr("cover")),
-            (self.pressure_word(), tr("pressure")),
-        ];
-        let not_usual = words.into_iter().filter_map(|(verdict, name)| Some((verdict?, name)));
+    pub(super) fn in_a_sentence(&self, findings: Option<&Findings>) -> String {
+        let names = [tr("skin stretch"), tr("cover"), tr("pressure")];
+        let words = self.words(&Sampled::new(findings)).into_iter().zip(names);
         // The first of equal ones.
-        let worst =
-            not_usual.rev().max_by_key(|((band, _), _)| *band).filter(|((band, _), _)| *band > 0);
-        let worst = worst
-            .map_or_else(|| tr("usual").to_owned(), |((_, word), name)| format!("{name} {word}"));
+        let worst = words.rev().max_by_key(|(word, _)| word.band()).filter(|(w, _)| w.band() > 0);
+        let worst = worst.map_or_else(
+            || tr("usual").to_owned(),
+            |(word, name)| {
+                let (is_of_band, word) = (word.is_of_band(), word.verdict().map_or("", |(_, w)| w));
+                match is_of_band {
+                    true => tr!("{name} {word} in 1 of 10 such patients", name, word),
+                    false => format!("{name} {word}"),
+                }
+            },
+        );
         let figures = [
             self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
             self.cover.map(|mm| tr!("cover {mm:.1} mm", mm)),
@@ -117,6 +132,36 @@ impl Answer {
         let figures = figures.join(", ");
         let (first, rest) = figures.split_at(usize::from(!figures.is_empty()));
         format!("{worst}. {}{rest}.", first.to_uppercase())
+    }
+}
+
+/// The word of the plan and that of the worse end of its band.
+#[derive(Clone, Copy, Default)]
+struct Word {
+    /// `None`: no value, or a cover that is not thin.
+    own: Option<Verdict>,
+    of_band: Option<Verdict>,
+}
+
+impl Word {
+    /// Is the word of the band the worse one?
+    fn is_of_band(self) -> bool {
+        self.of_band.is_some_and(|(band, _)| band > self.own.map_or(0, |(own, _)| own))
+    }
+
+    /// The worse of both.
+    fn verdict(self) -> Option<Verdict> {
+        if self.is_of_band() { self.of_band } else { self.own }
+    }
+
+    fn band(self) -> usize {
+        self.verdict().map_or(0, |(band, _)| band)
+    }
+
+    /// The plan's own word beside that of the band; `without` is in place of no word.
+    fn own_in_words(self, without: &'static str) -> Option<String> {
+        let word = self.own.map_or(without, |(_, word)| word);
+        self.is_of_band().then(|| tr!("In 1 of 10 such patients; this plan itself: {word}", word))
     }
 }
 
@@ -133,8 +178,8 @@ pub(super) struct Card {
     pub(super) verdict: Option<Verdict>,
     /// What stands in place of a word without limits.
     pub(super) no_verdict: &'static str,
-    /// The word of the band's worse end, if it is worse than the plan's.
-    pub(super) of_band: Option<String>,
+    /// The plan's own word, if the band's is worse.
+    pub(super) own: Option<String>,
     pub(super) line: String,
     /// The value on the bar.
     pub(super) value: Option<f64>,
@@ -157,7 +202,11 @@ pub(super) enum BarScale {
 /// The bands of sampled patients, as far as there are any.
 struct Sampled<'a>(Option<&'a Findings>);
 
-impl Sampled<'_> {
+impl<'a> Sampled<'a> {
+    fn new(findings: Option<&'a Findings>) -> Self {
+        Self(findings.filter(|findings| !findings.is_empty()))
+    }
+
     fn band(&self, quantity: Quantity) -> Option<&Band> {
         self.0.and_then(|findings| findings.band(quantity))
     }
@@ -195,8 +244,13 @@ impl Sampled<'_> {
 
 /// The cards of an answer, with the bands of `findings` in brackets.
 pub(super) fn cards(answer: &Answer, findings: Option<&Findings>) -> [Card; 3] {
-    let sampled = Sampled(findings.filter(|findings| !findings.is_empty()));
-    [stretch_card(answer, &sampled), cover_card(answer, &sampled), pressure_card(answer, &sampled)]
+    let sampled = Sampled::new(findings);
+    let [stretch, cover, pressure] = answer.words(&sampled);
+    [
+        stretch_card(answer, &sampled, stretch),
+        cover_card(answer, &sampled, cover),
+        pressure_card(answer, &sampled, pressure),
+    ]
 }
 
 /// A value in words, or a dash.
@@ -204,19 +258,11 @@ fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.map_or_else(|| "–".to_owned(), text)
 }
 
-/// The word of the worse end of a band in a sentence, if it is worse than the plan's own word; a cover that is not thin has none.
-fn word_of_band(own: Option<Verdict>, of_band: Option<Verdict>) -> Option<String> {
-    let (band, word) = of_band?;
-    let own = own.map_or(0, |(band, _)| band);
-    (band > own).then(|| tr!("In 1 of 10 such patients: {word}", word))
-}
-
-fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
+fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
     let range = sampled.range(Quantity::GreatestStrain);
     let reserve = sampled.range(Quantity::SkinReserveUsed);
-    let of_band =
-        range.map(|[_, high]| in_words(bands::stretch(high, reserve.map(|[_, high]| high))));
+    let missing = sampled.0.and_then(Findings::missing).unwrap_or_default();
     let line = answer.strain.map_or_else(String::new, |_| {
         let share = match answer.reserve {
             Some(_) => String::new(),
@@ -226,9 +272,8 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
                 limit = 100.0 * SHARE_ABOVE.0
             ),
         };
-        format!("{share}{}", tr(FROM_REST))
+        format!("{missing}{share}{}", tr(FROM_REST))
     });
-    let verdict = answer.stretch();
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
     let words = answer.reserve.map_or_else(
         || tr("longer, at most").to_owned(),
@@ -243,9 +288,9 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
         short: (tr("Stretch"), figure.clone()),
         figure,
         beside: format!("{brackets}{words}"),
-        verdict,
+        verdict: word.verdict(),
         no_verdict: "",
-        of_band: word_of_band(verdict, of_band).filter(|_| answer.strain.is_some()),
+        own: word.own_in_words(""),
         line,
         value: answer.reserve.or(answer.strain),
         range: if answer.has_reserve { reserve } else { range },
@@ -254,7 +299,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
     }
 }
 
-fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
+fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
     let line = match answer.apex {
         Some(apex) => {
             tr!("{cover} at the top", cover = sampled.in_line(Quantity::ApexCoverMm, apex))
@@ -262,47 +307,41 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
         None if answer.is_layered => String::new(),
         None => tr("needs “Skin on solid layers” (Advanced)").to_owned(),
     };
-    let range = sampled.range(Quantity::LeastCoverMm);
-    let of_band = range.and_then(|[low, _]| bands::cover(low)).map(in_words);
-    let verdict = answer.cover_word();
     let brackets = sampled.brackets(Quantity::LeastCoverMm, true);
     Card {
         title: tr("Cover over implant"),
         short: (tr("Cover"), text_of(answer.cover, |v| format!("{} mm", fixed(v, 1)))),
         figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
         beside: tr!("{brackets}at least; at rest {rest:.1} mm", brackets, rest = answer.rest),
-        verdict,
+        verdict: word.verdict(),
         no_verdict: tr("no published limit"),
-        of_band: word_of_band(verdict, of_band).filter(|_| answer.cover.is_some()),
+        own: word.own_in_words(tr("not thin")),
         line,
         value: answer.cover,
-        range,
+        range: sampled.range(Quantity::LeastCoverMm),
         median: sampled.median(Quantity::LeastCoverMm),
         scale: BarScale::Part { whole: answer.rest },
     }
 }
 
-fn pressure_card(answer: &Answer, sampled: &Sampled<'_>) -> Card {
+fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
     let most = answer.pressure.map(|(_, most)| most);
     let figure = text_of(most, |v| format!("{v:.0} mmHg"));
-    let range = sampled.range(Quantity::GreatestPressureMmhg);
-    let of_band = range.map(|[_, high]| pressure_verdict(high));
     let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
         tr!("{pressure} on average", pressure = sampled.in_line(Quantity::MeanPressureMmhg, mean))
     });
-    let verdict = answer.pressure_word();
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
     Card {
         title: tr("Pressure on the tissue"),
         short: (tr("Pressure"), figure.clone()),
         figure,
         beside: tr!("{brackets}at most", brackets),
-        verdict,
+        verdict: word.verdict(),
         no_verdict: "",
-        of_band: word_of_band(verdict, of_band).filter(|_| most.is_some()),
+        own: word.own_in_words(""),
         line,
         value: most,
-        range,
+        range: sampled.range(Quantity::GreatestPressureMmhg),
         median: sampled.median(Quantity::GreatestPressureMmhg),
         scale: BarScale::Bands { limits: &bands::PRESSURE, most: MOST_PRESSURE, in_percent: false },
     }
@@ -353,20 +392,24 @@ mod tests {
                 "skin stretch beyond. Stretch 60 %, cover 7.2 mm, pressure 90 mmHg.",
             ),
         ] {
-            assert_eq!(of.in_a_sentence(), sentence);
+            assert_eq!(of.in_a_sentence(None), sentence);
         }
     }
 
     #[test]
-    fn a_worse_word_of_the_band_has_its_own_line() {
-        let line = |own, of_band| word_of_band(own, of_band);
-        let worse = Some("In 1 of 10 such patients: very high".to_owned());
-        assert_eq!(line(Some((1, "high")), Some((2, "very high"))), worse);
-        assert_eq!(line(Some((2, "very high")), Some((2, "very high"))), None);
-        assert_eq!(line(Some((2, "very high")), Some((1, "high"))), None);
-        assert_eq!(line(Some((1, "high")), None), None);
-        // A cover that is not thin has no word.
-        assert!(line(None, Some((1, "thin"))).is_some());
+    fn a_worse_word_of_the_band_is_that_of_the_card_beside_the_plans_own() {
+        let [high, very_high, thin] = [(1, "high"), (2, "very high"), (1, "thin")];
+        let word = |own, of_band| {
+            let word = Word { own, of_band };
+            (word.verdict(), word.own_in_words("not thin"))
+        };
+        let beside = |own: &str| Some(format!("In 1 of 10 such patients; this plan itself: {own}"));
+        assert_eq!(word(Some(high), Some(very_high)), (Some(very_high), beside("high")));
+        assert_eq!(word(Some(very_high), Some(very_high)), (Some(very_high), None));
+        assert_eq!(word(Some(very_high), Some(high)), (Some(very_high), None));
+        assert_eq!(word(Some(high), None), (Some(high), None));
+        assert_eq!(word(None, Some(thin)), (Some(thin), beside("not thin")));
+        assert_eq!(word(None, None), (None, None));
     }
 
     #[test]

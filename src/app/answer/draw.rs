@@ -30,7 +30,7 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
                 let beside = RichText::new(&card.beside).color(ui.visuals().weak_text_color());
                 ui.add(egui::Label::new(beside).truncate());
             });
-            if let Some(word) = &card.of_band {
+            if let Some(word) = &card.own {
                 ui.label(RichText::new(word).small());
             }
             bar(ui, card);
@@ -45,8 +45,8 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
     if let Some(findings) = findings.filter(|_| card.range.is_some()) {
         let count = findings.answers();
         tooltip = tr!(
-            "In brackets: 10th to 90th percentile of {count} sampled patients{median}. The large word is this \
-             plan's own; the bar has a line over the range.\n{tooltip}",
+            "In brackets: 10th to 90th percentile of {count} sampled patients{median}. The word is that of the worse end; the \
+             bar has a line over the range.\n{tooltip}",
             count,
             median = card
                 .median

@@ -124,7 +124,7 @@ pub(super) fn rows(
             device.words(card.title),
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
-            card.of_band.map_or(card.line.clone(), |word| format!("{word}. {}", card.line)),
+            card.own.map_or(card.line.clone(), |own| format!("{own}. {}", card.line)),
         ]
     };
     cards.into_iter().map(row).collect()
@@ -195,7 +195,13 @@ pub(super) fn sources(ui: &mut Ui, session: &Session) {
 }
 
 /// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
-pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
+///
+/// The word is that of the cards: with `findings` that of the band's worse end.
+pub(super) fn headline(
+    session: &Session,
+    previous: PreviousResults,
+    findings: Option<&Findings>,
+) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
     let [volume, width] = volume_and_width(plan);
@@ -208,7 +214,7 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
         None if session.is_working() => tr("updating…").to_owned(),
         None if no_answer::applies(session) => tr("no answer.").to_owned(),
         None => tr("no result.").to_owned(),
-        Some(_) => answer.in_a_sentence(),
+        Some(_) => answer.in_a_sentence(findings),
     };
     format!("{volume} ml, {width} cm{part}: {words}")
 }

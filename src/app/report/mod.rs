@@ -69,7 +69,11 @@ impl App {
     fn figure(&mut self) -> Result<ColorImage, String> {
         let (session, device) = (&self.session, self.plan.device);
         let figure = Figure {
-            headline: answer::headline(session, PreviousResults::Shown),
+            headline: answer::headline(
+                session,
+                PreviousResults::Shown,
+                self.uncertainty.findings(),
+            ),
             plan: plan::rows(session.scene(), device),
             cards: cards(session, device, self.uncertainty.findings()),
             remarks: remarks(session, device),
@@ -160,7 +164,8 @@ impl App {
             visit: plan::visit_in_words(session.scene()),
             running: running_head(session.scene()),
             origin: origin(),
-            headline: answer::headline(session, PreviousResults::Shown) + &self.largest_in_words(),
+            headline: answer::headline(session, PreviousResults::Shown, findings)
+                + &self.largest_in_words(),
             plan: plan::rows(session.scene(), device),
             technical: [
                 status::model(session.scene()),

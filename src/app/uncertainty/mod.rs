@@ -89,6 +89,12 @@ impl Findings {
         (solved - self.answers()) as f64 / solved.max(1) as f64
     }
 
+    /// The number of samples without an answer in a sentence, with a space after it; `None` if all have one.
+    pub(super) fn missing(&self) -> Option<String> {
+        let (none, of) = (self.solved() - self.answers(), self.solved());
+        (none > 0).then(|| tr!("{none} of {of} such patients without an answer. ", none, of))
+    }
+
     fn solved(&self) -> usize {
         self.counts.values().sum()
     }
