@@ -46,7 +46,7 @@ impl Range {
                 "Range of implants: {quantity}",
                 quantity = readout::name(self.quantity).to_lowercase()
             ),
-            caption: self.caption_in_words(map),
+            caption: self.caption_in_words(map, ""),
             accuracy: self.accuracy_in_words(map),
             chart: Chart::default(),
             range: self,
