@@ -28,23 +28,21 @@ impl Range {
             nodes = map.settings().nodes_per_side,
             fine = CHECK.nodes_per_side
         );
-        let words = self.caption_in_words(map);
-        let words = format!("{words} {}", self.accuracy_in_words(map));
-        remark(ui, words.trim_end()).on_hover_text(grids);
+        remark(ui, self.caption_in_words(map, &self.accuracy_in_words(map))).on_hover_text(grids);
         if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
             let line = RichText::new(failure).small().color(palette.bad);
             ui.add(egui::Label::new(line).wrap());
         }
     }
 
-    /// Grid and accuracy of the points once they are computed, in a sentence; empty before.
+    /// Accuracy of the points once they are computed, in a sentence; empty before.
     pub(super) fn accuracy_in_words(&self, map: &Map) -> String {
         let done = self.map.progress().0 - map.solved_in_full();
         if done < map.cases().len() { String::new() } else { self.accuracy(map) }
     }
 
-    /// Progress, pocket, points without an answer, pins beyond the chart, in sentences.
-    pub(super) fn caption_in_words(&self, map: &Map) -> String {
+    /// Progress or `accuracy`, which may be empty, pocket, points without an answer, pins beyond the chart, in sentences.
+    pub(super) fn caption_in_words(&self, map: &Map, accuracy: &str) -> String {
         let in_full = map.solved_in_full();
         let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
         let mut words = Vec::new();
@@ -52,6 +50,7 @@ impl Range {
             words.push(tr!("{done} of {all} plans computed.", done, all));
         } else {
             words.push(tr!("{all} plans computed.", all));
+            words.extend(Some(accuracy.to_owned()).filter(|words| !words.is_empty()));
         }
         if self.map.is_running() && done == all {
             words.push(tr!("The border of no answer is solved in full: {in_full} plans.", in_full));
