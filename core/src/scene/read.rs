@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn an_error_names_what_is_wrong_where_and_what_is_allowed() {
-        let error = |text: &str| json::<SceneFile>(text, "scene").unwrap_err().to_string();
+        let error = |text: &str| json::<SceneFile>(text, "scene").err().unwrap().to_string();
         assert_eq!(error(" \n"), "scene: is empty; allowed: one JSON object");
         assert_eq!(
             error("{\n\"insertion\": 1"),
