@@ -254,7 +254,7 @@ fn nothing_is_cut_on_screens_of_a_desk() {
     let _alone = alone();
     for size in [DESKTOP, egui::vec2(1280.0, 800.0), egui::vec2(1024.0, 768.0)] {
         let mut harness = app("es", size, |_| {});
-        for chips in [&[][..], &["tracción…"][..], &["expansor"][..]] {
+        for chips in [&[][..], &["cm…"][..], &["expansor"][..]] {
             for chip in chips {
                 press(&mut harness, chip);
             }
