@@ -3,7 +3,7 @@
 //!
 //! Uses `texts`, `widgets`. Used by `compare`, `viewport`.
 
-use super::texts::tr;
+use super::texts::{fixed, tr};
 use super::widgets::quantity::format_at_most;
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
@@ -23,7 +23,7 @@ const GIVEN: [Given; 5] = [
     Given { name: "Skin", unit: "", value: skin, is_in_captions: true },
     Given { name: "Pinch", unit: "cm", value: pinch, is_in_captions: true },
     Given { name: "Skin and fat at rest", unit: "mm", value: thickness, is_in_captions: false },
-    Given { name: "Skin thickness", unit: "mm", value: of_skin, is_in_captions: false },
+    Given { name: "Thickness of the skin", unit: "mm", value: of_skin, is_in_captions: false },
     Given { name: "Margin of the pocket", unit: "cm", value: margin, is_in_captions: true },
 ];
 
@@ -36,7 +36,7 @@ fn skin(scene: &Scene) -> String {
         }
         (None, Some(pull)) => tr!("pull {pull} cm", pull = format_at_most(0.1 * pull, 1, 2)),
         // Set by hand: the factor of the preset's strains.
-        _ => format!("× {scale:.2}"),
+        _ => format!("× {}", fixed(scale, 2)),
     }
 }
 
@@ -47,11 +47,11 @@ fn pinch(scene: &Scene) -> String {
 
 fn thickness(scene: &Scene) -> String {
     let sum: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
-    format!("{sum:.1}")
+    fixed(sum, 1)
 }
 
 fn of_skin(scene: &Scene) -> String {
-    scene.layers.first().map_or_else(|| "–".to_owned(), |skin| format!("{:.1}", skin.thickness_mm))
+    scene.layers.first().map_or_else(|| "–".to_owned(), |skin| fixed(skin.thickness_mm, 1))
 }
 
 fn margin(scene: &Scene) -> String {
