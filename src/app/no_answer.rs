@@ -112,9 +112,7 @@ impl NearestSearch {
             [Some(Search::Found(_)), _] | [_, Some(Search::Found(_))] => {
                 tr("The nearest plans with an answer:")
             }
-            _ => tr(
-                "No smaller volume, no lesser insertion and no base up to 4 cm wider has an answer.",
-            ),
+            _ => tr("No smaller volume, no lesser insertion and no wider base has an answer."),
         };
         // A sentence of its own: the buttons come and go below it.
         remark(ui, words);

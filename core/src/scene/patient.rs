@@ -231,9 +231,9 @@ impl Scene {
         let width = 2.0 * self.implant.base_radius_mm;
         if let Some(measured) = measured.base_width_mm.filter(|measured| width > *measured) {
             warnings.push(format!(
-                "The implant's base of {} mm is wider than the measured base width of {} mm.",
-                number(width),
-                number(measured)
+                "The implant's base of {} cm is wider than the measured base width of {} cm.",
+                number(width / 10.0),
+                number(measured / 10.0)
             ));
         }
         warnings

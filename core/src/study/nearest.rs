@@ -90,8 +90,8 @@ impl Nearest {
         }
     }
 
-    /// The search beside a plan without an answer for a wider base of the same volume, up to 4 cm wider. The pocket keeps its
-    /// margin.
+    /// The search beside a plan without an answer for a wider base of the same volume, up to 4 cm wider, and no wider
+    /// than the measured breast. The pocket keeps its margin.
     #[must_use]
     pub fn wider(plan: &Scene) -> Self {
         Self::over(plan, Varied::Narrowing, None)
@@ -225,7 +225,7 @@ impl Bracket {
                 (steps(least, VOLUME_STEP_ML), steps(present, VOLUME_STEP_ML))
             }
             Varied::Insertion => (1, steps(plan.insertion, INSERTION_STEP)),
-            Varied::Narrowing => (1, WIDTHS + 1),
+            Varied::Narrowing => (least_narrowing(plan), WIDTHS + 1),
         };
         Self { varied, is_fine: false, least: least.max(1), first: None, low: None, high }
     }
@@ -240,6 +240,13 @@ impl Bracket {
             }
         }
     }
+}
+
+/// The least narrowing of a base within the measured width of the breast: that of the widest without a measurement.
+fn least_narrowing(plan: &Scene) -> u32 {
+    let measured = plan.patient.as_ref().and_then(|patient| patient.measured.base_width_mm);
+    let fits = |narrowing: &u32| measured.is_none_or(|most| width_mm(plan, *narrowing) <= most);
+    (1..=WIDTHS).find(fits).unwrap_or(WIDTHS + 1)
 }
 
 /// The base width \[mm\] some steps below the widest: whole steps above the width of the plan.
@@ -388,6 +395,19 @@ mod tests {
         let mut nearest = Nearest::wider(&plan);
         run(&mut nearest, |_| false);
         assert_eq!(nearest.search(), &Search::Nothing);
+    }
+
+    #[test]
+    fn no_base_is_wider_than_the_measured_breast() {
+        for (breast, widest) in [(132.0, Some(130.0)), (125.0, Some(125.0)), (120.0, None)] {
+            let mut plan = Scene::opening();
+            plan.patient.as_mut().unwrap().measured.base_width_mm = Some(breast);
+            let mut nearest = Nearest::wider(&plan);
+            let solved = run(&mut nearest, |_| true);
+            let width = |scene: &Scene| 2.0 * scene.implant.base_radius_mm;
+            let most = solved.iter().map(width).reduce(f64::max);
+            assert_eq!(most, widest, "{breast}");
+        }
     }
 
     #[test]
