@@ -99,7 +99,7 @@ pub(super) fn section<'a>(
                     tr("Side by side"),
                     tr("Show the pins beside the picture, with one camera"),
                 ),
-                (Pictures::PlanOnly, tr("This plan only"), tr("Show no pin in the pictures")),
+                (Pictures::PlanOnly, tr("Off"), tr("Show no pin in the pictures")),
             ];
             for (pictures, name, tip) in choices {
                 let is_present = compare.pictures == pictures;
