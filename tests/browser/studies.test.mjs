@@ -107,7 +107,7 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     assert.match(found.results[4], /^\{"error":"insertion is 7; allowed: [^\n]+"\}$/);
     found.lines.sort();
     assert.equal(JSON.parse(found.lines[0][1]).status, "converged");
-    assert.match(JSON.parse(found.lines[1][1]).error, /EOF/);
+    assert.match(JSON.parse(found.lines[1][1]).error, /ends too early/);
     assert.match(found.bad[0], /^Error: scenes: key must be a string at line 1 column 7$/);
     assert.equal(found.bad[1], "Error: scenes is not text; allowed: a string");
     assert.equal(found.bad[2], "Error: onResult is not a function; allowed: a function");

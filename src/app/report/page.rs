@@ -59,6 +59,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     .wide{overflow-x:auto}.numbers td:not(:first-child){white-space:nowrap}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 28px}.pair>div{flex:1 1 300px}\
     .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.blank{margin:6px 0;display:flex;flex-wrap:wrap;gap:4px 10px}.blank span{flex:1 1 90px;border-bottom:1px solid #222}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
+    .notes{columns:2 300px;column-gap:20px}.notes p{margin-top:0;break-inside:avoid}\
     @media print{body{font-size:11.5px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:9px 0 2px}p{margin:4px 0}.quiet{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
     .lead{display:flex;gap:0 20px}.lead>div{flex:1 1 0;min-width:0}.lead>div:first-child{flex-grow:1.15}.lead h2{margin-top:0}img{max-height:72mm}.wide{overflow:visible}img,table:not(.numbers),tr,.note{break-inside:avoid}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
@@ -130,6 +131,7 @@ impl Page {
             let _ = write!(page, "<p class=\"quiet screen\">{}</p>", escaped(how));
         }
         put(page, "h2", tr("Where limits come from"));
+        page.push_str("<div class=\"notes\">");
         for (heading, limits) in &self.limits {
             let lines: Vec<String> = limits.lines().map(escaped).collect();
             let (heading, lines) = (escaped(heading), lines.join("<br>"));
@@ -140,6 +142,7 @@ impl Page {
             let (heading, lines) = (escaped(tr("Technical details")), lines.join("<br>"));
             let _ = write!(page, "<p class=\"quiet\"><b>{heading}</b><br>{lines}</p>");
         }
+        page.push_str("</div>");
         let _ = write!(
             page,
             "<details><summary>{}</summary><pre>{}</pre></details>",
