@@ -70,8 +70,10 @@ mod tests {
         let text = "An implant. Implant volume: implants";
         assert_eq!(Device::Implant.words(text), text);
         assert_eq!(Device::Expander.words(text), "An expander. Expander volume: expanders");
-        let warnings =
-            ["The implant's base is on the implant.", "implant capsule: strains exceed the data"];
+        let warnings = [
+            "The implant's base is on the implant.",
+            "The curve of implant capsule was extrapolated.",
+        ];
         assert_eq!(
             warnings.map(|warning| Device::Expander.warning(warning)),
             ["The expander's base is on the expander.", warnings[1]]

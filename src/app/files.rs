@@ -7,6 +7,7 @@ use crate::scene::MAX_SCENE_BYTES;
 use crate::study::volume_and_width;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use web_time::{Duration, Instant};
 
 /// Extensions of tables of sizes; other files are scenes.
 const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
@@ -17,6 +18,8 @@ pub(super) fn is_table(name: &str) -> bool {
     extension.is_some_and(|extension| TABLES.contains(&&*extension))
 }
 
+/// Time within which no user cancels a dialog.
+const LEAST_DIALOG: Duration = Duration::from_millis(300);
 /// Greatest number of characters of a reference in the name of a file.
 const MAX_NAME: usize = 40;
 
@@ -90,7 +93,10 @@ impl Files {
     fn pick(&self, ctx: &Context, kind: &str, extensions: &[&str]) {
         let dialog = rfd::AsyncFileDialog::new().add_filter(kind, extensions).pick_file();
         self.run(ctx, async move {
-            let file = dialog.await?;
+            let file = match chosen(dialog).await {
+                Ok(file) => file,
+                Err(event) => return event,
+            };
             let name = file.file_name();
             Some(text_of(name, Ok(file.read().await)))
         });
@@ -106,7 +112,10 @@ impl Files {
             .set_file_name(suggestion)
             .save_file();
         self.run(ctx, async move {
-            let file = dialog.await?;
+            let file = match chosen(dialog).await {
+                Ok(file) => file,
+                Err(event) => return event,
+            };
             let name = file.file_name();
             Some(match file.write(&content).await {
                 Ok(()) => FileEvent::Saved(name),
@@ -171,16 +180,27 @@ impl Files {
     }
 }
 
+/// The file that a user chose in a dialog; without a file nothing, or the error of a system without dialogs.
+async fn chosen(
+    dialog: impl Future<Output = Option<rfd::FileHandle>>,
+) -> Result<rfd::FileHandle, Option<FileEvent>> {
+    let start = Instant::now();
+    dialog.await.ok_or_else(|| {
+        let is_missing = cfg!(target_os = "linux") && start.elapsed() < LEAST_DIALOG;
+        let error = tr("This system has no dialog for files; install zenity or a desktop portal.");
+        is_missing.then(|| FileEvent::Failed(error.to_owned()))
+    })
+}
+
 /// Present date and time (UTC, RFC 3339).
 pub(super) fn date() -> String {
     #[cfg(target_arch = "wasm32")]
     return js_sys::Date::new_0().to_iso_string().into();
     #[cfg(not(target_arch = "wasm32"))]
-    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
+    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
-/// Present date and time (RFC 3339): that of the browser's place with its distance from UTC; on the desktop, which has no place,
-/// that of UTC.
+/// Present date and time of the machine's time zone with its distance from UTC (RFC 3339).
 pub(super) fn local_date() -> String {
     #[cfg(target_arch = "wasm32")]
     {
@@ -199,10 +219,10 @@ pub(super) fn local_date() -> String {
         )
     }
     #[cfg(not(target_arch = "wasm32"))]
-    date()
+    jiff::ZonedDateTime::now().strftime("%Y-%m-%dT%H:%M:%S%:z").to_string()
 }
 
-/// Present day as 2026-01-31: that of the browser's place; on the desktop, which has no place, that of UTC.
+/// Present day of the machine's time zone as 2026-01-31.
 pub(super) fn today() -> String {
     #[cfg(target_arch = "wasm32")]
     {
@@ -210,7 +230,7 @@ pub(super) fn today() -> String {
         format!("{:04}-{:02}-{:02}", now.get_full_year(), now.get_month() + 1, now.get_date())
     }
     #[cfg(not(target_arch = "wasm32"))]
-    date().chars().take(10).collect()
+    jiff::ZonedDateTime::now().date().to_string()
 }
 
 #[cfg(target_arch = "wasm32")]

@@ -311,7 +311,7 @@ impl Outcome {
         }
         for layer in self.layers.iter().filter(|layer| layer.beyond_curve_data) {
             self.warnings.push(format!(
-                "{}: strains exceed the data of the stress–strain curve; the curve was extrapolated.",
+                "The stress–strain curve of {} was extrapolated: the strains exceed its data.",
                 layer.tissue
             ));
         }
@@ -319,7 +319,7 @@ impl Outcome {
             let solids = self.layers.iter().zip(&problem.materials).skip(1);
             for (layer, _) in solids.filter(|(_, m)| m.poisson_ratio > MAX_POISSON_RATIO) {
                 self.warnings.push(format!(
-                    "{}: the Poisson ratio was computed as {MAX_POISSON_RATIO}; nearly incompressible solids \
+                    "The Poisson ratio of {} was computed as {MAX_POISSON_RATIO}; nearly incompressible solids \
                      are out of reach.",
                     layer.tissue
                 ));

@@ -106,7 +106,7 @@ impl Chart {
         if map.axes().len() == 2 {
             sizes.paint(&inside, &plane);
         }
-        pins.show(ui, &plane, map.axes().len() == 1);
+        pins.show(ui, &plane);
         paint_legend(ui, &painter, drawn, rect, area);
         let taken = self.choose(ui, &response, map, &plane, sizes);
         self.point(ui, &response, map, (&plane, quantity), (pins, sizes));

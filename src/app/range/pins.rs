@@ -7,7 +7,7 @@ use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
 use crate::session::Session;
 use crate::study::Map;
-use eframe::egui::{self, Align2, Sense, Stroke, TextStyle, Ui, vec2};
+use eframe::egui::{self, Align2, Pos2, Sense, Stroke, TextStyle, Ui, vec2};
 
 /// Radius of a pin on the chart \[points\].
 const RADIUS: f32 = 8.0;
@@ -17,6 +17,7 @@ const RADIUS: f32 = 8.0;
 pub(super) struct Pins {
     /// The start of the map and the revision of the pins to which the list belongs.
     key: Option<(u64, u64)>,
+    is_curve: bool,
     on_chart: Vec<Pin>,
     /// Letters of the pins beyond the axes.
     beyond: Vec<String>,
@@ -38,7 +39,8 @@ impl Pins {
         if self.key == Some(key) {
             return;
         }
-        *self = Self { key: Some(key), ..Self::default() };
+        let is_curve = map.axes().len() == 1;
+        *self = Self { key: Some(key), is_curve, ..Self::default() };
         for pin in session.pins() {
             let letter = pin.letter().to_string();
             let Some([x, y]) = map.place(pin.scene()) else {
@@ -72,20 +74,36 @@ impl Pins {
         }
     }
 
-    /// Draws the pins, each a letter in a circle; on a curve at its lower end.
-    pub(super) fn show(&self, ui: &Ui, plane: &Plane, is_curve: bool) {
-        let palette = theme::palette(ui.visuals());
-        let font = TextStyle::Small.resolve(ui.style());
-        for (k, pin) in self.on_chart.iter().enumerate() {
+    /// Centres of the pins on the screen, on a curve at its lower end. A pin on an earlier one stands beside that.
+    fn places(&self, plane: &Plane) -> Vec<Pos2> {
+        let mut places: Vec<Pos2> = Vec::with_capacity(self.on_chart.len());
+        for pin in &self.on_chart {
             let mut at = plane.at(pin.at);
-            if is_curve {
+            if self.is_curve {
                 at.y = plane.rect.bottom() - RADIUS - 2.0;
             }
+            while places.iter().any(|place| place.distance(at) < 2.0 * RADIUS) {
+                at.x += 2.0 * RADIUS;
+            }
+            places.push(at);
+        }
+        places
+    }
+
+    /// Draws the pins, each a letter in a circle, with a line to the place of one that stands beside another.
+    pub(super) fn show(&self, ui: &Ui, plane: &Plane) {
+        let palette = theme::palette(ui.visuals());
+        let font = TextStyle::Small.resolve(ui.style());
+        let places = self.places(plane);
+        for (k, (pin, at)) in self.on_chart.iter().zip(places).enumerate() {
             let (fill, text) = match pin.is_of_map {
                 true => (palette.text, ui.visuals().panel_fill),
                 false => (ui.visuals().panel_fill, palette.text),
             };
             let painter = ui.painter().with_clip_rect(plane.rect.expand(RADIUS));
+            if !self.is_curve {
+                painter.line_segment([at, plane.at(pin.at)], Stroke::new(1.5, palette.text));
+            }
             painter.circle(at, RADIUS, fill, Stroke::new(1.5, ui.visuals().panel_fill));
             if !pin.is_of_map {
                 painter.circle_stroke(at, RADIUS - 1.5, Stroke::new(1.0, text));
@@ -98,8 +116,37 @@ impl Pins {
     }
 
     /// The words of the pin at a point of the screen.
-    pub(super) fn at(&self, plane: &Plane, point: egui::Pos2) -> Option<&str> {
-        let near = |pin: &&Pin| plane.at(pin.at).distance(point) <= RADIUS;
-        self.on_chart.iter().find(near).map(|pin| &*pin.words)
+    pub(super) fn at(&self, plane: &Plane, point: Pos2) -> Option<&str> {
+        let places = self.places(plane);
+        let mut pins = self.on_chart.iter().zip(places);
+        pins.find(|(_, at)| at.distance(point) <= RADIUS).map(|(pin, _)| &*pin.words)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Rect, pos2};
+
+    #[test]
+    fn no_pin_covers_another() {
+        let pin = |letter: &str, x| Pin {
+            letter: letter.to_owned(),
+            at: (x, 1.0),
+            is_of_map: true,
+            words: letter.to_owned(),
+        };
+        let on_chart = vec![pin("A", 1.0), pin("B", 1.0), pin("C", 1.01), pin("D", 9.0)];
+        let pins = Pins { on_chart, ..Pins::default() };
+        let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(400.0, 300.0));
+        let plane = Plane { rect, x: (0.0, 10.0), y: (0.0, 2.0) };
+        let places = pins.places(&plane);
+        for (k, place) in places.iter().enumerate() {
+            assert!(places[..k].iter().all(|other| other.distance(*place) >= 2.0 * RADIUS));
+            let words = pins.at(&plane, *place);
+            assert_eq!(words, Some(&*pins.on_chart[k].words));
+        }
+        // A pin apart from the others stands at its own place.
+        assert_eq!(places[3], plane.at((9.0, 1.0)));
     }
 }

@@ -193,8 +193,8 @@ fn a_finished_sentence_is_recognised_with_its_values() {
         ("Stress in adipose", "Tensión: grasa"),
         ("pinch 20 mm", "pellizco 20 mm"),
         (
-            "skin: strains exceed the data of the stress–strain curve; the curve was extrapolated.",
-            "piel: las deformaciones superan los datos de la curva tensión–deformación; la curva se ha extrapolado.",
+            "The stress–strain curve of skin was extrapolated: the strains exceed its data.",
+            "La curva tensión–deformación de piel se ha extrapolado: las deformaciones superan sus datos.",
         ),
         ("Nobody's words", "Nobody's words"),
     ] {

@@ -271,8 +271,11 @@ impl Uncertainty {
         Some(tr!("Seed of the sampled patients: {seed}.", seed))
     }
 
-    /// The bands of the answer in one sentence, for screen readers; empty before the last sample.
+    /// The bands of the answer in one sentence, for screen readers; empty without bands.
     pub(super) fn summary(&self) -> String {
+        if self.driver.is_running() {
+            return tr(" Patients are being computed.").to_owned();
+        }
         let Some(findings) = self.findings() else { return String::new() };
         if findings.solved() < findings.samples {
             return String::new();
