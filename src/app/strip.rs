@@ -21,7 +21,7 @@ use eframe::egui::{
     self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2,
     vec2,
 };
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// Name of the strip, and of its switch.
 pub(super) const CROSS_SECTION: &str = "Cross-section";
@@ -170,9 +170,8 @@ fn hit(point: Vec2, section: &CrossSection, body: &Body, problem: &Problem) -> O
     let target = match section.layer_at(point) {
         Some(layer) => Target::Cut(layer),
         None => {
-            let across = (f64::from(point.x) - dome.center.x) / dome.base_radius;
-            let up = (f64::from(point.y) - dome.base_height) / dome.projection;
-            let is_inside = across.hypot(up) <= 1.0 && point.y >= 0.0;
+            let [x, z] = point.to_array().map(f64::from);
+            let is_inside = z >= 0.0 && dome.contains(DVec3::new(x, dome.center.y, z));
             is_inside.then_some(Target::Implant)?
         }
     };

@@ -4,7 +4,8 @@
 //! z₀ = (t − 1)·p, apex at t·p. The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 is negative inside and zero on
 //! the surface.
 
-use crate::mesh::stencil::outer;
+use super::half_ball::{HalfBall, Near};
+use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -65,6 +66,28 @@ impl Dome {
         self.base_radius
     }
 
+    /// The dome in another unit of length.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            center: self.center * factor,
+            base_radius: self.base_radius * factor,
+            projection: self.projection * factor,
+            base_height: self.base_height * factor,
+        }
+    }
+
+    /// The dome lowered until a part of its height is above the wall.
+    pub(crate) fn lowered_to(&self, part: f64) -> Self {
+        Self { base_height: self.base_height - (1.0 - part) * self.apex().z, ..*self }
+    }
+
+    /// The least half-axis \[mm\]: a point outside is no closer than this length times its gauge.
+    #[must_use]
+    pub fn least_half_axis(&self) -> f64 {
+        self.base_radius.min(self.projection)
+    }
+
     /// The greatest half-axis \[mm\]: no point of the surface moves further than this length times a change of the gauge.
     #[must_use]
     pub fn greatest_half_axis(&self) -> f64 {
@@ -83,45 +106,41 @@ impl Dome {
         self.projection * self.projection / self.base_radius
     }
 
+    /// The shape in numbers of one precision.
+    pub(crate) fn shape<R: Real>(&self) -> HalfBall<R> {
+        HalfBall::new(
+            self.origin().to_array(),
+            [self.base_radius, self.base_radius, self.projection],
+        )
+    }
+
     /// The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 \[-\]: negative inside, zero on the surface.
     #[must_use]
     pub fn gauge(&self, point: DVec3) -> f64 {
-        self.scaled(point).length() - 1.0
+        self.shape::<f64>().near(point.to_array()).length - 1.0
     }
 
     /// Gradient of [`Self::gauge`] \[1/mm\]; straight up at the ellipsoid's centre.
     #[must_use]
     pub fn gauge_gradient(&self, point: DVec3) -> DVec3 {
-        let s = self.scaled(point);
-        let direction = s.try_normalize().unwrap_or(DVec3::Z);
-        DVec3::new(
-            direction.x / self.base_radius,
-            direction.y / self.base_radius,
-            direction.z / self.projection,
-        )
+        self.gauge_and_gradient(point).1
     }
 
     /// [`Self::gauge`] and [`Self::gauge_gradient`] of one point.
     #[must_use]
     pub fn gauge_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
-        let s = self.scaled(point);
-        let length = s.length();
-        let direction = if length > 0.0 { s / length } else { DVec3::Z };
-        let axes = DVec3::new(self.base_radius, self.base_radius, self.projection);
-        (length - 1.0, direction / axes)
+        let Near { length, gradient, .. } = self.shape::<f64>().near(point.to_array());
+        let is_centre = gradient == [0.0; 3];
+        let upright = DVec3::new(0.0, 0.0, 1.0 / self.projection);
+        (length - 1.0, if is_centre { upright } else { gradient.into() })
     }
 
     /// Second derivative of [`Self::gauge`] \[1/mm²\].
     #[must_use]
     pub fn gauge_curvature(&self, point: DVec3) -> DMat3 {
-        let scale = DVec3::new(
-            1.0 / (self.base_radius * self.base_radius),
-            1.0 / (self.base_radius * self.base_radius),
-            1.0 / (self.projection * self.projection),
-        );
-        let gradient = self.gauge_gradient(point);
-        (DMat3::from_diagonal(scale) - outer(gradient, gradient))
-            * (1.0 / (self.gauge(point) + 1.0))
+        let shape: HalfBall<f64> = self.shape();
+        let [xx, xy, xz, yy, yz, zz] = shape.curvature(&shape.near(point.to_array()));
+        DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     }
 
     /// Outer unit normal of the gauge's level surface through a point.
@@ -136,25 +155,16 @@ impl Dome {
         self.project(point, 0.0)
     }
 
-    /// The point moved to where [`Self::gauge`] has the given value \[-\]: along the ray from the
-    /// ellipsoid's centre or upright, whichever is the shorter way. On a flat dome the ray leads far
-    /// aside.
+    /// The point, not below the base, moved to where [`Self::gauge`] has the given value \[-\]: along the ray from the
+    /// ellipsoid's centre or upright, whichever is the shorter way.
     #[must_use]
     pub fn project(&self, point: DVec3, gauge: f64) -> DVec3 {
-        let (s, length) = (self.scaled(point), 1.0 + gauge);
-        let scale = s.length() / length;
-        if scale < 1e-12 {
+        let shape: HalfBall<f64> = self.shape();
+        let near = shape.near(point.to_array());
+        if near.length < 1e-12 {
             return self.apex();
         }
-        let from_origin = point - self.origin();
-        let along_ray = from_origin * (1.0 / scale - 1.0);
-        let height = length * length - s.truncate().length_squared();
-        let upright = self.projection * (height.max(0.0).sqrt().copysign(s.z) - s.z);
-        if height > 0.0 && upright * upright < along_ray.length_squared() {
-            point + DVec3::Z * upright
-        } else {
-            point + along_ray
-        }
+        point + DVec3::from(shape.way_to(&near, 1.0 + gauge))
     }
 
     /// Is it its own image mirrored along x, along y, about the pocket's centre?
@@ -172,13 +182,10 @@ impl Dome {
     /// A test: is a point above the base inside by more than a fraction of the half axes, and of the base radius
     /// as a distance? The gauge's gradient turns a gauge into a distance; near the tip of a needle it is small.
     pub(crate) fn is_deeper_than(&self, fraction: f64) -> impl Fn(DVec3) -> bool + use<> {
-        let Self { base_radius, base_height, projection, .. } = *self;
-        let scale = DVec3::new(base_radius, base_radius, projection).recip();
-        let origin = self.origin();
+        let (shape, base_height, unit) = (self.shape::<f64>(), self.base_height, self.base_radius);
         move |point| {
-            let s = (point - origin) * scale;
-            let length = s.length();
-            let steepness = (s * scale).length() / length * base_radius;
+            let Near { length, gradient, .. } = shape.near(point.to_array());
+            let steepness = DVec3::from(gradient).length() * unit;
             point.z >= base_height && length < 1.0 && 1.0 - length > fraction * steepness.min(1.0)
         }
     }
@@ -254,11 +261,6 @@ impl Dome {
         );
         let closest = self.origin() + (across * foot.x).extend(foot.y.copysign(d.z));
         (point.distance(closest).copysign(self.gauge(point)), closest)
-    }
-
-    fn scaled(&self, point: DVec3) -> DVec3 {
-        let d = point - self.origin();
-        DVec3::new(d.x / self.base_radius, d.y / self.base_radius, d.z / self.projection)
     }
 }
 

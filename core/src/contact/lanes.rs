@@ -1,9 +1,10 @@
 //! Contact of four neighbouring nodes at a time, in f32.
 //!
 //! Displacements are in spacings of a grid whose nodes rest on the plane z = 0; coordinates count from the
-//! grid's centre. `length` is the dome's gauge plus one: one on the surface.
+//! grid's centre. A length is the dome's gauge plus one: one on the surface.
 
-use super::{Dome, Obstacle, TOUCH_F32, Wall};
+use super::half_ball::{HalfBall, Near};
+use super::{Obstacle, TOUCH_F32, Wall};
 use crate::mesh::vec3::{Block, Vec3, add, dot, times};
 use wide::f32x4;
 
@@ -13,10 +14,7 @@ pub(crate) const MAX_STEP: f32 = 0.5;
 /// A dome and a wall in spacings of a grid, about the grid's centre.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LaneObstacle {
-    center: [f32; 2],
-    base_height: f32,
-    per_radius: f32,
-    per_projection: f32,
+    shape: HalfBall<f32x4>,
     wall: Wall,
 }
 
@@ -29,86 +27,24 @@ pub(crate) struct Touch {
     pub(crate) active: f32x4,
 }
 
-/// Four nodes beside the dome.
-pub(crate) struct Nodes {
-    /// Positions relative to the ellipsoid's centre.
-    position: Vec3,
-    /// Gauge plus one.
-    length: f32x4,
-    /// Gradient of the gauge.
-    gradient: Vec3,
-}
-
 impl LaneObstacle {
     /// Of an obstacle in grid spacings.
     pub(crate) fn new(Obstacle { dome, wall }: &Obstacle) -> Self {
-        let Dome { center, base_radius, projection, base_height } = *dome;
-        Self {
-            center: [center.x as f32, center.y as f32],
-            base_height: base_height as f32,
-            per_radius: (1.0 / base_radius) as f32,
-            per_projection: (1.0 / projection) as f32,
-            wall: *wall,
-        }
-    }
-
-    /// May a node touch the dome? A test without roots and divisions, true within 0.05 % of the radius.
-    #[inline(always)]
-    pub(crate) fn is_near(&self, rest: [f32; 2], u: [f32; 3]) -> bool {
-        let x = (rest[0] + u[0] - self.center[0]) * self.per_radius;
-        let y = (rest[1] + u[1] - self.center[1]) * self.per_radius;
-        let z = (u[2] - self.base_height) * self.per_projection;
-        x * x + y * y + z * z < 1.0 + 1e-3
-    }
-
-    #[inline(always)]
-    fn scaled(&self, p: Vec3) -> Vec3 {
-        [p[0] * self.per_radius, p[1] * self.per_radius, p[2] * self.per_projection]
+        Self { shape: dome.shape(), wall: *wall }
     }
 
     /// Four nodes at their positions at rest and displacements.
     #[inline(always)]
-    pub(crate) fn nodes(&self, [x, y]: [f32x4; 2], u: Vec3) -> Nodes {
-        let p = [x + u[0] - self.center[0], y + u[1] - self.center[1], u[2] - self.base_height];
-        let s = self.scaled(p);
-        let length = dot(s, s).sqrt();
-        let per = f32x4::ONE / length.fast_max(f32x4::splat(1e-6));
-        let gradient = [
-            s[0] * per * self.per_radius,
-            s[1] * per * self.per_radius,
-            s[2] * per * self.per_projection,
-        ];
-        Nodes { position: p, length, gradient }
+    pub(crate) fn nodes(&self, [x, y]: [f32x4; 2], u: Vec3) -> Near<f32x4> {
+        self.shape.near([x + u[0], y + u[1], u[2]])
     }
 
-    /// The move along a nearby gradient from a position to the given gauge plus one: a root of a quadratic
-    /// equation, at most [`MAX_STEP`].
+    /// The move along a nearby gradient from a position to the given gauge plus one, at most [`MAX_STEP`].
     #[inline(always)]
     fn along_gradient(&self, position: Vec3, gradient: Vec3, length: f32x4) -> Vec3 {
-        let (s, g) = (self.scaled(position), self.scaled(gradient));
-        let (a, b, c) = (dot(g, g), dot(s, g), dot(s, s) - length * length);
-        let root = (b * b - a * c).fast_max(f32x4::ZERO).sqrt();
-        let factor = -c / (b + root).fast_max(f32x4::splat(1e-20));
+        let factor = self.shape.distance_along(position, gradient, length);
         let most = f32x4::splat(MAX_STEP);
         gradient.map(|g| (g * factor).fast_max(-most).fast_min(most))
-    }
-
-    /// The move of a position inside of the given gauge plus one onto it: along the ray from the centre or upright, whichever
-    /// is shorter. On a flat dome the ray leads far aside.
-    #[inline(always)]
-    fn outwards(&self, p: Vec3, length: f32x4, touching: f32x4) -> Vec3 {
-        let zero = f32x4::ZERO;
-        let ray = ((touching - length) / length.fast_max(f32x4::splat(1e-6))).fast_max(zero);
-        let s = self.scaled(p);
-        let height = (touching * touching - s[0] * s[0] - s[1] * s[1]).fast_max(zero).sqrt();
-        let upright = ((height - s[2]) / self.per_projection).fast_max(zero);
-        let is_upright = (upright * upright).simd_lt(ray * ray * dot(p, p));
-        let [x, y, z] = p.map(|p| p * ray);
-        [
-            is_upright.bitselect(zero, x),
-            is_upright.bitselect(zero, y),
-            is_upright.bitselect(upright, z),
-        ]
     }
 
     /// The displacements after a step `d` under the constraints.
@@ -127,7 +63,7 @@ impl LaneObstacle {
         touch: Touch,
     ) -> Vec3 {
         let mut d = step;
-        let Nodes { position, length, gradient: g } = self.nodes(rest, at);
+        let Near { position, length, gradient: g } = self.nodes(rest, at);
         let touching = touch.active.bitselect(length, touch.length);
         let gap = length - touching;
         let gap_after = gap + dot(g, d);
@@ -150,8 +86,10 @@ impl LaneObstacle {
     #[inline(always)]
     pub(crate) fn projected(&self, rest: [f32x4; 2], at: Vec3, touching: f32x4) -> Vec3 {
         let at = self.wall.projected(rest, at);
-        let Nodes { position, length, .. } = self.nodes(rest, at);
-        add(at, self.outwards(position, length, touching))
+        let near = self.nodes(rest, at);
+        let is_inside = near.length.simd_lt(touching);
+        let way = self.shape.way_to(&near, touching);
+        add(at, way.map(|way| is_inside.bitselect(way, f32x4::ZERO)))
     }
 
     /// The displacements after a correction from a coarser grid: active nodes move along the dome, no node
@@ -165,7 +103,7 @@ impl LaneObstacle {
         touch: Touch,
     ) -> Vec3 {
         let mut c = correction;
-        let Nodes { position, length, gradient: g } = self.nodes(rest, at);
+        let Near { position, length, gradient: g } = self.nodes(rest, at);
         let normal_part = dot(c, g) / dot(g, g);
         c = [0, 1, 2].map(|a| touch.active.bitselect(c[a] - g[a] * normal_part, c[a]));
         let touching = touch.active.bitselect(length, touch.length);
@@ -181,12 +119,12 @@ impl LaneObstacle {
     /// the surface may be free: it is active if its own step, of the given compliance, enters the dome.
     #[inline(always)]
     pub(crate) fn active(
-        nodes: &Nodes,
+        nodes: &Near<f32x4>,
         force: Vec3,
         compliance: impl FnOnce() -> Block,
         touching: f32x4,
     ) -> f32x4 {
-        let Nodes { length, gradient: g, .. } = *nodes;
+        let Near { length, gradient: g, .. } = *nodes;
         let zero = f32x4::ZERO;
         let mut is_active =
             length.simd_lt(touching + TOUCH_F32 as f32) & dot(force, g).simd_lt(zero);
@@ -201,7 +139,7 @@ impl LaneObstacle {
     #[inline(always)]
     pub(crate) fn unsupported(
         &self,
-        nodes: &Nodes,
+        nodes: &Near<f32x4>,
         rest: [f32x4; 2],
         at: Vec3,
         force: Vec3,

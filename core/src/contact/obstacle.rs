@@ -45,13 +45,6 @@ impl Obstacle {
     /// The obstacle in other units of length.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        let Dome { center, base_radius, projection, base_height } = self.dome;
-        let dome = Dome {
-            center: center * factor,
-            base_radius: base_radius * factor,
-            projection: projection * factor,
-            base_height: base_height * factor,
-        };
-        Self { dome, wall: self.wall.scaled(factor) }
+        Self { dome: self.dome.scaled(factor), wall: self.wall.scaled(factor) }
     }
 }

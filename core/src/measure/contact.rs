@@ -206,7 +206,7 @@ impl Contact {
         let pocket_radius = problem.patch.pocket_radius_mm;
         // The gap opens with the square of the distance under a membrane only.
         let is_centred =
-            dome.center.length() <= 1e-9 * dome.base_radius && solution.outer().is_empty();
+            dome.center.length() <= 1e-9 * dome.reference_length() && solution.outer().is_empty();
         let reach =
             self.touching().map(|(_, k)| sheet.rest()[k].length_squared()).reduce(f64::max)?.sqrt();
         if !is_centred {
@@ -245,7 +245,7 @@ impl Contact {
         let (inner, outer) = (inner.angle(), outer.angle());
         match (for_angle.at_zero(), for_radius.at_zero()) {
             (Some(angle), Some(radius)) => {
-                let cell = h / dome.base_radius;
+                let cell = h / dome.reference_length();
                 Some(Edge {
                     angle: angle
                         .clamp(inner.min(outer) - cell, inner.max(outer) + cell)

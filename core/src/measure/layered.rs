@@ -232,7 +232,7 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
     let mut least = (f64::INFINITY, [apex.x, apex.y]);
     for (_, point) in outer {
         // A bound without roots keeps far nodes out of the search.
-        if dome.gauge(*point) * dome.projection.min(dome.base_radius) > least.0 {
+        if dome.gauge(*point) * dome.least_half_axis() > least.0 {
             continue;
         }
         let distance = dome.closest_point(*point).0;

@@ -86,9 +86,9 @@ pub(crate) fn invalid(
         }
     }
     let tip = dome.apex().z;
-    let (protrusion, radius) = (tip - highest, dome.base_radius);
+    let (protrusion, radius) = (tip - highest, dome.reference_length());
     let (of_axis, of_radius) = MAX_TIP_HEIGHT;
-    is_penetrated |= protrusion > (of_axis * dome.projection.min(radius)).max(of_radius * radius);
+    is_penetrated |= protrusion > (of_axis * dome.least_half_axis()).max(of_radius * radius);
     // A small cap may lie between the nodes.
     is_penetrated |= protrusion > (0.5 * tip).max(tolerance.max(MIN_CAP_HEIGHT) * radius);
     if is_penetrated { Some(Invalid::Penetrated) } else { is_folded.then_some(Invalid::Inverted) }

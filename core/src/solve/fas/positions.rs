@@ -41,8 +41,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         offset_nodes: &mut Vec<(usize, DVec3)>,
     ) {
         let (rest, dome) = (&problem.rest, &problem.obstacle.dome);
+        let shape = dome.shape::<f64>();
         offset_nodes.clear();
-        let Level { layout, u, active, contact_offset, obstacle, .. } = self.finest();
+        let Level { layout, u, active, contact_offset, .. } = self.finest();
         let (n, first) = (layout.nodes_per_side, layout.first());
         let [along_x, along_y] = layout.mirrored;
         layout.free_rows(|j, from, to| {
@@ -50,7 +51,6 @@ impl<M: ElasticModel> FullMultigrid<M> {
                 let at = j * layout.pitch + i;
                 let [ux, uy, uz] = u.at(at).map(f64::from);
                 let (offset, is_active) = (contact_offset[at], active[at] > 0.0);
-                let is_near = obstacle.is_near(layout.rest(i, j), u.at(at));
                 let mut set = |i: usize, j: usize, u: DVec3| {
                     let k = j * n + i;
                     x[k] = rest.node(0, k) + u * self.spacing;
@@ -58,7 +58,12 @@ impl<M: ElasticModel> FullMultigrid<M> {
                         // A node on an axis of symmetry is listed twice.
                         offset_nodes.push((k, x[k]));
                     }
-                    let touches = || is_near && dome.gauge(x[k]) < TOUCH_F32;
+                    let touches = || {
+                        let point = x[k].to_array();
+                        // Most nodes need no root.
+                        shape.length_squared(point) < 1.0 + 1e-3
+                            && shape.near(point).length < 1.0 + TOUCH_F32
+                    };
                     if offset > 0.0 && is_active || offset == 0.0 && touches() {
                         x[k] = dome.onto_surface(x[k]);
                     }

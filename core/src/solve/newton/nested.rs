@@ -230,5 +230,5 @@ impl<S: System> NestedNewton<S> {
 
 /// Keeps a part of the dome's height above the wall.
 fn raise(obstacle: &mut Obstacle, part: f64) {
-    obstacle.dome.base_height -= (1.0 - part) * obstacle.dome.apex().z;
+    obstacle.dome = obstacle.dome.lowered_to(part);
 }
