@@ -165,7 +165,7 @@ pub fn caps(caps: &[CapTriangle], colors: &[Rgb], patterns: &[Pattern]) -> Mesh 
 pub fn implant(dome: &Dome) -> Mesh {
     const RINGS: usize = 48;
     const AROUND: usize = 128;
-    if dome.apex().z <= 1e-9 {
+    if dome.top() <= 1e-9 {
         return Mesh::default();
     }
     let of = |point: DVec3| {

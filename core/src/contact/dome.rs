@@ -1,13 +1,17 @@
-//! The implant: a half-ellipsoid of revolution.
+//! The implant: a half-ellipsoid of revolution, draped over the wall.
 //!
-//! (x²+y²)/R² + (z−z₀)²/p² = 1, z ≥ z₀; a hemisphere when p = R. Insertion t raises the dome:
+//! (x²+y²)/R² + (z−z₀)²/p² = 1, z ≥ z₀, with z counted from the wall; a hemisphere over the plane when p = R. Insertion t raises the dome:
 //! z₀ = (t − 1)·p, apex at t·p. The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 is negative inside and zero on
 //! the surface.
 
 use super::half_ball::{HalfBall, Near};
+use crate::mesh::Chest;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
+
+/// Steps along the normal to the closest point over a curved wall: the error falls by distance over radius of curvature a step.
+const MOST_FEET: usize = 20;
 
 /// A dome in place. Lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,25 +24,34 @@ pub struct Dome {
     pub projection: f64,
     /// Height z₀ of its base above the wall \[mm\], −p to 0.
     pub base_height: f64,
+    /// The wall that the dome is draped over.
+    pub chest: Chest,
 }
 
 impl Dome {
     /// A dome raised by `insertion` (0: its apex at the wall; 1: its base on the wall).
     #[must_use]
     pub fn new(center: DVec2, base_radius: f64, projection: f64, insertion: f64) -> Self {
-        Self { center, base_radius, projection, base_height: (insertion - 1.0) * projection }
+        let base_height = (insertion - 1.0) * projection;
+        Self { center, base_radius, projection, base_height, chest: Chest::Flat }
     }
 
     /// Centre of the ellipsoid \[mm\].
     #[must_use]
     pub fn origin(&self) -> DVec3 {
-        self.center.extend(self.base_height)
+        self.center.extend(self.chest.height(self.center) + self.base_height)
     }
 
-    /// Highest point \[mm\].
+    /// Point highest above the wall \[mm\].
     #[must_use]
     pub fn apex(&self) -> DVec3 {
-        self.center.extend(self.base_height + self.projection)
+        self.origin() + DVec3::Z * self.projection
+    }
+
+    /// Height of the apex above the wall \[mm\].
+    #[must_use]
+    pub fn top(&self) -> f64 {
+        self.base_height + self.projection
     }
 
     /// Is it a hemisphere?
@@ -74,12 +87,13 @@ impl Dome {
             base_radius: self.base_radius * factor,
             projection: self.projection * factor,
             base_height: self.base_height * factor,
+            chest: self.chest.scaled(factor),
         }
     }
 
     /// The dome lowered until a part of its height is above the wall.
     pub(crate) fn lowered_to(&self, part: f64) -> Self {
-        Self { base_height: self.base_height - (1.0 - part) * self.apex().z, ..*self }
+        Self { base_height: self.base_height - (1.0 - part) * self.top(), ..*self }
     }
 
     /// The least half-axis \[mm\]: a point outside is no closer than this length times its gauge.
@@ -108,10 +122,9 @@ impl Dome {
 
     /// The shape in numbers of one precision.
     pub(crate) fn shape<R: Real>(&self) -> HalfBall<R> {
-        HalfBall::new(
-            self.origin().to_array(),
-            [self.base_radius, self.base_radius, self.projection],
-        )
+        let half_axes = [self.base_radius, self.base_radius, self.projection];
+        let center = self.center.extend(self.base_height);
+        HalfBall::new(center.to_array(), half_axes, self.chest.heights())
     }
 
     /// The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 \[-\]: negative inside, zero on the surface.
@@ -176,17 +189,23 @@ impl Dome {
     /// Is the point strictly inside the dome?
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
-        point.z >= self.base_height && self.gauge(point) < 0.0
+        self.is_above_base(point) && self.gauge(point) < 0.0
+    }
+
+    fn is_above_base(&self, point: DVec3) -> bool {
+        point.z - self.chest.height(point.truncate()) >= self.base_height
     }
 
     /// A test: is a point above the base inside by more than a fraction of the half axes, and of the base radius
     /// as a distance? The gauge's gradient turns a gauge into a distance; near the tip of a needle it is small.
     pub(crate) fn is_deeper_than(&self, fraction: f64) -> impl Fn(DVec3) -> bool + use<> {
-        let (shape, base_height, unit) = (self.shape::<f64>(), self.base_height, self.base_radius);
+        let (dome, shape, unit) = (*self, self.shape::<f64>(), self.base_radius);
         move |point| {
             let Near { length, gradient, .. } = shape.near(point.to_array());
             let steepness = DVec3::from(gradient).length() * unit;
-            point.z >= base_height && length < 1.0 && 1.0 - length > fraction * steepness.min(1.0)
+            dome.is_above_base(point)
+                && length < 1.0
+                && 1.0 - length > fraction * steepness.min(1.0)
         }
     }
 
@@ -197,7 +216,7 @@ impl Dome {
         DVec2::new(self.base_radius * angle.sin(), self.base_height + self.projection * angle.cos())
     }
 
-    /// Points of the surface above the wall \[mm\]: circles from the apex, itself one, to the wall at equal steps of the parameter
+    /// Points of the surface \[mm\]: circles from the apex, itself one, to the wall at equal steps of the parameter
     /// of [`Self::meridian`], each counter-clockwise from the direction of x.
     pub fn circles(&self, count: usize, around: usize) -> impl Iterator<Item = DVec3> {
         let turn = |step: usize| DVec2::from_angle(TAU * step as f64 / around as f64);
@@ -205,7 +224,10 @@ impl Dome {
         let (dome, last) = (*self, self.wall_angle());
         (0..=count).flat_map(move |circle| {
             let meridian = dome.meridian(last * circle as f64 / count as f64);
-            let point = |across: &DVec2| (dome.center + meridian.x * *across).extend(meridian.y);
+            let point = |across: &DVec2| {
+                let place = dome.center + meridian.x * *across;
+                place.extend(dome.chest.height(place) + meridian.y)
+            };
             directions.iter().map(point).collect::<Vec<DVec3>>()
         })
     }
@@ -246,12 +268,21 @@ impl Dome {
         (-self.base_height / self.projection).clamp(0.0, 1.0).acos()
     }
 
-    /// Signed distance to the ellipsoid's surface \[mm\] (negative inside) and the closest point of it.
+    /// Signed distance to the surface \[mm\] (negative inside) and the closest point of it, over a curved wall by repeated
+    /// steps along the normal.
     ///
     /// The closest point of an ellipse, by Newton's method kept in its bracket (D. Eberly,
     /// "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid", 2013).
     #[must_use]
     pub fn closest_point(&self, point: DVec3) -> (f64, DVec3) {
+        if self.chest != Chest::Flat {
+            let mut foot = self.onto_surface(point);
+            for _ in 0..MOST_FEET {
+                let normal = self.normal(foot);
+                foot = self.onto_surface(point - normal * normal.dot(point - foot));
+            }
+            return (point.distance(foot).copysign(self.gauge(point)), foot);
+        }
         let d = point - self.origin();
         let radial = d.truncate().length();
         let across = if radial > 0.0 { d.truncate() / radial } else { DVec2::X };

@@ -1,9 +1,11 @@
-//! The shape of an implant: a half-ball's linear image, for one point in f64 or for four in f32.
+//! The shape of an implant: a half-ball's linear image draped over the wall, for one point in f64 or for four in f32.
 //!
-//! A point at p from the centre of the base is the image of s = (x/R, y/R, z/h) in the half-ball, R the base radius, h the
-//! projection. The length |s| is one on the surface; the gauge is |s| − 1. An implant of another shape is another file with these functions.
+//! A point at p from the centre of the base, heights counted from the wall below the point, is the image of s = (x/R, y/R, z/h) in the
+//! half-ball, R the base radius, h the projection. The length |s| is one on the surface; the gauge is |s| − 1. An implant of another
+//! shape is another file with these functions.
 
-use crate::mesh::vec3::{Block, dot, sub};
+use crate::mesh::height_field::{Ground, HeightField};
+use crate::mesh::vec3::{Block, add, dot, sub};
 use crate::number::Real;
 
 /// Lengths below which a point counts as the centre.
@@ -12,26 +14,29 @@ const LEAST_LENGTH: f64 = 1e-6;
 /// A half-ball's image in place, in any unit of length.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HalfBall<R> {
-    /// Centre of the base.
+    /// Centre of the base: a place, and a height above the wall.
     center: [R; 3],
     /// Reciprocal half-axes.
     per_axis: [R; 3],
+    wall: HeightField<R>,
 }
 
 /// A point beside the surface.
 #[derive(Clone, Copy)]
 pub(crate) struct Near<R> {
-    /// Position from the centre of the base.
+    /// Position from the centre of the base, above the wall below the point.
     pub(crate) position: [R; 3],
     /// Gauge plus one.
     pub(crate) length: R,
     /// Gradient of the gauge.
     pub(crate) gradient: [R; 3],
+    ground: Ground<R>,
 }
 
 impl<R: Real> HalfBall<R> {
-    pub(crate) fn new(center: [f64; 3], half_axes: [f64; 3]) -> Self {
-        Self { center: center.map(R::splat), per_axis: half_axes.map(|axis| R::splat(1.0 / axis)) }
+    pub(crate) fn new(center: [f64; 3], half_axes: [f64; 3], wall: HeightField<R>) -> Self {
+        let per_axis = half_axes.map(|axis| R::splat(1.0 / axis));
+        Self { center: center.map(R::splat), per_axis, wall }
     }
 
     /// The source of a vector in the half-ball.
@@ -40,42 +45,95 @@ impl<R: Real> HalfBall<R> {
         [v[0] * self.per_axis[0], v[1] * self.per_axis[1], v[2] * self.per_axis[2]]
     }
 
+    /// Position from the centre, and the wall below the point.
+    #[inline(always)]
+    fn position(&self, point: [R; 3]) -> ([R; 3], Ground<R>) {
+        if self.wall.is_flat() {
+            return (sub(point, self.center), Ground::default());
+        }
+        let ground = self.wall.at([point[0], point[1]]);
+        (sub([point[0], point[1], point[2] - ground.height], self.center), ground)
+    }
+
     /// Gauge plus one, squared: the gauge without a root.
     #[inline(always)]
     pub(crate) fn length_squared(&self, point: [R; 3]) -> R {
-        let s = self.source(sub(point, self.center));
+        let s = self.source(self.position(point).0);
         dot(s, s)
     }
 
     /// Gauge and gradient at a point; the gradient is zero at the centre.
     #[inline(always)]
     pub(crate) fn near(&self, point: [R; 3]) -> Near<R> {
-        let position = sub(point, self.center);
+        let (position, ground) = self.position(point);
         let s = self.source(position);
         let length = dot(s, s).sqrt();
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
-        Near { position, length, gradient: self.source(s.map(|s| s * per)) }
+        let mut gradient = self.source(s.map(|s| s * per));
+        if !self.wall.is_flat() {
+            let [x, y] = ground.slope.map(|slope| slope * gradient[2]);
+            gradient = [gradient[0] - x, gradient[1] - y, gradient[2]];
+        }
+        Near { position, length, gradient, ground }
     }
 
     /// Second derivative of the gauge.
     #[inline(always)]
-    pub(crate) fn curvature(&self, Near { length, gradient: g, .. }: &Near<R>) -> Block<R> {
+    pub(crate) fn curvature(&self, near: &Near<R>) -> Block<R> {
+        let Near { position, length, gradient: g, ground } = near;
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
         let [x, y, z] = self.source(self.per_axis);
-        [
+        let mut sum = [
             (x - g[0] * g[0]) * per,
             -g[0] * g[1] * per,
             -g[0] * g[2] * per,
             (y - g[1] * g[1]) * per,
             -g[1] * g[2] * per,
             (z - g[2] * g[2]) * per,
-        ]
+        ];
+        if !self.wall.is_flat() {
+            // The square of the source of (0, 0, 1), with z − w in place of z.
+            let [across, along] = ground.slope;
+            let place = [position[0] + self.center[0], position[1] + self.center[1]];
+            let [xx, xy, yy] = self.wall.curvature(place);
+            let own = [
+                z * across * across * per - g[2] * xx,
+                z * across * along * per - g[2] * xy,
+                -z * across * per,
+                z * along * along * per - g[2] * yy,
+                -z * along * per,
+                R::splat(0.0),
+            ];
+            sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        sum
+    }
+
+    /// The position after a move.
+    #[inline(always)]
+    pub(crate) fn moved(&self, near: &Near<R>, way: [R; 3]) -> [R; 3] {
+        let [x, y, z] = add(near.position, way);
+        if self.wall.is_flat() {
+            return [x, y, z];
+        }
+        let after = self.wall.at([x + self.center[0], y + self.center[1]]);
+        [x, y, z - (after.height - near.ground.height)]
     }
 
     /// The multiple of a direction, near the gradient, that leads from a position to a length: a root of a quadratic
-    /// equation.
+    /// equation; over a curved wall to first order of the way.
     #[inline(always)]
-    pub(crate) fn distance_along(&self, position: [R; 3], direction: [R; 3], length: R) -> R {
+    pub(crate) fn distance_along(
+        &self,
+        near: &Near<R>,
+        position: [R; 3],
+        mut direction: [R; 3],
+        length: R,
+    ) -> R {
+        if !self.wall.is_flat() {
+            let [x, y] = near.ground.slope;
+            direction[2] = direction[2] - (x * direction[0] + y * direction[1]);
+        }
         let (s, g) = (self.source(position), self.source(direction));
         let (a, b, c) = (dot(g, g), dot(s, g), dot(s, s) - length * length);
         let root = (b * b - a * c).max(R::splat(0.0)).sqrt();
@@ -85,7 +143,8 @@ impl<R: Real> HalfBall<R> {
     /// The way of a point, not below the base, to a length: along the ray from the centre or upright, whichever is
     /// shorter. On a flat dome the ray leads far aside.
     #[inline(always)]
-    pub(crate) fn way_to(&self, Near { position: p, length, .. }: &Near<R>, to: R) -> [R; 3] {
+    pub(crate) fn way_to(&self, near: &Near<R>, to: R) -> [R; 3] {
+        let Near { position: p, length, ground, .. } = near;
         let zero = R::splat(0.0);
         let ray = (to - *length) / length.max(R::splat(LEAST_LENGTH));
         let s = self.source(*p);
@@ -93,22 +152,34 @@ impl<R: Real> HalfBall<R> {
         let upright = (height.max(zero).sqrt() - s[2]) / self.per_axis[2];
         let most = R::select(height.is_above(zero), ray * ray * dot(*p, *p), zero);
         let is_upright = most.is_above(upright * upright);
-        [
+        let mut way = [
             R::select(is_upright, zero, p[0] * ray),
             R::select(is_upright, zero, p[1] * ray),
             R::select(is_upright, upright, p[2] * ray),
-        ]
+        ];
+        if !self.wall.is_flat() {
+            let place = [p[0] + way[0] + self.center[0], p[1] + way[1] + self.center[1]];
+            way[2] += self.wall.at(place).height - ground.height;
+        }
+        way
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::vec3::{add, times};
+    use crate::mesh::vec3::times;
     use wide::f32x4;
 
     const CENTER: [f64; 3] = [3.0, -2.0, -4.0];
     const HALF_AXES: [f64; 3] = [24.0, 24.0, 17.0];
+
+    /// The plane and a curved wall.
+    const WALLS: [[f64; 2]; 2] = [[0.0; 2], [1.0 / 70.0, 1.0 / 160.0]];
+
+    fn shape<R: Real>(wall: [f64; 2]) -> HalfBall<R> {
+        HalfBall::new(CENTER, HALF_AXES, HeightField::new(wall))
+    }
 
     fn points() -> impl Iterator<Item = [f64; 3]> {
         (0..200).map(|k| {
@@ -119,38 +190,53 @@ mod tests {
 
     #[test]
     fn both_precisions_agree_and_the_way_ends_at_its_length() {
-        let one = HalfBall::<f64>::new(CENTER, HALF_AXES);
-        let four = HalfBall::<f32x4>::new(CENTER, HALF_AXES);
-        let first = |lanes: f32x4| f64::from(lanes.to_array()[0]);
-        for point in points() {
-            let (near, lanes) = (one.near(point), four.near(point.map(<f32x4 as Real>::splat)));
-            assert!((near.length - first(lanes.length)).abs() < 1e-6);
-            for (own, lanes) in near.gradient.into_iter().zip(lanes.gradient) {
-                assert!((own - first(lanes)).abs() < 1e-6);
-            }
-            let way = one.way_to(&near, 1.1);
-            assert!((one.near(add(point, way)).length - 1.1).abs() < 1e-12);
-            for (own, lanes) in way.into_iter().zip(four.way_to(&lanes, f32x4::splat(1.1))) {
-                assert!((own - first(lanes)).abs() < 1e-3, "{own} {lanes:?} at {point:?}");
+        for wall in WALLS {
+            let (one, four) = (shape::<f64>(wall), shape::<f32x4>(wall));
+            let first = |lanes: f32x4| f64::from(lanes.to_array()[0]);
+            for point in points() {
+                let near = one.near(point);
+                let lanes = four.near(point.map(<f32x4 as Real>::splat));
+                assert!((near.length - first(lanes.length)).abs() < 1e-6);
+                for (own, lanes) in near.gradient.into_iter().zip(lanes.gradient) {
+                    assert!((own - first(lanes)).abs() < 1e-6);
+                }
+                let way = one.way_to(&near, 1.1);
+                assert!((one.near(add(point, way)).length - 1.1).abs() < 1e-12);
+                let position = one.near(add(point, way)).position;
+                for (own, moved) in position.into_iter().zip(one.moved(&near, way)) {
+                    assert!((own - moved).abs() < 1e-12);
+                }
+                for (own, lanes) in way.into_iter().zip(four.way_to(&lanes, f32x4::splat(1.1))) {
+                    assert!((own - first(lanes)).abs() < 1e-3, "{own} {lanes:?} at {point:?}");
+                }
             }
         }
     }
 
+    /// Central differences of the gauge, then of the gradient; a short way along the gradient ends at its length.
     #[test]
-    fn the_curvature_is_the_derivative_of_the_gradient() {
-        let shape = HalfBall::<f64>::new(CENTER, HALF_AXES);
-        for point in points() {
-            let block = shape.curvature(&shape.near(point));
-            for axis in 0..3 {
-                let mut along = [0.0; 3];
-                along[axis] = 1e-5;
-                let [after, before] =
-                    [add(point, along), sub(point, along)].map(|p| shape.near(p).gradient);
-                let expected = times(block, along.map(|a| a / 1e-5));
-                for k in 0..3 {
-                    let difference = (after[k] - before[k]) / 2e-5;
-                    assert!((difference - expected[k]).abs() < 1e-8);
+    fn gradient_and_curvature_are_derivatives() {
+        const STEP: f64 = 1e-5;
+        for shape in WALLS.map(shape::<f64>) {
+            for point in points() {
+                let near = shape.near(point);
+                let block = shape.curvature(&near);
+                for axis in 0..3 {
+                    let mut along = [0.0; 3];
+                    along[axis] = 1.0;
+                    let [after, before] =
+                        [STEP, -STEP].map(|step| shape.near(add(point, along.map(|a| a * step))));
+                    let slope = (after.length - before.length) / (2.0 * STEP);
+                    assert!((slope - near.gradient[axis]).abs() < 1e-8);
+                    for (k, expected) in times(block, along).into_iter().enumerate() {
+                        let difference = (after.gradient[k] - before.gradient[k]) / (2.0 * STEP);
+                        assert!((difference - expected).abs() < 1e-8);
+                    }
                 }
+                let to = near.length + 1e-3;
+                let factor = shape.distance_along(&near, near.position, near.gradient, to);
+                let end = shape.near(add(point, near.gradient.map(|g| g * factor)));
+                assert!((end.length - to).abs() < 3e-5, "{} {to}", end.length);
             }
         }
     }

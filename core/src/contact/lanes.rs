@@ -1,10 +1,10 @@
 //! Contact of four neighbouring nodes at a time, in f32.
 //!
-//! Displacements are in spacings of a grid whose nodes rest on the plane z = 0; coordinates count from the
-//! grid's centre. A length is the dome's gauge plus one: one on the surface.
+//! Displacements from `rest` are in spacings of a grid; coordinates count from the grid's centre. A length is the dome's gauge plus one: one on the surface.
 
 use super::half_ball::{HalfBall, Near};
-use super::{Obstacle, TOUCH_F32, Wall};
+use super::{Obstacle, TOUCH_F32, wall};
+use crate::mesh::height_field::HeightField;
 use crate::mesh::vec3::{Block, Vec3, add, dot, times};
 use wide::f32x4;
 
@@ -15,7 +15,7 @@ pub(crate) const MAX_STEP: f32 = 0.5;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LaneObstacle {
     shape: HalfBall<f32x4>,
-    wall: Wall,
+    wall: HeightField<f32x4>,
 }
 
 /// The contact condition of four nodes.
@@ -30,19 +30,20 @@ pub(crate) struct Touch {
 impl LaneObstacle {
     /// Of an obstacle in grid spacings.
     pub(crate) fn new(Obstacle { dome, wall }: &Obstacle) -> Self {
-        Self { shape: dome.shape(), wall: *wall }
+        Self { shape: dome.shape(), wall: wall.0.heights() }
     }
 
     /// Four nodes at their positions at rest and displacements.
     #[inline(always)]
-    pub(crate) fn nodes(&self, [x, y]: [f32x4; 2], u: Vec3) -> Near<f32x4> {
-        self.shape.near([x + u[0], y + u[1], u[2]])
+    pub(crate) fn nodes(&self, rest: Vec3, u: Vec3) -> Near<f32x4> {
+        self.shape.near(add(rest, u))
     }
 
-    /// The move along a nearby gradient from a position to the given gauge plus one, at most [`MAX_STEP`].
+    /// The move from the end of a way along the gradient at its start to the given gauge plus one, at most [`MAX_STEP`].
     #[inline(always)]
-    fn along_gradient(&self, position: Vec3, gradient: Vec3, length: f32x4) -> Vec3 {
-        let factor = self.shape.distance_along(position, gradient, length);
+    fn along_gradient(&self, near: &Near<f32x4>, way: Vec3, length: f32x4) -> Vec3 {
+        let (position, gradient) = (self.shape.moved(near, way), near.gradient);
+        let factor = self.shape.distance_along(near, position, gradient, length);
         let most = f32x4::splat(MAX_STEP);
         gradient.map(|g| (g * factor).fast_max(-most).fast_min(most))
     }
@@ -56,14 +57,15 @@ impl LaneObstacle {
     #[inline(always)]
     pub(crate) fn step(
         &self,
-        rest: [f32x4; 2],
+        rest: Vec3,
         at: Vec3,
         step: Vec3,
         compliance: Block,
         touch: Touch,
     ) -> Vec3 {
         let mut d = step;
-        let Near { position, length, gradient: g } = self.nodes(rest, at);
+        let near = self.nodes(rest, at);
+        let Near { length, gradient: g, .. } = near;
         let touching = touch.active.bitselect(length, touch.length);
         let gap = length - touching;
         let gap_after = gap + dot(g, d);
@@ -74,18 +76,18 @@ impl LaneObstacle {
             let s = times(compliance, g);
             let multiplier = gap_after / dot(g, s).fast_max(f32x4::splat(1e-30));
             d = [0, 1, 2].map(|a| d[a] - s[a] * multiplier);
-            let back = self.along_gradient(add(position, d), g, touching);
+            let back = self.along_gradient(&near, d, touching);
             moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));
         }
-        let above = self.wall.projected(rest, moved);
+        let above = wall::projected(&self.wall, rest, moved);
         [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
     }
 
     /// The displacements of nodes below the wall or inside of the dome's given gauge plus one, moved onto the
     /// surface.
     #[inline(always)]
-    pub(crate) fn projected(&self, rest: [f32x4; 2], at: Vec3, touching: f32x4) -> Vec3 {
-        let at = self.wall.projected(rest, at);
+    pub(crate) fn projected(&self, rest: Vec3, at: Vec3, touching: f32x4) -> Vec3 {
+        let at = wall::projected(&self.wall, rest, at);
         let near = self.nodes(rest, at);
         let is_inside = near.length.simd_lt(touching);
         let way = self.shape.way_to(&near, touching);
@@ -95,24 +97,17 @@ impl LaneObstacle {
     /// The displacements after a correction from a coarser grid: active nodes move along the dome, no node
     /// enters the dome or the wall.
     #[inline(always)]
-    pub(crate) fn corrected(
-        &self,
-        rest: [f32x4; 2],
-        at: Vec3,
-        correction: Vec3,
-        touch: Touch,
-    ) -> Vec3 {
+    pub(crate) fn corrected(&self, rest: Vec3, at: Vec3, correction: Vec3, touch: Touch) -> Vec3 {
         let mut c = correction;
-        let Near { position, length, gradient: g } = self.nodes(rest, at);
+        let near = self.nodes(rest, at);
+        let Near { length, gradient: g, .. } = near;
         let normal_part = dot(c, g) / dot(g, g);
         c = [0, 1, 2].map(|a| touch.active.bitselect(c[a] - g[a] * normal_part, c[a]));
         let touching = touch.active.bitselect(length, touch.length);
-        let back = self.along_gradient(add(position, c), g, touching);
+        let back = self.along_gradient(&near, c, touching);
         let is_put_back = touch.active | dot(back, g).simd_gt(f32x4::ZERO);
-        self.wall.projected(
-            rest,
-            [0, 1, 2].map(|a| at[a] + c[a] + is_put_back.bitselect(back[a], f32x4::ZERO)),
-        )
+        let moved = [0, 1, 2].map(|a| at[a] + c[a] + is_put_back.bitselect(back[a], f32x4::ZERO));
+        wall::projected(&self.wall, rest, moved)
     }
 
     /// The nodes that press on the dome, as a mask: they touch, and their force points inwards. A node near
@@ -140,13 +135,14 @@ impl LaneObstacle {
     pub(crate) fn unsupported(
         &self,
         nodes: &Near<f32x4>,
-        rest: [f32x4; 2],
+        rest: Vec3,
         at: Vec3,
         force: Vec3,
         active: f32x4,
     ) -> Vec3 {
         let g = nodes.gradient;
         let pressing = active.bitselect(dot(force, g) / dot(g, g), f32x4::ZERO);
-        self.wall.unsupported(rest, at, [0, 1, 2].map(|a| force[a] - g[a] * pressing))
+        let force = [0, 1, 2].map(|a| force[a] - g[a] * pressing);
+        wall::unsupported(&self.wall, add(rest, at), force)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::active_set::Reaction;
 use super::{Dome, Wall};
+use crate::mesh::Chest;
 use glam::{DMat3, DVec3};
 
 /// The obstacle of the tissue.
@@ -17,7 +18,13 @@ impl Obstacle {
     /// A dome on the flat wall.
     #[must_use]
     pub fn on_flat_wall(dome: Dome) -> Self {
-        Self { dome, wall: Wall::Plane }
+        Self { dome, wall: Wall::default() }
+    }
+
+    /// The dome draped over a wall: its heights count from the wall.
+    #[must_use]
+    pub fn over(self, chest: Chest) -> Self {
+        Self { dome: Dome { chest, ..self.dome }, wall: Wall(chest) }
     }
 
     /// The nearest admissible point along simple paths: up to the wall, then out of the dome to the given

@@ -1,105 +1,113 @@
 //! The chest wall, on which the tissue rests beside the implant.
 //!
-//! A node's gap to the wall is positive above the wall. A wall of another shape is another variant: its
-//! gap and normal at a point, and the projection onto its surface.
+//! A node's gap to the wall is positive above the wall: to first order its distance, exactly zero on the wall.
 
-use crate::mesh::vec3::Vec3;
+use crate::mesh::Chest;
+use crate::mesh::height_field::HeightField;
+use crate::mesh::vec3::{Vec3, dot, sub};
 use glam::{DMat3, DVec3};
 use wide::f32x4;
 
 /// A chest wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Wall {
-    /// The plane z = 0.
-    #[default]
-    Plane,
-}
+pub struct Wall(
+    /// Its shape.
+    pub Chest,
+);
 
 impl Wall {
     /// Distance of a point from the wall \[mm\], negative below the wall.
     #[inline]
     #[must_use]
     pub fn gap(self, point: DVec3) -> f64 {
-        match self {
-            Self::Plane => point.z,
+        match self.0 {
+            Chest::Flat => point.z,
+            chest => (point.z - chest.height(point.truncate())) * self.normal(point).z,
         }
     }
 
-    /// The wall's unit normal at the foot of a point.
+    /// The wall's outer unit normal below a point.
     #[inline]
     #[must_use]
-    pub fn normal(self, _point: DVec3) -> DVec3 {
-        match self {
-            Self::Plane => DVec3::Z,
+    pub fn normal(self, point: DVec3) -> DVec3 {
+        match self.0 {
+            Chest::Flat => DVec3::Z,
+            chest => (-chest.slope(point.truncate())).extend(1.0).normalize(),
         }
     }
 
-    /// The nearest point on or above the wall.
+    /// The point, lifted onto the wall from below.
     #[inline]
     #[must_use]
     pub fn project(self, point: DVec3) -> DVec3 {
-        match self {
-            Self::Plane => DVec3::new(point.x, point.y, point.z.max(0.0)),
-        }
+        let height = match self.0 {
+            Chest::Flat => 0.0,
+            chest => chest.height(point.truncate()),
+        };
+        point.with_z(point.z.max(height))
     }
 
-    /// Second derivative of the gap \[1/mm\].
+    /// Second derivative of the gap at a point of the wall along the wall \[1/mm\].
     #[inline]
     #[must_use]
-    pub fn curvature(self, _point: DVec3) -> DMat3 {
-        match self {
-            Self::Plane => DMat3::ZERO,
+    pub fn curvature(self, point: DVec3) -> DMat3 {
+        match self.0 {
+            Chest::Flat => DMat3::ZERO,
+            chest => {
+                let [xx, xy, yy] = chest.heights::<f64>().curvature([point.x, point.y]);
+                let columns = [[xx, xy, 0.0], [xy, yy, 0.0], [0.0; 3]];
+                DMat3::from_cols_array_2d(&columns) * -self.normal(point).z
+            }
         }
     }
 
     /// Is the wall its own image mirrored along x, along y, about the pocket's centre?
     #[must_use]
     pub fn mirrored(self) -> [bool; 2] {
-        match self {
-            Self::Plane => [true; 2],
-        }
+        self.0.mirrored()
     }
 
     /// The wall in other units of length.
     #[must_use]
-    pub fn scaled(self, _factor: f64) -> Self {
-        match self {
-            Self::Plane => Self::Plane,
-        }
+    pub fn scaled(self, factor: f64) -> Self {
+        Self(self.0.scaled(factor))
     }
 
-    /// The step from a point above the wall, shortened along the normal where the step would pass the wall.
+    /// The step from a point above the wall, lifted onto the wall where the step would pass the wall.
     #[inline]
     #[must_use]
     pub(crate) fn limited_step(self, point: DVec3, step: DVec3) -> DVec3 {
-        match self {
-            Self::Plane => DVec3::new(step.x, step.y, step.z.max(-point.z)),
+        match self.0 {
+            Chest::Flat => DVec3::new(step.x, step.y, step.z.max(-point.z)),
+            Chest::Curved { .. } => self.project(point + step) - point,
         }
     }
+}
 
-    /// The displacements of four nodes at the positions `rest` on the plane z = 0, on or above the wall. The wall is
-    /// in the units of the grid.
-    #[inline(always)]
-    pub(crate) fn projected(self, _rest: [f32x4; 2], [x, y, z]: Vec3) -> Vec3 {
-        match self {
-            Self::Plane => [x, y, z.fast_max(f32x4::ZERO)],
-        }
+/// The displacements of four nodes at `rest`, lifted onto the wall from below. The wall is in the units of the grid.
+#[inline(always)]
+pub(super) fn projected(wall: &HeightField<f32x4>, rest: Vec3, [x, y, z]: Vec3) -> Vec3 {
+    if wall.is_flat() {
+        return [x, y, z.fast_max(f32x4::ZERO)];
     }
+    let least = wall.at([rest[0] + x, rest[1] + y]).height - rest[2];
+    [x, y, z.fast_max(least)]
+}
 
-    /// The forces on four nodes minus the reaction of the wall.
-    #[inline(always)]
-    pub(crate) fn unsupported(
-        self,
-        _rest: [f32x4; 2],
-        displacement: Vec3,
-        [x, y, z]: Vec3,
-    ) -> Vec3 {
-        match self {
-            Self::Plane => {
-                let zero = f32x4::ZERO;
-                let is_pressing = displacement[2].simd_le(zero) & z.simd_lt(zero);
-                [x, y, is_pressing.bitselect(zero, z)]
-            }
-        }
+/// The forces on four nodes minus the reaction of the wall.
+#[inline(always)]
+pub(super) fn unsupported(wall: &HeightField<f32x4>, point: Vec3, force: Vec3) -> Vec3 {
+    let zero = f32x4::ZERO;
+    if wall.is_flat() {
+        let [x, y, z] = force;
+        let is_pressing = point[2].simd_le(zero) & z.simd_lt(zero);
+        return [x, y, is_pressing.bitselect(zero, z)];
     }
+    let ground = wall.at([point[0], point[1]]);
+    let [slope_x, slope_y] = ground.slope;
+    let upwards = [-slope_x, -slope_y, f32x4::ONE];
+    let pressing = dot(force, upwards);
+    let is_pressing = point[2].simd_le(ground.height) & pressing.simd_lt(zero);
+    let reaction = is_pressing.bitselect(pressing / dot(upwards, upwards), zero);
+    sub(force, upwards.map(|component| component * reaction))
 }

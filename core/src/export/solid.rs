@@ -45,7 +45,7 @@ impl Solid {
         const RINGS: usize = 48;
         const AROUND: usize = 128;
         let name = "implant";
-        if dome.apex().z <= 1e-9 {
+        if dome.top() <= 1e-9 {
             return Self { name, vertices: Vec::new(), parts: Vec::new() };
         }
         let mut vertices = vec![dome.apex().as_vec3()];

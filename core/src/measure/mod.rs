@@ -355,7 +355,7 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
     let least = LEAST_CELLS * rest.sheet().spacing_mm();
     let is_fully_in = dome.base_height >= 0.0;
     let room = patch.pocket_radius_mm - dome.center.length() - dome.base_radius;
-    if dome.apex().z <= 0.0 {
+    if dome.top() <= 0.0 {
         None
     } else if dome.apex_radius() < least {
         Some("the implant's tip")

@@ -6,6 +6,8 @@
 //!
 //! A place on the wall is given in geodesic polar coordinates about the pocket's centre: the lengths of a tape measure.
 
+use super::height_field::HeightField;
+use crate::number::Real;
 use glam::{DVec2, DVec3};
 
 /// The wall.
@@ -83,40 +85,41 @@ impl Chest {
 
     /// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
     fn turn(&self, at: DVec2, v: DVec2) -> DVec2 {
-        let Self::Curved { across_mm, along_mm } = self else { return DVec2::ZERO };
-        let (root, slope) = (self.root(at), self.slope(at));
-        // ∇∇w : v v = −(v_x²/ρ₁ + v_y²/ρ₂)/S − ρ₁ (x v_x/ρ₁² + y v_y/(ρ₁ρ₂))²/S³.
-        let along = at.x * v.x / across_mm + at.y * v.y / along_mm;
-        let bend = (v.x * v.x / across_mm + v.y * v.y / along_mm) / root
-            + along * along / (across_mm * root.powi(3));
-        slope * (bend / (1.0 + slope.length_squared()))
+        let slope = self.slope(at);
+        let [xx, xy, yy] = self.heights::<f64>().curvature(at.to_array());
+        let bend = xx * v.x * v.x + 2.0 * xy * v.x * v.y + yy * v.y * v.y;
+        slope * (-bend / (1.0 + slope.length_squared()))
     }
 
     /// w \[mm\] over a position of the plane.
     #[must_use]
     pub fn height(&self, at: DVec2) -> f64 {
-        match self {
-            Self::Flat => 0.0,
-            Self::Curved { across_mm, .. } => across_mm * (self.root(at) - 1.0),
-        }
+        self.heights::<f64>().at(at.to_array()).height
     }
 
     /// ∇w \[-\].
     #[must_use]
     pub fn slope(&self, at: DVec2) -> DVec2 {
-        match self {
-            Self::Flat => DVec2::ZERO,
-            Self::Curved { across_mm, along_mm } => {
-                -DVec2::new(at.x / across_mm, at.y / along_mm) / self.root(at)
-            }
-        }
+        self.heights::<f64>().at(at.to_array()).slope.into()
     }
 
-    /// S = √(1 − x²/ρ₁² − y²/(ρ₁ρ₂)).
-    fn root(&self, at: DVec2) -> f64 {
-        let Self::Curved { across_mm, along_mm } = self else { return 1.0 };
-        let share = at.x * at.x / across_mm + at.y * at.y / along_mm;
-        (1.0 - share / across_mm).max(0.0).sqrt()
+    /// The height field in numbers of one precision.
+    pub(crate) fn heights<R: Real>(&self) -> HeightField<R> {
+        HeightField::new(match *self {
+            Self::Flat => [0.0; 2],
+            Self::Curved { across_mm, along_mm } => [1.0 / across_mm, 1.0 / along_mm],
+        })
+    }
+
+    /// The wall in another unit of length.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        match *self {
+            Self::Flat => Self::Flat,
+            Self::Curved { across_mm, along_mm } => {
+                Self::Curved { across_mm: across_mm * factor, along_mm: along_mm * factor }
+            }
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 //! beyond the axis: half of the sheet, or a quarter with two axes.
 
 pub(crate) use super::lane_field::{Field, load, shifted_right, store, store_first};
+use super::vec3::Vec3;
 use super::{CellKind, Sheet};
 use glam::DVec2;
 use wide::f32x4;
@@ -62,7 +63,7 @@ pub(crate) struct Group {
     /// Number of free nodes of the four.
     pub(crate) count: usize,
     /// Positions at rest relative to the grid's centre \[spacings\].
-    pub(crate) rest: [f32x4; 2],
+    pub(crate) rest: Vec3,
     /// Is the group the first of its row?
     pub(crate) is_row_start: bool,
 }
@@ -247,7 +248,7 @@ impl Layout {
                 visit(Group {
                     first: j * self.pitch + i,
                     count: (to - i).min(4),
-                    rest: [f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y)],
+                    rest: [f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y), f32x4::ZERO],
                     is_row_start: i == from,
                 });
                 i += 4;

@@ -1,12 +1,13 @@
 //! Grids on the patch's disc.
 //!
-//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue and its edge) |
+//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `height_field` (its heights in f64 and for four f32) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `part` (the quarter or half that determines a symmetric shape) | `lanes`, `lane_field`, `vec3` (the same grid and vectors at its nodes for four f32 at a time).
 //!
 //! Uses `number`. Used by `contact`, `model`, `solve` and all to their right.
 
 mod chest;
 mod disc_grid;
+pub(crate) mod height_field;
 mod lane_field;
 pub(crate) mod lanes;
 pub(crate) mod part;

@@ -114,6 +114,17 @@ impl Rest {
         self.nodes[layer * self.sheet.len() + node]
     }
 
+    /// Area of a cell of the inner face with these corners \[mm²\]; a cell across the patch's border counts as one of the plane.
+    pub(crate) fn area(&self, corners: [usize; 4]) -> f64 {
+        let spacing = self.sheet.spacing_mm();
+        let is_within = |k: usize| self.sheet.rest()[k].length() <= self.sheet.radius_mm();
+        if self.is_flat() || !corners.into_iter().all(is_within) {
+            return spacing * spacing;
+        }
+        let [a, b, c, d] = corners.map(|k| self.node(0, k));
+        0.5 * (c - a).cross(d - b).length()
+    }
+
     /// Positions of the nodes of a layer \[mm\], row-major.
     pub fn nodes(&self, layer: usize) -> impl ExactSizeIterator<Item = DVec3> + '_ {
         (0..self.sheet.len()).map(move |node| self.node(layer, node))

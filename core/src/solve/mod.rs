@@ -254,7 +254,7 @@ impl Solver {
     /// equilibrium is above the dome's apex.
     fn error_at_rest(&self) -> f64 {
         let dome = &self.problem.obstacle.dome;
-        dome.apex().z.max(0.0) / dome.reference_length()
+        dome.top().max(0.0) / dome.reference_length()
     }
 
     /// Is the sheet at rest a solution?

@@ -122,7 +122,7 @@ pub fn solve(
     if materials.is_empty() {
         return Err(AxisymmetricError::NoLayers);
     }
-    if dome.apex().z <= 1e-9 * base_radius_mm {
+    if dome.top() <= 1e-9 * base_radius_mm {
         return Ok(flat(pocket_radius_mm));
     }
     let shooting = Shooting::new(dome, pocket_radius_mm, materials);

@@ -393,7 +393,8 @@ impl Exact<'_> {
                 }
                 let at = [i, j].map(|k| (k as f64 - half) * spacing);
                 if let Some(integrals) = attachment.integrals(self.pocket_radius, at, spacing) {
-                    visit(corners, integrals.map(|value| value * spacing * spacing));
+                    let area = self.rest.area(corners);
+                    visit(corners, integrals.map(|value| value * area));
                 }
             }
         }

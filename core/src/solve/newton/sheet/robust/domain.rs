@@ -25,7 +25,7 @@ impl SheetNewton {
     }
 
     fn has_distant_node(&self, obstacle: &Obstacle) -> bool {
-        let most = MAX_DISTANCE * (self.grid.sheet().radius_mm() + obstacle.dome.apex().z);
+        let most = MAX_DISTANCE * (self.grid.sheet().radius_mm() + obstacle.dome.top());
         self.grid.free().any(|k| self.x[0][k].length_squared() > most * most)
     }
 }
