@@ -49,7 +49,8 @@ fn long_slice(ctx: &egui::Context) -> Duration {
 }
 
 impl App {
-    /// Runs a frame: keys, one slice of solving, panels, edits. Independent of the surrounding window.
+    /// Runs a frame: keys, the panel of the plan, its edits with one slice of solving, the other panels, their edits. Independent
+    /// of the surrounding window.
     pub fn show(&mut self, ui: &mut Ui) {
         let start = Instant::now();
         let ctx = ui.ctx().clone();
@@ -65,9 +66,8 @@ impl App {
         if scene != *self.session.scene() {
             scene.clone_from(self.session.scene());
         }
-        self.is_scene_replaced = false;
+        (self.is_scene_replaced, self.has_solved) = (false, false);
         self.advance_playback(&ctx, &mut scene);
-        self.solve_slice(&ctx);
         self.poll_studies(&ctx);
         self.focus.boundary(ui, Boundary::First);
         if ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW {
@@ -81,18 +81,33 @@ impl App {
             self.curve_window = None;
         }
         self.focus.boundary(ui, Boundary::Last);
-        self.submit_edits(&ctx, &mut scene);
-        // An edit clears the previous notice, so a notice about this edit is stored after it.
-        self.notice = self.position_notice.take().or(self.notice.take());
+        self.submit_edits(&mut scene);
+        self.press.is_cancelled &= ctx.input(|input| input.pointer.any_down());
         self.focus.end_frame(&ctx, self.viewport.id());
         self.draft = Some(scene);
         self.was_paused = false;
-        // The solve of the scene ends in a frame that solves no pin.
-        if self.session.is_working() || self.session.is_solving_pins() || self.is_playing {
+        // The panels before the slice show its result in the next frame, as do the studies.
+        let is_solving = self.session.is_working() || self.session.is_solving_pins();
+        if is_solving || self.has_solved || self.is_playing {
             ctx.request_repaint();
         }
         self.note_changes();
         self.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
+    }
+
+    /// Submits the edits so far and solves for one slice, once a frame: the rest of the frame shows the edited shape.
+    pub(super) fn take_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        self.submit_edits(scene);
+        // An edit clears the previous notice, so a notice about this edit is stored after it.
+        self.notice = self.position_notice.take().or(self.notice.take());
+        if !self.has_solved {
+            self.has_solved = self.session.is_working() || self.session.is_solving_pins();
+            self.solve_slice(ctx);
+        }
+        if scene != self.session.scene() {
+            scene.clone_from(self.session.scene());
+        }
+        self.is_scene_replaced = false;
     }
 
     /// Solves for one slice.
@@ -207,9 +222,8 @@ impl App {
         }
     }
 
-    /// Turns the panels' changes of the draft into a command. After another command of this frame
-    /// (undo, say) the draft is outdated and dropped.
-    fn submit_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+    /// Counts the gesture of this frame's edits, once the panel of the plan is shown.
+    pub(super) fn count_gesture(&mut self, ctx: &egui::Context) {
         let is_new = ctx.input(|input| {
             let pointer = &input.pointer;
             pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
@@ -222,12 +236,15 @@ impl App {
             // From press to release is one gesture; each key is its own.
             self.gesture += u64::from(!self.is_playing);
         }
-        let is_cancelled = self.press.is_cancelled;
-        self.press.is_cancelled &= ctx.input(|input| input.pointer.any_down());
+    }
+
+    /// Turns the panels' changes of the draft into a command. After another command (undo, say) the draft is outdated and
+    /// dropped.
+    fn submit_edits(&mut self, scene: &mut Scene) {
         if self.is_scene_replaced || scene == self.session.scene() {
             return;
         }
-        if is_cancelled {
+        if self.press.is_cancelled {
             // The panels show the changed copy of the scene.
             return self.request_frame();
         }

@@ -1,7 +1,7 @@
 //! The app: panels around the 3-D view, on the desktop and in the page.
 //!
 //! Panels edit a copy of the scene; the app turns the difference into one [`Command`] for the
-//! [`Session`]. A frame solves for one slice of a few milliseconds, so the app stays responsive.
+//! [`Session`], and solves for one slice of a few milliseconds between the plan and what shows its results.
 //! At rest the app neither solves nor draws.
 //!
 //! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
@@ -115,8 +115,12 @@ pub struct App {
     solving: Option<RunningSolve>,
     /// Copy of the scene that the panels edit, kept between frames.
     draft: Option<Scene>,
-    /// Did a command of this frame replace the session's scene? The draft is then outdated.
+    /// Did a command replace the session's scene after the draft was made? The draft is then outdated.
     is_scene_replaced: bool,
+    /// Has this frame solved for a slice?
+    has_solved: bool,
+    /// Was the slider of the insertion moved in the previous frame? The slice then waits for the slider.
+    is_inserting: bool,
     plan: plan::Choices,
     /// Was the plan edited since the start? Then the hint is gone.
     is_edited: bool,
@@ -178,6 +182,8 @@ impl App {
             solving: None,
             draft: None,
             is_scene_replaced: false,
+            has_solved: false,
+            is_inserting: false,
             plan: plan::Choices::default(),
             is_edited: false,
             is_playing: false,

@@ -49,6 +49,10 @@ impl App {
                 self.focus.scroll_into_view(ui);
             });
         });
+        self.count_gesture(ui.ctx());
+        if !self.is_inserting {
+            self.take_edits(ui.ctx(), scene);
+        }
         let right = side_panel(egui::Panel::right("answer"), answer).show(ui, |ui| {
             column("answer").show(ui, |ui| {
                 self.answer(ui, Layout::Wide);
@@ -60,6 +64,7 @@ impl App {
             self.insertion_row(ui, scene);
             self.headline(ui);
         });
+        self.take_edits(ui.ctx(), scene);
         egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Wide));
         self.panel_widths.drag(ui, left.response.rect, right.response.rect);
     }
@@ -90,6 +95,8 @@ impl App {
                 self.focus.scroll_into_view(ui);
             });
         });
+        self.count_gesture(ui.ctx());
+        self.take_edits(ui.ctx(), scene);
         egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Narrow));
     }
 
@@ -235,7 +242,8 @@ impl App {
                 self.toggle_playback();
             }
             let (slider, mut percent) = plan::insertion(scene);
-            if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
+            self.is_inserting = slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed;
+            if self.is_inserting {
                 plan::set_insertion(scene, percent);
                 self.is_playing = false;
             }
