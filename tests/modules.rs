@@ -213,6 +213,21 @@ fn a_circle_of_imports_is_found() {
     assert_eq!(circle(&around).unwrap().len(), 3);
 }
 
+/// The files that name `App`: its state, its interface to the platform, frames, actions, the arrangement of the screen.
+const OF_APP: [&str; 5] = ["app", "app::interface", "app::logic", "app::perform", "app::ui"];
+
+#[test]
+fn panels_do_not_name_the_app() {
+    for path in all_files() {
+        let module = module_path(&path);
+        if module.starts_with("app") && !OF_APP.contains(&&*module) {
+            let code = code_of(&module, &std::fs::read_to_string(&path).unwrap());
+            let mut words = code.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+            assert!(words.all(|word| word != "App"), "{module}");
+        }
+    }
+}
+
 #[test]
 fn an_import_to_the_right_is_found() {
     let file = |text: &str| vec![("a.rs".to_owned(), "measure".to_owned(), text.to_owned())];

@@ -425,6 +425,40 @@ fn each_press_of_a_slow_frame_counts() {
 }
 
 #[test]
+fn an_edit_is_solved_in_its_own_frame() {
+    for (size, field) in [
+        (DESKTOP, "Width (cm)"),
+        (DESKTOP, "In place (%)"),
+        (PHONE, "Width (cm)"),
+        (PHONE, "In place (%)"),
+    ] {
+        let mut harness = app(size, |_| {});
+        harness.get_by_role_and_label(Role::SpinButton, field).focus();
+        harness.run();
+        let session = harness.state().session();
+        let (scene, before) = (session.scene().clone(), session.counters());
+        let revision = session.revision();
+        // The press alone: the release is a frame of its own.
+        harness.event(egui::Event::Key {
+            key: egui::Key::ArrowDown,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+        harness.step();
+        let session = harness.state().session();
+        assert_ne!(*session.scene(), scene, "{field}");
+        let after = session.counters();
+        assert_eq!((after.solves, after.slices), (before.solves + 1, before.slices + 1), "{field}");
+        assert!(session.revision() > revision, "{field}");
+        // The panels before the slice show its result in a further frame.
+        settle(&mut harness);
+        assert!(harness.query_by_label("Up to date").is_some(), "{field}");
+    }
+}
+
+#[test]
 fn playback_continues_after_an_idle_time_without_a_jump() {
     let insertion = |harness: &Harness<'static, App>| harness.state().session().scene().insertion;
     // The time step of the first frame after five idle seconds.

@@ -2,7 +2,6 @@
 //!
 //! The names are those of the accessibility tree, which egui makes for the frame after a request only.
 
-use super::App;
 use eframe::egui::accesskit::{Action, ActionRequest, Node, NodeId, TreeId, TreeUpdate};
 use eframe::egui::{Context, Event, FullOutput, Plugin, RawInput};
 use std::collections::HashMap;
@@ -56,14 +55,11 @@ fn find(tree: &TreeUpdate, name: &str) -> Option<NodeId> {
     None
 }
 
-impl App {
-    /// Moves the keyboard focus to the first control of an accessible name, within the next frames; without such a control
-    /// the focus stays.
-    pub fn focus_control(&mut self, name: &str) {
-        let controls = self.ctx.plugin_or_default::<Controls>();
-        controls.lock().wanted = Some(name.to_owned());
-        self.focus.mark_keyboard();
-        self.ctx.enable_accesskit();
-        self.request_frame();
-    }
+/// Moves the keyboard focus to the first control of an accessible name, within the next frames; without such a control the
+/// focus stays.
+pub(super) fn focus(ctx: &Context, name: &str) {
+    let controls = ctx.plugin_or_default::<Controls>();
+    controls.lock().wanted = Some(name.to_owned());
+    ctx.enable_accesskit();
+    ctx.request_repaint();
 }

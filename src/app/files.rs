@@ -1,9 +1,9 @@
 //! Opening and saving of files: dialogs and dropped files, in the background, on the desktop and in the
 //! page.
 
-use super::App;
+use super::device::Device;
 use super::texts::tr;
-use crate::scene::MAX_SCENE_BYTES;
+use crate::scene::{MAX_SCENE_BYTES, Scene};
 use crate::study::volume_and_width;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -23,27 +23,37 @@ const LEAST_DIALOG: Duration = Duration::from_millis(300);
 /// Greatest number of characters of a reference in the name of a file.
 const MAX_NAME: usize = 40;
 
-impl App {
-    /// The name of a file with the visit: device, volume, date of the visit or of today, reference and an extension, as
-    /// "implant-300ml-2026-11-25-4711.html"; `what` stands before the extension.
-    pub(super) fn name_of_file(&self, what: &str, extension: &str) -> String {
-        let visit = self.session.scene().visit.clone().unwrap_or_default();
-        self.name_with(visit.date, &visit.reference, what, extension)
-    }
+/// The name of a file with the visit: device, volume, date of the visit or of today, reference and an extension, as
+/// "implant-300ml-2026-11-25-4711.html".
+pub(super) fn name_with_visit(scene: &Scene, device: Device, extension: &str) -> String {
+    let visit = scene.visit.clone().unwrap_or_default();
+    name(scene, device, (visit.date, &visit.reference), "", extension)
+}
 
-    /// The name of a file without the visit: device, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv".
-    pub(super) fn name_without_visit(&self, what: &str, extension: &str) -> String {
-        self.name_with(String::new(), "", what, extension)
-    }
+/// The name of a file without the visit: device, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv"; `what`
+/// stands before the extension.
+pub(super) fn name_without_visit(
+    scene: &Scene,
+    device: Device,
+    what: &str,
+    extension: &str,
+) -> String {
+    name(scene, device, (String::new(), ""), what, extension)
+}
 
-    fn name_with(&self, date: String, reference: &str, what: &str, extension: &str) -> String {
-        let device = self.plan.device.english("implant");
-        let [volume, _] = volume_and_width(self.session.scene());
-        let date = if date.is_empty() { today() } else { date };
-        let parts = [device, format!("{volume}ml"), date, word_of_name(reference), what.to_owned()];
-        let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-        format!("{}.{extension}", parts.join("-"))
-    }
+fn name(
+    scene: &Scene,
+    device: Device,
+    (date, reference): (String, &str),
+    what: &str,
+    extension: &str,
+) -> String {
+    let [volume, _] = volume_and_width(scene);
+    let date = if date.is_empty() { today() } else { date };
+    let device = device.english("implant");
+    let parts = [device, format!("{volume}ml"), date, word_of_name(reference), what.to_owned()];
+    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    format!("{}.{extension}", parts.join("-"))
 }
 
 /// A text as a part of a file's name on every system: letters, digits and hyphens; what is between them is one hyphen.

@@ -1,11 +1,12 @@
 //! The filling of an expander: pressure, force and gained skin against the fill, each point one solved scene; `fill_steps` reads
 //! the curves at each visit.
 
-use super::App;
+use super::action::Action;
 use super::fill_steps::FillSteps;
 use super::plan::{self, Device};
 use super::plots::fixed_plot;
 use super::range::{marks, within_text};
+use super::shared::Shared;
 use super::studies::{Driver, Studies};
 use super::texts::{fixed, tr};
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
@@ -13,7 +14,6 @@ use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::Scene;
-use crate::session::Command;
 use crate::study::{Map, MapCheck, MapSettings, Parameter, Quantity};
 use eframe::egui::{self, RichText, Ui};
 use egui_plot::{GridMark, HoverPosition, Line, LineStyle, PlotUi, Points, Polygon, VLine};
@@ -134,6 +134,25 @@ impl Filling {
         let full_ml = Parameter::Volume.value(scene).filter(|_| is_of_plan);
         let solved = self.curve.finished().zip(full_ml);
         solved.map_or_else(Vec::new, |(curve, full)| steps_of(scene).rows(curve, full))
+    }
+
+    /// The section of the curves over the fill; nothing for an implant.
+    pub(super) fn section(&self, ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
+        if shared.choices.device != Device::Expander {
+            return;
+        }
+        let scene = shared.session.scene();
+        let fill = Parameter::Volume.value(scene).unwrap_or_default();
+        let before = steps_of(scene);
+        let (mut saved, mut steps) = (None, before);
+        group(ui, tr("Filling"), |ui| saved = self.show(ui, fill, &mut steps));
+        if steps != before {
+            let mut scene = scene.clone();
+            plan::set_fill_steps(&mut scene, steps.0);
+            actions.push(Action::Replace(scene));
+        }
+        let file = |(name, content): (&str, String)| Action::Save(name.to_owned(), content.into());
+        actions.extend(saved.map(file));
     }
 
     /// Shows the charts with the present fill \[ml\] and the steps up to this fill; returns name and content of a file to save.
@@ -260,26 +279,4 @@ fn shade(plot: &mut PlotUi<'_>, corners: [[f64; 2]; 4], palette: &Palette) {
     let color = palette.caution.gamma_multiply(0.15);
     let area = Polygon::new("", corners.to_vec()).fill_color(color);
     plot.polygon(area.stroke(egui::Stroke::NONE).allow_hover(false));
-}
-
-impl App {
-    /// The curves over the fill; nothing for an implant.
-    pub(super) fn filling(&mut self, ui: &mut Ui) {
-        if self.plan.device != Device::Expander {
-            return;
-        }
-        let fill = Parameter::Volume.value(self.session.scene()).unwrap_or_default();
-        let before = steps_of(self.session.scene());
-        let (mut saved, mut steps) = (None, before);
-        group(ui, tr("Filling"), |ui| saved = self.filling.show(ui, fill, &mut steps));
-        if steps != before {
-            let mut scene = self.session.scene().clone();
-            plan::set_fill_steps(&mut scene, steps.0);
-            self.gesture += 1;
-            self.execute(Command::Edit { scene: Box::new(scene), gesture: self.gesture });
-        }
-        if let Some((name, content)) = saved {
-            self.files.save(ui.ctx(), name, content);
-        }
-    }
 }

@@ -1,13 +1,13 @@
 //! Handles on the picture, over the implant's highest point: drags move the implant in its pocket and change its projection.
 //!
-//! Uses `plan`, `theme`, `viewport`, `widgets`. Used by `keys`, `ui`.
+//! Uses `plan`, `theme`, `viewport`, `widgets`. Used by `logic`, `ui`.
 
 use super::device::Device;
 use super::plan::{self, Choices};
 use super::texts::tr;
-use super::viewport::labelled_box;
+use super::theme;
+use super::viewport::{Viewport, labelled_box};
 use super::widgets::{arrow_keys, keep_press, set_accessible_name};
-use super::{App, theme};
 use crate::scene::Scene;
 use crate::view::body::Body;
 use eframe::egui::{
@@ -33,8 +33,15 @@ enum Kind {
     Projection,
 }
 
+/// The handles.
+#[derive(Default)]
+pub(super) struct Handles {
+    /// The running drag.
+    drag: Option<Drag>,
+}
+
 /// A drag of a handle.
-pub(super) struct Drag {
+struct Drag {
     kind: Kind,
     /// Plan and choices at the start of the drag.
     before: Box<Scene>,
@@ -74,20 +81,31 @@ impl Axes {
     }
 }
 
-impl App {
-    /// Shows the handles while the pointer is over the picture, on a touch screen always, and follows their drags.
-    pub(super) fn handles(&mut self, ui: &Ui, scene: &mut Scene) {
-        let Some(area) = self.viewport.area().filter(|_| !self.viewport.has_ruler()) else {
-            return;
-        };
-        let Some(apex) = apex(self.viewport.body(), scene.implant.center_mm) else { return };
-        let Some((at, axes)) = self.on_screen(apex, area) else { return };
+impl Handles {
+    /// Is a drag running?
+    pub(super) fn is_dragged(&self) -> bool {
+        self.drag.is_some()
+    }
+
+    /// Shows the handles while the pointer is over the picture, on a touch screen always, and follows their drags. After a
+    /// cancelled press a drag changes nothing.
+    pub(super) fn show(
+        &mut self,
+        ui: &Ui,
+        viewport: &mut Viewport,
+        is_cancelled: bool,
+        scene: &mut Scene,
+        choices: &mut Choices,
+    ) {
+        let Some(area) = viewport.area().filter(|_| !viewport.has_ruler()) else { return };
+        let Some(apex) = apex(viewport.body(), scene.implant.center_mm) else { return };
+        let Some((at, axes)) = on_screen(viewport, apex, area) else { return };
         let finger = usize::from(ui.input(egui::InputState::has_touch_screen));
         let is_shown = finger > 0 || self.drag.is_some() || ui.rect_contains_pointer(area);
         let kinds = [(Kind::Position, at), (Kind::Projection, at - vec2(0.0, ABOVE[finger]))];
         let mut shapes = Vec::new();
         for (kind, at) in kinds {
-            let is_implant = self.plan.device == Device::Implant;
+            let is_implant = choices.device == Device::Implant;
             let is_able = kind == Kind::Position || (is_implant && axes.0[2].length() > LEAST_UP);
             if !is_able || !area.shrink(RADIUS).contains(at) {
                 continue;
@@ -98,96 +116,119 @@ impl App {
                 let is_active = response.hovered() || response.dragged();
                 shapes.extend(disc(ui, at, kind, is_active));
             }
-            self.follow(ui, &response, kind, axes, scene);
-            self.step_by_keys(ui, &response, kind, scene);
-            if self.drag.as_ref().is_some_and(|drag| drag.kind == kind) && !self.press.is_cancelled
-            {
+            self.start(ui, &response, kind, axes, (scene, choices));
+            let drag = self.drag.as_ref().filter(|drag| drag.kind == kind && !is_cancelled);
+            if let Some(drag) = drag {
+                drag.follow(&response, scene, choices);
+            }
+            step_by_keys(ui, &response, kind, scene, choices);
+            if drag.is_some() {
                 let painter = ui.painter_at(area);
-                let lines = self.about_drag(scene, kind);
+                let lines = about_drag(scene, kind, choices);
                 labelled_box(ui, &painter, area, (at, tr("Drag")), &lines);
             }
         }
-        self.viewport.paint_handles(ui, shapes);
+        viewport.paint_handles(ui, shapes);
         if !ui.input(|input| input.pointer.any_down()) {
             self.drag = None;
         }
     }
 
-    /// A point on the screen with the axes there.
-    fn on_screen(&self, point: Vec3, area: Rect) -> Option<(Pos2, Axes)> {
-        let at = self.viewport.point(point, area)?;
-        let axis = |step: Vec3| {
-            let end = self.viewport.point(point + step, area)?;
-            Some(Vec2::new(end.x - at.x, end.y - at.y))
-        };
-        Some((at, Axes([axis(Vec3::X)?, axis(Vec3::Y)?, axis(Vec3::Z)?])))
+    /// Starts the drag of a handle.
+    fn start(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        kind: Kind,
+        axes: Axes,
+        (scene, choices): (&Scene, &Choices),
+    ) {
+        if !response.dragged() || (self.drag.is_some() && !response.drag_started()) {
+            return;
+        }
+        let Some(pointer) = response.interact_pointer_pos() else { return };
+        let pointer = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
+        let (before, choices) = (Box::new(scene.clone()), *choices);
+        self.drag = Some(Drag { kind, before, choices, pointer, axes });
     }
+}
 
-    /// Changes the plan by the drag of a handle.
-    fn follow(&mut self, ui: &Ui, response: &Response, kind: Kind, axes: Axes, scene: &mut Scene) {
+impl Drag {
+    /// Changes the plan by the drag.
+    fn follow(&self, response: &Response, scene: &mut Scene, choices: &mut Choices) {
         let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
             return;
         };
-        if response.drag_started() || self.drag.is_none() {
-            let pointer = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
-            let (before, choices) = (Box::new(scene.clone()), self.plan);
-            self.drag = Some(Drag { kind, before, choices, pointer, axes });
-        }
-        let Some(drag) = self.drag.as_ref().filter(|drag| drag.kind == kind) else { return };
-        let movement = Vec2::new(pointer.x - drag.pointer.x, pointer.y - drag.pointer.y);
-        if self.press.is_cancelled || movement == Vec2::ZERO {
+        let movement = Vec2::new(pointer.x - self.pointer.x, pointer.y - self.pointer.y);
+        if movement == Vec2::ZERO {
             return;
         }
-        match kind {
+        match self.kind {
             Kind::Position => {
-                let by = drag.axes.on_wall(movement);
-                let [x, y] = drag.before.implant.center_mm;
+                let by = self.axes.on_wall(movement);
+                let [x, y] = self.before.implant.center_mm;
                 plan::move_to(scene, [x + f64::from(by.x), y + f64::from(by.y)]);
             }
             Kind::Projection => {
-                let mm = drag.before.implant.projection_mm + f64::from(drag.axes.up(movement));
-                let mut choices = drag.choices;
-                let mut dragged = Scene { implant: drag.before.implant, ..scene.clone() };
-                if plan::set_projection(&mut dragged, &mut choices, mm) {
-                    (*scene, self.plan) = (dragged, choices);
+                let mm = self.before.implant.projection_mm + f64::from(self.axes.up(movement));
+                let mut changed = self.choices;
+                let mut dragged = Scene { implant: self.before.implant, ..scene.clone() };
+                if plan::set_projection(&mut dragged, &mut changed, mm) {
+                    (*scene, *choices) = (dragged, changed);
                 }
             }
         }
     }
+}
 
-    /// Changes the plan by the arrow keys of a focused handle: 1 mm a key.
-    fn step_by_keys(&mut self, ui: &Ui, response: &Response, kind: Kind, scene: &mut Scene) {
-        if !response.has_focus() {
-            return;
-        }
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
-        let steps = |less, more| {
-            ui.input_mut(|input| {
-                let mut count = |key| input.count_and_consume_key(Modifiers::NONE, key) as f64;
-                count(more) - count(less)
-            })
-        };
-        let up = steps(Key::ArrowDown, Key::ArrowUp);
-        let to_the_side = steps(Key::ArrowLeft, Key::ArrowRight);
-        match kind {
-            Kind::Position if up != 0.0 || to_the_side != 0.0 => {
-                let [x, y] = scene.implant.center_mm;
-                plan::move_to(scene, [x + to_the_side, y + up]);
-            }
-            Kind::Projection if up != 0.0 => {
-                let mm = scene.implant.projection_mm + up;
-                plan::set_projection(scene, &mut self.plan, mm);
-            }
-            _ => {}
-        }
+/// A point on the screen with the axes there.
+fn on_screen(viewport: &Viewport, point: Vec3, area: Rect) -> Option<(Pos2, Axes)> {
+    let at = viewport.point(point, area)?;
+    let axis = |step: Vec3| {
+        let end = viewport.point(point + step, area)?;
+        Some(Vec2::new(end.x - at.x, end.y - at.y))
+    };
+    Some((at, Axes([axis(Vec3::X)?, axis(Vec3::Y)?, axis(Vec3::Z)?])))
+}
+
+/// Changes the plan by the arrow keys of a focused handle: 1 mm a key.
+fn step_by_keys(
+    ui: &Ui,
+    response: &Response,
+    kind: Kind,
+    scene: &mut Scene,
+    choices: &mut Choices,
+) {
+    if !response.has_focus() {
+        return;
     }
-
-    /// What a drag has reached, and why the implant goes no further.
-    fn about_drag(&self, scene: &Scene, kind: Kind) -> Vec<String> {
-        match kind {
-            Kind::Position => plan::position_in_words(scene),
-            Kind::Projection => plan::projection_in_words(scene, &self.plan),
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
+    let steps = |less, more| {
+        ui.input_mut(|input| {
+            let mut count = |key| input.count_and_consume_key(Modifiers::NONE, key) as f64;
+            count(more) - count(less)
+        })
+    };
+    let up = steps(Key::ArrowDown, Key::ArrowUp);
+    let to_the_side = steps(Key::ArrowLeft, Key::ArrowRight);
+    match kind {
+        Kind::Position if up != 0.0 || to_the_side != 0.0 => {
+            let [x, y] = scene.implant.center_mm;
+            plan::move_to(scene, [x + to_the_side, y + up]);
         }
+        Kind::Projection if up != 0.0 => {
+            let mm = scene.implant.projection_mm + up;
+            plan::set_projection(scene, choices, mm);
+        }
+        _ => {}
+    }
+}
+
+/// What a drag has reached, and why the implant goes no further.
+fn about_drag(scene: &Scene, kind: Kind, choices: &Choices) -> Vec<String> {
+    match kind {
+        Kind::Position => plan::position_in_words(scene),
+        Kind::Projection => plan::projection_in_words(scene, choices),
     }
 }
 

@@ -1,55 +1,24 @@
 //! A link with the whole plan and its pins: the plan's file, compressed (deflate, RFC 1951), as base64 of addresses
 //! (RFC 4648 §5), in the fragment of the page's address. Browsers send no fragment to a server. The link leaves out the visit.
 
-use super::App;
-use super::messages::{Notice, Severity};
-use super::texts::tr;
 use crate::scene::MAX_SCENE_BYTES;
+use crate::session::Session;
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use eframe::egui;
 
 /// What precedes the plan in a fragment.
 const START: &str = "#plan=";
 /// Level of the compression, 0 to 10: a plan takes a millisecond.
 const LEVEL: u8 = 10;
 
-impl App {
-    /// Sets the address of the page without its fragment; links start with it.
-    pub fn set_page_address(&mut self, address: String) {
-        self.page_address = Some(address);
-    }
+/// The plan in the fragment of an address, as the JSON text of a file; `None` without a plan.
+pub(super) fn plan_of(fragment: &str) -> Option<Result<String, String>> {
+    fragment.strip_prefix(START).map(plan)
+}
 
-    /// Opens the plan in the fragment of an address; a fragment without a plan changes nothing. Returns whether there was one.
-    pub fn open_link(&mut self, fragment: &str) -> bool {
-        let Some(text) = fragment.strip_prefix(START) else { return false };
-        let before = self.session.scene().clone();
-        let opened = plan(text).and_then(|json| self.open(json).map_err(|e| e.to_string()));
-        let is_changed = !before.is_same_plan(self.session.scene());
-        let done = tr("Opened the plan of the link. Undo brings the previous one back.").to_owned();
-        let notice = self.show_opened(opened, tr("The link"), done);
-        // The page of a link that was open already says nothing.
-        self.notice = (is_changed || notice.severity == Severity::Error).then_some(notice);
-        self.request_frame();
-        true
-    }
-
-    /// Copies the link of the plan, in a page.
-    pub(super) fn copy_link(&mut self, ctx: &egui::Context, address: &str) {
-        let link = format!("{address}{START}{}", text(&self.session.shared_document_json()));
-        let length = link.len();
-        ctx.copy_text(link);
-        let left_out = match self.session.scene().visit {
-            Some(_) => tr(", without the entries for the file"),
-            None => "",
-        };
-        self.notice = Some(Notice::info(tr!(
-            "The link is in the clipboard: {length} characters, which hold the whole plan{left_out}. Nothing is stored \
-             elsewhere.",
-            length,
-            left_out
-        )));
-    }
+/// The link of the session's plan on the page of an address.
+pub(super) fn link(address: &str, session: &Session) -> String {
+    format!("{address}{START}{}", text(&session.shared_document_json()))
 }
 
 /// A file as text for an address.

@@ -1,36 +1,51 @@
 //! The logic of a frame: slices of solving, commands, edits of the panels, files.
 
-use super::answer::PreviousResults;
 use super::files::{FileEvent, is_table};
 use super::focus::Boundary;
 use super::messages::Notice;
+use super::shared::{LONG, RunningSolve, Shared};
 use super::status::SliceOf;
 use super::texts::tr;
 use super::widgets::note_cancelled_press;
-use super::{App, plan, theme};
+use super::{App, Panels, commands, keys, plan, theme, toolbar};
 use crate::measure::no_shape;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError};
 use crate::solve::Progress;
 use crate::view::camera::View;
-use eframe::egui::{self, Ui};
+use eframe::egui::{self, Key, Modifiers, Ui};
 use web_time::{Duration, Instant};
 
 /// Time limit of a slice of solving; the running step is finished.
 const SLICE: Duration = Duration::from_millis(10);
-/// Time of a solve after which the app shows its progress and hides the previous results.
-const LONG: Duration = Duration::from_millis(400);
 /// Upper limit of a slice of a long solve or of a pin, for slow frames.
 const LONG_SLICE: Duration = Duration::from_millis(200);
 /// Time limit of the first slice, which solves most opening scenes.
 const FIRST_SLICE: Duration = Duration::from_millis(400);
 
-/// A solve in progress.
-#[derive(Clone, Copy)]
-pub(super) struct RunningSolve {
-    pub(super) start: Instant,
-    /// Completed fraction \[-\], 0 to 1.
-    pub(super) fraction: f64,
+/// The edits of the panels, their gesture and the playback.
+#[derive(Default)]
+pub(super) struct Edits {
+    /// Copy of the scene that the panels edit, kept between frames.
+    draft: Option<Scene>,
+    /// Did a command replace the session's scene after the draft was made? The draft is then outdated.
+    is_scene_replaced: bool,
+    /// Has this frame solved for a slice?
+    has_solved: bool,
+    /// Was the slider of the insertion moved in the previous frame? The slice then waits for the slider.
+    pub(super) is_inserting: bool,
+    /// Was the plan edited since the start? Then the hint is gone.
+    pub(super) is_edited: bool,
+    pub(super) is_playing: bool,
+    /// Was drawing suspended since the previous frame?
+    pub(super) was_paused: bool,
+    /// Number of the present gesture; edits of one gesture are one step of the history.
+    pub(super) gesture: u64,
+    /// The text field of the visit with the focus, in this frame and in the previous one.
+    pub(super) typing: (Option<egui::Id>, Option<egui::Id>),
+    pub(super) press: Press,
+    /// Notice about a position requested in this frame that does not fit the pocket.
+    pub(super) position_notice: Option<Notice>,
 }
 
 /// The last press of the pointer.
@@ -49,25 +64,25 @@ fn long_slice(ctx: &egui::Context) -> Duration {
 }
 
 impl App {
-    /// Runs a frame: keys, one slice of solving, panels, edits. Independent of the surrounding window.
+    /// Runs a frame: keys, the panel of the plan, its edits with one slice of solving, the other panels, their edits. Independent
+    /// of the surrounding window.
     pub fn show(&mut self, ui: &mut Ui) {
         let start = Instant::now();
         let ctx = ui.ctx().clone();
         self.poll_files(&ctx);
         self.focus.begin_frame(&ctx);
-        self.plan.device.note(&ctx);
+        self.shared.choices.device.note(&ctx);
         if ctx.input(|input| input.pointer.any_pressed()) {
-            self.press = Press { choices: self.plan, is_cancelled: false };
+            self.edits.press = Press { choices: self.shared.choices, is_cancelled: false };
         }
         self.handle_keys(&ctx);
-        note_cancelled_press(&ctx, self.press.is_cancelled);
-        let mut scene = self.draft.take().unwrap_or_default();
-        if scene != *self.session.scene() {
-            scene.clone_from(self.session.scene());
+        note_cancelled_press(&ctx, self.edits.press.is_cancelled);
+        let mut scene = self.edits.draft.take().unwrap_or_default();
+        if scene != *self.shared.session.scene() {
+            scene.clone_from(self.shared.session.scene());
         }
-        self.is_scene_replaced = false;
+        (self.edits.is_scene_replaced, self.edits.has_solved) = (false, false);
         self.advance_playback(&ctx, &mut scene);
-        self.solve_slice(&ctx);
         self.poll_studies(&ctx);
         self.focus.boundary(ui, Boundary::First);
         if ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW {
@@ -75,37 +90,56 @@ impl App {
         } else {
             self.wide(ui, &mut scene);
         }
-        self.help_window(&ctx);
-        self.palette_window(&ctx);
-        if self.curve_window.as_mut().is_some_and(|window| !window.show(&ctx, &mut scene)) {
-            self.curve_window = None;
+        toolbar::help(&ctx, &mut self.windows.show_help);
+        self.windows.palette.show(&ctx, &self.shared, &mut self.actions);
+        if self.windows.curve_window.as_mut().is_some_and(|window| !window.show(&ctx, &mut scene)) {
+            self.windows.curve_window = None;
         }
         self.focus.boundary(ui, Boundary::Last);
         self.submit_edits(&ctx, &mut scene);
-        // An edit clears the previous notice, so a notice about this edit is stored after it.
-        self.notice = self.position_notice.take().or(self.notice.take());
-        self.focus.end_frame(&ctx, self.viewport.id());
-        self.draft = Some(scene);
-        self.was_paused = false;
-        // The solve of the scene ends in a frame that solves no pin.
-        if self.session.is_working() || self.session.is_solving_pins() || self.is_playing {
+        self.edits.press.is_cancelled &= ctx.input(|input| input.pointer.any_down());
+        self.focus.end_frame(&ctx, self.shared.viewport.id());
+        self.edits.draft = Some(scene);
+        self.edits.was_paused = false;
+        // The panels before the slice show its result in the next frame, as do the studies.
+        if self.is_solving() || self.edits.has_solved || self.edits.is_playing {
             ctx.request_repaint();
         }
         self.note_changes();
-        self.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
+        self.shared.timing.add_frame(1000.0 * start.elapsed().as_secs_f64());
+    }
+
+    /// Submits the edits so far and solves for one slice, once a frame: the rest of the frame shows the edited shape.
+    pub(super) fn take_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        self.submit_edits(ctx, scene);
+        // An edit clears the previous notice, so a notice about this edit is stored after it.
+        self.notice = self.edits.position_notice.take().or(self.notice.take());
+        if !self.edits.has_solved {
+            self.edits.has_solved = self.is_solving();
+            self.solve_slice(ctx);
+        }
+        if scene != self.shared.session.scene() {
+            scene.clone_from(self.shared.session.scene());
+        }
+        self.edits.is_scene_replaced = false;
+    }
+
+    /// Is there a scene or a pin to solve?
+    fn is_solving(&self) -> bool {
+        self.shared.session.is_working() || self.shared.session.is_solving_pins()
     }
 
     /// Solves for one slice.
     fn solve_slice(&mut self, ctx: &egui::Context) {
-        if !self.session.is_working() {
-            self.solving = None;
+        if !self.shared.session.is_working() {
+            self.shared.solving = None;
             self.solve_pin(ctx);
             return;
         }
         let now = Instant::now();
-        let running = self.solving.unwrap_or(RunningSolve { start: now, fraction: 0.0 });
+        let running = self.shared.solving.unwrap_or(RunningSolve { start: now, fraction: 0.0 });
         // The app is of no use before its first shape.
-        let is_opening = self.session.outcome().is_none() && running.start == now;
+        let is_opening = self.shared.session.outcome().is_none() && running.start == now;
         let slice = if is_opening {
             FIRST_SLICE
         } else if running.start.elapsed() > LONG {
@@ -113,74 +147,66 @@ impl App {
         } else {
             SLICE
         };
-        let mut progress = self.session.solve(&mut || now.elapsed() >= slice);
+        let mut progress = self.shared.session.solve(&mut || now.elapsed() >= slice);
         // A draft to display would cost the opening scene a frame more: the first frames are slow.
         while is_opening && progress == Progress::Working && now.elapsed() < slice {
-            progress = self.session.solve(&mut || now.elapsed() >= slice);
+            progress = self.shared.session.solve(&mut || now.elapsed() >= slice);
         }
         let scene = if is_opening { SliceOf::OpeningScene } else { SliceOf::EditedScene };
-        self.timing.add_slice(1000.0 * now.elapsed().as_secs_f64(), scene);
-        self.session.conclude();
-        let fraction = running.fraction.max(self.session.fraction_done());
-        self.solving = Some(RunningSolve { fraction, ..running });
-        if let Some(fault) = self.session.reverted() {
+        self.shared.timing.add_slice(1000.0 * now.elapsed().as_secs_f64(), scene);
+        self.shared.session.conclude();
+        let fraction = running.fraction.max(self.shared.session.fraction_done());
+        self.shared.solving = Some(RunningSolve { fraction, ..running });
+        if let Some(fault) = self.shared.session.reverted() {
             let reason = tr(no_shape(Some(fault)));
             self.notice = Some(Notice::error(tr!(
                 "The last change was undone. {reason} Redo repeats the change.",
                 reason
             )));
-            self.is_playing = false;
+            self.edits.is_playing = false;
         }
-        if progress == Progress::Done && self.session.has_no_shape() {
-            self.is_playing = false;
+        if progress == Progress::Done && self.shared.session.has_no_shape() {
+            self.edits.is_playing = false;
         }
     }
 
     /// Advances the studies. New jobs wait for a solve of the app, unless that takes long.
     fn poll_studies(&mut self, ctx: &egui::Context) {
-        self.studies.poll(ctx, self.session.is_working() && !self.is_long());
-        self.studies.share(&self.session);
-        self.range.advance(ctx, self.session.scene(), &mut self.studies);
+        let is_working = self.shared.session.is_working();
+        self.studies.poll(ctx, is_working && !self.shared.is_long());
+        let Self { shared, studies, panels, .. } = self;
+        let Shared { session, choices, uncertainty, volume_marks, .. } = shared;
+        let Panels { range, filling, nearest, shelf_largest } = panels;
+        let scene = session.scene();
+        studies.share(session);
+        range.advance(ctx, scene, studies);
         // What is not known is sampled after an edit and its solve.
         let is_held = ctx.input(|input| input.pointer.any_down());
-        let is_busy = self.session.is_working() || self.is_playing || is_held;
-        self.filling.advance(self.session.scene(), self.plan.device, &mut self.studies, is_busy);
-        let shelf = &self.range.sizes.shelf;
-        let bands = self.uncertainty.choices(self.session.scene());
-        let plan = (self.session.scene(), shelf);
-        self.volume_marks.want_after_rest(ctx, is_busy);
-        self.volume_marks.advance(plan, bands, &mut self.studies, is_busy);
-        let sizes = &self.range.sizes;
-        self.shelf_largest.advance(self.session.scene(), sizes, &mut self.studies, is_busy);
-        self.uncertainty.advance(&self.session, &mut self.studies, ctx, is_busy);
-        self.nearest.advance(&self.session, &mut self.studies, is_busy);
+        let is_busy = is_working || self.edits.is_playing || is_held;
+        filling.advance(scene, choices.device, studies, is_busy);
+        let sizes = &range.sizes;
+        volume_marks.want_after_rest(ctx, is_busy);
+        let bands = uncertainty.choices(scene);
+        volume_marks.advance((scene, &sizes.shelf), bands, studies, is_busy);
+        shelf_largest.advance(scene, sizes, studies, is_busy);
+        uncertainty.advance(session, studies, ctx, is_busy);
+        nearest.advance(session, studies, is_busy);
     }
 
     /// Solves a pin for one slice.
     fn solve_pin(&mut self, ctx: &egui::Context) {
         let (now, slice) = (Instant::now(), long_slice(ctx));
-        self.session.advance_pins(&mut || now.elapsed() >= slice);
-    }
-
-    /// Is a long solve in progress?
-    pub(super) fn is_long(&self) -> bool {
-        self.session.is_working()
-            && self.solving.is_some_and(|running| running.start.elapsed() > LONG)
-    }
-
-    /// Visibility of the results of the previous scene.
-    pub(super) fn previous_results(&self) -> PreviousResults {
-        if self.is_long() { PreviousResults::Hidden } else { PreviousResults::Shown }
+        self.shared.session.advance_pins(&mut || now.elapsed() >= slice);
     }
 
     /// Cancels the running solve and restores the previous scene, if there is one.
     pub(super) fn cancel(&mut self) {
-        self.session.cancel();
-        self.is_scene_replaced = true;
-        self.is_playing = false;
-        self.solving = None;
-        self.timing.solve_ms = 0.0;
-        self.notice = (!self.session.is_stopped()).then(|| {
+        self.shared.session.cancel();
+        self.edits.is_scene_replaced = true;
+        self.edits.is_playing = false;
+        self.shared.solving = None;
+        self.shared.timing.solve_ms = 0.0;
+        self.notice = (!self.shared.session.is_stopped()).then(|| {
             Notice::info(tr(
                 "Cancelled. The previous plan is open; Redo computes the cancelled one again.",
             ))
@@ -189,45 +215,41 @@ impl App {
 
     /// Applies a command to the session.
     pub(super) fn apply(&mut self, command: Command) -> Result<(), CommandError> {
-        let before = self.session.revision();
-        self.session.apply(command)?;
+        let before = self.shared.session.revision();
+        self.shared.session.apply(command)?;
         self.notice = None;
-        self.is_scene_replaced = true;
-        if self.session.revision() != before {
-            self.timing.solve_ms = 0.0;
-            self.solving = None;
+        self.edits.is_scene_replaced = true;
+        if self.shared.session.revision() != before {
+            self.shared.timing.solve_ms = 0.0;
+            self.shared.solving = None;
         }
         Ok(())
     }
 
-    /// Executes a command and reports its error, if any.
-    pub(super) fn execute(&mut self, command: Command) {
-        if let Err(error) = self.apply(command) {
-            self.notice = Some(Notice::error(error.to_string()));
-        }
-    }
-
-    /// Turns the panels' changes of the draft into a command. After another command of this frame
-    /// (undo, say) the draft is outdated and dropped.
-    fn submit_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+    /// Counts the gesture of this frame's edits, once the panel of the plan is shown.
+    pub(super) fn count_gesture(&mut self, ctx: &egui::Context) {
         let is_new = ctx.input(|input| {
             let pointer = &input.pointer;
             pointer.any_pressed() || !(pointer.any_down() || pointer.any_released())
         });
         // The typing in one field of text is one gesture.
-        let typing = self.typing.0.take();
-        let is_typing_on = typing.is_some() && typing == self.typing.1;
-        self.typing.1 = typing;
+        let typing = self.edits.typing.0.take();
+        let is_typing_on = typing.is_some() && typing == self.edits.typing.1;
+        self.edits.typing.1 = typing;
         if is_new && !is_typing_on {
             // From press to release is one gesture; each key is its own.
-            self.gesture += u64::from(!self.is_playing);
+            self.edits.gesture += u64::from(!self.edits.is_playing);
         }
-        let is_cancelled = self.press.is_cancelled;
-        self.press.is_cancelled &= ctx.input(|input| input.pointer.any_down());
-        if self.is_scene_replaced || scene == self.session.scene() {
+    }
+
+    /// Performs the panels' actions, then turns their changes of the draft into a command. After another command (undo, say) the
+    /// draft is outdated and dropped.
+    fn submit_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        self.perform_all(ctx);
+        if self.edits.is_scene_replaced || scene == self.shared.session.scene() {
             return;
         }
-        if is_cancelled {
+        if self.edits.press.is_cancelled {
             // The panels show the changed copy of the scene.
             return self.request_frame();
         }
@@ -239,14 +261,15 @@ impl App {
     /// Submits an edited scene as a step of the present gesture. A position outside of the pocket is repaired first.
     fn edit(&mut self, scene: &mut Scene) -> Result<(), CommandError> {
         let repair = scene.repair();
-        self.is_edited = true;
-        if !scene.is_same_plan(self.session.scene()) {
-            self.volume_marks.want();
+        self.edits.is_edited = true;
+        if !scene.is_same_plan(self.shared.session.scene()) {
+            self.shared.volume_marks.want();
         }
         self.request_frame();
-        self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.gesture })?;
+        self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.edits.gesture })?;
         if let Some(repair) = repair {
-            self.notice = Some(Notice::caution(self.plan.device.words(&repair.to_string())));
+            self.notice =
+                Some(Notice::caution(self.shared.choices.device.words(&repair.to_string())));
         }
         Ok(())
     }
@@ -256,15 +279,16 @@ impl App {
     /// # Errors
     /// Returns one line with what is wrong and what is allowed; the plan is then unchanged.
     pub fn set_plan(&mut self, name: &str, text: &str) -> Result<(), String> {
-        let (mut scene, mut choices) = (self.session.scene().clone(), self.plan);
+        let (mut scene, mut choices) = (self.shared.session.scene().clone(), self.shared.choices);
         plan::set(&mut scene, &mut choices, name, text)?;
-        if scene == *self.session.scene() {
+        if scene == *self.shared.session.scene() {
             return Ok(());
         }
-        self.gesture += 1;
-        self.is_playing &= scene.insertion.to_bits() == self.session.scene().insertion.to_bits();
+        self.edits.gesture += 1;
+        self.edits.is_playing &=
+            scene.insertion.to_bits() == self.shared.session.scene().insertion.to_bits();
         self.edit(&mut scene).map_err(|error| error.to_string())?;
-        self.plan = choices;
+        self.shared.choices = choices;
         Ok(())
     }
 
@@ -276,7 +300,7 @@ impl App {
         while let Some(event) = self.files.next() {
             self.notice = Some(match event {
                 FileEvent::Opened { name, text } if is_table(&name) => {
-                    self.read_shelf(&name, &text)
+                    self.panels.range.read_shelf(&name, &text)
                 }
                 FileEvent::Opened { name, text } => {
                     let opened = self.open(text).map_err(|error| error.to_string());
@@ -297,7 +321,7 @@ impl App {
     ) -> Notice {
         match opened {
             Ok(()) => {
-                self.viewport.fit(&self.session, View::All);
+                self.shared.viewport.fit(&self.shared.session, View::All);
                 Notice::info(done)
             }
             Err(error) => Notice::error(tr!(
@@ -308,14 +332,87 @@ impl App {
         }
     }
 
-    pub(super) fn save_scene(&mut self, ctx: &egui::Context) {
-        let name = self.name_of_file("", "json");
-        self.files.save(ctx, &name, self.session.document_json());
+    /// Executes the shortcuts pressed since the previous frame.
+    fn handle_keys(&mut self, ctx: &egui::Context) {
+        ctx.input_mut(|input| self.windows.palette.hold_typing(input));
+        for command in ctx.input_mut(keys::take_history_keys) {
+            self.execute(command);
+        }
+        self.run_keys(ctx, false);
+        self.escape(ctx);
+        // Single keys act on the picture while it has the focus. Elsewhere they are text.
+        let focused = ctx.memory(egui::Memory::focused);
+        if focused.is_none() || focused != self.shared.viewport.id() {
+            return;
+        }
+        for step in keys::insertion_steps(ctx) {
+            let mut scene = self.shared.session.scene().clone();
+            // Rounded to whole percent: steps of 0.02 accumulate rounding errors.
+            let percent = (100.0 * (scene.insertion + step)).round();
+            scene.insertion = (percent / 100.0).clamp(0.0, 1.0);
+            self.replace(scene);
+        }
+        self.run_keys(ctx, true);
     }
 
-    pub(super) fn save_result(&mut self, ctx: &egui::Context) {
-        if let Some(text) = self.result_json() {
-            self.files.save(ctx, &self.name_without_visit("numbers", "json"), text);
+    fn run_keys(&mut self, ctx: &egui::Context, on_picture: bool) {
+        for task in commands::pressed(ctx, on_picture) {
+            self.run(ctx, task);
         }
+    }
+
+    /// Escape cancels a drag of a handle or a slider, or removes a mark of the picture, unless Escape belongs to another control.
+    fn escape(&mut self, ctx: &egui::Context) {
+        let is_pressed = ctx.input(|input| input.key_pressed(Key::Escape));
+        let is_elsewhere = self.windows.show_help
+            || self.windows.curve_window.is_some()
+            || self.windows.palette.is_open();
+        if !is_pressed || is_elsewhere || egui::Popup::is_any_open(ctx) {
+            return;
+        }
+        let picture = self.shared.viewport.id();
+        let has_focus = self.focus.is_on(picture);
+        let is_free = has_focus || self.focus.is_nowhere();
+        let is_taken = self.cancel_press(ctx)
+            || (is_free && !self.shared.is_long() && self.shared.viewport.remove_mark());
+        if is_taken {
+            // Escape has removed the focus; the next key is one for the picture too.
+            if let Some(picture) = picture.filter(|_| has_focus) {
+                ctx.memory_mut(|memory| memory.request_focus(picture));
+            }
+            ctx.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, Key::Escape));
+        }
+    }
+
+    /// Cancels the drag of a handle or a slider: plan and history are as before, and the rest of the drag changes nothing. Returns
+    /// whether there was one.
+    fn cancel_press(&mut self, ctx: &egui::Context) -> bool {
+        let is_held = ctx.input(|input| input.pointer.any_down());
+        if !is_held || self.edits.is_playing || self.edits.press.is_cancelled {
+            return false;
+        }
+        let before = self.shared.session.scene().clone();
+        self.execute(Command::CancelGesture(self.edits.gesture));
+        let is_edited = before != *self.shared.session.scene();
+        if is_edited || self.handles.is_dragged() {
+            self.edits.press.is_cancelled = true;
+            self.shared.choices = self.edits.press.choices;
+        }
+        self.edits.press.is_cancelled
+    }
+
+    pub(super) fn toggle_playback(&mut self) {
+        self.edits.is_playing = !self.edits.is_playing;
+        self.edits.gesture += 1;
+    }
+
+    /// Advances the insertion during playback by one step, once the previous step is solved.
+    fn advance_playback(&mut self, ctx: &egui::Context, scene: &mut Scene) {
+        if !self.edits.is_playing || self.shared.session.is_working() {
+            return;
+        }
+        let since = if self.edits.was_paused { 0.0 } else { ctx.input(|input| input.stable_dt) };
+        scene.insertion = keys::played(scene.insertion, f64::from(since).clamp(0.01, 0.2));
+        self.edits.is_playing = scene.insertion < 1.0;
     }
 }

@@ -2,12 +2,13 @@
 //! for this plan".
 
 use super::texts::tr;
+use super::theme;
 use super::widgets::set_accessible_name;
-use super::{App, theme};
 use crate::scene::{Scene, Springs};
 use crate::solve::Displayed;
 use eframe::egui::accesskit::Live;
 use eframe::egui::{self, Rect, RichText, Ui};
+use web_time::Duration;
 
 /// Heading of a scene without a shape.
 const NO_ANSWER: &str = "No answer";
@@ -64,7 +65,7 @@ impl Notice {
     }
 
     /// The notice with the word of its severity: some users do not see the colour.
-    fn words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let word = match self.severity {
             Severity::Info => "",
             Severity::Caution => tr("Note: "),
@@ -87,7 +88,7 @@ impl Notice {
     }
 
     /// Shows the notice over the lower edge of an area; nothing moves for it. Under the pointer it does not fade.
-    fn show(&mut self, ui: &Ui, area: Rect) -> Option<NoticeAction> {
+    pub(super) fn show(&mut self, ui: &Ui, area: Rect) -> Option<NoticeAction> {
         let now = ui.input(|input| input.time);
         let opacity = self.opacity(now);
         if opacity <= 0.0 {
@@ -130,69 +131,43 @@ impl Notice {
     }
 }
 
-impl App {
-    /// The words of the notice on the screen, for screen readers; empty without one.
-    #[must_use]
-    pub fn notice_in_words(&self) -> String {
-        self.notice.as_ref().map_or_else(String::new, Notice::words)
-    }
-
-    /// Shows the last notice over an area until the user closes it, or until it has faded.
-    pub(super) fn show_notice(&mut self, ui: &Ui, area: Rect) {
-        let Some(notice) = &mut self.notice else { return };
-        if self.was_paused {
-            // The time of a hidden tab is no time to read.
-            notice.since = None;
+/// Shows the progress of a long solve with a button to cancel, in the status line; `end` adds its words, or others, at the end.
+/// Returns whether the user cancels. `fraction`: completed \[-\], 0 to 1.
+pub(super) fn progress(
+    ui: &mut Ui,
+    (time, fraction): (Duration, f64),
+    displayed: Displayed,
+    end: impl FnOnce(&mut Ui, String),
+) -> bool {
+    let is_cancelled = ui.button(tr("Cancel")).clicked();
+    let words = match displayed {
+        Displayed::Previous => tr("the picture is that of the previous plan"),
+        Displayed::Coarse { .. } | Displayed::Draft | Displayed::Final => {
+            tr("the picture is provisional")
         }
-        match notice.show(ui, area) {
-            None => {}
-            Some(NoticeAction::Close) => {
-                self.notice = None;
-                self.request_frame();
-            }
-            Some(NoticeAction::Accept(scene)) => self.accept(scene),
-        }
-    }
+    };
+    let words = tr!("Computing for {seconds} s; {words}", seconds = time.as_secs(), words);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        end(ui, words);
+        let bar = egui::ProgressBar::new(fraction as f32)
+            .desired_width(ui.available_width().clamp(40.0, 320.0))
+            .fill(theme::palette(ui.visuals()).accent)
+            .animate(true);
+        let bar = ui.add(bar);
+        set_accessible_name(&bar, egui::Role::ProgressIndicator, tr("Progress of the solve"));
+    });
+    is_cancelled || ui.input(|input| input.key_pressed(egui::Key::Escape))
+}
 
-    /// Shows the progress of a long solve with a button to cancel, in the status line; `end` adds its words, or others, at the end.
-    pub(super) fn progress(&mut self, ui: &mut Ui, end: impl FnOnce(&mut Ui, String)) {
-        let Some(running) = self.solving else { return };
-        let is_cancelled = ui.button(tr("Cancel")).clicked();
-        let words = match self.session.displayed() {
-            Displayed::Previous => tr("the picture is that of the previous plan"),
-            Displayed::Coarse { .. } | Displayed::Draft | Displayed::Final => {
-                tr("the picture is provisional")
-            }
-        };
-        let words = tr!(
-            "Computing for {seconds} s; {words}",
-            seconds = running.start.elapsed().as_secs(),
-            words
-        );
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            end(ui, words);
-            let bar = egui::ProgressBar::new(running.fraction as f32)
-                .desired_width(ui.available_width().clamp(40.0, 320.0))
-                .fill(theme::palette(ui.visuals()).accent)
-                .animate(true);
-            let bar = ui.add(bar);
-            set_accessible_name(&bar, egui::Role::ProgressIndicator, tr("Progress of the solve"));
-        });
-        if is_cancelled || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-            self.cancel();
-        }
-    }
-
-    /// Shows that the solve was cancelled, with a button to continue.
-    pub(super) fn stopped_page(&mut self, ui: &mut Ui) {
-        message_page(ui, tr("Stopped"), |ui| {
-            ui.label(tr("This plan has not been computed, so there are no results."));
-            ui.add_space(theme::SPACE);
-            if ui.button(tr("Continue computing")).clicked() {
-                self.session.resume();
-            }
-        });
-    }
+/// Shows that the solve was cancelled, with a button to continue; returns whether it was clicked.
+pub(super) fn stopped_page(ui: &mut Ui) -> bool {
+    let mut is_continued = false;
+    message_page(ui, tr("Stopped"), |ui| {
+        ui.label(tr("This plan has not been computed, so there are no results."));
+        ui.add_space(theme::SPACE);
+        is_continued = ui.button(tr("Continue computing")).clicked();
+    });
+    is_continued
 }
 
 /// The page of a scene without a shape.

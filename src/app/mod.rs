@@ -1,11 +1,11 @@
 //! The app: panels around the 3-D view, on the desktop and in the page.
 //!
-//! Panels edit a copy of the scene; the app turns the difference into one [`Command`] for the
-//! [`Session`]. A frame solves for one slice of a few milliseconds, so the app stays responsive.
-//! At rest the app neither solves nor draws.
+//! Panels read `Shared`, edit a copy of the scene and their own state, and add an `Action` for all else. The app performs the
+//! actions, turns the difference of the scenes into one [`Command`] for the [`Session`], and solves for one slice of a few
+//! milliseconds between the plan and what shows its results. At rest the app neither solves nor draws.
 //!
-//! This file contains the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
+//! This file and `interface` contain the state of the app and its interface to `platform` and the tests. `logic` runs
+//! frames, `perform` executes actions, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it.
@@ -14,6 +14,7 @@
 //!
 //! Uses all modules to its left. Used by `platform`.
 
+mod action;
 mod advanced;
 mod answer;
 mod clipboard;
@@ -30,6 +31,7 @@ mod fill_steps;
 mod filling;
 mod focus;
 mod handles;
+mod interface;
 mod keys;
 mod link;
 mod logic;
@@ -37,10 +39,13 @@ mod messages;
 mod no_answer;
 mod numbers;
 mod palette;
+mod panel_widths;
+mod perform;
 mod plan;
 mod plots;
 mod range;
 mod report;
+mod shared;
 mod shelf_largest;
 mod stability;
 mod stats;
@@ -65,79 +70,54 @@ pub use studies::{JobRunner, Wake};
 use crate::measure::Outcome;
 use crate::scene::{Scene, SceneError};
 use crate::session::{Command, CommandError, Record, Session};
+use action::Action;
 use compare::{Compare, Keep};
-use curve_editor::CurveWindow;
 use eframe::{egui, glow};
 use egui::FocusDirection;
 use files::Files;
 use filling::Filling;
 use focus::Focus;
-use logic::{Press, RunningSolve};
+use handles::Handles;
+use logic::Edits;
 use messages::Notice;
 use no_answer::NearestSearch;
-use palette::Palette;
 use range::Range;
+use shared::Shared;
 use shelf_largest::ShelfLargest;
 use status::Timing;
 use std::sync::Arc;
 use studies::Studies;
-use texts::{LanguageChoice, tr};
-use ui::{NarrowTab, PanelWidths};
+use texts::tr;
+use ui::{Screen, Windows};
 use uncertainty::Uncertainty;
 use viewport::Viewport;
 use volume_marks::VolumeMarks;
 
-/// The app.
+/// The app: what all panels read, the panels with a state of their own, what they ask for.
 pub struct App {
     ctx: egui::Context,
-    session: Session,
-    viewport: Viewport,
-    options: viewport::Options,
-    compare: Compare,
-    keep: Keep,
-    files: Files,
-    timing: Timing,
+    shared: Shared,
+    /// What panels have asked for since actions were performed last.
+    actions: Vec<Action>,
+    edits: Edits,
     studies: Studies,
+    panels: Panels,
+    handles: Handles,
+    screen: Screen,
+    windows: Windows,
+    notice: Option<Notice>,
+    focus: Focus,
+    files: Files,
+    keep: Keep,
+}
+
+/// The panels with studies of their own.
+#[derive(Default)]
+struct Panels {
     range: Range,
     filling: Filling,
-    volume_marks: VolumeMarks,
-    shelf_largest: ShelfLargest,
-    uncertainty: Uncertainty,
     nearest: NearestSearch,
-    language: LanguageChoice,
-    notice: Option<Notice>,
-    /// Notice about a position requested in this frame that does not fit the pocket.
-    position_notice: Option<Notice>,
-    focus: Focus,
-    /// The running drag of a handle on the picture.
-    drag: Option<handles::Drag>,
-    press: Press,
-    solving: Option<RunningSolve>,
-    /// Copy of the scene that the panels edit, kept between frames.
-    draft: Option<Scene>,
-    /// Did a command of this frame replace the session's scene? The draft is then outdated.
-    is_scene_replaced: bool,
-    plan: plan::Choices,
-    /// Was the plan edited since the start? Then the hint is gone.
-    is_edited: bool,
-    is_playing: bool,
-    /// Was drawing suspended since the previous frame?
-    was_paused: bool,
-    /// Number of the present gesture; edits of one gesture are one step of the history.
-    gesture: u64,
-    /// The text field of the visit with the focus, in this frame and in the previous one.
-    typing: (Option<egui::Id>, Option<egui::Id>),
-    narrow_tab: NarrowTab,
-    panel_widths: PanelWidths,
-    show_help: bool,
-    palette: Palette,
-    /// Is the cross-section shown under the picture where there is room?
-    show_strip: bool,
-    curve_window: Option<CurveWindow>,
-    /// Address of the page without its fragment; `None` on the desktop.
-    page_address: Option<String>,
-    /// Height of the controls on the picture in the previous frame \[points\].
-    view_bar_height: f32,
+    shelf_largest: ShelfLargest,
 }
 
 impl App {
@@ -156,42 +136,29 @@ impl App {
         Ok(Self {
             ctx: ctx.clone(),
             keep: Keep::new(scene.clone()),
-            session: Session::new(scene)?,
-            viewport: Viewport::new(gl),
-            options: viewport::Options::default(),
-            compare: Compare::default(),
-            files: Files::new(),
-            timing: Timing::default(),
+            shared: Shared {
+                session: Session::new(scene)?,
+                choices: plan::Choices::default(),
+                viewport: Viewport::new(gl),
+                options: viewport::Options::default(),
+                compare: Compare::default(),
+                uncertainty: Uncertainty::default(),
+                volume_marks: VolumeMarks::default(),
+                timing: Timing::default(),
+                solving: None,
+                show_strip: true,
+                page_address: None,
+            },
+            actions: Vec::new(),
+            edits: Edits::default(),
             studies: Studies::new(ctx, runner),
-            range: Range::default(),
-            filling: Filling::default(),
-            volume_marks: VolumeMarks::default(),
-            shelf_largest: ShelfLargest::default(),
-            uncertainty: Uncertainty::default(),
-            nearest: NearestSearch::default(),
-            language: LanguageChoice::default(),
+            panels: Panels::default(),
+            handles: Handles::default(),
+            screen: Screen::default(),
+            windows: Windows::default(),
             notice: None,
-            position_notice: None,
             focus: Focus::default(),
-            drag: None,
-            press: Press::default(),
-            solving: None,
-            draft: None,
-            is_scene_replaced: false,
-            plan: plan::Choices::default(),
-            is_edited: false,
-            is_playing: false,
-            was_paused: false,
-            gesture: 0,
-            typing: (None, None),
-            narrow_tab: NarrowTab::Implant,
-            panel_widths: PanelWidths::default(),
-            show_help: false,
-            palette: Palette::default(),
-            show_strip: true,
-            curve_window: None,
-            page_address: None,
-            view_bar_height: 40.0,
+            files: Files::new(),
         })
     }
 
@@ -203,14 +170,14 @@ impl App {
         ctx.memory_mut(|own| *own = memory);
         theme::install(ctx);
         self.ctx = ctx.clone();
-        self.viewport.move_to(gl);
-        self.range.forget_texture();
+        self.shared.viewport.move_to(gl);
+        self.panels.range.forget_texture();
         self.mark_paused();
     }
 
     /// Marks that drawing was suspended, for example in a hidden tab: animations ignore the elapsed time.
     pub fn mark_paused(&mut self) {
-        self.was_paused = true;
+        self.edits.was_paused = true;
     }
 
     /// Shows a notice to the user.
@@ -258,14 +225,14 @@ impl App {
     /// The session: scene, history and shape.
     #[must_use]
     pub fn session(&self) -> &Session {
-        &self.session
+        &self.shared.session
     }
 
     /// The result of the present scene with the solver's time; `None` during a solve.
     #[must_use]
     pub fn outcome(&self) -> Option<Outcome> {
-        let mut outcome = self.session.result()?.clone();
-        outcome.solver.time_ms = Some(self.timing.solve_ms);
+        let mut outcome = self.shared.session.result()?.clone();
+        outcome.solver.time_ms = Some(self.shared.timing.solve_ms);
         Some(outcome)
     }
 
@@ -275,7 +242,7 @@ impl App {
     pub fn result_json(&self) -> Option<String> {
         let record = Record {
             outcome: self.outcome()?,
-            scene: self.session.scene().without_visit(),
+            scene: self.shared.session.scene().without_visit(),
             program_version: env!("CARGO_PKG_VERSION"),
             date: files::date(),
         };
@@ -286,7 +253,7 @@ impl App {
     /// values in words), and `least` and `most` of a number, the `choices` of a word with their `words` on the screen, or `characters` and `lines` of a text.
     #[must_use]
     pub fn plan_json(&self) -> String {
-        let fields = plan::fields(self.session.scene(), &self.plan);
+        let fields = plan::fields(self.shared.session.scene(), &self.shared.choices);
         serde_json::to_string(&fields).unwrap_or_default()
     }
 
@@ -310,7 +277,7 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self, gl: Option<&glow::Context>) {
-        self.viewport.destroy(gl);
+        self.shared.viewport.destroy(gl);
     }
 
     #[cfg(target_arch = "wasm32")]

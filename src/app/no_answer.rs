@@ -4,13 +4,11 @@
 use super::plan::{Device, Hand};
 use super::studies::{Driver, Studies};
 use super::texts::{self, tr};
-use super::theme::SPACE;
+use super::theme::{self, SPACE};
 use super::widgets::remark;
-use super::{App, theme};
-use crate::clinical::Dimension;
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
-use crate::session::{Command, Session};
+use crate::session::Session;
 use crate::study::{Nearest, NearestPlan, NoAnswer, Search, size_in_words};
 use eframe::egui::{self, RichText, Ui};
 
@@ -69,7 +67,7 @@ impl NearestSearch {
     }
 
     /// The card in place of those of an answer; returns the plan of its button. `largest`: see [`Self::offer`].
-    fn card(
+    pub(super) fn card(
         &self,
         ui: &mut Ui,
         session: &Session,
@@ -183,37 +181,5 @@ fn found<'a>(driver: &'a Driver<Nearest>, session: &Session) -> Option<&'a Neare
     match of(driver, session)?.search() {
         Search::Found(plan) => Some(plan),
         Search::Running | Search::Nothing | Search::Failed => None,
-    }
-}
-
-impl App {
-    /// Shows the card of a plan without an answer; false for a plan with an answer.
-    pub(super) fn no_answer(&mut self, ui: &mut Ui) -> bool {
-        if !applies(&self.session) {
-            return false;
-        }
-        let largest = self.volume_marks.largest_plan(self.session.scene());
-        if let Some(scene) = self.nearest.card(ui, &self.session, largest) {
-            self.take_nearest(scene);
-        }
-        true
-    }
-
-    /// Takes the nearest plan with an answer. The projection follows a smaller volume.
-    pub(super) fn take_nearest(&mut self, scene: Scene) {
-        if scene.implant != self.session.scene().implant {
-            self.plan.follows = Dimension::Projection;
-        }
-        self.accept(Box::new(scene));
-    }
-
-    /// Takes an offered plan, as one step of the history.
-    pub(super) fn accept(&mut self, mut scene: Box<Scene>) {
-        // The visit may be newer than the offer.
-        scene.visit.clone_from(&self.session.scene().visit);
-        self.gesture += 1;
-        self.is_edited = true;
-        self.execute(Command::Edit { scene, gesture: self.gesture });
-        self.request_frame();
     }
 }

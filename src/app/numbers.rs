@@ -1,14 +1,12 @@
 //! All numbers of the plan as a table: a row for each quantity, columns for the plan and for each pin, with percentiles
 //! where bands are known.
 
-use super::App;
 use super::range::quantity_name;
 use crate::export;
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::study::{Quantity, Samples};
-use eframe::egui;
 
 /// The value of a row; `None` where a row does not apply.
 type Value = Box<dyn Fn(&Scene, &Outcome) -> Option<f64>>;
@@ -120,7 +118,7 @@ struct Column<'a> {
 }
 
 /// The table, heads first. Each plan has a column, and two for percentiles if its bands are known; a missing value is empty.
-fn table<'a>(
+pub(super) fn table<'a>(
     session: &'a Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) -> Vec<Vec<String>> {
@@ -167,15 +165,6 @@ fn answer(outcome: Option<&Outcome>) -> &'static str {
         Some(Status::Converged) => "converged",
         Some(Status::NotConverged) => "not converged",
         Some(Status::Unstable) => "no answer",
-    }
-}
-
-impl App {
-    /// Saves all numbers of plan and pins as a table.
-    pub(super) fn save_numbers(&self, ctx: &egui::Context) {
-        let sampled = |scene: &Scene| self.uncertainty.values(scene);
-        let name = self.name_without_visit("numbers", "csv");
-        self.files.save(ctx, &name, export::csv(&table(&self.session, &sampled)));
     }
 }
 

@@ -1,12 +1,14 @@
 //! The list "Commands" (Ctrl+K): all commands, found by typing.
 //!
-//! Uses `commands`, `theme`, `widgets`. Used by `logic`.
+//! Uses `action`, `commands`, `shared`, `theme`, `widgets`. Used by `logic`, `perform`.
 
-use super::commands::{self, COMMANDS, Entry, LIST_KEY};
+use super::action::Action;
+use super::commands::{COMMANDS, Entry, LIST_KEY, refusal, why_not};
 use super::device::Device;
+use super::shared::Shared;
 use super::texts::tr;
+use super::theme;
 use super::widgets::set_accessible_name;
-use super::{App, theme};
 use eframe::egui::{self, Event, InputState, Key, Modifiers, RichText, Ui};
 
 /// Title of the list.
@@ -78,14 +80,14 @@ impl Keys {
     }
 }
 
-impl App {
-    /// Shows the list, and executes the chosen command.
-    pub(super) fn palette_window(&mut self, ctx: &egui::Context) {
-        if !self.palette.is_open {
+impl Palette {
+    /// Shows the list; adds the chosen command, or why that does nothing.
+    pub(super) fn show(&mut self, ctx: &egui::Context, shared: &Shared, actions: &mut Vec<Action>) {
+        if !self.is_open {
             return;
         }
         // The keys of the frame that opens the list are those before the key of the list: another control's.
-        let keys = if self.palette.is_new { Keys::default() } else { Keys::take(ctx) };
+        let keys = if self.is_new { Keys::default() } else { Keys::take(ctx) };
         let mut picked = None;
         let width = SIZE.x.min(ctx.content_rect().width() - 6.0 * theme::SPACE);
         let mut is_open = !keys.is_escaped;
@@ -98,14 +100,14 @@ impl App {
                 ui.set_width(width);
                 self.search_field(ui);
                 // What a slow frame has typed counts before its Enter key.
-                let found = found(&self.palette.text, self.plan.device);
-                let (most, chosen) = (found.len().saturating_sub(1), &mut self.palette.chosen);
+                let found = found(&self.text, shared.choices.device);
+                let (most, chosen) = (found.len().saturating_sub(1), &mut self.chosen);
                 *chosen = chosen.saturating_add_signed(keys.steps).min(most);
                 picked = found.get(*chosen).copied().filter(|_| keys.is_entered);
                 let list = egui::ScrollArea::vertical().max_height(SIZE.y);
                 list.auto_shrink([false, true]).show(ui, |ui| {
                     for (k, entry) in found.iter().enumerate() {
-                        if self.row(ui, entry, k, keys.steps != 0) {
+                        if self.row(ui, shared, entry, k, keys.steps != 0) {
                             picked = Some(entry);
                         }
                     }
@@ -114,44 +116,41 @@ impl App {
                     }
                 });
             });
-        self.palette.is_new = false;
-        if !self.palette.typed.is_empty() {
-            self.request_frame();
+        self.is_new = false;
+        if !self.typed.is_empty() {
+            ctx.request_repaint();
         }
         if picked.is_some() || !is_open {
-            self.palette = Palette::default();
-            self.request_frame();
+            *self = Self::default();
+            ctx.request_repaint();
         }
-        if let Some(entry) = picked {
-            match self.why_not(entry.action) {
-                Some(why) => self.notice = Some(commands::refusal(entry, why)),
-                None => self.run(ctx, entry.action),
-            }
-        }
+        actions.extend(picked.map(|entry| match why_not(shared, entry.task) {
+            Some(why) => Action::Notify(refusal(entry, why)),
+            None => Action::Run(entry.task),
+        }));
     }
 
     fn search_field(&mut self, ui: &mut Ui) {
-        let palette = &mut self.palette;
-        let field = egui::TextEdit::singleline(&mut palette.text)
+        let field = egui::TextEdit::singleline(&mut self.text)
             .hint_text(tr(SEARCH))
             .char_limit(60)
             .desired_width(f32::INFINITY);
         let response = ui.add(field);
         // Before the name: only a frame in which the field gains the focus reports it.
-        if palette.is_new {
+        if self.is_new {
             response.request_focus();
         }
         set_accessible_name(&response, egui::Role::TextInput, tr(SEARCH));
         if response.changed() {
-            palette.chosen = 0;
+            self.chosen = 0;
         }
     }
 
     /// A command of the list with its keys; returns whether the command was clicked.
-    fn row(&self, ui: &mut Ui, entry: &Entry, k: usize, is_moved: bool) -> bool {
-        let is_chosen = self.palette.chosen == k;
-        let is_able = self.why_not(entry.action).is_none();
-        let words = self.plan.device.words(tr(entry.name));
+    fn row(&self, ui: &mut Ui, shared: &Shared, entry: &Entry, k: usize, is_moved: bool) -> bool {
+        let is_chosen = self.chosen == k;
+        let is_able = why_not(shared, entry.task).is_none();
+        let words = shared.choices.device.words(tr(entry.name));
         let name = RichText::new(&words);
         let name = if is_able { name } else { name.weak() };
         let keys = entry.keys(ui.ctx().os());

@@ -1,14 +1,15 @@
 //! The cross-section under the picture: skin, fat, implant and pocket at one scale across and up, with the skin of the pins.
 //!
-//! Uses `compare`, `plots`, `theme`, `viewport`. Used by `ui`.
+//! Uses `compare`, `plots`, `shared`, `theme`, `viewport`. Used by `ui`.
 
 use super::compare::{self, Silhouette};
+use super::plots;
+use super::shared::Shared;
 use super::texts::{self, tr};
 use super::theme;
 use super::uncertainty::Findings;
 use super::viewport::{scale_bar, veil};
 use super::widgets::set_accessible_name;
-use super::{App, plots};
 use crate::solve::Problem;
 use crate::study::SectionBand;
 use crate::view::body::Body;
@@ -34,84 +35,69 @@ const LEGEND: f32 = 96.0;
 /// Step of the height that the strip shows \[mm\]: its scale changes seldom.
 const STEP_MM: f32 = 20.0;
 
-impl App {
-    /// Is the strip in sight, so that "Details" does without a cross-section? `is_wide`: not on a phone.
-    pub(super) fn has_strip(&self, ctx: &egui::Context, is_wide: bool) -> bool {
-        is_wide
-            && self.show_strip
-            && !self.range.is_open
-            && ctx.content_rect().height() >= LEAST_WINDOW
-    }
+/// Is there room for the strip? `is_wide`: not on a phone.
+pub(super) fn has_room(ctx: &egui::Context, is_wide: bool) -> bool {
+    is_wide && ctx.content_rect().height() >= LEAST_WINDOW
+}
 
-    /// Cuts the strip's area off the bottom of the picture's.
-    pub(super) fn strip_area(
-        &self,
-        ctx: &egui::Context,
-        area: Rect,
-        is_wide: bool,
-    ) -> Option<Rect> {
-        let has_strip = self.has_strip(ctx, is_wide);
-        has_strip.then(|| area.with_min_y(area.bottom() - HEIGHT))
-    }
+/// The strip's area at the bottom of the picture's.
+pub(super) fn area(picture: Rect) -> Rect {
+    picture.with_min_y(picture.bottom() - HEIGHT)
+}
 
-    /// Shows the strip, after its picture.
-    pub(super) fn strip(&mut self, ui: &Ui, area: Rect) {
-        let kept = match LastAnswer::of(&self.session) {
-            Some(answer) => {
-                let kept = self.strip_of(ui, area, &answer);
-                veil(ui, area);
-                kept
-            }
-            None => self.strip_of(ui, area, &self.session),
+/// Shows the strip, after its picture; returns a clicked point of the tissue, whose values stay.
+pub(super) fn show(ui: &Ui, area: Rect, shared: &Shared) -> Option<tissue::Place> {
+    match LastAnswer::of(&shared.session) {
+        Some(answer) => {
+            let kept = strip_of(ui, area, shared, &answer);
+            veil(ui, area);
+            kept
+        }
+        None => strip_of(ui, area, shared, &shared.session),
+    }
+}
+
+/// Draws the strip; returns a clicked point of the tissue.
+fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Option<tissue::Place> {
+    // Without focus: the keys act on the picture.
+    let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
+    set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
+    let problem = subject.problem();
+    let section = CrossSection::new(shared.viewport.body(), problem.sheet());
+    let pins =
+        plots::drawn_silhouettes(&shared.session, &shared.compare, theme::palette(ui.visuals()));
+    let pins = first_and_last(pins);
+    let place = Place::new(area, problem, &section, &pins);
+    let painter = ui.painter_at(area);
+    paint_ground(ui, &painter, area);
+    paint_wall(ui, &painter, &place, problem);
+    if !section.skin().is_empty() {
+        let tissue = |layer: usize| {
+            let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
+            (texts::tissue(name).to_owned(), color32(color::tissue(name, layer)))
         };
-        if let Some(kept) = kept {
-            self.viewport.keep_values(kept);
-        }
+        paint_implant(ui, &painter, &place, problem);
+        paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
+        let band = shared.uncertainty.findings().map_or(&[][..], Findings::section);
+        let band = plots::sampled_skin(&shared.session, band);
+        paint_band(ui, &painter, &place, &band);
+        let layers = (0..subject.scene().layers.len()).map(tissue);
+        let accent = theme::palette(ui.visuals()).accent;
+        let implant = (shared.choices.device.words(tr("implant")), accent.gamma_multiply(0.22));
+        let sampled = (tr("skin of 8 in 10 sampled patients").to_owned(), band_color(ui));
+        let sampled = (!band.is_empty()).then_some(sampled);
+        legend(ui, &painter, area, layers.chain([implant]).chain(sampled));
     }
-
-    /// Draws the strip; returns a clicked point of the tissue.
-    fn strip_of(&self, ui: &Ui, area: Rect, subject: &impl Subject) -> Option<tissue::Place> {
-        // Without focus: the keys act on the picture.
-        let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
-        set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
-        let problem = subject.problem();
-        let section = CrossSection::new(self.viewport.body(), problem.sheet());
-        let pins =
-            plots::drawn_silhouettes(&self.session, &self.compare, theme::palette(ui.visuals()));
-        let pins = first_and_last(pins);
-        let place = Place::new(area, problem, &section, &pins);
-        let painter = ui.painter_at(area);
-        paint_ground(ui, &painter, area);
-        paint_wall(ui, &painter, &place, problem);
-        if !section.skin().is_empty() {
-            let tissue = |layer: usize| {
-                let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
-                (texts::tissue(name).to_owned(), color32(color::tissue(name, layer)))
-            };
-            paint_implant(ui, &painter, &place, problem);
-            paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
-            let band = self.uncertainty.findings().map_or(&[][..], Findings::section);
-            let band = plots::sampled_skin(&self.session, band);
-            paint_band(ui, &painter, &place, &band);
-            let layers = (0..subject.scene().layers.len()).map(tissue);
-            let accent = theme::palette(ui.visuals()).accent;
-            let implant = (self.plan.device.words(tr("implant")), accent.gamma_multiply(0.22));
-            let sampled = (tr("skin of 8 in 10 sampled patients").to_owned(), band_color(ui));
-            let sampled = (!band.is_empty()).then_some(sampled);
-            legend(ui, &painter, area, layers.chain([implant]).chain(sampled));
-        }
-        for pin in &pins {
-            paint_pin(ui, &painter, &place, pin);
-        }
-        scale_bar(ui, &painter, area, place.points_per_mm);
-        let is_clicked = response.clicked();
-        let pointer =
-            if is_clicked { response.interact_pointer_pos() } else { response.hover_pos() };
-        let pointer = pointer.filter(|_| !self.viewport.has_ruler())?;
-        let hit = hit(place.point(pointer), &section, self.viewport.body(), problem)?;
-        let kept = self.viewport.show_values(ui, area, pointer, &hit, subject.scene());
-        kept.filter(|_| is_clicked)
+    for pin in &pins {
+        paint_pin(ui, &painter, &place, pin);
     }
+    scale_bar(ui, &painter, area, place.points_per_mm);
+    let is_clicked = response.clicked();
+    let pointer = if is_clicked { response.interact_pointer_pos() } else { response.hover_pos() };
+    let pointer = pointer.filter(|_| !shared.viewport.has_ruler())?;
+    let hit = hit(place.point(pointer), &section, shared.viewport.body(), problem)?;
+    let kept = shared.viewport.show_values(ui, area, pointer, &hit, subject.scene());
+    kept.filter(|_| is_clicked)
 }
 
 /// Pin A and the pin that was added last.

@@ -1,14 +1,14 @@
 //! The toolbar: files, history, examples, language, theme; the window "Help"; the words "Not a medical device".
 
-use super::commands::{Action, COMMANDS, Keyed};
+use super::action::{Action, Purpose, Task};
+use super::commands::{COMMANDS, Keyed, item, menu_item};
 use super::messages::Notice;
-use super::report::Purpose;
+use super::shared::Shared;
 use super::texts::{self, tr};
+use super::theme;
 use super::widgets::{button_if, set_accessible_name};
-use super::{App, theme};
 use crate::export::{Format, Solid};
 use crate::measure::surfaces;
-use crate::session::Command;
 use crate::solve::Solution;
 use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, Color32, FontId, RichText, Role, TextStyle, Ui, WidgetInfo};
@@ -20,172 +20,166 @@ pub(super) enum Layout {
     Narrow,
 }
 
-impl App {
-    pub(super) fn toolbar(&mut self, ui: &mut Ui, layout: Layout) {
-        ui.add_space(theme::SPACE_SMALL);
-        ui.horizontal(|ui| {
-            if layout == Layout::Wide {
-                ui.label(RichText::new(tr("Implant preview")).strong());
-                ui.separator();
-            } else {
-                fit_in_row(ui);
-            }
-            self.file_menu(ui);
-            if layout == Layout::Wide {
-                self.view_menu(ui, layout);
-            }
-            for (name, enabled, command) in [
-                (tr("Undo"), self.session.can_undo(), Command::Undo),
-                (tr("Redo"), self.session.can_redo(), Command::Redo),
-            ] {
-                if button_if(ui, enabled, name, name, "") {
-                    self.execute(command);
-                }
-            }
-            self.item(ui, Action::StartOver);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button(tr("Help")).clicked() {
-                    self.show_help = !self.show_help;
-                }
-                theme_menu(ui);
-                self.language_button(ui, layout);
-                if layout == Layout::Wide {
-                    disclaimer(ui, layout);
-                }
-            });
-        });
-        ui.add_space(theme::SPACE_SMALL);
-    }
-
-    fn file_menu(&mut self, ui: &mut Ui) {
-        ui.menu_button(tr("File"), |ui| {
-            let ctx = ui.ctx().clone();
-            for action in [
-                Action::OpenPlan,
-                Action::SavePlan,
-                Action::SaveNumbers,
-                Action::SaveTable,
-                Action::TakeHome(Purpose::File),
-                Action::TakeHome(Purpose::Clipboard),
-                Action::TakeHome(Purpose::Report),
-            ] {
-                self.menu_item(ui, action);
-            }
-            if self.page_address.is_some() {
-                self.menu_item(ui, Action::CopyLink);
-            }
-            let has_shape = self.has_shape();
-            ui.add_enabled_ui(has_shape, |ui| self.shape_menu(ui, &ctx));
-            self.menu_item(ui, Action::SaveProfile);
+/// The row of buttons over the whole window.
+pub(super) fn show(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Action>) {
+    ui.add_space(theme::SPACE_SMALL);
+    ui.horizontal(|ui| {
+        if layout == Layout::Wide {
+            ui.label(RichText::new(tr("Implant preview")).strong());
             ui.separator();
-            ui.label(RichText::new(tr("Examples")).small().weak());
-            self.menu_item(ui, Action::UsualImplant);
-            self.menu_item(ui, Action::HalfSphere);
-        });
-    }
-
-    /// The menu of the picture's switches, with the list of all commands.
-    pub(super) fn view_menu(&mut self, ui: &mut Ui, layout: Layout) {
-        ui.menu_button(tr("View"), |ui| {
-            if layout == Layout::Wide {
-                self.menu_item(ui, Action::CrossSection);
-            }
-            self.menu_item(ui, Action::Torso);
-            self.menu_item(ui, Action::Ruler);
-            ui.separator();
-            self.menu_item(ui, Action::List);
-        });
-    }
-
-    /// The button of the other language with that language's own name; on a narrow screen with its subtag.
-    fn language_button(&mut self, ui: &mut Ui, layout: Layout) {
-        let other = texts::language().other();
-        let text = match layout {
-            Layout::Wide => other.name().to_owned(),
-            Layout::Narrow => other.subtag().to_uppercase(),
-        };
-        let button = ui.button(text);
-        set_accessible_name(&button, Role::Button, other.name());
-        if button.clicked() {
-            self.choose_language(other);
+        } else {
+            fit_in_row(ui);
         }
-    }
+        file_menu(ui, shared, actions);
+        if layout == Layout::Wide {
+            view_menu(ui, layout, shared, actions);
+        }
+        for (name, enabled, task) in [
+            (tr("Undo"), shared.session.can_undo(), Task::Undo),
+            (tr("Redo"), shared.session.can_redo(), Task::Redo),
+        ] {
+            if button_if(ui, enabled, name, name, "") {
+                actions.push(Action::Run(task));
+            }
+        }
+        item(ui, shared, Task::StartOver, actions);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button(tr("Help")).clicked() {
+                actions.push(Action::Run(Task::Help));
+            }
+            theme_menu(ui);
+            language_button(ui, layout, actions);
+            if layout == Layout::Wide {
+                disclaimer(ui, layout);
+            }
+        });
+    });
+    ui.add_space(theme::SPACE_SMALL);
+}
 
-    /// Meshes of the shape in place, for other programs and printers.
-    fn shape_menu(&mut self, ui: &mut Ui, ctx: &egui::Context) {
-        ui.menu_button(tr("Save shape (3-D)"), |ui| {
-            ui.small(tr("Closed surfaces in mm; GLB in m"));
-            egui::Grid::new("shapes").show(ui, |ui| {
-                for (name, solid) in SOLIDS {
-                    let (file, name) =
-                        (self.plan.device.english(name), self.plan.device.words(tr(name)));
-                    ui.label(&name);
-                    for format in Format::ALL {
-                        let extension = format.extension();
-                        let button = ui.button(extension.to_uppercase());
-                        let label = tr!(
-                            "{name} as {extension}",
-                            name,
-                            extension = extension.to_uppercase()
-                        );
-                        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
-                        if button.clicked() {
-                            let file = format!("{}.{extension}", file.to_lowercase());
-                            let solid = solid(self.session.solution());
-                            if solid.vertices.is_empty() {
-                                self.notice =
-                                    Some(Notice::error(self.plan.device.words(tr(NOT_INSERTED))));
-                            } else {
-                                self.files.save(ctx, &file, format.encode(&solid));
-                            }
-                            ui.close();
-                        }
+fn file_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
+    ui.menu_button(tr("File"), |ui| {
+        for task in [
+            Task::OpenPlan,
+            Task::SavePlan,
+            Task::SaveNumbers,
+            Task::SaveTable,
+            Task::TakeHome(Purpose::File),
+            Task::TakeHome(Purpose::Clipboard),
+            Task::TakeHome(Purpose::Report),
+        ] {
+            menu_item(ui, shared, task, actions);
+        }
+        if shared.page_address.is_some() {
+            menu_item(ui, shared, Task::CopyLink, actions);
+        }
+        ui.add_enabled_ui(shared.has_shape(), |ui| shape_menu(ui, shared, actions));
+        menu_item(ui, shared, Task::SaveProfile, actions);
+        ui.separator();
+        ui.label(RichText::new(tr("Examples")).small().weak());
+        menu_item(ui, shared, Task::UsualImplant, actions);
+        menu_item(ui, shared, Task::HalfSphere, actions);
+    });
+}
+
+/// The menu of the picture's switches, with the list of all commands.
+pub(super) fn view_menu(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Action>) {
+    ui.menu_button(tr("View"), |ui| {
+        if layout == Layout::Wide {
+            menu_item(ui, shared, Task::CrossSection, actions);
+        }
+        menu_item(ui, shared, Task::Torso, actions);
+        menu_item(ui, shared, Task::Ruler, actions);
+        ui.separator();
+        menu_item(ui, shared, Task::List, actions);
+    });
+}
+
+/// The button of the other language with that language's own name; on a narrow screen with its subtag.
+fn language_button(ui: &mut Ui, layout: Layout, actions: &mut Vec<Action>) {
+    let other = texts::language().other();
+    let text = match layout {
+        Layout::Wide => other.name().to_owned(),
+        Layout::Narrow => other.subtag().to_uppercase(),
+    };
+    let button = ui.button(text);
+    set_accessible_name(&button, Role::Button, other.name());
+    if button.clicked() {
+        actions.push(Action::Run(Task::Language(other)));
+    }
+}
+
+/// Meshes of the shape in place, for other programs and printers.
+fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
+    let device = shared.choices.device;
+    ui.menu_button(tr("Save shape (3-D)"), |ui| {
+        ui.small(tr("Closed surfaces in mm; GLB in m"));
+        egui::Grid::new("shapes").show(ui, |ui| {
+            for (name, solid) in SOLIDS {
+                let (file, name) = (device.english(name), device.words(tr(name)));
+                ui.label(&name);
+                for format in Format::ALL {
+                    let extension = format.extension();
+                    let button = ui.button(extension.to_uppercase());
+                    let label =
+                        tr!("{name} as {extension}", name, extension = extension.to_uppercase());
+                    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
+                    if button.clicked() {
+                        let file = format!("{}.{extension}", file.to_lowercase());
+                        let solid = solid(shared.session.solution());
+                        actions.push(if solid.vertices.is_empty() {
+                            Action::Notify(Notice::error(device.words(tr(NOT_INSERTED))))
+                        } else {
+                            Action::Save(file, format.encode(&solid))
+                        });
+                        ui.close();
                     }
+                }
+                ui.end_row();
+            }
+        });
+    });
+}
+
+/// The window "Help".
+pub(super) fn help(ctx: &egui::Context, is_open: &mut bool) {
+    if *is_open && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
+        *is_open = false;
+    }
+    egui::Window::new(tr("Help"))
+        .open(is_open)
+        .collapsible(false)
+        .resizable(false)
+        .default_width(440.0)
+        .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
+        .show(ctx, |ui| {
+            ui.label(RichText::new(tr("A preview, not a medical device.")).strong());
+            ui.label(
+                tr("The program computes how skin and fat stretch over an implant, from stress–strain curves, \
+                 in equilibrium and without friction. It does not model a patient's anatomy, healing or \
+                 blood supply. Do not base a decision on it alone."),
+            );
+            ui.label(
+                tr("How wrong it is: a pinch gives the cover within a factor 1.3, a skin class the stretch \
+                 within a factor 2 (1 standard deviation); the computation itself is within 0.5 %."),
+            );
+            ui.label(tr("All computation runs on this machine; no data leaves it."));
+            ui.separator();
+            egui::Grid::new("keys").num_columns(2).spacing([2.0 * theme::SPACE, 2.0]).show(ui, |ui| {
+                let fixed = KEYS.map(|(keys, effect)| (tr(keys).to_owned(), tr(effect).to_owned()));
+                for (keys, effect) in fixed.into_iter().chain(command_keys(ui.ctx().os())) {
+                    ui.label(RichText::new(keys).strong());
+                    ui.label(effect);
                     ui.end_row();
                 }
             });
+            ui.separator();
+            ui.small(
+                tr("Based on S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
+                 deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94."),
+            );
+            ui.small(tr!("Version {version}", version = env!("CARGO_PKG_VERSION")));
         });
-    }
-
-    pub(super) fn help_window(&mut self, ctx: &egui::Context) {
-        if self.show_help && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
-            self.show_help = false;
-        }
-        egui::Window::new(tr("Help"))
-            .open(&mut self.show_help)
-            .collapsible(false)
-            .resizable(false)
-            .default_width(440.0)
-            .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
-            .show(ctx, |ui| {
-                ui.label(RichText::new(tr("A preview, not a medical device.")).strong());
-                ui.label(
-                    tr("The program computes how skin and fat stretch over an implant, from stress–strain curves, \
-                     in equilibrium and without friction. It does not model a patient's anatomy, healing or \
-                     blood supply. Do not base a decision on it alone."),
-                );
-                ui.label(
-                    tr("How wrong it is: a pinch gives the cover within a factor 1.3, a skin class the stretch \
-                     within a factor 2 (1 standard deviation); the computation itself is within 0.5 %."),
-                );
-                ui.label(tr("All computation runs on this machine; no data leaves it."));
-                ui.separator();
-                egui::Grid::new("keys").num_columns(2).spacing([2.0 * theme::SPACE, 2.0]).show(ui, |ui| {
-                    let fixed = KEYS.map(|(keys, effect)| (tr(keys).to_owned(), tr(effect).to_owned()));
-                    for (keys, effect) in fixed.into_iter().chain(command_keys(ui.ctx().os())) {
-                        ui.label(RichText::new(keys).strong());
-                        ui.label(effect);
-                        ui.end_row();
-                    }
-                });
-                ui.separator();
-                ui.small(
-                    tr("Based on S. N. Nikolaev, Non-linear mass-spring system for large soft tissue \
-                     deformations modeling, Sci. Tech. J. ITMO 5(87), 2013, 88–94."),
-                );
-                ui.small(tr!("Version {version}", version = env!("CARGO_PKG_VERSION")));
-            });
-    }
 }
 
 /// The choice of the theme.
@@ -252,7 +246,7 @@ const KEYS: [(&str, &str); 7] = [
 
 /// Keys and effects of the commands, but for the colours, which have one line together.
 fn command_keys(system: OperatingSystem) -> impl Iterator<Item = (String, String)> {
-    COMMANDS.iter().filter(|entry| !matches!(entry.action, Action::Colour(_))).filter_map(
+    COMMANDS.iter().filter(|entry| !matches!(entry.task, Task::Colour(_))).filter_map(
         move |entry| {
             let keys = entry.keys(system);
             let place = if matches!(entry.keyed, Keyed::OnPicture(_)) {

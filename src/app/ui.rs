@@ -1,24 +1,54 @@
 //! Layout of the screen. Wide: plan, picture, answer side by side. Narrow: the picture over a sheet with the three
 //! figures of the answer and tabs.
 
+use super::action::{Action, Task};
 use super::curve_editor::CurveWindow;
+use super::messages::NoticeAction;
+use super::palette::Palette;
+use super::panel_widths::PanelWidths;
+use super::shared::Shared;
 use super::texts::tr;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::{App, advanced, answer, details, messages, no_answer, plan, plots, status, theme};
+use super::{App, advanced, answer, compare, details, messages, no_answer, plan, plots};
+use super::{status, strip, theme, toolbar, view_bar};
 use crate::measure::Status;
 use crate::scene::Scene;
 use eframe::egui::{self, Rect, RichText, Ui};
 use plan::Hand;
 
 /// A tab of the bottom sheet on narrow screens.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum NarrowTab {
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum NarrowTab {
+    #[default]
     Implant,
     Patient,
     Pocket,
     More,
+}
+
+/// What of the arrangement lasts.
+pub(super) struct Screen {
+    narrow_tab: NarrowTab,
+    panel_widths: PanelWidths,
+    /// Height of the controls on the picture in the previous frame \[points\].
+    view_bar_height: f32,
+}
+
+impl Default for Screen {
+    fn default() -> Self {
+        let (narrow_tab, panel_widths) = Default::default();
+        Self { narrow_tab, panel_widths, view_bar_height: 40.0 }
+    }
+}
+
+/// The windows over the screen.
+#[derive(Default)]
+pub(super) struct Windows {
+    pub(super) palette: Palette,
+    pub(super) show_help: bool,
+    pub(super) curve_window: Option<CurveWindow>,
 }
 
 /// Width in which the answer takes one line \[points\].
@@ -34,8 +64,10 @@ const TABS: [(NarrowTab, &str); 4] = [
 impl App {
     /// Arranges the panels of a wide screen.
     pub(super) fn wide(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        let [plan, answer] = self.panel_widths.fitting(ui.available_width());
-        egui::Panel::top("toolbar").resizable(false).show(ui, |ui| self.toolbar(ui, Layout::Wide));
+        let [plan, answer] = self.screen.panel_widths.fitting(ui.available_width());
+        egui::Panel::top("toolbar")
+            .resizable(false)
+            .show(ui, |ui| toolbar::show(ui, Layout::Wide, &self.shared, &mut self.actions));
         egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
             ui.add_space(theme::SPACE_SMALL);
             self.status_row(ui, Layout::Wide);
@@ -49,6 +81,10 @@ impl App {
                 self.focus.scroll_into_view(ui);
             });
         });
+        self.count_gesture(ui.ctx());
+        if !self.edits.is_inserting {
+            self.take_edits(ui.ctx(), scene);
+        }
         let right = side_panel(egui::Panel::right("answer"), answer).show(ui, |ui| {
             column("answer").show(ui, |ui| {
                 self.answer(ui, Layout::Wide);
@@ -60,15 +96,16 @@ impl App {
             self.insertion_row(ui, scene);
             self.headline(ui);
         });
+        self.take_edits(ui.ctx(), scene);
         egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Wide));
-        self.panel_widths.drag(ui, left.response.rect, right.response.rect);
+        self.screen.panel_widths.drag(ui, left.response.rect, right.response.rect);
     }
 
     /// Arranges picture and sheet of a narrow or low screen: the sheet is below the picture of an upright phone, beside the
     /// picture of a turned one.
     pub(super) fn narrow(&mut self, ui: &mut Ui, scene: &mut Scene) {
         let toolbar = egui::Panel::top("toolbar").resizable(false);
-        toolbar.show(ui, |ui| self.toolbar(ui, Layout::Narrow));
+        toolbar.show(ui, |ui| toolbar::show(ui, Layout::Narrow, &self.shared, &mut self.actions));
         // The picture keeps half of the screen.
         let screen = ui.ctx().content_rect();
         let sheet = if screen.width() > screen.height() {
@@ -78,8 +115,8 @@ impl App {
         };
         sheet.resizable(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = theme::SPACE_SMALL;
-            let findings = self.uncertainty.findings();
-            answer::show_short(ui, &self.session, self.previous_results(), findings);
+            let findings = self.shared.uncertainty.findings();
+            answer::show_short(ui, &self.shared.session, self.shared.previous_results(), findings);
             self.tabs(ui);
             egui::Panel::bottom("sheet status")
                 .resizable(false)
@@ -90,24 +127,26 @@ impl App {
                 self.focus.scroll_into_view(ui);
             });
         });
+        self.count_gesture(ui.ctx());
+        self.take_edits(ui.ctx(), scene);
         egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Narrow));
     }
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        plan::implant(ui, scene, &mut self.plan, &self.volume_marks, Hand::Mouse);
-        self.shelf_line(ui, scene);
-        self.typing.0 = plan::patient(ui, scene, Hand::Mouse);
+        plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
+        self.panels.range.shelf_line(ui, scene, self.panels.shelf_largest.words());
+        self.edits.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
-        self.position_notice = plan::position(ui, scene, Hand::Mouse);
+        self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
         ui.add_space(theme::SPACE);
         self.advanced(ui, scene, Hand::Mouse);
     }
 
     /// The folded part of the plan, which opens the window of a curve.
     fn advanced(&mut self, ui: &mut Ui, scene: &mut Scene, hand: Hand) {
-        if let Some(layer) = advanced::show(ui, scene, &self.session, hand) {
-            self.curve_window = CurveWindow::new(scene, layer);
+        if let Some(layer) = advanced::show(ui, scene, &self.shared.session, hand) {
+            self.windows.curve_window = CurveWindow::new(scene, layer);
         }
     }
 
@@ -115,28 +154,29 @@ impl App {
     fn tabs(&mut self, ui: &mut Ui) {
         ui.columns_const(|columns: &mut [Ui; 4]| {
             for (ui, (tab, name)) in columns.iter_mut().zip(TABS) {
-                let name = self.plan.device.words(tr(name));
+                let name = self.shared.choices.device.words(tr(name));
                 let size = egui::vec2(ui.available_width(), theme::TOUCH);
-                let button = egui::Button::selectable(self.narrow_tab == tab, name)
+                let button = egui::Button::selectable(self.screen.narrow_tab == tab, name)
                     .frame_when_inactive(true);
                 if ui.add_sized(size, button).clicked() {
-                    self.narrow_tab = tab;
+                    self.screen.narrow_tab = tab;
                 }
             }
         });
     }
 
     fn narrow_tab(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        match self.narrow_tab {
+        match self.screen.narrow_tab {
             NarrowTab::Implant => {
-                plan::implant(ui, scene, &mut self.plan, &self.volume_marks, Hand::Finger);
-                self.shelf_line(ui, scene);
+                let Shared { choices, volume_marks, .. } = &mut self.shared;
+                plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
+                self.panels.range.shelf_line(ui, scene, self.panels.shelf_largest.words());
                 self.insertion_row(ui, scene);
             }
-            NarrowTab::Patient => self.typing.0 = plan::patient(ui, scene, Hand::Finger),
+            NarrowTab::Patient => self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger),
             NarrowTab::Pocket => {
                 plan::pocket(ui, scene, Hand::Finger);
-                self.position_notice = plan::position(ui, scene, Hand::Finger);
+                self.edits.position_notice = plan::position(ui, scene, Hand::Finger);
             }
             NarrowTab::More => {
                 self.answer(ui, Layout::Narrow);
@@ -147,24 +187,32 @@ impl App {
 
     /// The cards or the missing answer in words, the filling of an expander, what is not known, the comparison and the details.
     fn answer(&mut self, ui: &mut Ui, layout: Layout) {
-        answer::heading(ui, &self.session);
-        if !self.no_answer(ui) {
-            let findings = self.uncertainty.findings();
-            let near_end = self.volume_marks.near_end(self.session.scene());
-            answer::show(ui, &self.session, self.previous_results(), findings, &near_end);
+        let Self { shared, panels, actions, .. } = self;
+        answer::heading(ui, &shared.session);
+        if no_answer::applies(&shared.session) {
+            let largest = shared.volume_marks.largest_plan(shared.session.scene());
+            let taken = panels.nearest.card(ui, &shared.session, largest);
+            actions.extend(taken.map(Action::TakeNearest));
+        } else {
+            let near_end = shared.volume_marks.near_end(shared.session.scene());
+            let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
+            answer::show(ui, &shared.session, previous, findings, &near_end);
         }
-        answer::sources(ui, &self.session);
-        self.filling(ui);
-        self.uncertainty.show(ui, &self.session);
-        self.compare(ui);
+        answer::sources(ui, &shared.session);
+        panels.filling.section(ui, shared, actions);
+        shared.uncertainty.show(ui, &shared.session);
+        let sampled = |scene: &Scene| shared.uncertainty.values(scene);
+        let command = compare::section(ui, &shared.session, &mut shared.compare, &sampled);
+        actions.extend(command.map(Action::Session));
         self.details(ui, layout);
     }
 
     /// The fold with numbers, cross-section and curves.
     fn details(&self, ui: &mut Ui, layout: Layout) {
-        let (previous, findings) = (self.previous_results(), self.uncertainty.findings());
+        let shared = &self.shared;
+        let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
         egui::CollapsingHeader::new(tr("Details")).id_salt("details").show_unindented(ui, |ui| {
-            let outcome = answer::visible(&self.session, previous);
+            let outcome = answer::visible(&shared.session, previous);
             match outcome.filter(|outcome| outcome.status != Status::Unstable) {
                 Some(outcome) => details::show(ui, outcome, findings),
                 None => {
@@ -175,31 +223,36 @@ impl App {
             }
             let band = findings.map_or(&[][..], Findings::section);
             // In sight under the picture where there is room.
-            if !self.has_strip(ui.ctx(), layout == Layout::Wide) {
-                plots::section(ui, &self.session, &self.compare, band);
+            if !self.has_strip(ui.ctx(), layout) {
+                plots::section(ui, &shared.session, &shared.compare, band);
             }
-            plots::curves(ui, &self.session, previous);
+            plots::curves(ui, &shared.session, previous);
         });
     }
 
     /// State of the computation and model; on a narrow screen the words that are always in sight.
     fn status_row(&mut self, ui: &mut Ui, layout: Layout) {
+        let shared = &self.shared;
         ui.horizontal(|ui| {
             // As high with the button of a long solve as without.
             ui.set_min_height(ui.spacing().interact_size.y);
-            if self.is_long() {
+            if let Some(running) = shared.solving.filter(|_| shared.is_long()) {
+                let so_far = (running.start.elapsed(), running.fraction);
                 // On a narrow screen the words that are always in sight stay.
-                self.progress(ui, |ui, words| match layout {
+                let end = |ui: &mut Ui, words| match layout {
                     Layout::Wide => drop(ui.label(words)),
                     Layout::Narrow => disclaimer(ui, layout),
-                });
+                };
+                if messages::progress(ui, so_far, shared.session.displayed(), end) {
+                    self.actions.push(Action::Cancel);
+                }
                 return;
             }
-            status::show(ui, &self.session, &self.timing, self.uncertainty.running());
+            status::show(ui, &shared.session, &shared.timing, shared.uncertainty.running());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| match layout {
                 Layout::Narrow => disclaimer(ui, layout),
                 Layout::Wide => {
-                    let text = status::model(self.session.scene());
+                    let text = status::model(shared.session.scene());
                     ui.label(RichText::new(text).color(ui.visuals().weak_text_color()));
                 }
             });
@@ -208,11 +261,12 @@ impl App {
 
     /// The answer in one sentence.
     fn headline(&self, ui: &mut Ui) {
-        let mut text =
-            answer::headline(&self.session, self.previous_results(), self.uncertainty.findings());
-        if self.is_long() {
+        let Shared { session, uncertainty, volume_marks, .. } = &self.shared;
+        let (previous, findings) = (self.shared.previous_results(), uncertainty.findings());
+        let mut text = answer::headline(session, previous, findings);
+        if self.shared.is_long() {
             // A plan without an answer takes the longest.
-            text = format!("{text} {}", self.volume_marks.near_end(self.session.scene()));
+            text = format!("{text} {}", volume_marks.near_end(session.scene()));
         }
         // The picture keeps its place whether the sentence takes one line or two.
         let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
@@ -229,15 +283,17 @@ impl App {
     fn insertion_row(&mut self, ui: &mut Ui, scene: &mut Scene) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal(|ui| {
-            let name = if self.is_playing { tr("Pause") } else { tr("Show insertion") };
+            let name = if self.edits.is_playing { tr("Pause") } else { tr("Show insertion") };
             let button = ui.add_sized([108.0, 24.0], egui::Button::new(name));
             if button.on_hover_text(tr!("{name} (space)", name)).clicked() {
-                self.toggle_playback();
+                self.actions.push(Action::Run(Task::Play));
             }
             let (slider, mut percent) = plan::insertion(scene);
-            if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
+            self.edits.is_inserting =
+                slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed;
+            if self.edits.is_inserting {
                 plan::set_insertion(scene, percent);
-                self.is_playing = false;
+                self.edits.is_playing = false;
             }
         });
         ui.add_space(theme::SPACE_SMALL);
@@ -246,10 +302,12 @@ impl App {
     /// The middle of the screen: the picture of this plan or the range of implants.
     fn central(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
         if layout == Layout::Wide {
-            self.middle_switch(ui);
+            self.panels.range.switch(ui, self.shared.choices.device, &mut self.actions);
         }
-        if self.range.is_open {
-            self.range_page(ui, scene, layout);
+        if self.panels.range.is_open {
+            let area = ui.available_rect_before_wrap();
+            self.panels.range.page(ui, scene, layout, &self.shared, &mut self.actions);
+            self.show_notice(ui, area);
         } else {
             self.picture(ui, scene, layout);
         }
@@ -258,8 +316,9 @@ impl App {
     /// The page of a plan without a shape, or a box over the picture of the last plan with an answer. On a narrow screen
     /// the answer with the nearest plan is behind a tab.
     fn no_shape(&mut self, ui: &mut Ui, area: Rect, scene: &mut Scene, layout: Layout) {
-        let words = self.plan.device.words(&no_answer::words(&self.session));
-        let about_picture = no_answer::about_picture(&self.session);
+        let Shared { session, choices, volume_marks, .. } = &self.shared;
+        let words = choices.device.words(&no_answer::words(session));
+        let about_picture = no_answer::about_picture(session);
         let mut accepted = None;
         let add = |ui: &mut Ui| {
             // On a wide screen the card beside the picture has the sentence.
@@ -271,8 +330,8 @@ impl App {
             }
             ui.add_space(theme::SPACE_SMALL);
             if layout == Layout::Narrow {
-                let largest = self.volume_marks.largest_plan(self.session.scene());
-                accepted = self.nearest.offer(ui, &self.session, largest, Hand::Finger);
+                let largest = volume_marks.largest_plan(session.scene());
+                accepted = self.panels.nearest.offer(ui, session, largest, Hand::Finger);
             }
             messages::standard_model(ui, scene);
         };
@@ -280,49 +339,75 @@ impl App {
             Some(_) => messages::no_shape_box(ui, area, add),
             None => messages::no_shape_page(ui, add),
         }
-        if let Some(scene) = accepted {
-            self.take_nearest(scene);
+        self.actions.extend(accepted.map(Action::TakeNearest));
+    }
+
+    /// Is the strip in sight, so that "Details" does without a cross-section?
+    fn has_strip(&self, ctx: &egui::Context, layout: Layout) -> bool {
+        let has_room = strip::has_room(ctx, layout == Layout::Wide);
+        has_room && self.shared.show_strip && !self.panels.range.is_open
+    }
+
+    /// Shows the last notice over an area until the user closes it, or until it has faded.
+    fn show_notice(&mut self, ui: &Ui, area: Rect) {
+        let Some(notice) = &mut self.notice else { return };
+        if self.edits.was_paused {
+            // The time of a hidden tab is no time to read.
+            notice.since = None;
         }
+        self.actions.extend(notice.show(ui, area).map(|action| match action {
+            NoticeAction::Close => Action::CloseNotice,
+            NoticeAction::Accept(scene) => Action::Accept(scene),
+        }));
     }
 
     /// The 3-D view with its controls and notices, or the page that replaces the view.
     fn picture(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
         let whole = ui.available_rect_before_wrap();
-        let has_page = self.session.is_stopped() || !no_answer::has_picture(&self.session);
-        let strip = self.strip_area(ui.ctx(), whole, layout == Layout::Wide).filter(|_| !has_page);
+        let session = &self.shared.session;
+        let has_page = session.is_stopped() || !no_answer::has_picture(session);
+        let has_strip = !has_page && self.has_strip(ui.ctx(), layout);
+        let strip = has_strip.then(|| strip::area(whole));
         let area = strip.map_or(whole, |strip| whole.with_max_y(strip.top()));
         let builder = egui::UiBuilder::new().id_salt("picture").max_rect(area);
         let ui = &mut ui.new_child(builder);
-        if self.session.is_stopped() {
-            self.stopped_page(ui);
-        } else if !no_answer::has_picture(&self.session) {
+        if self.shared.session.is_stopped() {
+            if messages::stopped_page(ui) {
+                self.actions.push(Action::Resume);
+            }
+        } else if !no_answer::has_picture(&self.shared.session) {
             self.no_shape(ui, area, scene, layout);
         } else {
-            let envelope = self.uncertainty.envelope().unwrap_or_default();
-            let (session, options) = (&self.session, &self.options);
-            let bar = self.view_bar_height;
+            let envelope = self.shared.uncertainty.envelope().unwrap_or_default();
+            let (session, options) = (&self.shared.session, &self.shared.options);
+            let bar = self.screen.view_bar_height;
             let shown =
                 Shown { session, options, envelope, outlines: &[], bar, is_on_paper: false };
             if session.has_no_shape() {
-                self.viewport.show(ui, shown);
+                self.shared.viewport.show(ui, shown);
                 self.no_shape(ui, area, scene, layout);
-            } else if self.compare.is_side_by_side(session) {
-                self.viewport.show_side_by_side(ui, shown);
+            } else if self.shared.compare.is_side_by_side(session) {
+                self.shared.viewport.show_side_by_side(ui, shown);
             } else {
                 let palette = theme::palette(ui.visuals());
-                let outlines = plots::outlines(session, &self.compare, palette);
-                self.viewport.show(ui, Shown { outlines: &outlines, ..shown });
+                let outlines = plots::outlines(session, &self.shared.compare, palette);
+                self.shared.viewport.show(ui, Shown { outlines: &outlines, ..shown });
             }
-            if !self.session.has_no_shape() {
-                self.handles(ui, scene);
+            let has_shape = !self.shared.session.has_no_shape();
+            if has_shape {
+                let Shared { viewport, choices, .. } = &mut self.shared;
+                let is_cancelled = self.edits.press.is_cancelled;
+                self.handles.show(ui, viewport, is_cancelled, scene, choices);
             }
-            self.view_bar_height = self.view_bar(ui, area, layout);
-            if !self.is_edited && layout == Layout::Wide && !self.session.has_no_shape() {
+            self.screen.view_bar_height =
+                view_bar::show(ui, area, layout, &self.shared, &mut self.actions);
+            if has_shape && !self.edits.is_edited && layout == Layout::Wide {
                 hint(ui, area);
             }
         }
         if let Some(strip) = strip {
-            self.strip(ui, strip);
+            let kept = strip::show(ui, strip, &self.shared);
+            self.actions.extend(kept.map(Action::KeepValues));
         }
         self.show_notice(ui, area);
     }
@@ -348,42 +433,6 @@ fn hint(ui: &mut Ui, area: Rect) {
 /// the picture would pay.
 fn side_panel(panel: egui::Panel, width: f32) -> egui::Panel {
     panel.exact_size(width).resizable(false)
-}
-
-/// Widths of the side panels that the user has chosen, plan and answer \[points\].
-#[derive(Default)]
-pub(super) struct PanelWidths([Option<f32>; 2]);
-
-impl PanelWidths {
-    /// The widths in a window: the picture keeps a third.
-    fn fitting(&self, window: f32) -> [f32; 2] {
-        let (least, most) = theme::PANEL_WIDTH;
-        let usual = (0.24 * window).clamp(least, most);
-        self.0.map(|width| width.unwrap_or(usual).min(window / 3.0).max(least))
-    }
-
-    /// Moves the inner edges of the panels with the pointer; a double-click restores the usual width.
-    fn drag(&mut self, ui: &Ui, plan: Rect, answer: Rect) {
-        for (k, (panel, edge)) in
-            [(plan, plan.right()), (answer, answer.left())].into_iter().enumerate()
-        {
-            let area = Rect::from_x_y_ranges(edge - 3.0..=edge + 3.0, panel.y_range());
-            let id = ui.scope_id().with(("panel edge", k));
-            let response = ui.interact(area, id, egui::Sense::CLICK | egui::Sense::DRAG);
-            if response.hovered() || response.dragged() {
-                ui.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
-                let stroke = egui::Stroke::new(2.0, theme::palette(ui.visuals()).accent);
-                ui.painter().vline(edge, panel.y_range(), stroke);
-            }
-            if response.double_clicked() {
-                self.0[k] = None;
-            } else if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged())
-            {
-                let width = if k == 0 { at.x - panel.left() } else { panel.right() - at.x };
-                self.0[k] = Some(width);
-            }
-        }
-    }
 }
 
 /// The scrolled content of a side panel, at the panel's full width. A content that shrinks would make

@@ -53,6 +53,37 @@ pub struct Answer {
     pub fields: Rc<Fields>,
 }
 
+/// The solve of the current scene.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// The solver computes the scene.
+    Solving(Shown),
+    /// The solver has ended; its solution is measured, or is to be measured.
+    Done { is_measured: bool },
+    /// The current solution is that of a pin; the solver still has its previous problem.
+    Held,
+    /// The user has cancelled the solve; there is no shape.
+    Stopped,
+}
+
+/// What a running solve displays.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shown {
+    /// No shape yet.
+    Nothing,
+    /// The shape of the previous scene or of a coarse grid, or a measured draft.
+    Shape,
+    /// A draft that is to be measured.
+    NewDraft,
+}
+
+/// A result with its scene.
+struct Measured {
+    outcome: Outcome,
+    /// The scene if that is a previous one; `None`: the current scene, draft included.
+    previous: Option<Scene>,
+}
+
 /// The current scene, its history and its solve; the pinned scenes.
 pub struct Session {
     scene: Scene,
@@ -60,25 +91,15 @@ pub struct Session {
     redo: Vec<Scene>,
     last_gesture: Option<u64>,
     solver: Solver,
-    /// Is the current solution that of a pin? The solver then still has its previous problem.
-    is_held: bool,
-    working: bool,
+    state: State,
     revision: u64,
     /// The fields of the displayed shape: the previous shape until the solver has a shape of the current scene.
     fields: OnceCell<Rc<Fields>>,
-    /// Has the solver a shape of the current scene, or do the fields hold a previous one?
-    is_shape_known: bool,
     /// The last scene with an answer, with its fields; absent if nothing displayed its shape.
     last_answer: Option<Answer>,
     /// Stability limits of the current layers under the paper's springs.
     stability_limits: OnceCell<Limits>,
-    outcome: Option<Outcome>,
-    /// Does [`Self::outcome`] belong to the current scene, draft included?
-    is_outcome_present: bool,
-    /// The scene of [`Self::outcome`] if that does not belong to the current scene.
-    measured: Option<Scene>,
-    is_measured: bool,
-    is_stopped: bool,
+    measured: Option<Measured>,
     /// The last scene with a valid solution.
     valid: Scene,
     reverted: Option<Invalid>,
@@ -108,18 +129,12 @@ impl Session {
             redo: Vec::new(),
             last_gesture: None,
             solver,
-            is_held: false,
-            working: true,
+            state: State::Solving(Shown::Nothing),
             revision: 1,
             fields: OnceCell::new(),
-            is_shape_known: false,
             last_answer: None,
             stability_limits: OnceCell::new(),
-            outcome: None,
-            is_outcome_present: false,
             measured: None,
-            is_measured: true,
-            is_stopped: false,
             counters: Cell::new(Counters { solves: 1, ..Counters::default() }),
             pins: Vec::new(),
             pins_added: 0,
@@ -234,8 +249,8 @@ impl Session {
     fn show(&mut self, checked: CheckedScene) -> Scene {
         if checked.scene().same_physics(&self.scene) {
             let before = std::mem::replace(&mut self.scene, checked.into_scene());
-            if let Some(outcome) = &mut self.outcome {
-                simulate::relabel(outcome, &before, &self.scene);
+            if let Some(measured) = &mut self.measured {
+                simulate::relabel(&mut measured.outcome, &before, &self.scene);
             }
             return before;
         }
@@ -247,16 +262,14 @@ impl Session {
             return self.hold(checked.into_scene(), solved);
         }
         self.note_answer();
-        self.is_held = false;
         self.solver.restart(problem);
         // The previous shape is displayed, if it ever was, until the solver has another.
-        self.is_shape_known &= self.fields.get().is_some();
-        self.working = true;
-        self.is_stopped = false;
+        let is_shown = self.is_shape_known() && self.fields.get().is_some();
+        self.state = State::Solving(if is_shown { Shown::Shape } else { Shown::Nothing });
         self.count(|c| c.solves += 1);
         let before = std::mem::replace(&mut self.scene, checked.into_scene());
-        if std::mem::take(&mut self.is_outcome_present) {
-            self.measured = Some(before.clone());
+        if let Some(measured) = &mut self.measured {
+            measured.previous.get_or_insert_with(|| before.clone());
         }
         before
     }
@@ -265,14 +278,9 @@ impl Session {
     fn hold(&mut self, scene: Scene, Solved { outcome, fields }: Solved) -> Scene {
         self.reshaped();
         self.fields = OnceCell::from(fields);
-        self.is_shape_known = true;
         self.last_answer = None;
-        self.outcome = Some(outcome);
-        self.is_outcome_present = true;
-        self.is_measured = true;
-        self.is_held = true;
-        self.working = false;
-        self.is_stopped = false;
+        self.measured = Some(Measured { outcome, previous: None });
+        self.state = State::Held;
         self.count(|c| c.shared += 1);
         self.valid.clone_from(&scene);
         std::mem::replace(&mut self.scene, scene)
@@ -290,20 +298,17 @@ impl Session {
 
     /// The solver's part of [`Self::advance`], to be followed by [`Self::conclude`].
     pub fn solve(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
-        if !self.working {
-            return Progress::Done;
-        }
+        let State::Solving(shown) = self.state else { return Progress::Done };
         let (work, revision) = (self.solver.work_units(), self.solver.revision());
         let progress = self.solver.advance(pause);
         let work = self.solver.work_units() - work;
         let has_moved = self.solver.revision() != revision;
-        self.working = progress == Progress::Working;
         self.count(|c| {
             c.slices += 1;
             c.work_units += work;
             c.previews += u64::from(has_moved && progress == Progress::Working);
         });
-        if !self.working {
+        if progress == Progress::Done {
             match self.solver.invalid() {
                 Some(reason @ (Invalid::NotFinite | Invalid::Inverted)) if self.take_back() => {
                     self.reverted = Some(reason);
@@ -314,11 +319,16 @@ impl Session {
                 None => self.valid.clone_from(&self.scene),
             }
         }
-        if has_moved || !self.working {
+        if has_moved || progress == Progress::Done {
             self.reshaped();
-            self.is_shape_known = true;
-            self.is_measured = self.working && self.solver.displayed() != Displayed::Draft;
         }
+        let is_draft = self.solver.displayed() == Displayed::Draft;
+        self.state = match progress {
+            Progress::Done => State::Done { is_measured: false },
+            Progress::Working if !has_moved => State::Solving(shown),
+            Progress::Working if is_draft => State::Solving(Shown::NewDraft),
+            Progress::Working => State::Solving(Shown::Shape),
+        };
         progress
     }
 
@@ -358,25 +368,24 @@ impl Session {
     /// Cancels the running solve. Reverts to the last scene with a valid solution ([`Command::Redo`] restores the
     /// reverted scene); without such a scene the solve stops without a result until [`Self::resume`].
     pub fn cancel(&mut self) {
-        if self.working && !self.take_back() {
-            self.working = false;
-            self.is_stopped = true;
-            self.outcome = None;
+        if self.is_working() && !self.take_back() {
+            self.state = State::Stopped;
+            self.measured = None;
             self.reshaped();
-            self.is_shape_known = false;
         }
     }
 
     /// Was the solve of the current scene cancelled?
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.is_stopped
+        self.state == State::Stopped
     }
 
     /// Continues a cancelled solve.
     pub fn resume(&mut self) {
-        self.working |= self.is_stopped;
-        self.is_stopped = false;
+        if self.is_stopped() {
+            self.state = State::Solving(Shown::Nothing);
+        }
     }
 
     /// Why the last edit was reverted; the first call after a reversion returns the reason.
@@ -386,13 +395,18 @@ impl Session {
 
     /// Measures a new draft or final solution.
     pub fn conclude(&mut self) {
-        if !self.is_measured {
-            self.is_measured = true;
-            self.outcome = Some(simulate::measure(&self.scene, self.fields()));
-            self.is_outcome_present = true;
+        let measured = match self.state {
+            State::Solving(Shown::NewDraft) => Some(State::Solving(Shown::Shape)),
+            State::Done { is_measured: false } => Some(State::Done { is_measured: true }),
+            _ => None,
+        };
+        if let Some(state) = measured {
+            self.state = state;
+            let outcome = simulate::measure(&self.scene, self.fields());
+            self.measured = Some(Measured { outcome, previous: None });
             self.count(|c| c.measurements += 1);
         }
-        if !self.working {
+        if !self.is_working() {
             self.share_solutions();
             if !self.has_no_shape() {
                 self.last_answer = None;

@@ -122,7 +122,7 @@ impl Session {
             return Err(CommandError::Pinned(pin.letter()));
         }
         let is_converged = || self.result().is_some_and(|o| o.status == Status::Converged);
-        if !self.working && (self.is_stopped || !is_converged()) {
+        if !self.is_working() && (self.is_stopped() || !is_converged()) {
             return Err(CommandError::NoResult);
         }
         let letter = self.free_letter().ok_or(CommandError::Full)?;
@@ -225,7 +225,7 @@ impl Session {
                 continue;
             }
             let scene = self.pins[k].scene();
-            let is_current = self.scene.same_physics(scene) && !self.is_stopped;
+            let is_current = self.scene.same_physics(scene) && !self.is_stopped();
             let solved = match self.result().filter(|_| is_current) {
                 Some(outcome) => {
                     let (outcome, fields) = (outcome.clone(), Rc::clone(self.fields()));
@@ -246,7 +246,7 @@ impl Session {
     /// `pause` every few milliseconds. Returns `Working` as long as a pin has no solution.
     pub fn advance_pins(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         let next = self.pins.iter().position(|pin| pin.solved.is_none());
-        let Some(k) = next.filter(|_| !self.working) else { return Progress::Done };
+        let Some(k) = next.filter(|_| !self.is_working()) else { return Progress::Done };
         let number = self.pins[k].number;
         let mut solve = match self.pin_solve.take().filter(|solve| solve.number == number) {
             Some(solve) => solve,

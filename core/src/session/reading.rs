@@ -1,6 +1,6 @@
 //! What of a session is read: shape, fields, result, counters.
 
-use super::{Counters, Session};
+use super::{Counters, Session, Shown, State};
 use crate::measure::{Field, Fields, Outcome, Status};
 use crate::scene::Scene;
 use crate::solve::{Displayed, Invalid, Problem, Solution, Solver};
@@ -14,21 +14,30 @@ impl Session {
     /// Is a solve running?
     #[must_use]
     pub fn is_working(&self) -> bool {
-        self.working
+        matches!(self.state, State::Solving(_))
+    }
+
+    /// Is the displayed shape one of the current scene or a previous one?
+    pub(super) fn is_shape_known(&self) -> bool {
+        !matches!(self.state, State::Solving(Shown::Nothing) | State::Stopped)
+    }
+
+    fn is_held(&self) -> bool {
+        self.state == State::Held
     }
 
     /// The problem of the displayed shape: of the previous scene until the solver has a shape of the current scene;
     /// `None` before the first shape.
     #[must_use]
     pub fn displayed_problem(&self) -> Option<&Problem> {
-        self.is_shape_known.then(|| self.fields().solution().problem())
+        self.is_shape_known().then(|| self.fields().solution().problem())
     }
 
     /// The problem being solved: grid, patch, obstacle, layers.
     #[must_use]
     pub fn problem(&self) -> &Problem {
         match self.fields.get() {
-            Some(fields) if self.is_held => fields.solution().problem(),
+            Some(fields) if self.is_held() => fields.solution().problem(),
             _ => self.solver.problem(),
         }
     }
@@ -36,19 +45,19 @@ impl Session {
     /// Why the last shape of the current solve was invalid.
     #[must_use]
     pub fn invalid(&self) -> Option<Invalid> {
-        self.solver.invalid().filter(|_| !self.is_held)
+        self.solver.invalid().filter(|_| !self.is_held())
     }
 
     /// Origin of the displayed shape.
     #[must_use]
     pub fn displayed(&self) -> Displayed {
-        if self.is_held { Displayed::Final } else { self.solver.displayed() }
+        if self.is_held() { Displayed::Final } else { self.solver.displayed() }
     }
 
     /// Completed fraction of the current solve, 0 to 1.
     #[must_use]
     pub fn fraction_done(&self) -> f64 {
-        if self.is_held { 1.0 } else { self.solver.fraction_done() }
+        if self.is_held() { 1.0 } else { self.solver.fraction_done() }
     }
 
     /// The solver, for tests; with the solution of a pin the solver still has its previous problem.
@@ -107,7 +116,7 @@ impl Session {
     /// The greatest principal strain of the last result with a shape \[-\].
     #[must_use]
     pub fn greatest_strain(&self) -> Option<f64> {
-        let strain = self.outcome.as_ref()?.strain.as_ref()?;
+        let strain = self.outcome()?.strain.as_ref()?;
         Some(strain.max_principal.max(0.0))
     }
 
@@ -115,33 +124,33 @@ impl Session {
     /// with [`Self::is_outcome_present`], to a draft of the current scene.
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
-        self.outcome.as_ref()
+        self.measured.as_ref().map(|measured| &measured.outcome)
     }
 
     /// Does [`Self::outcome`] belong to the current scene, draft included?
     #[must_use]
     pub fn is_outcome_present(&self) -> bool {
-        self.is_outcome_present && self.outcome.is_some()
+        self.measured.as_ref().is_some_and(|measured| measured.previous.is_none())
     }
 
     /// The scene of [`Self::outcome`]: during a solve the previous scene, until there is a draft of the current one.
     #[must_use]
     pub fn outcome_scene(&self) -> &Scene {
-        let measured = self.measured.as_ref().filter(|_| !self.is_outcome_present);
-        measured.unwrap_or_else(|| self.scene())
+        let previous = self.measured.as_ref().and_then(|measured| measured.previous.as_ref());
+        previous.unwrap_or(&self.scene)
     }
 
     /// The result of the current scene; `None` until the solve has ended.
     #[must_use]
     pub fn result(&self) -> Option<&Outcome> {
-        self.outcome.as_ref().filter(|_| !self.working)
+        self.outcome().filter(|_| !self.is_working())
     }
 
     /// Has the solve ended without a stable shape, or was the solve cancelled? [`Self::shape`] is then not
     /// displayed.
     #[must_use]
     pub fn has_no_shape(&self) -> bool {
-        self.is_stopped || self.result().is_some_and(|outcome| outcome.status == Status::Unstable)
+        self.is_stopped() || self.result().is_some_and(|outcome| outcome.status == Status::Unstable)
     }
 
     /// Counters of completed work.

@@ -9,10 +9,9 @@
 mod keep;
 mod table;
 
-pub(super) use keep::Keep;
+pub(super) use keep::{DELAY, Keep, KeptPlan, is_due};
 pub(super) use table::rows;
 
-use super::App;
 use super::theme::{self, Palette};
 use super::widgets::{button_if, group, remark, set_accessible_name};
 use crate::app::texts::tr;
@@ -55,16 +54,6 @@ impl Compare {
     /// Are pictures of pins to be shown beside the picture?
     pub(super) fn is_side_by_side(&self, session: &Session) -> bool {
         self.pictures == Pictures::SideBySide && session.pins().iter().any(Pin::has_shape)
-    }
-}
-
-impl App {
-    /// Shows the comparison and executes its command.
-    pub(super) fn compare(&mut self, ui: &mut Ui) {
-        let sampled = |scene: &Scene| self.uncertainty.values(scene);
-        if let Some(command) = section(ui, &self.session, &mut self.compare, &sampled) {
-            self.execute(command);
-        }
     }
 }
 

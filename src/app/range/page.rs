@@ -2,13 +2,15 @@
 
 use super::chart::Taken;
 use super::{Range, readout};
-use crate::app::commands::{Action, entry_of};
+use crate::app::action::{Action, Task};
+use crate::app::commands::entry_of;
 use crate::app::messages::Notice;
-use crate::app::plan::{Hand, chip};
+use crate::app::plan::{Device, Hand, chip};
+use crate::app::shared::Shared;
 use crate::app::texts::{fixed, tr};
+use crate::app::theme;
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{rejection_label, remark};
-use crate::app::{App, theme};
 use crate::scene::Scene;
 use crate::study::{CHECK, Map, Parameter, PointStatus, Quantity, with_values};
 use eframe::egui::{self, Button, RichText, Ui};
@@ -132,26 +134,32 @@ pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String
     let points = if unit == "%" { tr("% (points)") } else { unit };
     format!("{} {points}", fixed(rounded, decimals))
 }
-impl App {
+
+impl Range {
     /// The switch between picture and range, above the middle of a wide screen.
-    pub(in crate::app) fn middle_switch(&mut self, ui: &mut Ui) {
+    pub(in crate::app) fn switch(
+        &mut self,
+        ui: &mut Ui,
+        device: Device,
+        actions: &mut Vec<Action>,
+    ) {
         let frame = egui::Frame::new()
             .inner_margin(egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8))
             .fill(ui.visuals().panel_fill);
         egui::Panel::top("middle").frame(frame).resizable(false).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
-                let is_open = self.range.is_open;
+                let is_open = self.is_open;
                 for range in [false, true] {
-                    let entry = entry_of(Action::ShowRange(range));
-                    let name = self.plan.device.words(tr(entry.name));
+                    let entry = entry_of(Task::ShowRange(range));
+                    let name = device.words(tr(entry.name));
                     if chip(ui, Hand::Mouse, is_open == range, &name, tr(entry.tooltip)) {
-                        self.range.is_open = range;
+                        self.is_open = range;
                     }
                 }
                 if is_open {
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        self.range_files(ui);
+                        self.files(ui, actions);
                     });
                 }
             });
@@ -159,13 +167,12 @@ impl App {
     }
 
     /// The files of the chart.
-    fn range_files(&mut self, ui: &mut Ui) {
-        let Some(map) = self.range.map.study() else { return };
-        let is_done = !self.range.map.is_running();
-        let (quantity, check) = (self.range.quantity, self.range.check.finished());
-        let mut notice = None;
+    fn files(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let Some(map) = self.map.study() else { return };
+        let is_done = !self.map.is_running();
+        let (quantity, check) = (self.quantity, self.check.finished());
+        let file = |name: &str, text: String| Action::Save(name.to_owned(), text.into());
         let menu = ui.menu_button(tr("Save chart"), |ui| {
-            let ctx = ui.ctx().clone();
             let mut item = |name: &str| {
                 let item = ui.add_enabled(is_done, Button::new(name));
                 let is_clicked = item.clicked();
@@ -176,99 +183,96 @@ impl App {
                 is_clicked
             };
             if item(tr("Table (CSV)…")) {
-                self.files.save(&ctx, "range.csv", map.csv());
+                actions.push(file("range.csv", map.csv()));
             }
             if item(tr("Numbers (JSON)…"))
                 && let Ok(text) = serde_json::to_string_pretty(&map.file(quantity, check))
             {
-                self.files.save(&ctx, "range.json", text + "\n");
+                actions.push(file("range.json", text + "\n"));
             }
             if item(tr("Picture (SVG)…")) {
-                match scene_map::draw(map, quantity) {
-                    Ok(text) => self.files.save(&ctx, "range.svg", text),
-                    Err(error) => {
-                        notice =
-                            Some(Notice::error(tr!("range.svg was not drawn: {error}", error)));
-                    }
-                }
+                actions.push(match scene_map::draw(map, quantity) {
+                    Ok(text) => file("range.svg", text),
+                    Err(error) => Action::Notify(Notice::error(tr!(
+                        "range.svg was not drawn: {error}",
+                        error
+                    ))),
+                });
             }
         });
         menu.response.on_hover_text(tr("Save all values of the chart, or its picture"));
-        self.notice = notice.or(self.notice.take());
     }
 
     /// The chart with its controls, in place of the picture.
-    pub(in crate::app) fn range_page(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
-        let area = ui.available_rect_before_wrap();
-        let Range { map, pins, sizes, starts, .. } = &mut self.range;
+    pub(in crate::app) fn page(
+        &mut self,
+        ui: &mut Ui,
+        scene: &mut Scene,
+        layout: Layout,
+        shared: &Shared,
+        actions: &mut Vec<Action>,
+    ) {
+        let Self { map, pins, sizes, starts, .. } = self;
         if let Some(map) = map.study() {
-            pins.update(map, *starts, &self.session);
+            pins.update(map, *starts, &shared.session);
             sizes.update(map, *starts);
         }
         let margin = egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8);
         let frame = egui::Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill);
         let top = egui::Panel::top("range controls").frame(frame).resizable(false);
         top.show_separator_line(false).show(ui, |ui| {
-            for reason in self.range.controls(ui, scene, layout) {
+            for reason in self.controls(ui, scene, layout) {
                 rejection_label(ui, &reason);
             }
-            if layout == Layout::Narrow && self.range.shows_axes {
-                self.range_files(ui);
+            if layout == Layout::Narrow && self.shows_axes {
+                self.files(ui, actions);
             }
         });
         let bottom = egui::Panel::bottom("range captions").frame(frame).resizable(false);
-        let (mut taken, mut listed) = (None, None);
+        let mut taken = None;
         bottom.show_separator_line(false).show(ui, |ui| {
-            if layout == Layout::Narrow && self.range.chart.cursor().is_some() {
-                let button = Button::new(self.plan.device.words(tr("Take this implant")));
+            if layout == Layout::Narrow && self.chart.cursor().is_some() {
+                let button = Button::new(shared.choices.device.words(tr("Take this implant")));
                 let size = egui::vec2(ui.available_width(), theme::TOUCH - 8.0);
                 if ui.add_sized(size, button).clicked() {
-                    taken = self.range.chart.cursor().map(Taken::Point);
+                    taken = self.chart.cursor().map(Taken::Point);
                 }
             }
-            self.range.captions(ui);
+            self.captions(ui);
             // A phone has room for the chart alone, unless the axes are in sight.
-            if layout == Layout::Wide || self.range.shows_axes {
-                self.range.values(ui);
-                listed = self.range.shelf_list(ui, &self.files);
+            if layout == Layout::Wide || self.shows_axes {
+                self.values(ui);
+                taken = self.shelf_list(ui, actions).map(Taken::Size).or(taken.take());
             }
         });
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-            let Range { map, chart, quantity, revision, pins, sizes, .. } = &mut self.range;
+            let Self { map, chart, quantity, revision, pins, sizes, .. } = self;
             if let Some(map) = map.study() {
                 taken = chart.show(ui, map, *quantity, *revision, (pins, sizes)).or(taken);
             }
         });
-        self.show_notice(ui, area);
-        match listed {
-            Some(Ok(index)) => taken = Some(Taken::Size(index)),
-            Some(Err(table)) => self.notice = Some(self.read_shelf(tr("The table"), &table)),
-            None => {}
-        }
         match taken {
-            Some(Taken::Point((i, j))) => self.take(i, j, scene),
-            Some(Taken::Size(index)) => self.take_size(index, scene),
+            Some(Taken::Point((i, j))) => self.take(i, j, scene, actions),
+            Some(Taken::Size(index)) => self.take_size(index, scene, actions),
             None => {}
         }
     }
 
     /// Takes the implant of a point: one step of the history, as an edit of the plan.
-    fn take(&mut self, i: usize, j: usize, scene: &mut Scene) {
-        let Some(map) = self.range.map.study() else { return };
+    fn take(&self, i: usize, j: usize, scene: &mut Scene, actions: &mut Vec<Action>) {
+        let Some(map) = self.map.study() else { return };
         let values: Vec<(Parameter, f64)> =
             map.axes().iter().zip([i, j]).map(|(a, k)| (a.field, a.value(k))).collect();
         let taken = match map.status(i, j) {
-            PointStatus::Invalid => {
-                Err(readout::lines(map, i, j, self.range.quantity).swap_remove(0))
-            }
+            PointStatus::Invalid => Err(readout::lines(map, i, j, self.quantity).swap_remove(0)),
             _ => with_values(scene, &values).map_err(|error| error.to_string()),
         };
         match taken {
             Ok(taken) => *scene = taken,
             Err(reason) => {
                 let place = readout::place(map, i, j);
-                self.notice =
-                    Some(Notice::caution(tr!("{place} was not taken. {reason}", place, reason)));
+                let words = tr!("{place} was not taken. {reason}", place, reason);
+                actions.push(Action::Notify(Notice::caution(words)));
             }
         }
     }

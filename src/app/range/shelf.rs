@@ -3,11 +3,11 @@
 use super::axes::Words;
 use super::plane::Plane;
 use super::{Range, readout};
+use crate::app::action::Action;
 use crate::app::messages::Notice;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
-use crate::app::{App, files::Files};
 use crate::clinical::{Listed, Shelf, ShelfSize};
 use crate::scene::Scene;
 use crate::study::{Map, Parameter, with_values};
@@ -133,17 +133,13 @@ pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene
 
 impl Range {
     /// The folded list of the shelf; returns the index of a size to take.
-    pub(super) fn shelf_list(
-        &mut self,
-        ui: &mut Ui,
-        files: &Files,
-    ) -> Option<Result<usize, String>> {
+    pub(super) fn shelf_list(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<usize> {
         let count = self.sizes.shelf.sizes().len();
         let title =
             if count == 0 { tr("Shelf").to_owned() } else { tr!("Shelf: {count} sizes", count) };
         let mut event = None;
         egui::CollapsingHeader::new(title).id_salt("shelf").show(ui, |ui| {
-            event = self.shelf_buttons(ui, files).map(Err);
+            self.shelf_buttons(ui, actions);
             if count == 0 {
                 remark(ui, tr("The sizes of your clinic from a table (CSV) with the columns name, width_cm (or width_mm) and \
                     projection_cm (or projection_mm) or volume_ml. The table stays on this machine."));
@@ -160,7 +156,7 @@ impl Range {
                         let take = ui.link(size.name());
                         set_accessible_name(&take, egui::Role::Button, &tr!("Take {name}", name = size.name()));
                         if take.on_hover_text(tr("Take this size")).clicked() {
-                            event = Some(Ok(index));
+                            event = Some(index);
                         }
                         let dome = size.size();
                         ui.label(Words::of(Parameter::BaseWidth).text(size.width_mm()));
@@ -183,16 +179,15 @@ impl Range {
         event
     }
 
-    /// The buttons above the list; returns a pasted table.
-    fn shelf_buttons(&mut self, ui: &mut Ui, files: &Files) -> Option<String> {
-        let mut table = None;
+    /// The buttons above the list, and the field of a pasted table.
+    fn shelf_buttons(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
             if ui
                 .button(tr("Open table…"))
                 .on_hover_text(tr("A table (CSV); dropping the file does the same"))
                 .clicked()
             {
-                files.open_table(ui.ctx());
+                actions.push(Action::OpenTable);
             }
             if ui.button(tr("Paste table")).clicked() {
                 self.sizes.pasted = match self.sizes.pasted {
@@ -212,22 +207,18 @@ impl Range {
             let response = ui.add(field);
             set_accessible_name(&response, egui::Role::MultilineTextInput, tr("Table of sizes"));
             if ui.button(tr("Use this table")).clicked() {
-                table = Some(text.clone());
+                actions.push(Action::ReadShelf(tr("The table").to_owned(), text.clone()));
             }
         }
-        table
     }
-}
 
-impl App {
     /// Puts the sizes of a table on the shelf; an invalid table leaves the shelf as it is.
     pub(in crate::app) fn read_shelf(&mut self, name: &str, text: &str) -> Notice {
         match Shelf::from_csv(text) {
             Ok(shelf) => {
                 let count = shelf.sizes().len();
-                self.range.sizes.set(shelf);
-                self.range.sizes.pasted = None;
-                self.request_frame();
+                self.sizes.set(shelf);
+                self.sizes.pasted = None;
                 Notice::info(tr!(
                     "{count} sizes of {name} are on the shelf, on the page Range of implants.",
                     count,
@@ -243,25 +234,24 @@ impl App {
     }
 
     /// Takes a size of the shelf: one step of the history, as an edit of the plan.
-    pub(super) fn take_size(&mut self, index: usize, scene: &mut Scene) {
-        let Some(size) = self.range.sizes.shelf.sizes().get(index) else { return };
+    pub(super) fn take_size(&self, index: usize, scene: &mut Scene, actions: &mut Vec<Action>) {
+        let Some(size) = self.sizes.shelf.sizes().get(index) else { return };
         match with_size(scene, size) {
             Ok(taken) => *scene = taken,
             Err(reason) => {
                 let words = tr!("{name} was not taken. {reason}", name = size.name(), reason);
-                self.notice = Some(Notice::caution(words));
+                actions.push(Action::Notify(Notice::caution(words)));
             }
         }
     }
 
-    /// Lines with the name of the plan's size on the shelf, if the plan has one, and with the largest size that stays usual.
-    pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, scene: &Scene) {
+    /// Lines with the name of the plan's size on the shelf, if the plan has one, and with the `largest` size that stays usual.
+    pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, scene: &Scene, largest: String) {
         let implant = scene.implant;
-        let shelf = &self.range.sizes.shelf;
+        let shelf = &self.sizes.shelf;
         if let Some(name) = shelf.name_of(2.0 * implant.base_radius_mm, implant.projection_mm) {
             remark(ui, tr!("On the shelf: {name}.", name));
         }
-        let largest = self.shelf_largest.words();
         if !largest.is_empty() {
             remark(ui, largest).on_hover_text(
                 tr("No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \

@@ -10,11 +10,13 @@ mod page;
 use super::answer::{self, PreviousResults};
 use super::compare;
 use super::device::Device;
-use super::messages::Notice;
+use super::filling::Filling;
+use super::range::Range;
+use super::shared::Shared;
 use super::theme::SPACE;
 use super::uncertainty::Findings;
 use super::viewport::Shown;
-use super::{App, files, no_answer, plan, plots, status};
+use super::{files, no_answer, plan, plots, status};
 use crate::app::texts::{self, tr};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
@@ -35,156 +37,132 @@ const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
 /// Pixels per point of the composed picture.
 const FIGURE_SCALE: f32 = 2.0;
 
-/// What a picture of the plan is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
-    File,
-    Clipboard,
-    Report,
+/// The composed picture of the plan. Needs the graphics of a frame.
+///
+/// # Errors
+/// Returns why no picture was made.
+pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
+    let Shared { session, choices, options, uncertainty, viewport, .. } = shared;
+    let (session, options, device) = (&*session, &*options, choices.device);
+    let figure = Figure {
+        headline: answer::headline(session, PreviousResults::Shown, uncertainty.findings()),
+        plan: plan::rows(session.scene(), device),
+        cards: cards(session, device, uncertainty.findings()),
+        remarks: remarks(session, device),
+        patient: plan::patient_in_words(session.scene()),
+        origin: format!("{} · {}", origin(), status::model(session.scene())),
+    };
+    let envelope = uncertainty.envelope().unwrap_or_default();
+    let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
+    viewport.aside(|viewport| {
+        let gl = viewport.graphics()?;
+        offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
+            figure.show(ui, |ui| {
+                if no_answer::has_picture(session) {
+                    viewport.show(ui, shown);
+                }
+            });
+        })
+    })
 }
 
-impl App {
-    /// Saves or copies a picture or the report. Needs the graphics of a frame.
-    pub(super) fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) {
-        let done = match purpose {
-            Purpose::File => self.figure().and_then(|image| {
-                self.files.save(ctx, &self.name_of_file("", "png"), png_of(&image)?);
-                Ok(())
-            }),
-            Purpose::Clipboard => self.figure().map(|image| {
-                ctx.copy_image(image);
-                self.notice = Some(Notice::info(tr("The picture is in the clipboard.")));
-            }),
-            Purpose::Report => self.pictures().map(|pictures| {
-                let name = self.name_of_file("", "html");
-                self.files.save(ctx, &name, self.report(pictures).html());
-            }),
+/// The pictures of the report with what belongs to them.
+fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
+    let Shared { session, options, compare, uncertainty, viewport, choices, .. } = shared;
+    let (session, options, compare, device) = (&*session, &*options, &*compare, choices.device);
+    let envelope = uncertainty.envelope().unwrap_or_default();
+    let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
+    // A pin of this plan is its picture.
+    let is_other = |pin: &&Pin| !pin.scene().is_same_plan(session.scene());
+    let has_pins = session.pins().iter().filter(is_other).any(|pin| pin.solution().is_some());
+    let section = uncertainty.findings().map_or(&[][..], Findings::section);
+    let range = range.for_report(session);
+    viewport.aside(|viewport| {
+        let gl = viewport.graphics()?;
+        let mut pictures = Vec::new();
+        let mut take = |name: &str, size, add: &mut dyn FnMut(&mut Ui)| {
+            let image = offscreen::picture(&gl, device, size, add)?;
+            let address = page::data_address(&png_of(&image)?);
+            let is_half = size == HALF;
+            let name = device.words(name);
+            pictures.push(Picture { name, address, caption: String::new(), is_half });
+            Ok::<(), String>(())
         };
-        if let Err(error) = done {
-            self.notice = Some(Notice::error(tr!("No picture was made: {error}.", error)));
+        if no_answer::has_picture(session) {
+            take(tr("Picture of the plan"), PLAN, &mut |ui| viewport.show(ui, shown))?;
         }
-    }
-
-    /// The composed picture of the plan.
-    fn figure(&mut self) -> Result<ColorImage, String> {
-        let (session, device) = (&self.session, self.plan.device);
-        let figure = Figure {
-            headline: answer::headline(
-                session,
-                PreviousResults::Shown,
-                self.uncertainty.findings(),
-            ),
-            plan: plan::rows(session.scene(), device),
-            cards: cards(session, device, self.uncertainty.findings()),
-            remarks: remarks(session, device),
-            patient: plan::patient_in_words(session.scene()),
-            origin: format!("{} · {}", origin(), status::model(session.scene())),
+        if has_pins {
+            let name = tr("Pins and plan side by side");
+            take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
+        }
+        let size = if range.is_ok() { HALF } else { SECTION };
+        take(tr("Cross-section"), size, &mut |ui| {
+            egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
+                plots::section_chart(ui, session, compare, section, size.0.y - 48.0);
+            });
+        })?;
+        let mut range = match range {
+            Ok(range) => range,
+            Err(how) => {
+                return Ok(Pictures { pictures, missing: Some(how), accuracy: String::new() });
+            }
         };
-        let envelope = self.uncertainty.envelope().unwrap_or_default();
-        let options = &self.options;
-        let shown =
-            Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
-        self.viewport.aside(|viewport| {
-            let gl = viewport.graphics()?;
-            offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
-                figure.show(ui, |ui| {
-                    if no_answer::has_picture(session) {
-                        viewport.show(ui, shown);
-                    }
-                });
-            })
-        })
-    }
-
-    /// The pictures of the report with what belongs to them.
-    fn pictures(&mut self) -> Result<Pictures, String> {
-        let Self { session, options, compare, uncertainty, viewport, plan, range, .. } = self;
-        let device = plan.device;
-        let envelope = uncertainty.envelope().unwrap_or_default();
-        let shown =
-            Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
-        // A pin of this plan is its picture.
-        let is_other = |pin: &&Pin| !pin.scene().is_same_plan(session.scene());
-        let has_pins = session.pins().iter().filter(is_other).any(|pin| pin.solution().is_some());
-        let section = uncertainty.findings().map_or(&[][..], Findings::section);
-        let range = range.for_report(session);
-        viewport.aside(|viewport| {
-            let gl = viewport.graphics()?;
-            let mut pictures = Vec::new();
-            let mut take = |name: &str, size, add: &mut dyn FnMut(&mut Ui)| {
-                let image = offscreen::picture(&gl, device, size, add)?;
-                let address = page::data_address(&png_of(&image)?);
-                let is_half = size == HALF;
-                let name = device.words(name);
-                pictures.push(Picture { name, address, caption: String::new(), is_half });
-                Ok::<(), String>(())
-            };
-            if no_answer::has_picture(session) {
-                take(tr("Picture of the plan"), PLAN, &mut |ui| viewport.show(ui, shown))?;
-            }
-            if has_pins {
-                let name = tr("Pins and plan side by side");
-                take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
-            }
-            let size = if range.is_ok() { HALF } else { SECTION };
-            take(tr("Cross-section"), size, &mut |ui| {
-                egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
-                    plots::section_chart(ui, session, compare, section, size.0.y - 48.0);
-                });
-            })?;
-            let mut range = match range {
-                Ok(range) => range,
-                Err(how) => {
-                    return Ok(Pictures { pictures, missing: Some(how), accuracy: String::new() });
-                }
-            };
-            let [title, caption] = [&range.title, &range.caption].map(|text| device.words(text));
-            take(&title, HALF, &mut |ui| {
-                egui::Frame::new().inner_margin(SPACE).show(ui, |ui| range.show(ui));
-            })?;
-            if let Some(picture) = pictures.last_mut() {
-                picture.caption = caption;
-            }
-            let accuracy = match range.accuracy.as_str() {
-                "" => String::new(),
-                words => tr!("Range of implants: {words}", words),
-            };
-            Ok(Pictures { pictures, missing: None, accuracy })
-        })
-    }
-
-    /// The content of the report.
-    fn report(&self, Pictures { pictures, missing, accuracy }: Pictures) -> Page {
-        let (session, device) = (&self.session, self.plan.device);
-        let findings = self.uncertainty.findings();
-        let sampled = |scene: &_| self.uncertainty.values(scene);
-        Page {
-            pictures,
-            missing: missing.map(|how| device.words(how)),
-            visit: plan::visit_in_words(session.scene()),
-            running: running_head(session.scene()),
-            origin: origin(),
-            headline: answer::headline(session, PreviousResults::Shown, findings)
-                + &self.largest_in_words(),
-            plan: plan::rows(session.scene(), device),
-            technical: [
-                status::model(session.scene()),
-                plan::poisson_ratios(session.scene()),
-                self.uncertainty.seed_in_words().unwrap_or_default(),
-                accuracy,
-            ]
-            .into_iter()
-            .filter(|words| !words.is_empty())
-            .collect(),
-            cards: cards(session, device, findings),
-            remarks: remarks(session, device),
-            table: compare::rows(session, &sampled),
-            bands: self.uncertainty.about_bands(),
-            steps: self.filling.steps(session.scene()),
-            limits: answer::limits_in_words(session, device).to_vec(),
-            plan_json: session.document_json(),
+        let [title, caption] = [&range.title, &range.caption].map(|text| device.words(text));
+        take(&title, HALF, &mut |ui| {
+            egui::Frame::new().inner_margin(SPACE).show(ui, |ui| range.show(ui));
+        })?;
+        if let Some(picture) = pictures.last_mut() {
+            picture.caption = caption;
         }
-    }
+        let accuracy = match range.accuracy.as_str() {
+            "" => String::new(),
+            words => tr!("Range of implants: {words}", words),
+        };
+        Ok(Pictures { pictures, missing: None, accuracy })
+    })
+}
+
+/// The report as HTML text.
+///
+/// # Errors
+/// Returns why no picture was made.
+pub(super) fn report(
+    shared: &mut Shared,
+    range: &mut Range,
+    filling: &Filling,
+) -> Result<String, String> {
+    let Pictures { pictures, missing, accuracy } = pictures(shared, range)?;
+    let Shared { session, choices, uncertainty, volume_marks, .. } = &*shared;
+    let device = choices.device;
+    let findings = uncertainty.findings();
+    let sampled = |scene: &_| uncertainty.values(scene);
+    let page = Page {
+        pictures,
+        missing: missing.map(|how| device.words(how)),
+        visit: plan::visit_in_words(session.scene()),
+        running: running_head(session.scene()),
+        origin: origin(),
+        headline: answer::headline(session, PreviousResults::Shown, findings)
+            + &volume_marks.largest_in_words(),
+        plan: plan::rows(session.scene(), device),
+        technical: [
+            status::model(session.scene()),
+            plan::poisson_ratios(session.scene()),
+            uncertainty.seed_in_words().unwrap_or_default(),
+            accuracy,
+        ]
+        .into_iter()
+        .filter(|words| !words.is_empty())
+        .collect(),
+        cards: cards(session, device, findings),
+        remarks: remarks(session, device),
+        table: compare::rows(session, &sampled),
+        bands: uncertainty.about_bands(),
+        steps: filling.steps(session.scene()),
+        limits: answer::limits_in_words(session, device).to_vec(),
+        plan_json: session.document_json(),
+    };
+    Ok(page.html())
 }
 
 /// The pictures of a report.
@@ -243,7 +221,7 @@ fn date_in_words(date: &str) -> String {
 }
 
 /// A picture as PNG, without transparency.
-fn png_of(image: &ColorImage) -> Result<Vec<u8>, String> {
+pub(super) fn png_of(image: &ColorImage) -> Result<Vec<u8>, String> {
     let [width, height] = image.size;
     let mut content = Vec::new();
     let mut encoder = png::Encoder::new(&mut content, width as u32, height as u32);

@@ -1,13 +1,6 @@
 //! The language of a user: chosen by a button of the toolbar or a command, else that of the system. The platform keeps the choice.
 
-use super::{Language, language, set_language};
-use crate::app::App;
-
-/// The choice, and whether the platform is to store it.
-#[derive(Debug, Default)]
-pub(in crate::app) struct LanguageChoice {
-    is_to_store: bool,
-}
+use super::Language;
 
 impl Language {
     /// All languages.
@@ -38,39 +31,9 @@ impl Language {
     }
 
     /// The language of a locale, as "es-ES" or "es_MX.UTF-8"; `None` for another one.
-    fn of(locale: &str) -> Option<Self> {
+    pub(in crate::app) fn of(locale: &str) -> Option<Self> {
         let subtag = locale.split(['-', '_', '.']).next()?;
         Self::ALL.into_iter().find(|language| language.subtag().eq_ignore_ascii_case(subtag))
-    }
-}
-
-impl App {
-    /// Sets the language of the texts: the kept choice of [`Self::take_language_to_store`], else that of the system's locale;
-    /// English for every other one.
-    pub fn restore_language(&mut self, kept: Option<&str>) {
-        let system = || sys_locale::get_locale().and_then(|locale| Language::of(&locale));
-        set_language(kept.and_then(Language::of).or_else(system).unwrap_or(Language::English));
-    }
-
-    /// The chosen language as text for the storage, once after each choice.
-    pub fn take_language_to_store(&mut self) -> Option<String> {
-        let is_to_store = std::mem::take(&mut self.language.is_to_store);
-        is_to_store.then(|| language().subtag().to_owned())
-    }
-
-    /// The subtag of the present language, as "es".
-    #[must_use]
-    pub fn language(&self) -> &'static str {
-        language().subtag()
-    }
-
-    /// Shows the texts in a language, which the platform keeps.
-    pub(in crate::app) fn choose_language(&mut self, choice: Language) {
-        if choice != language() {
-            set_language(choice);
-            self.language.is_to_store = true;
-        }
-        self.request_frame();
     }
 }
 

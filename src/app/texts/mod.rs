@@ -13,7 +13,6 @@
 mod choice;
 mod number;
 
-pub(super) use choice::LanguageChoice;
 pub(super) use number::{fixed, localized};
 
 use crate::measure::bands::{Limits, PRESSURE};
@@ -42,7 +41,7 @@ pub(super) fn language() -> Language {
 }
 
 /// Sets the language of the texts.
-fn set_language(language: Language) {
+pub(super) fn set_language(language: Language) {
     IS_SPANISH.store(language == Language::Spanish, Ordering::Relaxed);
 }
 

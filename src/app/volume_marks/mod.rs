@@ -162,6 +162,12 @@ impl VolumeMarks {
         format!("{words}{}.", beside.unwrap_or_default())
     }
 
+    /// The largest volume that stays usual, as a sentence after another one; empty while that is not known.
+    pub(super) fn largest_in_words(&self) -> String {
+        let words = self.largest_usual();
+        if words.is_empty() { words } else { format!(" {words}") }
+    }
+
     /// The largest volume of a plan that stays usual \[ml\]; `None` while that is not known, or without one.
     pub(super) fn largest_ml(&self, plan: &Scene) -> Option<f64> {
         let is_of_plan = self.started.as_ref() == Some(plan);

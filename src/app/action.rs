@@ -1,0 +1,79 @@
+//! What panels ask the app to do. A panel adds its actions to a list; `perform` executes them.
+
+use super::messages::Notice;
+use super::texts::Language;
+use crate::scene::Scene;
+use crate::session::Command;
+use crate::view::camera::View;
+use crate::view::color::Quantity;
+use crate::view::place::Place;
+use eframe::egui::ThemePreference;
+
+/// What a command of menus, keys and list does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Task {
+    OpenPlan,
+    SavePlan,
+    SaveNumbers,
+    SaveTable,
+    TakeHome(Purpose),
+    CopyLink,
+    SaveProfile,
+    UsualImplant,
+    HalfSphere,
+    Undo,
+    Redo,
+    StartOver,
+    Pin,
+    Look(View),
+    /// Cut open; in half.
+    Cut(bool, bool),
+    /// Number of the quantity.
+    Colour(usize),
+    Grid,
+    Areola,
+    CrossSection,
+    Torso,
+    Ruler,
+    Play,
+    /// The range of implants in place of the picture?
+    ShowRange(bool),
+    Theme(ThemePreference),
+    Language(Language),
+    List,
+    Help,
+}
+
+/// What a picture of the plan is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    File,
+    Clipboard,
+    Report,
+}
+
+/// What a panel asks the app to do.
+pub(super) enum Action {
+    Run(Task),
+    Session(Command),
+    /// A scene of a panel, as one step of the history.
+    Replace(Scene),
+    /// A plan that the app has offered, as one step of the history.
+    Accept(Box<Scene>),
+    /// The nearest plan with an answer.
+    TakeNearest(Scene),
+    Cancel,
+    Resume,
+    ColourBy(Quantity),
+    /// Direction of the cut \[°\].
+    CutAt(f32),
+    /// Values of the picture that stay.
+    KeepValues(Place),
+    /// A file by its name.
+    Save(String, Vec<u8>),
+    OpenTable,
+    /// The text of a table of sizes by its name.
+    ReadShelf(String, String),
+    Notify(Notice),
+    CloseNotice,
+}

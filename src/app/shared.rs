@@ -1,0 +1,58 @@
+//! What all panels read. A panel changes the draft of the scene and its own state only; all else is an `Action`.
+
+use super::answer::PreviousResults;
+use super::compare::Compare;
+use super::plan::Choices;
+use super::status::Timing;
+use super::uncertainty::Uncertainty;
+use super::viewport::{Options, Viewport};
+use super::volume_marks::VolumeMarks;
+use crate::session::Session;
+use web_time::{Duration, Instant};
+
+/// Time of a solve after which the app shows its progress and hides the previous results.
+pub(super) const LONG: Duration = Duration::from_millis(400);
+
+/// A solve in progress.
+#[derive(Clone, Copy)]
+pub(super) struct RunningSolve {
+    pub(super) start: Instant,
+    /// Completed fraction \[-\], 0 to 1.
+    pub(super) fraction: f64,
+}
+
+/// The state that all panels read.
+pub(super) struct Shared {
+    pub(super) session: Session,
+    /// The choices of the plan.
+    pub(super) choices: Choices,
+    pub(super) viewport: Viewport,
+    pub(super) options: Options,
+    pub(super) compare: Compare,
+    pub(super) uncertainty: Uncertainty,
+    pub(super) volume_marks: VolumeMarks,
+    pub(super) timing: Timing,
+    pub(super) solving: Option<RunningSolve>,
+    /// Is the cross-section shown under the picture where there is room?
+    pub(super) show_strip: bool,
+    /// Address of the page without its fragment; `None` on the desktop.
+    pub(super) page_address: Option<String>,
+}
+
+impl Shared {
+    /// Is a long solve in progress?
+    pub(super) fn is_long(&self) -> bool {
+        self.session.is_working()
+            && self.solving.is_some_and(|running| running.start.elapsed() > LONG)
+    }
+
+    /// Visibility of the results of the previous scene.
+    pub(super) fn previous_results(&self) -> PreviousResults {
+        if self.is_long() { PreviousResults::Hidden } else { PreviousResults::Shown }
+    }
+
+    /// Has the present plan a result with a shape?
+    pub(super) fn has_shape(&self) -> bool {
+        self.session.result().is_some() && !self.session.has_no_shape()
+    }
+}
