@@ -3,6 +3,7 @@
 
 use super::texts::tr;
 use super::theme;
+use super::viewport::veil;
 use super::widgets::set_accessible_name;
 use crate::scene::{Scene, Springs};
 use crate::solve::Displayed;
@@ -10,6 +11,8 @@ use eframe::egui::accesskit::Live;
 use eframe::egui::{self, Rect, RichText, Ui};
 use web_time::Duration;
 
+/// Over the picture of a solve that has not ended.
+const PROVISIONAL: &str = "Computing: this picture is provisional.";
 /// Heading of a scene without a shape.
 const NO_ANSWER: &str = "No answer";
 /// Greatest width of a box over the picture \[points\].
@@ -180,6 +183,14 @@ pub(super) fn no_shape_box(ui: &Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
     let _ = over(ui, area, NO_ANSWER, |ui| {
         ui.label(RichText::new(tr(NO_ANSWER)).strong());
         add(ui);
+    });
+}
+
+/// Words and a veil over the picture of a solve that has not ended.
+pub(super) fn provisional(ui: &Ui, area: Rect) {
+    veil(ui, area);
+    let _ = over(ui, area, PROVISIONAL, |ui| {
+        ui.label(RichText::new(tr(PROVISIONAL)).strong());
     });
 }
 

@@ -10,7 +10,7 @@ use super::{App, files, link, numbers, plan, report};
 use crate::clinical::Dimension;
 use crate::export;
 use crate::scene::Scene;
-use crate::session::Command;
+use crate::session::{Command, CommandError};
 use crate::view::camera::View;
 use crate::view::color::Quantity;
 use eframe::egui;
@@ -141,7 +141,11 @@ impl App {
     /// Executes a command of the session and reports its error, if any.
     pub(super) fn execute(&mut self, command: Command) {
         if let Err(error) = self.apply(command) {
-            self.notice = Some(Notice::error(error.to_string()));
+            let notice = match error {
+                CommandError::Pinned(_) => Notice::info,
+                _ => Notice::error,
+            };
+            self.notice = Some(notice(error.to_string()));
         }
     }
 

@@ -12,6 +12,8 @@ use web_time::{Duration, Instant};
 
 /// Time of a solve after which the app shows its progress and hides the previous results.
 pub(super) const LONG: Duration = Duration::from_millis(400);
+/// Time of a solve after which its picture is marked as provisional.
+const PROVISIONAL: Duration = Duration::from_secs(1);
 
 /// A solve in progress.
 #[derive(Clone, Copy)]
@@ -44,6 +46,12 @@ impl Shared {
     pub(super) fn is_long(&self) -> bool {
         self.session.is_working()
             && self.solving.is_some_and(|running| running.start.elapsed() > LONG)
+    }
+
+    /// Has the running solve taken so long that its picture is marked as provisional?
+    pub(super) fn is_provisional(&self) -> bool {
+        self.session.is_working()
+            && self.solving.is_some_and(|running| running.start.elapsed() > PROVISIONAL)
     }
 
     /// Visibility of the results of the previous scene.

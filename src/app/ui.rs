@@ -394,6 +394,9 @@ impl App {
                 self.shared.viewport.show(ui, Shown { outlines: &outlines, ..shown });
             }
             let has_shape = !self.shared.session.has_no_shape();
+            if has_shape && self.shared.is_provisional() {
+                messages::provisional(ui, area);
+            }
             if has_shape {
                 let Shared { viewport, choices, .. } = &mut self.shared;
                 let is_cancelled = self.edits.press.is_cancelled;

@@ -112,7 +112,7 @@ pub const THIN_COVER_MM: f64 = 5.0;
 
 /// What is known about a limit of the cover.
 pub const COVER: &str = "Below 5 mm thin: a word of practice, no measured limit. With a pinch below 2 cm at the upper pole, a cover of 10 \
-    mm at rest, surgeons go under the muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005); half of that is left here.";
+    mm at rest, surgeons go under the muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005); 5 mm are half of that.";
 
 /// All limits.
 pub const LIMITS: [&Limits; 3] = [&STRAIN, &RESERVE, &PRESSURE];

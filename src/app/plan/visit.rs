@@ -18,6 +18,8 @@ const NAMES: f32 = 68.0;
 const NOT_SAID: &str = "not said";
 const DATE_NAME: &str = "Date of the visit";
 /// A date as it may be typed, in words.
+/// A right breast is the mirror image of every picture.
+const AS_LEFT: &str = "The pictures are those of a left breast; a right one is the mirror image.";
 const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;
@@ -175,7 +177,10 @@ pub(in crate::app) fn visit_in_words(scene: &Scene) -> [String; 2] {
     let date = named(tr("visit of"), &visit.date);
     let surgeon = named(tr("surgeon"), visit.surgeon.trim());
     let line = joined([patient_in_words(scene), date, surgeon]);
-    [line, visit.remarks.trim().to_owned()]
+    let is_right = visit.side == Some(Side::Right);
+    let remarks = [if is_right { tr(AS_LEFT) } else { "" }, visit.remarks.trim()];
+    let remarks: Vec<&str> = remarks.into_iter().filter(|text| !text.is_empty()).collect();
+    [line, remarks.join("\n")]
 }
 
 fn joined<const N: usize>(parts: [String; N]) -> String {
@@ -201,6 +206,9 @@ fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
             }
         });
     });
+    if visit.side == Some(Side::Right) {
+        remark(ui, tr(AS_LEFT));
+    }
     note(date(ui, hand, &mut visit.date));
     note(line(ui, tr("Surgeon"), "", &mut visit.surgeon, MAX_SURGEON));
     note(remarks(ui, &mut visit.remarks));
@@ -262,7 +270,8 @@ fn date(ui: &mut Ui, hand: Hand, date: &mut String) -> Response {
         let font = egui::TextStyle::Button.resolve(ui.style());
         let button = ui.painter().layout_no_wrap(words.to_owned(), font, egui::Color32::WHITE);
         let rest = button.size().x + 2.0 * ui.spacing().button_padding.x + 2.0 * SPACE;
-        let field = TextEdit::singleline(&mut typed).hint_text("25.11.2026").char_limit(MAX_DATE);
+        let field =
+            TextEdit::singleline(&mut typed).hint_text(tr("DD.MM.YYYY")).char_limit(MAX_DATE);
         let response = add_beside(ui, tr(DATE_NAME), field, date, rest);
         is_today =
             chip(ui, hand, false, words, tr("Sets the date of the visit to the present day"));

@@ -95,15 +95,15 @@ impl Pins {
         let palette = theme::palette(ui.visuals());
         let font = TextStyle::Small.resolve(ui.style());
         let places = self.places(plane);
+        let painter = ui.painter().with_clip_rect(plane.rect.expand(RADIUS));
+        for (pin, at) in self.on_chart.iter().zip(&places).filter(|_| !self.is_curve) {
+            painter.line_segment([*at, plane.at(pin.at)], Stroke::new(1.5, palette.text));
+        }
         for (k, (pin, at)) in self.on_chart.iter().zip(places).enumerate() {
             let (fill, text) = match pin.is_of_map {
                 true => (palette.text, ui.visuals().panel_fill),
                 false => (ui.visuals().panel_fill, palette.text),
             };
-            let painter = ui.painter().with_clip_rect(plane.rect.expand(RADIUS));
-            if !self.is_curve {
-                painter.line_segment([at, plane.at(pin.at)], Stroke::new(1.5, palette.text));
-            }
             painter.circle(at, RADIUS, fill, Stroke::new(1.5, ui.visuals().panel_fill));
             if !pin.is_of_map {
                 painter.circle_stroke(at, RADIUS - 1.5, Stroke::new(1.0, text));

@@ -274,7 +274,12 @@ mod tests {
             assert_eq!(words(width(120.0, vec![], own), width(130.0, vec![], beside)), expected);
         }
         let open = words(width(120.0, vec![], Some(most)), Width::default());
-        assert_eq!(open, format!("Up to {most:.0} ml and more stays usual on 12 cm."));
+        assert_eq!(
+            open,
+            format!(
+                "Up to {most:.0} ml and more (higher than a half sphere) stays usual on 12 cm."
+            )
+        );
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use super::marks::{Mark, marks};
 use crate::app::studies::{Driver, Studies};
 use crate::app::texts::tr;
+use crate::app::volumes::volumes;
 use crate::scene::Scene;
 use crate::study::{Axis, FirstUsual, Map, MapSettings, Parameter, with_values};
 
@@ -96,7 +97,14 @@ impl Width {
             |volume: f64| self.curve().is_some_and(|curve| volume + STEP_ML > curve.axes()[0].to);
         Some(volume.map(|volume| {
             let more = if is_last(volume) { tr(" and more") } else { "" };
-            format!("{volume:.0} ml{more}")
+            let width =
+                self.curve().map_or(f64::INFINITY, |it| 2.0 * it.base().implant.base_radius_mm);
+            let high = if volume > volumes(width, 1.0).to {
+                tr(" (higher than a half sphere)")
+            } else {
+                ""
+            };
+            format!("{volume:.0} ml{more}{high}")
         }))
     }
 

@@ -229,7 +229,11 @@ impl Control<'_> {
         (mut change, rejection): (ControlResponse, Option<String>),
     ) -> ControlResponse {
         if let Some(rejection) = rejection {
-            rejection_label(ui, &rejection);
+            let shown = quantity::format_at_most(*value, self.decimals, self.most_decimals);
+            let counting = format!("{shown} {}", self.unit);
+            let words =
+                tr!("{rejection}; {counting} counts", rejection, counting = counting.trim_end());
+            rejection_label(ui, &words);
         }
         if label.double_clicked() && value.to_bits() != self.reset.to_bits() {
             *value = self.reset;
