@@ -71,7 +71,6 @@ fn errors(meshes: &[Value], nodes: usize) -> [f64; 2] {
         greatest = greatest.max(error);
     }
     let force = found.contact_force_n.unwrap() / limit(&|of| number(of, "contact_force_n")) - 1.0;
-    println!("{} {nodes}: skin {greatest:.5}, force {force:.5}", case["name"]);
     [greatest, force]
 }
 

@@ -1,4 +1,4 @@
-//! What panels ask the app to do. A panel adds its actions to a list; `perform` executes them.
+//! Actions of panels, commands of menus, keys and list. A panel adds its actions to a list; `perform` executes them.
 
 use super::messages::Notice;
 use super::texts::Language;
@@ -9,7 +9,7 @@ use crate::view::color::Quantity;
 use crate::view::place::Place;
 use eframe::egui::ThemePreference;
 
-/// What a command of menus, keys and list does.
+/// A command of menus, keys and list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Task {
     OpenPlan,
@@ -44,7 +44,7 @@ pub(super) enum Task {
     Help,
 }
 
-/// What a picture of the plan is for.
+/// Purpose of a picture of the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     File,
@@ -52,7 +52,7 @@ pub(super) enum Purpose {
     Report,
 }
 
-/// What a panel asks the app to do.
+/// An action of a panel.
 pub(super) enum Action {
     Run(Task),
     Session(Command),

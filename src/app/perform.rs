@@ -1,4 +1,4 @@
-//! Executes what panels and keys ask for.
+//! Executes the actions of panels and the commands of keys.
 
 use super::action::{Action, Purpose, Task};
 use super::commands::{QUANTITIES, why_not};

@@ -1,4 +1,4 @@
-//! What all panels read. A panel changes the draft of the scene and its own state only; all else is an `Action`.
+//! The state that all panels read. A panel changes the draft of the scene and its own state only; all else is an `Action`.
 
 use super::answer::PreviousResults;
 use super::compare::Compare;

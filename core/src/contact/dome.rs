@@ -143,9 +143,8 @@ impl Dome {
     #[must_use]
     pub fn gauge_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
         let Near { length, gradient, .. } = self.shape::<f64>().near(point.to_array());
-        let is_centre = gradient == [0.0; 3];
         let upright = DVec3::new(0.0, 0.0, 1.0 / self.projection);
-        (length - 1.0, if is_centre { upright } else { gradient.into() })
+        (length - 1.0, if length > 0.0 { gradient.into() } else { upright })
     }
 
     /// Second derivative of [`Self::gauge`] \[1/mm²\].

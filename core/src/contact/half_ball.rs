@@ -175,9 +175,9 @@ mod tests {
     const HALF_AXES: [f64; 3] = [24.0, 24.0, 17.0];
 
     /// The plane and a curved wall.
-    const WALLS: [[f64; 2]; 2] = [[0.0; 2], [1.0 / 70.0, 1.0 / 160.0]];
+    const WALLS: [Option<[f64; 2]>; 2] = [None, Some([1.0 / 70.0, 1.0 / 160.0])];
 
-    fn shape<R: Real>(wall: [f64; 2]) -> HalfBall<R> {
+    fn shape<R: Real>(wall: Option<[f64; 2]>) -> HalfBall<R> {
         HalfBall::new(CENTER, HALF_AXES, HeightField::new(wall))
     }
 

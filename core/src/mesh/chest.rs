@@ -106,8 +106,8 @@ impl Chest {
     /// The height field in numbers of one precision.
     pub(crate) fn heights<R: Real>(&self) -> HeightField<R> {
         HeightField::new(match *self {
-            Self::Flat => [0.0; 2],
-            Self::Curved { across_mm, along_mm } => [1.0 / across_mm, 1.0 / along_mm],
+            Self::Flat => None,
+            Self::Curved { across_mm, along_mm } => Some([1.0 / across_mm, 1.0 / along_mm]),
         })
     }
 

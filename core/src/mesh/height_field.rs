@@ -24,8 +24,10 @@ pub(crate) struct Ground<R> {
 }
 
 impl<R: Real> HeightField<R> {
-    pub(crate) fn new(curvatures: [f64; 2]) -> Self {
-        Self { is_flat: curvatures == [0.0; 2], curvatures: curvatures.map(R::splat) }
+    /// The plane without curvatures.
+    pub(crate) fn new(curvatures: Option<[f64; 2]>) -> Self {
+        let is_flat = curvatures.is_none();
+        Self { is_flat, curvatures: curvatures.unwrap_or_default().map(R::splat) }
     }
 
     #[inline(always)]
