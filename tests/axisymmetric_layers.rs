@@ -4,7 +4,7 @@
 
 use implant_preview::curve::{Curve, CurveSpec};
 use implant_preview::springs::Material;
-use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, Solution};
+use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution};
 use serde_json::{Value, json};
 
 fn number(of: &Value, name: &str) -> f64 {
@@ -48,6 +48,7 @@ fn input(case: &Value) -> Input {
         },
         layers: case["layers"].as_array().unwrap().iter().map(material).collect(),
         skin_wrinkles: false,
+        rest: RestShape::default(),
         cells: [count("nr"), count("nz")],
     }
 }

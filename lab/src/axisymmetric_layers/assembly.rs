@@ -3,11 +3,12 @@
 //! Node (i, j): column i from the axis, row j from the inner face; its coordinates r, z are the numbers 2(i·rows + j)
 //! and the next one.
 //!
-//! Uses `springs`, `banded`, `element`, `law`. Used by `newton`, `mod`.
+//! Uses `springs`, `banded`, `element`, `law`, `wall`. Used by `newton`, `mod`.
 
 use super::banded::Banded;
 use super::element::{Attachment, Quadrilateral, Skin, SkinRing};
 use super::law::SolidLaw;
+use super::wall::RestShape;
 use implant_preview_core::springs::Material;
 
 /// Fraction of the cells within the pocket, relative to the pocket's fraction of the patch radius \[-\]. A column of
@@ -21,6 +22,10 @@ pub(super) struct Tissue {
     pub(super) rows: usize,
     /// Coordinates at rest \[mm\].
     pub(super) rest: Vec<f64>,
+    /// Material radii of the columns \[mm\], lengths along the wall.
+    radii: Vec<f64>,
+    /// Heights of the rows above the inner face without a mound \[mm\].
+    heights: Vec<f64>,
     skin: Skin,
     rings: Vec<SkinRing>,
     laws: Vec<SolidLaw>,
@@ -39,14 +44,18 @@ impl Tissue {
         [columns, rows]: [usize; 2],
         patch_radius_mm: f64,
         (attachment, pocket_radius_mm): (Attachment, f64),
+        RestShape { wall, mound }: RestShape,
     ) -> Self {
         let solids: Vec<&Material> = layers[1..].iter().rev().collect();
         let thickness: Vec<f64> = solids.iter().map(|solid| solid.thickness_mm).collect();
-        let mut heights = Vec::new();
+        let mut heights = vec![0.0];
         let mut law_of_row = Vec::new();
+        let mut total = 0.0;
         for (number, count) in shared_cells(&thickness, rows).into_iter().enumerate() {
-            heights.extend(std::iter::repeat_n(thickness[number] / count as f64, count));
+            heights
+                .extend((1..=count).map(|k| total + thickness[number] * k as f64 / count as f64));
             law_of_row.extend(std::iter::repeat_n(number, count));
+            total += thickness[number];
         }
         let within = POCKET_REFINEMENT * pocket_radius_mm / patch_radius_mm * columns as f64;
         let within = (within.round() as usize).clamp(1, columns - 1);
@@ -58,34 +67,36 @@ impl Tissue {
                 pocket_radius_mm + share * (patch_radius_mm - pocket_radius_mm)
             }
         };
-        let ring = |i: usize| [radius(i), radius(i + 1)];
-        let mut rest = Vec::new();
-        for i in 0..=columns {
-            let mut height = 0.0;
-            rest.extend([radius(i), height]);
-            for cell in &heights {
-                height += cell;
-                rest.extend([radius(i), height]);
-            }
-        }
-        let cells = (0..columns)
-            .flat_map(|i| heights.iter().map(move |height| Quadrilateral::new(ring(i), *height)));
+        let radii: Vec<f64> = (0..=columns).map(radius).collect();
+        let factor = |s: f64| mound.map_or(1.0, |mound| mound.factor(s, total));
+        let point = |i: usize, j: usize| wall.point(radii[i], heights[j] * factor(radii[i]));
+        let top = heights.len() - 1;
+        let nodes = (0..=columns).flat_map(|i| (0..=top).flat_map(move |j| point(i, j)));
+        let cell = |i: usize, j: usize| {
+            Quadrilateral::new([point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)])
+        };
+        let cells = (0..columns).flat_map(|i| (0..top).map(move |j| cell(i, j)));
+        let attached = |i: usize| attachment.ring([radii[i], radii[i + 1]], pocket_radius_mm, wall);
         Self {
             columns: columns + 1,
-            rows: heights.len() + 1,
-            rest,
+            rows: top + 1,
+            rest: nodes.collect(),
             skin: Skin { material: layers[0].clone(), wrinkles: skin_wrinkles },
-            rings: (0..columns).map(|i| SkinRing::new(ring(i))).collect(),
+            rings: (0..columns)
+                .map(|i| SkinRing::new([point(i, top), point(i + 1, top)]))
+                .collect(),
             laws: solids.iter().map(|s| SolidLaw::new(&s.curve, s.poisson_ratio)).collect(),
             law_of_row,
             cells: cells.collect(),
-            attachment: (0..columns).map(|i| attachment.ring(ring(i), pocket_radius_mm)).collect(),
+            attachment: (0..columns).map(attached).collect(),
+            radii,
+            heights,
         }
     }
 
     /// Material radius of a column \[mm\].
     pub(super) fn radius(&self, column: usize) -> f64 {
-        self.rest[self.number(column, 0)]
+        self.radii[column]
     }
 
     /// The cell with a material radius \[mm\], and the fraction of its width within that radius \[-\].
@@ -100,18 +111,22 @@ impl Tissue {
 
     /// Positions of this mesh at the nodes of another one of the same tissue, bilinear in each cell.
     pub(super) fn interpolate(&self, x: &[f64], other: &Self) -> Vec<f64> {
-        let heights: Vec<f64> = (0..self.rows).map(|row| self.rest[2 * row + 1]).collect();
-        let node = |rest: &[f64]| {
-            let (column, a) = self.locate(rest[0]);
-            let row = heights.partition_point(|h| *h <= rest[1]).clamp(1, self.rows - 1) - 1;
-            let b = (rest[1] - heights[row]) / (heights[row + 1] - heights[row]);
+        let heights = &self.heights;
+        let node = |radius: f64, height: f64| {
+            let (column, a) = self.locate(radius);
+            let row = heights.partition_point(|h| *h <= height).clamp(1, self.rows - 1) - 1;
+            let b = (height - heights[row]) / (heights[row + 1] - heights[row]);
             let corner = |i: usize, j: usize, k: usize| x[self.number(column + i, row + j) + k];
             [0, 1].map(|k| {
                 (1.0 - b) * ((1.0 - a) * corner(0, 0, k) + a * corner(1, 0, k))
                     + b * ((1.0 - a) * corner(0, 1, k) + a * corner(1, 1, k))
             })
         };
-        let mut found: Vec<f64> = other.rest.chunks_exact(2).flat_map(node).collect();
+        let column = |radius: &f64| {
+            let radius = *radius;
+            other.heights.iter().flat_map(move |height| node(radius, *height))
+        };
+        let mut found: Vec<f64> = other.radii.iter().flat_map(column).collect();
         for n in other.fixed() {
             found[n] = other.rest[n];
         }

@@ -4,17 +4,20 @@
 //! the multiplier λ \[mN\] and the penalty κ \[N/m\] the term (p² − λ²)/(2κ), p = max(0, λ − κ c), is added to the energy; p is
 //! the contact force per unit of ∇c; after a minimisation λ becomes p.
 //!
-//! Uses no other module. Used by `newton`.
+//! Uses `wall`. Used by `newton`.
 
-/// The dome's section: r²/R² + (z − z₀)²/p² = 1.
+use super::wall::Wall;
+
+/// The dome's section, draped over the wall w: r²/R² + (z − w − z₀)²/p² = 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
     /// Base radius R \[mm\].
     pub(super) base_radius: f64,
     /// Projection p \[mm\].
     pub(super) projection: f64,
-    /// Height z₀ of the base \[mm\].
+    /// Height z₀ of the base above the wall \[mm\].
     pub(super) base_height: f64,
+    pub(super) wall: Wall,
 }
 
 /// Constraint of a node: value \[mm\], gradient \[-\], Hessian by rr, rz, zz \[1/mm\].
@@ -29,21 +32,24 @@ impl Section {
     /// Constraints of dome and wall at a point.
     pub(super) fn constraints(&self, [r, z]: [f64; 2]) -> [Constraint; 2] {
         let (a, b) = (self.base_radius.powi(-2), self.projection.powi(-2));
-        let y = z - self.base_height;
+        let [w, steep, bend] = self.wall.height(r);
+        let y = z - w - self.base_height;
         // The gauge's centre is singular; no node of a solution is near.
         let level = (a * r * r + b * y * y).sqrt().max(1e-6);
-        let slope = [a * r / level, b * y / level];
+        // The gauge's derivatives with y = z − w.
+        let slope = [(a * r - b * y * steep) / level, b * y / level];
         let p = self.projection;
         let dome = Constraint {
             value: p * (level - 1.0),
             gradient: slope.map(|s| p * s),
             hessian: [
-                p * (a - slope[0] * slope[0]) / level,
-                -p * slope[0] * slope[1] / level,
+                p * (a + b * steep * steep - b * y * bend - slope[0] * slope[0]) / level,
+                p * (-b * steep - slope[0] * slope[1]) / level,
                 p * (b - slope[1] * slope[1]) / level,
             ],
         };
-        [dome, Constraint { value: z, gradient: [0.0, 1.0], hessian: [0.0; 3] }]
+        let wall = Constraint { value: z - w, gradient: [-steep, 1.0], hessian: [-bend, 0.0, 0.0] };
+        [dome, wall]
     }
 }
 
@@ -131,7 +137,8 @@ mod tests {
 
     #[test]
     fn the_term_s_derivatives_are_those_of_its_energy() {
-        let section = Section { base_radius: 55.0, projection: 40.0, base_height: -8.0 };
+        let wall = Wall { radius_mm: Some(90.0) };
+        let section = Section { base_radius: 55.0, projection: 40.0, base_height: -8.0, wall };
         let mut contact = Contact::new(section, vec![300.0]);
         contact.update([[10.0, 29.0]].into_iter());
         let step = 1e-5;

@@ -1,9 +1,10 @@
 //! Elements: quadrilateral of a solid, ring of the skin, ring of the attachment. Each computes energy \[µJ = kPa·mm³\],
 //! gradient and Hessian by its nodes' coordinates, in the order r₀, z₀, r₁, z₁ …
 //!
-//! Uses `springs`, `law`. Used by `assembly`.
+//! Uses `springs`, `law`, `wall`. Used by `assembly`.
 
 use super::law::SolidLaw;
+use super::wall::Wall;
 use implant_preview_core::springs::Material;
 use implant_preview_core::springs::coupled::{
     PrincipalResponse, principal_response, relaxed_response,
@@ -64,8 +65,8 @@ fn state(f: &[f64; 5]) -> [f64; 3] {
     [f[..4].iter().map(|x| x * x).sum(), f[0] * f[3] - f[1] * f[2], f[4]]
 }
 
-/// Bilinear quadrilateral, rectangular at rest, with 2 × 2 Gauss points and the mean dilatation J̄ of the cell. Nodes
-/// counter-clockwise from the lower inner corner.
+/// Bilinear quadrilateral with 2 × 2 Gauss points and the mean dilatation J̄ of the cell. Nodes counter-clockwise from the lower
+/// inner corner.
 #[derive(Clone, Debug)]
 pub(super) struct Quadrilateral {
     points: [Point; 4],
@@ -74,19 +75,29 @@ pub(super) struct Quadrilateral {
 }
 
 impl Quadrilateral {
-    /// The cell R₀ … R₁, of the given height \[mm\].
-    pub(super) fn new([inner, outer]: [f64; 2], height: f64) -> Self {
-        let width = outer - inner;
+    /// The cell with corners \[R, Z\] at rest \[mm\].
+    pub(super) fn new(corners: [[f64; 2]; 4]) -> Self {
         let point = |k: usize| {
             let (xi, eta) = (GAUSS_2[k % 2], GAUSS_2[k / 2]);
-            let radius = 0.5 * (inner + outer + xi * width);
             let (a, b) =
                 ([0.5 * (1.0 - xi), 0.5 * (1.0 + xi)], [0.5 * (1.0 - eta), 0.5 * (1.0 + eta)]);
             let shape = [a[0] * b[0], a[1] * b[0], a[1] * b[1], a[0] * b[1]];
+            let by_xi = [-b[0], b[0], b[1], -b[1]].map(|slope| 0.5 * slope);
+            let by_eta = [-a[0], -a[1], a[1], a[0]].map(|slope| 0.5 * slope);
+            let sum = |of: &[f64; 4], axis: usize| -> f64 {
+                of.iter().zip(&corners).map(|(n, corner)| n * corner[axis]).sum()
+            };
+            // The Jacobian ∂(R, Z)/∂(ξ, η).
+            let [r_xi, z_xi] = [0, 1].map(|axis| sum(&by_xi, axis));
+            let [r_eta, z_eta] = [0, 1].map(|axis| sum(&by_eta, axis));
+            let determinant = r_xi * z_eta - r_eta * z_xi;
+            let radius = sum(&shape, 0);
+            let by =
+                |k: usize, [xi, eta]: [f64; 2]| (by_xi[k] * xi + by_eta[k] * eta) / determinant;
             Point {
-                volume: 2.0 * PI * radius * 0.25 * width * height,
-                by_r: [-b[0] / width, b[0] / width, b[1] / width, -b[1] / width],
-                by_z: [-a[0] / height, -a[1] / height, a[1] / height, a[0] / height],
+                volume: 2.0 * PI * radius * determinant,
+                by_r: [0, 1, 2, 3].map(|k| by(k, [z_eta, -z_xi])),
+                by_z: [0, 1, 2, 3].map(|k| by(k, [-r_eta, r_xi])),
                 hoop: shape.map(|n| n / radius),
             }
         };
@@ -232,10 +243,11 @@ pub(super) struct SkinRing {
 }
 
 impl SkinRing {
-    pub(super) fn new([inner, outer]: [f64; 2]) -> Self {
-        let length = outer - inner;
+    /// The ring between two points \[R, Z\] at rest \[mm\].
+    pub(super) fn new([inner, outer]: [[f64; 2]; 2]) -> Self {
+        let length = (outer[0] - inner[0]).hypot(outer[1] - inner[1]);
         let points = GAUSS_2.map(|xi| {
-            let radius = 0.5 * (inner + outer + xi * length);
+            let radius = 0.5 * (inner[0] + outer[0] + xi * (outer[0] - inner[0]));
             let hoop = [0.5 * (1.0 - xi) / radius, 0.5 * (1.0 + xi) / radius];
             (2.0 * PI * radius * 0.5 * length, hoop)
         });
@@ -299,9 +311,14 @@ impl Attachment {
         self.stiffness_kpa_per_mm * share
     }
 
-    /// ∫ k N_a N_b 2πR dR \[kPa·mm\] over the ring R₀ … R₁ as \[M₀₀, M₀₁, M₁₁\]. Exact: quadrature of order five on
-    /// every part between the ramp's ends.
-    pub(super) fn ring(&self, [inner, outer]: [f64; 2], pocket_radius_mm: f64) -> [f64; 3] {
+    /// ∫ k N_a N_b 2πR ds \[kPa·mm\] over the ring of material radii s₀ … s₁ on the wall as \[M₀₀, M₀₁, M₁₁\]: quadrature of order five
+    /// on every part between the ramp's ends, exact on the plane.
+    pub(super) fn ring(
+        &self,
+        [inner, outer]: [f64; 2],
+        pocket_radius_mm: f64,
+        wall: Wall,
+    ) -> [f64; 3] {
         let cuts = [inner, pocket_radius_mm, pocket_radius_mm + self.ramp_mm, outer]
             .map(|r| r.clamp(inner, outer));
         let mut sum = [0.0; 3];
@@ -310,7 +327,8 @@ impl Attachment {
             for (xi, weight) in GAUSS_3 {
                 let radius = 0.5 * (part[0] + part[1]) + xi * half;
                 let share = (radius - inner) / (outer - inner);
-                let k = self.at(radius, pocket_radius_mm) * 2.0 * PI * radius * weight * half;
+                let around = 2.0 * PI * wall.point(radius, 0.0)[0];
+                let k = self.at(radius, pocket_radius_mm) * around * weight * half;
                 sum[0] += k * (1.0 - share) * (1.0 - share);
                 sum[1] += k * (1.0 - share) * share;
                 sum[2] += k * share * share;
@@ -357,7 +375,12 @@ mod tests {
         let adipose = Curve::new(&CurveSpec::Adipose {}).unwrap();
         let law = SolidLaw::new(&adipose, 0.45);
         for inner in [0.0, 37.0] {
-            let cell = Quadrilateral::new([inner, inner + 1.8], 2.5);
+            let cell = Quadrilateral::new([
+                [inner, 0.0],
+                [inner + 1.8, 0.2],
+                [inner + 1.9, 2.6],
+                [inner, 2.5],
+            ]);
             let x = [
                 1.1 * inner,
                 4.0,
@@ -372,7 +395,7 @@ mod tests {
         }
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
         let material = Material { curve, poisson_ratio: 0.45, thickness_mm: 1.5 };
-        let ring = SkinRing::new([20.0, 22.0]);
+        let ring = SkinRing::new([[20.0, 3.0], [22.0, 2.6]]);
         // Taut, and wrinkled around the axis.
         for x in [[25.0, 12.0, 27.3, 11.0], [15.0, 12.0, 17.0, 11.0]] {
             for wrinkles in [false, true] {

@@ -1,6 +1,7 @@
 //! Reference solution of the layered tissue for a centred dome: axisymmetric finite elements.
 //!
-//! The layered model of a section through the axis, with bilinear quadrilaterals in the coordinates R, Z at rest:
+//! The layered model of a section through the axis, over a flat wall or one curved as a sphere, with bilinear quadrilaterals in the
+//! coordinates R, Z at rest:
 //!
 //! * the skin, first layer, is a membrane of the coupled law on the outer face, as a tension field if `skin_wrinkles`; every other layer is a solid, stacked
 //!   inwards, with the law of `law`; J is averaged over each cell (mean dilatation);
@@ -25,8 +26,10 @@ mod contact;
 mod element;
 mod law;
 mod newton;
+mod wall;
 
 pub use element::Attachment;
+pub use wall::{Mound, RestShape, Wall};
 
 use assembly::Tissue;
 use contact::Section;
@@ -62,6 +65,9 @@ pub struct Input {
     pub layers: Vec<Material>,
     /// Does the skin wrinkle instead of being compressed, as in `scene/3` (tension field)?
     pub skin_wrinkles: bool,
+    /// Wall and mound at rest. On a curved wall pocket, patch and material radii are lengths along the wall, thickness is along its normals,
+    /// and heights of the dome count from the wall below.
+    pub rest: RestShape,
     /// Cells along the radius, nr, and through the solids, nz. Of nr, 1.2 times the fraction a/b (pocket's radius / patch
     /// radius) are in the pocket, a node at its edge. The solids share nz by thickness, rounded, at least one each.
     pub cells: [usize; 2],
@@ -113,7 +119,7 @@ pub struct Solution {
     pub apex_skin_mm: f64,
     /// Hoop stretch of the skin in the cell at the axis \[-\].
     pub skin_apex_stretch: f64,
-    /// Deformed area of the skin over the pocket (material radius up to the pocket's) / area of the pocket \[-\].
+    /// Deformed area of the skin over the pocket (material radius up to the pocket's) / its area at rest \[-\].
     pub skin_area_ratio_over_pocket: f64,
     /// \[r, z\] of the inner face \[mm\] at [`PROFILE_POINTS`] equal steps of the material radius, 0 to the patch
     /// radius.
@@ -149,7 +155,8 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
     check(input)?;
     let mesh = |cells| {
         let attachment = (input.attachment, input.pocket_radius_mm);
-        Tissue::new((&input.layers, input.skin_wrinkles), cells, input.patch_radius_mm, attachment)
+        let layers = (&*input.layers, input.skin_wrinkles);
+        Tissue::new(layers, cells, input.patch_radius_mm, attachment, input.rest)
     };
     let mut cells = vec![input.cells];
     let mut nr = input.cells[0];
@@ -162,6 +169,7 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
         base_radius: input.base_radius_mm,
         projection: input.projection_mm,
         base_height: (input.insertion - 1.0) * input.projection_mm,
+        wall: input.rest.wall,
     };
     let found = newton::equilibrium(&meshes, section)
         .map_err(|insertion| LayersError::NotFound { insertion })?;
@@ -204,37 +212,41 @@ fn check(input: &Input) -> Result<(), LayersError> {
 }
 
 fn measure(input: &Input, tissue: &Tissue, found: &Equilibrium) -> Solution {
-    let node = |column: usize, row: usize| {
+    let node_of = |x: &[f64], column: usize, row: usize| {
         let n = tissue.number(column, row);
-        [found.x[n], found.x[n + 1]]
+        [x[n], x[n + 1]]
     };
     // Linear in the cell, as the elements are.
-    let point = |radius: f64, row: usize| {
+    let point_of = |x: &[f64], radius: f64, row: usize| {
         let (column, share) = tissue.locate(radius);
-        let (a, b) = (node(column, row), node(column + 1, row));
+        let (a, b) = (node_of(x, column, row), node_of(x, column + 1, row));
         [0, 1].map(|k| a[k] + share * (b[k] - a[k]))
     };
     let top = tissue.rows - 1;
     let profile = |row: usize| {
         let steps = PROFILE_POINTS - 1;
         let radius = |k: usize| input.patch_radius_mm * k as f64 / steps as f64;
-        (0..=steps).map(|k| point(radius(k), row)).collect()
+        (0..=steps).map(|k| point_of(&found.x, radius(k), row)).collect()
     };
-    // Cones up to the pocket's radius.
-    let mut area = 0.0;
-    let mut inner = [0.0, node(0, top)[1]];
-    for column in 1..tissue.columns {
-        let radius = tissue.radius(column).min(input.pocket_radius_mm);
-        let outer = point(radius, top);
-        area += PI * (inner[0] + outer[0]) * (outer[0] - inner[0]).hypot(outer[1] - inner[1]);
-        inner = outer;
-    }
+    // Cones of the skin up to the pocket's radius.
+    let area = |x: &[f64]| {
+        let mut area = 0.0;
+        let mut inner = node_of(x, 0, top);
+        for column in 1..tissue.columns {
+            let radius = tissue.radius(column).min(input.pocket_radius_mm);
+            let outer = point_of(x, radius, top);
+            area += PI * (inner[0] + outer[0]) * (outer[0] - inner[0]).hypot(outer[1] - inner[1]);
+            inner = outer;
+        }
+        area
+    };
+    let node = |column: usize, row: usize| node_of(&found.x, column, row);
     Solution {
         contact_force_n: found.contact_force_n,
         apex_inner_mm: node(0, 0)[1],
         apex_skin_mm: node(0, top)[1],
-        skin_apex_stretch: node(1, top)[0] / tissue.radius(1),
-        skin_area_ratio_over_pocket: area / (PI * input.pocket_radius_mm.powi(2)),
+        skin_apex_stretch: node(1, top)[0] / node_of(&tissue.rest, 1, top)[0],
+        skin_area_ratio_over_pocket: area(&found.x) / area(&tissue.rest),
         inner: profile(0),
         skin: profile(top),
         mesh: (0..tissue.columns)

@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
 
     /// Raises the dome in steps from the insertion 0. The error is the insertion reached.
     fn raise(&mut self, tolerance: f64) -> Result<(), f64> {
-        let Section { base_radius, projection, base_height } = self.contact.section;
+        let Section { base_radius, projection, base_height, .. } = self.contact.section;
         let end = 1.0 + base_height / projection;
         let greatest = RISE.min(self.tissue.radius(1) / projection);
         let (mut reached, mut rise) = (0.0, greatest);

@@ -4,7 +4,7 @@
 
 use super::check::{Bound, Check};
 use crate::accuracy;
-use crate::axisymmetric_layers::{self, Attachment, Input, Solution};
+use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution};
 use crate::work_precision::Case;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::measure::{Selection, Status};
@@ -186,6 +186,7 @@ impl Reference {
                 attachment: Attachment { stiffness_kpa_per_mm, ramp_mm },
                 layers: problem.materials.clone(),
                 skin_wrinkles,
+                rest: RestShape::default(),
                 cells,
             })
             .ok()

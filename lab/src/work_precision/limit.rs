@@ -1,6 +1,6 @@
 //! The limit of all grids: axisymmetric references.
 
-use crate::axisymmetric_layers::{Attachment, Input};
+use crate::axisymmetric_layers::{Attachment, Input, RestShape};
 use crate::{axisymmetric as sheet, axisymmetric_layers as layers};
 use implant_preview_core::scene::Scene;
 use implant_preview_core::solve::{Problem, Tissue};
@@ -65,6 +65,7 @@ fn of_layers(scene: &Scene, problem: &Problem, skin_wrinkles: bool) -> Option<Pr
             },
             layers: materials.clone(),
             skin_wrinkles,
+            rest: RestShape::default(),
             cells,
         })
     };
