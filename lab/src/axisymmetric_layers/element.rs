@@ -414,7 +414,7 @@ mod tests {
     fn a_rigid_lift_and_the_rest_have_no_energy_and_an_inverted_cell_is_refused() {
         let linear = Curve::new(&CurveSpec::Linear { modulus_kpa: 5.0 }).unwrap();
         let law = SolidLaw::new(&linear, 0.3);
-        let cell = Quadrilateral::new([3.0, 5.0], 2.0);
+        let cell = Quadrilateral::new([[3.0, 0.0], [5.0, 0.0], [5.0, 2.0], [3.0, 2.0]]);
         let lifted = [3.0, 7.0, 5.0, 7.0, 5.0, 9.0, 3.0, 9.0];
         assert!(cell.energy(&law, &lifted).abs() < 1e-12);
         let inverted = [3.0, 2.0, 5.0, 2.0, 5.0, 0.0, 3.0, 0.0];
@@ -429,7 +429,7 @@ mod tests {
         let total: f64 = (0..5)
             .map(|k| {
                 let ring = [20.0 * f64::from(k), 20.0 * f64::from(k + 1)];
-                let [a, b, c] = attachment.ring(ring, 70.0);
+                let [a, b, c] = attachment.ring(ring, 70.0, Wall::default());
                 a + 2.0 * b + c
             })
             .sum();
