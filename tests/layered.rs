@@ -580,7 +580,7 @@ fn a_poisson_ratio_out_of_reach_is_said() {
         scene.layers[1].poisson_ratio = poisson_ratio;
         let outcome = simulate(&scene).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{poisson_ratio}");
-        outcome.warnings.iter().any(|warning| warning.starts_with("adipose: the Poisson ratio"))
+        outcome.warnings.iter().any(|warning| warning.starts_with("The Poisson ratio of adipose"))
     };
     assert!(said(0.5) && !said(0.495));
 }
