@@ -11,8 +11,6 @@ use eframe::egui::accesskit::Live;
 use eframe::egui::{self, Rect, RichText, Ui};
 use web_time::Duration;
 
-/// Over the picture of a solve that has not ended.
-const PROVISIONAL: &str = "Computing: this picture is provisional.";
 /// Heading of a scene without a shape.
 const NO_ANSWER: &str = "No answer";
 /// Greatest width of a box over the picture \[points\].
@@ -143,13 +141,8 @@ pub(super) fn progress(
     end: impl FnOnce(&mut Ui, String),
 ) -> bool {
     let is_cancelled = ui.button(tr("Cancel")).clicked();
-    let words = match displayed {
-        Displayed::Previous => tr("the picture is that of the previous plan"),
-        Displayed::Coarse { .. } | Displayed::Draft | Displayed::Final => {
-            tr("the picture is provisional")
-        }
-    };
-    let words = tr!("Computing for {seconds} s; {words}", seconds = time.as_secs(), words);
+    let (seconds, words) = (time.as_secs(), words_of(displayed));
+    let words = tr!("Computing for {seconds} s; {words}", seconds, words);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         end(ui, words);
         let bar = egui::ProgressBar::new(fraction as f32)
@@ -187,11 +180,22 @@ pub(super) fn no_shape_box(ui: &Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
 }
 
 /// Words and a veil over the picture of a solve that has not ended.
-pub(super) fn provisional(ui: &Ui, area: Rect) {
+pub(super) fn provisional(ui: &Ui, area: Rect, displayed: Displayed) {
     veil(ui, area);
-    let _ = over(ui, area, PROVISIONAL, |ui| {
-        ui.label(RichText::new(tr(PROVISIONAL)).strong());
+    let words = tr!("Computing: {words}", words = words_of(displayed));
+    let _ = over(ui, area, "provisional", |ui| {
+        ui.label(RichText::new(words).strong());
     });
+}
+
+/// What the picture of a solve that has not ended shows.
+fn words_of(displayed: Displayed) -> &'static str {
+    match displayed {
+        Displayed::Previous => tr("the picture is that of the previous plan"),
+        Displayed::Coarse { .. } | Displayed::Draft | Displayed::Final => {
+            tr("the picture is provisional")
+        }
+    }
 }
 
 /// A remedy for a scene without a shape: the standard model in place of the paper's springs.

@@ -47,14 +47,15 @@ pub(super) fn area(picture: Rect) -> Rect {
 
 /// Shows the strip, after its picture; returns a clicked point of the tissue, whose values stay.
 pub(super) fn show(ui: &Ui, area: Rect, shared: &Shared) -> Option<tissue::Place> {
-    match LastAnswer::of(&shared.session) {
-        Some(answer) => {
-            let kept = strip_of(ui, area, shared, &answer);
-            veil(ui, area);
-            kept
-        }
+    let last = LastAnswer::of(&shared.session);
+    let kept = match &last {
+        Some(answer) => strip_of(ui, area, shared, answer),
         None => strip_of(ui, area, shared, &shared.session),
+    };
+    if last.is_some() || shared.is_provisional() {
+        veil(ui, area);
     }
+    kept
 }
 
 /// Draws the strip; returns a clicked point of the tissue.

@@ -395,7 +395,7 @@ impl App {
             }
             let has_shape = !self.shared.session.has_no_shape();
             if has_shape && self.shared.is_provisional() {
-                messages::provisional(ui, area);
+                messages::provisional(ui, area, self.shared.session.displayed());
             }
             if has_shape {
                 let Shared { viewport, choices, .. } = &mut self.shared;
