@@ -200,11 +200,13 @@ impl Dome {
     pub(crate) fn is_deeper_than(&self, fraction: f64) -> impl Fn(DVec3) -> bool + use<> {
         let (dome, shape, unit) = (*self, self.shape::<f64>(), self.base_radius);
         move |point| {
+            // Most points need no root.
+            if shape.length_squared(point.to_array()) >= 1.0 {
+                return false;
+            }
             let Near { length, gradient, .. } = shape.near(point.to_array());
             let steepness = DVec3::from(gradient).length() * unit;
-            dome.is_above_base(point)
-                && length < 1.0
-                && 1.0 - length > fraction * steepness.min(1.0)
+            dome.is_above_base(point) && 1.0 - length > fraction * steepness.min(1.0)
         }
     }
 

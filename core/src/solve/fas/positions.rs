@@ -40,8 +40,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         x: &mut [DVec3],
         offset_nodes: &mut Vec<(usize, DVec3)>,
     ) {
-        let (rest, dome) = (&problem.rest, &problem.obstacle.dome);
-        let shape = dome.shape::<f64>();
+        let (rest, shape) = (&problem.rest, problem.obstacle.dome.shape::<f64>());
         offset_nodes.clear();
         let Level { layout, u, active, contact_offset, .. } = self.finest();
         let (n, first) = (layout.nodes_per_side, layout.first());
@@ -58,14 +57,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
                         // A node on an axis of symmetry is listed twice.
                         offset_nodes.push((k, x[k]));
                     }
-                    let touches = || {
-                        let point = x[k].to_array();
-                        // Most nodes need no root.
-                        shape.length_squared(point) < 1.0 + 1e-3
-                            && shape.near(point).length < 1.0 + TOUCH_F32
-                    };
-                    if offset > 0.0 && is_active || offset == 0.0 && touches() {
-                        x[k] = dome.onto_surface(x[k]);
+                    let (point, is_lifted) = (x[k].to_array(), offset > 0.0 && is_active);
+                    // Most nodes need no root.
+                    let is_near = offset == 0.0 && shape.length_squared(point) < 1.0 + 1e-3;
+                    if is_lifted || is_near {
+                        let near = shape.near(point);
+                        if is_lifted || near.length < 1.0 + TOUCH_F32 {
+                            x[k] += DVec3::from(shape.way_to(&near, 1.0));
+                        }
                     }
                 };
                 let (i, j) = (i + first[0], j + first[1]);
