@@ -1,4 +1,4 @@
-//! What platform and tests call beside the frames: figures, words for screen readers, texts that are stored between starts, links,
+//! The interface to platform and tests beside the frames: figures, words for screen readers, texts that are stored between starts, links,
 //! language.
 
 use super::compare::{DELAY, KeptPlan, is_due};

@@ -188,7 +188,7 @@ pub(super) fn provisional(ui: &Ui, area: Rect, displayed: Displayed) {
     });
 }
 
-/// What the picture of a solve that has not ended shows.
+/// The picture of a solve that has not ended, in words.
 fn words_of(displayed: Displayed) -> &'static str {
     match displayed {
         Displayed::Previous => tr("the picture is that of the previous plan"),

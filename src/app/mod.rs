@@ -93,11 +93,11 @@ use uncertainty::Uncertainty;
 use viewport::Viewport;
 use volume_marks::VolumeMarks;
 
-/// The app: what all panels read, the panels with a state of their own, what they ask for.
+/// The app: the state that all panels read, the panels with a state of their own, their actions.
 pub struct App {
     ctx: egui::Context,
     shared: Shared,
-    /// What panels have asked for since actions were performed last.
+    /// Actions that are not performed yet.
     actions: Vec<Action>,
     edits: Edits,
     studies: Studies,

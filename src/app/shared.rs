@@ -42,16 +42,20 @@ pub(super) struct Shared {
 }
 
 impl Shared {
+    /// Has a solve been running for more than a time?
+    fn is_solving_for(&self, time: Duration) -> bool {
+        self.session.is_working()
+            && self.solving.is_some_and(|running| running.start.elapsed() > time)
+    }
+
     /// Is a long solve in progress?
     pub(super) fn is_long(&self) -> bool {
-        self.session.is_working()
-            && self.solving.is_some_and(|running| running.start.elapsed() > LONG)
+        self.is_solving_for(LONG)
     }
 
     /// Has the running solve taken so long that its picture is marked as provisional?
     pub(super) fn is_provisional(&self) -> bool {
-        self.session.is_working()
-            && self.solving.is_some_and(|running| running.start.elapsed() > PROVISIONAL)
+        self.is_solving_for(PROVISIONAL)
     }
 
     /// Visibility of the results of the previous scene.

@@ -40,11 +40,7 @@ impl Wall {
     #[inline]
     #[must_use]
     pub fn project(self, point: DVec3) -> DVec3 {
-        let height = match self.0 {
-            Chest::Flat => 0.0,
-            chest => chest.height(point.truncate()),
-        };
-        point.with_z(point.z.max(height))
+        point.with_z(point.z.max(self.0.height(point.truncate())))
     }
 
     /// Second derivative of the gap at a point of the wall along the wall \[1/mm\].

@@ -37,6 +37,9 @@ impl<R: Real> HeightField<R> {
 
     #[inline(always)]
     pub(crate) fn at(&self, [x, y]: [R; 2]) -> Ground<R> {
+        if self.is_flat {
+            return Ground::default();
+        }
         let [across, along] = self.curvatures;
         let rates = [across * x, along * y];
         let share = rates[0] * x + rates[1] * y;

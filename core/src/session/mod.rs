@@ -66,7 +66,7 @@ enum State {
     Stopped,
 }
 
-/// What a running solve displays.
+/// The display of a running solve.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shown {
     /// No shape yet.
