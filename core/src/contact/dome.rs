@@ -36,6 +36,12 @@ impl Dome {
         Self { center, base_radius, projection, base_height, chest: Chest::Flat }
     }
 
+    /// The dome draped over a wall.
+    #[must_use]
+    pub fn over(self, chest: Chest) -> Self {
+        Self { chest, ..self }
+    }
+
     /// Centre of the ellipsoid \[mm\].
     #[must_use]
     pub fn origin(&self) -> DVec3 {

@@ -97,6 +97,16 @@ impl Chest {
         self.heights::<f64>().at(at.to_array()).height
     }
 
+    /// The point with its height above the wall for z.
+    #[inline]
+    #[must_use]
+    pub fn flattened(&self, point: DVec3) -> DVec3 {
+        match self {
+            Self::Flat => point,
+            chest => point.with_z(point.z - chest.height(point.truncate())),
+        }
+    }
+
     /// ∇w \[-\].
     #[must_use]
     pub fn slope(&self, at: DVec2) -> DVec2 {

@@ -98,6 +98,13 @@ impl Rest {
         self.chest.mirrored()
     }
 
+    /// Is the tissue the same but for the grid?
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        let shape = |of: &Self| (of.sheet.radius_mm(), of.chest);
+        shape(self) == shape(other)
+            && (&self.cells, &self.heights) == (&other.cells, &other.heights)
+    }
+
     /// Is the wall the plane z = 0?
     #[inline]
     pub(crate) fn is_flat(&self) -> bool {

@@ -1,5 +1,6 @@
 //! Initial guess from geometry alone: in every vertical plane through the dome's axis the taut profile over
-//! the dome and down to a circle, uniformly stretched along its length.
+//! the dome and down to a circle, uniformly stretched along its length; over a curved wall the same heights above the wall, which
+//! may lie within the dome.
 
 use crate::contact::Dome;
 use crate::mesh::{NodeKind, Rest};
@@ -32,7 +33,8 @@ pub(crate) fn taut_within(rest: &Rest, dome: &Dome, radius: f64) -> Vec<DVec3> {
             let reach = distance_to_border(dome.center, direction, radius);
             pull_taut(&meridian, reach, &mut profile);
             let at = along(&profile, distance / reach);
-            (dome.center + direction * at.x).extend(at.y)
+            let (foot, _) = dome.chest.foot_and_normal(dome.center + direction * at.x);
+            foot.with_z(foot.z + at.y)
         })
         .collect()
 }
