@@ -90,6 +90,22 @@ fn layered_scenes_of_any_numbers_are_valid_or_rejected() {
 }
 
 #[test]
+fn scenes_with_a_chest_of_any_radii_are_valid_or_rejected() {
+    let accepted = std::cell::Cell::new([0; 2]);
+    check(8000, &bytes(), |bytes| {
+        let read = Scene::from_json(&Choices(&bytes).chest_scene());
+        hostile::check_scene(&read);
+        if let Ok(Some(chest)) = read.map(|scene| scene.chest) {
+            let mut counts = accepted.get();
+            counts[usize::from(chest.radius_across_mm < 0.0)] += 1;
+            accepted.set(counts);
+        }
+    });
+    let [outwards, hollow] = accepted.get();
+    assert!(outwards > 50 && hollow > 5, "{accepted:?} are too few to say much");
+}
+
+#[test]
 fn pins_of_any_scenes_are_valid_or_rejected() {
     let accepted = std::cell::Cell::new(0);
     let scene = r#"{"implant":{"base_radius_mm":50}}"#;

@@ -407,4 +407,18 @@ impl Choices<'_> {
         }
         scene.to_string()
     }
+
+    /// A scene with a chest, mostly of `scene/3` and of radii that its patch allows, as JSON text.
+    pub(crate) fn chest_scene(&mut self) -> String {
+        let sign = |c: &mut Self| if c.byte() < 192 { 1.0 } else { -1.0 };
+        let across = sign(self) * self.number(100.0, 400.0);
+        let along = (self.byte() < 128).then(|| sign(self) * self.number(100.0, 2000.0));
+        let is_newest = self.byte() < 240;
+        let mut scene: Value = serde_json::from_str(&self.layered_scene()).expect("written above");
+        if is_newest {
+            scene["schema"] = json!("implant-preview/scene/3");
+        }
+        scene["chest"] = json!({ "radius_across_mm": across, "radius_along_mm": along });
+        scene.to_string()
+    }
 }

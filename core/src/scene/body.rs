@@ -172,7 +172,7 @@ impl Scene {
     }
 
     /// Sets the tissue model; a scene of `scene/1` becomes one of `scene/3`. Layered tissue has the coupled springs, and
-    /// its patch, attachment and cells are moved into their limits, which a sheet does not check.
+    /// its patch, attachment and cells are moved into their limits, which a sheet does not check. A sheet has a flat chest.
     pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
         if self.schema == SCENE_SCHEMA {
             SCENE_SCHEMA_3.clone_into(&mut self.schema);
@@ -181,6 +181,9 @@ impl Scene {
         let mut body = self.body.unwrap_or_else(|| Body::around(pocket, tissue_model));
         body.tissue_model = tissue_model;
         self.body = Some(body);
+        if tissue_model == TissueModel::Sheet {
+            self.chest = None;
+        }
         if tissue_model == TissueModel::Layered {
             for number in NUMBERS {
                 number.set(self, 0, number.value(self, 0).unwrap_or_default());

@@ -96,10 +96,10 @@ impl CheckedScene {
             }
         };
         Problem {
-            rest,
+            rest: rest.over(self.scene.wall()),
             tissue,
             patch,
-            obstacle: Obstacle::on_flat_wall(dome),
+            obstacle: Obstacle::on_flat_wall(dome).over(self.scene.wall()),
             materials: self.materials.to_vec(),
             springs: *springs,
             tolerance: solver.tolerance,

@@ -3,8 +3,9 @@
 use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
-    AttachmentSettings, Body, CheckedScene, Implant, Layer, SCENE_SCHEMA, SCENE_SCHEMA_3, Scene,
-    SceneError, SolverSettings, TissueModel, Version, Visit, body, limits, patient, pins,
+    AttachmentSettings, Body, CheckedScene, ChestShape, Implant, Layer, SCENE_SCHEMA,
+    SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, TissueModel, Version, Visit, body, limits,
+    patient, pins,
 };
 use crate::curve::{List, Pair, object};
 use crate::springs::Springs;
@@ -30,6 +31,9 @@ pub(super) struct SceneFile {
     /// From `scene/2` on.
     #[serde(default, deserialize_with = "some_object")]
     pub(super) attachment: Option<AttachmentSettings>,
+    /// From `scene/3` on, of layered tissue: the chest wall. Default: flat.
+    #[serde(default, deserialize_with = "some_object")]
+    pub(super) chest: Option<ChestShape>,
     #[serde(default = "full_insertion")]
     pub(super) insertion: f64,
     /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
@@ -150,6 +154,7 @@ impl SceneFile {
             },
             pocket_radius_mm,
             body,
+            chest: file.chest,
             insertion: file.insertion,
             layers,
             patient: None,

@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
+//! `body` (tissue model, patch) | `chest` (the wall) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
 //!
@@ -12,6 +12,7 @@
 
 mod body;
 mod checked;
+mod chest;
 mod error;
 pub mod field;
 mod file;
@@ -28,6 +29,7 @@ use crate::solve::Problem;
 pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
+pub use chest::ChestShape;
 pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem};
 use file::{SceneFile, full_insertion, newest_schema};
@@ -75,6 +77,8 @@ pub mod limits {
     pub const NODES_PER_SIDE: (usize, usize) = (17, 1025);
     /// Greatest radius of the patch of layered tissue \[mm\]; the least is pocket + 20 mm.
     pub const PATCH_RADIUS_MAX_MM: f64 = 260.0;
+    /// Radii of curvature of the chest \[mm\], negative in a hollow; other numbers bound them away from 0.
+    pub const CHEST_RADIUS_MM: (f64, f64) = (-1e6, 1e6);
     /// Cells through the thickness of the solid layers.
     pub const CELLS_THROUGH: (usize, usize) = (1, 8);
     /// Layers in a scene.
@@ -95,6 +99,9 @@ pub struct Scene {
     /// Tissue model and patch; `None` in `scene/1`, a sheet.
     #[serde(flatten)]
     pub body: Option<Body>,
+    /// The chest wall; `None`: flat. Layered tissue from `scene/3` on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chest: Option<ChestShape>,
     /// Insertion t \[-\], 0 (flat) to 1 (full height).
     pub insertion: f64,
     /// Layers from the skin inwards, 1 to 8.
@@ -160,6 +167,7 @@ impl Default for Scene {
             implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0, 0.0] },
             pocket_radius_mm,
             body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
+            chest: None,
             insertion: full_insertion(),
             layers: default_layers(Version::Third),
             patient: None,
@@ -291,7 +299,8 @@ impl Scene {
                 &format!("{least} to {most}"),
             ));
         }
-        field::TOLERANCE.check(self, 0)
+        field::TOLERANCE.check(self, 0)?;
+        self.check_chest()
     }
 }
 
@@ -313,6 +322,7 @@ impl Scene {
                 implant,
                 pocket_radius_mm,
                 body,
+                chest: _,
                 insertion,
                 layers: _,
                 patient: _,
@@ -334,6 +344,7 @@ impl Scene {
                 && *curve == other.curve
         };
         of(self) == of(other)
+            && self.chest == other.chest
             && self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(|(a, b)| layer(a, b))
     }

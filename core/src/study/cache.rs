@@ -132,13 +132,13 @@ fn bits(value: f64) -> u64 {
 mod tests {
     use super::*;
     use crate::clinical::Measurements;
-    use crate::scene::TissueModel;
+    use crate::scene::{ChestShape, TissueModel};
     use crate::study::{Job, evaluate};
 
     #[test]
     fn scenes_of_equal_content_have_equal_keys_and_others_do_not() {
         let base = Scene::default();
-        let edits: [fn(&mut Scene); 9] = [
+        let edits: [fn(&mut Scene); 12] = [
             |_| {},
             |scene| scene.implant.center_mm = [-0.0, 0.0],
             |scene| scene.layers[0].tissue = "cutis".to_owned(),
@@ -148,6 +148,9 @@ mod tests {
             |scene| scene.solver.cells_through = Some(CellsThrough::Auto),
             |scene| scene.solver.cells_through = Some(CellsThrough::Count(3)),
             |scene| scene.set_tissue_model(TissueModel::Sheet),
+            |scene| scene.chest = Some(ChestShape::USUAL),
+            |scene| scene.chest = Some(ChestShape::ROUND),
+            |scene| scene.chest = Some(ChestShape { radius_across_mm: 150.0, ..ChestShape::USUAL }),
         ];
         let of_row = |field: &field::Field| {
             let mut scene = base.clone();

@@ -56,6 +56,7 @@ fn start() -> Scene {
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0; 2] },
         pocket_radius_mm: 70.0,
         body: Some(Body::around(70.0, TissueModel::Layered)),
+        chest: None,
         insertion: 1.0,
         layers: vec![Layer::skin(), Layer::adipose()],
         patient: None,

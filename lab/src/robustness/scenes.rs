@@ -28,6 +28,7 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0; 2] },
         pocket_radius_mm: 70.0,
         body: None,
+        chest: None,
         insertion: insertion(rng),
         layers: layers(rng),
         patient: None,

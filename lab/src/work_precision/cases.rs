@@ -76,6 +76,7 @@ impl Case {
             implant: Implant { base_radius_mm: radius, projection_mm: radius, center_mm: [0.0; 2] },
             pocket_radius_mm,
             body: None,
+            chest: None,
             insertion: 1.0,
             layers,
             patient: None,
