@@ -35,7 +35,7 @@ fn errors(meshes: &[Value], nodes: usize) -> [f64; 2] {
     let mut problem = scene.problem();
     let wall = case["wall"]["radius_mm"].as_f64();
     let chest = wall.map_or(Chest::Flat, |r| Chest::Curved { across_mm: r, along_mm: r });
-    problem.rest = problem.rest.over(chest);
+    problem.rest = problem.rest.over(chest.clone());
     problem.obstacle = problem.obstacle.over(chest);
     let options = Options { method: Method::Newton, ..Options::default() };
     let mut solver = Solver::with_options(problem, options);

@@ -102,6 +102,18 @@ mod tests {
     use glam::DVec2;
 
     #[test]
+    fn the_initial_guess_of_an_anatomical_implant_is_valid() {
+        let rest = Rest::of_sheet(Sheet::new(65, 75.0));
+        for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(4.0, -3.0), 0.7)] {
+            let dome = Dome::new(center, 55.0, 40.0, t).anatomical(65.0, 28.0);
+            let x = initial_guess::taut_profile(&rest, &dome);
+            assert_eq!(invalid(rest.sheet(), &dome, 1e-4, [0; 2], |i, j| x[j * 65 + i]), None);
+            let highest = x.iter().max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+            assert!(highest.distance(dome.apex()) < 3.0, "{highest}");
+        }
+    }
+
+    #[test]
     fn shapes_that_are_not_finite_inverted_or_penetrated_are_invalid() {
         let rest = Rest::of_sheet(Sheet::new(33, 70.0));
         let (sheet, n) = (rest.sheet(), 33);
