@@ -219,7 +219,8 @@ fn errors_of_body(meshes: &[Value], nodes: usize) -> [f64; 2] {
             [0, 1].map(|axis| (0..4).map(|j| weights[j] * profile[at + j - 1][axis]).sum::<f64>());
         (skin[k].x - r).hypot(skin[k].z - z) / number(case, "base_radius_mm")
     });
-    let force = outcome.contact_force_n.unwrap() / limit(meshes, |of| number(of, "contact_force_n"));
+    let force =
+        outcome.contact_force_n.unwrap() / limit(meshes, |of| number(of, "contact_force_n"));
     [errors.fold(0.0, f64::max), force - 1.0]
 }
 

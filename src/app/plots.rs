@@ -236,7 +236,7 @@ pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) 
 
 /// Intersection of the dome with the plane y = 0, above the chest wall: an arc of an ellipse \[mm\].
 pub(super) fn dome_outline(problem: &Problem) -> Polyline {
-    let dome = problem.obstacle.dome;
+    let dome = &problem.obstacle.dome;
     (0..=SAMPLES)
         .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
         .map(|angle| dome.outline(0.0, angle).to_array())

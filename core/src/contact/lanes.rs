@@ -12,7 +12,7 @@ use wide::f32x4;
 pub(crate) const MAX_STEP: f32 = 0.5;
 
 /// A dome and a wall in spacings of a grid, about the grid's centre.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LaneObstacle {
     shape: HalfBall<f32x4>,
     wall: HeightField<f32x4>,

@@ -12,7 +12,7 @@ use wide::f32x4;
 const TOUCH_SPACINGS: f32 = 3e-4;
 
 /// A chest wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wall(
     /// Its shape.
     pub Chest,
@@ -22,8 +22,8 @@ impl Wall {
     /// Distance of a point from the wall \[mm\], negative below the wall.
     #[inline]
     #[must_use]
-    pub fn gap(self, point: DVec3) -> f64 {
-        match self.0 {
+    pub fn gap(&self, point: DVec3) -> f64 {
+        match &self.0 {
             Chest::Flat => point.z,
             chest => (point.z - chest.height(point.truncate())) * self.normal(point).z,
         }
@@ -32,8 +32,8 @@ impl Wall {
     /// The wall's outer unit normal below a point.
     #[inline]
     #[must_use]
-    pub fn normal(self, point: DVec3) -> DVec3 {
-        match self.0 {
+    pub fn normal(&self, point: DVec3) -> DVec3 {
+        match &self.0 {
             Chest::Flat => DVec3::Z,
             chest => (-chest.slope(point.truncate())).extend(1.0).normalize(),
         }
@@ -42,15 +42,15 @@ impl Wall {
     /// The point, lifted onto the wall from below.
     #[inline]
     #[must_use]
-    pub fn project(self, point: DVec3) -> DVec3 {
+    pub fn project(&self, point: DVec3) -> DVec3 {
         point.with_z(point.z.max(self.0.height(point.truncate())))
     }
 
     /// Second derivative of the gap at a point of the wall along the wall \[1/mm\].
     #[inline]
     #[must_use]
-    pub fn curvature(self, point: DVec3) -> DMat3 {
-        match self.0 {
+    pub fn curvature(&self, point: DVec3) -> DMat3 {
+        match &self.0 {
             Chest::Flat => DMat3::ZERO,
             chest => {
                 let [xx, xy, yy] = chest.heights::<f64>().curvature([point.x, point.y]);
@@ -62,23 +62,23 @@ impl Wall {
 
     /// Is the wall its own image mirrored along x, along y, about the pocket's centre?
     #[must_use]
-    pub fn mirrored(self) -> [bool; 2] {
+    pub fn mirrored(&self) -> [bool; 2] {
         self.0.mirrored()
     }
 
     /// The wall in other units of length.
     #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(&self, factor: f64) -> Self {
         Self(self.0.scaled(factor))
     }
 
     /// The step from a point above the wall, lifted onto the wall where the step would pass the wall.
     #[inline]
     #[must_use]
-    pub(crate) fn limited_step(self, point: DVec3, step: DVec3) -> DVec3 {
-        match self.0 {
+    pub(crate) fn limited_step(&self, point: DVec3, step: DVec3) -> DVec3 {
+        match &self.0 {
             Chest::Flat => DVec3::new(step.x, step.y, step.z.max(-point.z)),
-            Chest::Curved { .. } => self.project(point + step) - point,
+            _ => self.project(point + step) - point,
         }
     }
 }

@@ -92,8 +92,8 @@ impl<M: ElasticModel> Level<M> {
     /// Places the obstacle, given in spacings of this grid.
     pub(super) fn place(&mut self, obstacle: Obstacle) {
         self.are_forces_current = false;
-        self.exact_obstacle = obstacle;
         self.obstacle = LaneObstacle::new(&obstacle);
+        self.exact_obstacle = obstacle;
     }
 
     /// Computes the contact offsets; returns the greatest contact offset \[grid spacings\].
