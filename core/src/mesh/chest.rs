@@ -49,7 +49,7 @@ impl Chest {
                 let foot = DVec3::new(across_mm * sin, place.y, across_mm * (cos - 1.0));
                 return (foot, DVec3::new(sin, 0.0, cos));
             }
-            &Self::Curved { across_mm, along_mm } if [across_mm] == [along_mm] => {
+            &Self::Curved { across_mm, along_mm } if across_mm.to_bits() == along_mm.to_bits() => {
                 let (sin, cos) = (place.length() / across_mm).sin_cos();
                 let outwards = place.normalize_or_zero() * sin;
                 let foot = (outwards * across_mm).extend(across_mm * (cos - 1.0));

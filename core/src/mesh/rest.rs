@@ -120,7 +120,7 @@ impl Rest {
 
     /// Is the tissue the same but for the grid?
     pub(crate) fn is_alike(&self, other: &Self) -> bool {
-        let radius = |of: &Self| [of.sheet.radius_mm()];
+        let radius = |of: &Self| of.sheet.radius_mm().to_bits();
         radius(self) == radius(other)
             && (&self.cells, &self.chest, &self.thickness)
                 == (&other.cells, &other.chest, &other.thickness)
