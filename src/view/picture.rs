@@ -129,7 +129,7 @@ impl Picture {
         }
         let wall_radius = self.body.block_radius.max(problem.sheet().radius_mm() as f32);
         let patch_radius = problem.sheet().radius_mm();
-        let wall = Some((wall_radius, patch_radius, problem.obstacle.wall.0));
+        let wall = Some((wall_radius, patch_radius, problem.obstacle.wall.0.clone()));
         if self.wall_made != wall {
             self.wall_made = wall;
             self.set_mesh(3, wall::mesh(&problem.obstacle.wall.0, patch_radius, wall_radius));
