@@ -163,6 +163,44 @@ fn the_schema_decides_about_the_tissue_model() {
 }
 
 #[test]
+fn tissue_over_a_round_chest_has_force_and_skin_of_independent_elements() {
+    let folder = folder("chest");
+    let file: Value = serde_json::from_str(include_str!("reference/body.json")).unwrap();
+    let cases = file["cases"].as_array().unwrap();
+    let meshes: Vec<&Value> = cases.iter().filter(|case| case["name"] == "curved").collect();
+    let limit = |name: &str| {
+        let [coarse, fine] = [0, 1].map(|k| meshes[k]["result"][name].as_f64().unwrap());
+        (4.0 * fine - coarse) / 3.0
+    };
+    let case = meshes[0];
+    let radius = &case["wall"]["radius_mm"];
+    let scene = json!({
+        "implant": { "base_radius_mm": case["base_radius_mm"],
+                     "projection_mm": case["projection_mm"] },
+        "pocket_radius_mm": case["pocket_radius_mm"],
+        "patch_radius_mm": case["patch_radius_mm"],
+        "layers": case["layers"],
+        "chest": { "radius_across_mm": radius, "radius_along_mm": radius },
+        "solver": { "nodes_per_side": 49 },
+    });
+    let output = run_in(&folder, &["simulate", "-"], &scene.to_string());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (found, name, tolerance) in [
+        (&result["contact_force_n"], "contact_force_n", 0.005),
+        (&result["apex_stretch"], "skin_apex_stretch", 0.001),
+        (&result["profile_skin"][0]["z_mm"], "apex_skin_mm", 0.001),
+        (&result["area_ratio"], "skin_area_ratio_over_pocket", 0.002),
+    ] {
+        let error = found.as_f64().unwrap() / limit(name) - 1.0;
+        assert!(error.abs() < tolerance, "{name}: {found}, {error:+.5}");
+    }
+    let small = scene.to_string().replace(r#""radius_across_mm":150"#, r#""radius_across_mm":50"#);
+    let wanted = ["standard input", "chest.radius_across_mm is 50", "97.5 to 1000000 mm"];
+    assert_refused(&folder, &["simulate", "-"], &small, &wanted);
+}
+
+#[test]
 fn several_scenes_give_json_lines_in_their_order() {
     let folder = folder("lines");
     let radii = [60.0, 30.0, 50.0, 40.0, 20.0];

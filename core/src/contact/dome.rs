@@ -45,6 +45,12 @@ impl Dome {
         }
     }
 
+    /// The dome draped over a wall.
+    #[must_use]
+    pub fn over(self, chest: Chest) -> Self {
+        Self { chest, ..self }
+    }
+
     /// The dome with another half-axis along the body and its apex moved towards −y \[mm\].
     #[must_use]
     pub fn anatomical(self, base_along: f64, apex_shift: f64) -> Self {

@@ -24,7 +24,7 @@ impl Obstacle {
     /// The dome draped over a wall: its heights count from the wall.
     #[must_use]
     pub fn over(self, chest: Chest) -> Self {
-        Self { dome: Dome { chest: chest.clone(), ..self.dome }, wall: Wall(chest) }
+        Self { dome: self.dome.over(chest.clone()), wall: Wall(chest) }
     }
 
     /// The nearest admissible point along simple paths: up to the wall, then out of the dome to the given

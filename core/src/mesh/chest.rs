@@ -87,6 +87,16 @@ impl Chest {
         self.heights::<f64>().at(at.to_array()).height
     }
 
+    /// The point with its height above the wall for z.
+    #[inline]
+    #[must_use]
+    pub fn flattened(&self, point: DVec3) -> DVec3 {
+        match self {
+            Self::Flat => point,
+            chest => point.with_z(point.z - chest.height(point.truncate())),
+        }
+    }
+
     /// ∇w \[-\].
     #[must_use]
     pub fn slope(&self, at: DVec2) -> DVec2 {
@@ -130,8 +140,8 @@ fn ahead(
 
 /// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
 fn turn(wall: &HeightField<f64>, at: DVec2, v: DVec2) -> DVec2 {
-    let slope = DVec2::from(wall.at(at.to_array()).slope);
-    let [xx, xy, yy] = wall.curvature(at.to_array());
+    let (ground, [xx, xy, yy]) = wall.bent(at.to_array());
+    let slope = DVec2::from(ground.slope);
     let bend = xx * v.x * v.x + 2.0 * xy * v.x * v.y + yy * v.y * v.y;
     slope * (-bend / (1.0 + slope.length_squared()))
 }

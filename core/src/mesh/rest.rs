@@ -118,6 +118,13 @@ impl Rest {
         [0, 1].map(|axis| wall[axis] && thickness[axis])
     }
 
+    /// Is the tissue the same but for the grid?
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
+            && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
+            && (&self.cells, &self.heights) == (&other.cells, &other.heights)
+    }
+
     /// Is the wall the plane z = 0, under even thickness?
     #[inline]
     pub(crate) fn is_flat(&self) -> bool {

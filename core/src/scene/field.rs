@@ -3,7 +3,7 @@
 //! Check and key of a scene, the patient's values, `study::Parameter`, `study::Unknown` and the controls of the app read
 //! the rows. Numbers of nodes and cells are whole, see [`super::limits`].
 
-use super::limits::{PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
+use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
 use super::{ASPECTS, Body, MAX_APEX_SHIFT, Scene, SceneError, error::out_of_range};
 use crate::clinical::limits::{BASE_WIDTH_MM, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM};
 use crate::curve::{SCALES, number};
@@ -31,6 +31,8 @@ pub enum Part {
     Body,
     /// A layer.
     Layer,
+    /// The chest; a flat one has no such number.
+    Chest,
     /// The measurements of a patient; no result depends on the number.
     Patient,
 }
@@ -66,6 +68,7 @@ macro_rules! value {
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.as_ref()?.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
+    (Chest $axis:literal) => { |scene, _| scene.chest.as_ref()?.radius($axis) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_ref()?.measured.$($at)+ };
 }
 
@@ -79,6 +82,7 @@ macro_rules! place {
     (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.as_mut()?.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
+    (Chest $axis:literal) => { |scene, _| scene.chest.as_mut()?.place($axis) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_mut()?.measured.$($at)+.as_mut() };
 }
 
@@ -113,6 +117,8 @@ fields! {
     PATCH_RADIUS: "patch_radius_mm", "radius of the simulated tissue", "mm", (30.0, PATCH_RADIUS_MAX_MM), Grid, Body[patch_radius_mm];
     ATTACHMENT_STIFFNESS: "attachment.stiffness_kpa_per_mm", "stiffness of the attachment", "kPa/mm", (0.1, 50.0), Dome, Body[attachment.stiffness_kpa_per_mm];
     ATTACHMENT_RAMP: "attachment.ramp_mm", "ramp of the attachment", "mm", (1.0, 40.0), Grid, Body[attachment.ramp_mm];
+    CHEST_ACROSS: "chest.radius_across_mm", "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid, Chest[0];
+    CHEST_ALONG: "chest.radius_along_mm", "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid, Chest[1];
     INSERTION: "insertion", "insertion", "", (0.0, 1.0), Dome, Scene[insertion];
     THICKNESS: "layers[].thickness_mm", "thickness of the skin", "mm", (0.2, 60.0), Tables, Layer[thickness_mm];
     POISSON_RATIO: "layers[].poisson_ratio", "Poisson ratio", "", (0.0, 0.5), Tables, Layer[poisson_ratio];
@@ -140,7 +146,7 @@ impl Field {
     /// How many of these numbers the equilibrium of a scene depends on; patch and attachment belong to layered tissue.
     pub(crate) fn count(&self, scene: &Scene) -> usize {
         match self.part {
-            Part::Scene => 1,
+            Part::Scene | Part::Chest => 1,
             Part::Body => usize::from(scene.is_layered()),
             Part::Layer => scene.layers.len(),
             Part::Patient => 0,
@@ -152,8 +158,8 @@ impl Field {
         (self.place)(scene, layer)
     }
 
-    /// The limits in a scene: the patch depends on the pocket, height and apex of an anatomical implant on its base, and a sheet
-    /// ignores the numbers of a body.
+    /// The limits in a scene: the patch depends on the pocket, height and apex of an anatomical implant on its base, the chest on
+    /// patch and implant, and a sheet ignores the numbers of a body.
     #[must_use]
     pub fn range(&self, scene: &Scene) -> (f64, f64) {
         match self.part {
@@ -167,6 +173,7 @@ impl Field {
                 let most = 0.5 * MAX_APEX_SHIFT * scene.implant.base_height();
                 (-most, most)
             }
+            Part::Chest => scene.chest_range(self.value(scene, 0).unwrap_or_default()),
             _ => self.limits,
         }
     }
@@ -201,6 +208,7 @@ impl Field {
 mod tests {
     use super::*;
     use crate::clinical::Measurements;
+    use crate::scene::ChestShape;
     use serde_json::Value;
 
     /// The paths of the numbers of a scene.
@@ -229,6 +237,7 @@ mod tests {
         scene.apply_patient(measured).unwrap();
         scene.implant.base_height_mm = Some(126.0);
         scene.implant.apex_shift_mm = 12.0;
+        scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let json = serde_json::to_value(&scene).unwrap();

@@ -1,8 +1,9 @@
-//! Repairs a scene whose implant does not fit into its pocket after an edit, and reports the change.
+//! Repairs a scene whose implant does not fit into its pocket, or whose tissue does not fit onto its chest, after an edit, and
+//! reports the change.
 
 use super::{Body, Scene, field, limits};
 
-/// The change that made the implant fit into its pocket.
+/// The change that made the scene valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Repair {
     /// The pocket was enlarged.
@@ -12,6 +13,11 @@ pub enum Repair {
     },
     /// The implant was moved towards the pocket's centre: the pocket has its greatest radius.
     ImplantMovedInwards,
+    /// The chest was made flatter.
+    ChestFlattened {
+        /// The least radius of curvature \[mm\].
+        radius_mm: f64,
+    },
 }
 
 impl std::fmt::Display for Repair {
@@ -26,6 +32,10 @@ impl std::fmt::Display for Repair {
                 f,
                 "The implant was moved towards the pocket's centre; the pocket's radius is at most {} mm.",
                 limits::POCKET_RADIUS_MAX_MM
+            ),
+            Self::ChestFlattened { radius_mm } => write!(
+                f,
+                "The chest was made flatter, with a radius of {radius_mm:.0} mm, to carry the simulated tissue."
             ),
         }
     }
@@ -54,7 +64,7 @@ impl Scene {
     }
 
     /// Makes the implant fit into its pocket: enlarges the pocket, or moves the implant where no pocket is large
-    /// enough.
+    /// enough. Makes a chest flatter that is too curved for the tissue.
     pub fn repair(&mut self) -> Option<Repair> {
         let mut repair = None;
         if !self.implant.is_round() {
@@ -79,6 +89,16 @@ impl Scene {
         if let Some(body) = &mut self.body {
             let (least, _) = Body::patch_range(self.pocket_radius_mm);
             body.patch_radius_mm = body.patch_radius_mm.max(least);
+        }
+        for field in [field::CHEST_ACROSS, field::CHEST_ALONG] {
+            let Some(radius) = field.value(self, 0) else {
+                continue;
+            };
+            field.set(self, 0, radius);
+            let is_new = |new: &f64| new.to_bits() != radius.to_bits();
+            if let Some(radius_mm) = field.value(self, 0).filter(is_new) {
+                repair = Some(Repair::ChestFlattened { radius_mm });
+            }
         }
         repair
     }

@@ -1,5 +1,6 @@
 //! Initial guess from geometry alone: in every vertical plane through the dome's axis the taut profile over
-//! the dome and down to a circle, uniformly stretched along its length; of an anatomical dome the linear image of the guess of a round one.
+//! the dome and down to a circle, uniformly stretched along its length; of an anatomical dome the linear image of the guess of a round one;
+//! over a curved wall the same heights above the wall, which may lie within the dome.
 
 use crate::contact::Dome;
 use crate::mesh::{NodeKind, Rest};
@@ -36,7 +37,9 @@ pub(crate) fn taut_within(rest: &Rest, dome: &Dome, radius: f64) -> Vec<DVec3> {
             let reach = distance_to_border(axis, direction * axes / stretch, radius) / stretch;
             pull_taut(&meridian, reach, &mut profile);
             let at = along(&profile, distance / reach);
-            (dome.axis(at.y) + direction * axes * at.x).extend(at.y)
+            let place = dome.axis(at.y) + direction * axes * at.x;
+            let (foot, _) = dome.chest.foot_and_normal(place);
+            foot.with_z(foot.z + at.y)
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! Validity of a solution: finite, not penetrated, not inverted.
 
 use crate::contact::Dome;
-use crate::mesh::{CellKind, Sheet};
+use crate::mesh::{CellKind, Chest, Sheet};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +67,9 @@ pub(crate) fn invalid(
 ) -> Option<Invalid> {
     let n = sheet.nodes_per_side();
     let viewpoint = viewpoint(sheet);
+    // Heights above a curved wall instead of z: the wall becomes the plane, and what is inverted stays so.
+    let (chest, dome) = (&dome.chest, dome.clone().over(Chest::Flat));
+    let at = |i: usize, j: usize| chest.flattened(at(i, j));
     let is_deep = dome.is_deeper_than(MAX_CHORD_DEPTH);
     let (mut is_penetrated, mut is_folded, mut highest) = (false, false, 0.0_f64);
     for j in first[1]..n - 1 {

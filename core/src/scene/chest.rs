@@ -1,0 +1,221 @@
+//! The chest wall of a scene: flat where the scene has none, otherwise curved by two radii.
+
+use super::{SCENE_SCHEMA_3, Scene, SceneError, Version, field, out_of_range, problem};
+use crate::curve::number;
+use crate::mesh::Chest;
+use serde::Serialize;
+
+/// The chest wall by its radii of curvature at the pocket's centre.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChestShape {
+    /// Radius across the body, along x \[mm\]; negative: hollow.
+    pub radius_across_mm: f64,
+    /// Radius along the body, along y \[mm\]; `None`: straight, negative: hollow.
+    pub radius_along_mm: Option<f64>,
+}
+
+/// Least radius of curvature \[patch radii\]: the wall turns by 76° at most between the pocket's centre and the patch's edge,
+/// below the 90° at which a height field ends.
+const LEAST_OF_PATCH: f64 = 0.75;
+/// Least radius of curvature \[distances of the implant's edge from the pocket's centre\]: the implant is draped over walls of at
+/// most 65° of slope.
+const LEAST_OF_IMPLANT: f64 = 1.1;
+/// Least radius of a hollow \[thicknesses of the tissue\]: cells shrink outwards, to nothing where both are equal.
+const LEAST_OF_TISSUE: f64 = 2.0;
+
+impl ChestShape {
+    /// The usual chest: its radius across the breasts, straight along the body.
+    pub const USUAL: Self = Self { radius_across_mm: 140.0, radius_along_mm: None };
+    /// A round chest, a sphere.
+    pub const ROUND: Self = Self { radius_across_mm: 120.0, radius_along_mm: Some(120.0) };
+
+    /// The radius across (0) or along the body (1) \[mm\].
+    pub(super) fn radius(&self, axis: usize) -> Option<f64> {
+        if axis == 0 { Some(self.radius_across_mm) } else { self.radius_along_mm }
+    }
+
+    /// The place of the radius across (0) or along the body (1).
+    pub(super) fn place(&mut self, axis: usize) -> Option<&mut f64> {
+        if axis == 0 { Some(&mut self.radius_across_mm) } else { self.radius_along_mm.as_mut() }
+    }
+
+    fn wall(&self) -> Chest {
+        let along_mm = self.radius_along_mm.unwrap_or(f64::INFINITY);
+        Chest::Curved { across_mm: self.radius_across_mm, along_mm }
+    }
+}
+
+impl Scene {
+    /// The wall.
+    pub(super) fn wall(&self) -> Chest {
+        self.chest.as_ref().map_or(Chest::Flat, ChestShape::wall)
+    }
+
+    /// May the scene have a chest? Layered tissue from `scene/3` on.
+    #[must_use]
+    pub fn may_have_chest(&self) -> bool {
+        self.skin_wrinkles()
+    }
+
+    /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.
+    #[must_use]
+    pub fn least_chest_radius_mm(&self, is_hollow: bool) -> f64 {
+        let edge = self.implant.least_pocket_mm();
+        let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
+        let least = (LEAST_OF_PATCH * patch).max(LEAST_OF_IMPLANT * edge);
+        let tissue = || self.layers.iter().map(|layer| layer.thickness_mm).sum::<f64>();
+        if is_hollow { least.max(LEAST_OF_TISSUE * tissue()) } else { least }
+    }
+
+    /// Range of a radius of the sign of `radius_mm` \[mm\].
+    pub(super) fn chest_range(&self, radius_mm: f64) -> (f64, f64) {
+        let is_hollow = radius_mm < 0.0;
+        let (least, most) = (self.least_chest_radius_mm(is_hollow), field::CHEST_ACROSS.limits.1);
+        if is_hollow { (-most, -least) } else { (least, most) }
+    }
+
+    /// Checks the chest, and that the scene may have one.
+    pub(super) fn check_chest(&self) -> Result<(), SceneError> {
+        let Some(chest) = &self.chest else {
+            return Ok(());
+        };
+        if Version::of(&self.schema) != Some(Version::Third) {
+            return Err(in_third("chest", &self.schema));
+        }
+        if !self.is_layered() {
+            let allowed = "no chest with tissue_model sheet, which is flat";
+            return Err(out_of_range("chest", "curved".to_owned(), allowed));
+        }
+        for (axis, field) in [field::CHEST_ACROSS, field::CHEST_ALONG].into_iter().enumerate() {
+            let Some(radius) = chest.radius(axis) else {
+                continue;
+            };
+            let (least, most) = self.chest_range(radius);
+            if !(least..=most).contains(&radius) {
+                let [outwards, hollow] = [false, true].map(|is| self.least_chest_radius_mm(is));
+                let up = |least: f64| number((10.0 * least).ceil() / 10.0);
+                let (outwards, hollow, most) = (up(outwards), up(hollow), field.limits.1);
+                let allowed = format!(
+                    "{outwards} to {most} mm, hollow -{most} to -{hollow} mm (3/4 of patch_radius_mm, 1.1 of the implant's reach; hollow: twice the tissue)"
+                );
+                return Err(out_of_range(field.path, number(radius), &allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Error of a field of `scene/3` in an older scene.
+pub(super) fn in_third(field: &str, schema: &str) -> SceneError {
+    problem(field, &format!("the field belongs to {SCENE_SCHEMA_3}; the schema is {schema}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::TissueModel;
+
+    fn scene(chest: &str) -> Result<Scene, SceneError> {
+        let implant = r#""implant": { "base_radius_mm": 60, "projection_mm": 40 }"#;
+        Scene::from_json(&format!("{{ {implant}, {chest} }}"))
+    }
+
+    #[test]
+    fn a_chest_is_read_and_written_and_a_flat_one_is_not_in_the_text() {
+        let flat = scene(r#""insertion": 1"#).unwrap();
+        assert!(flat.chest.is_none() && !flat.to_json().contains("chest"));
+        assert_eq!(flat.problem().unwrap().obstacle.wall.0, Chest::Flat);
+        for (text, along) in [
+            (r#""chest": { "radius_across_mm": 140 }"#, f64::INFINITY),
+            (r#""chest": { "radius_across_mm": 140, "radius_along_mm": null }"#, f64::INFINITY),
+            (r#""chest": { "radius_across_mm": 140, "radius_along_mm": -300 }"#, -300.0),
+        ] {
+            let scene = scene(text).unwrap();
+            let wall = Chest::Curved { across_mm: 140.0, along_mm: along };
+            let problem = scene.problem().unwrap();
+            assert_eq!(problem.obstacle.wall.0, wall);
+            assert_eq!(problem.obstacle.dome.chest, wall);
+            assert!(!problem.rest.is_flat());
+            assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+        }
+    }
+
+    #[test]
+    fn a_chest_out_of_its_limits_is_one_line() {
+        let with = |rest: &str| {
+            let line = scene(rest).unwrap_err().to_string();
+            assert!(!line.contains('\n'), "{line}");
+            line
+        };
+        for radius in ["100", "-100", "0", "-0.0", "2e6", "1e308"] {
+            let line = with(&format!(r#""chest": {{ "radius_across_mm": {radius} }}"#));
+            // 3/4 of 135 mm.
+            assert!(line.starts_with("chest.radius_across_mm is "), "{line}");
+            assert!(line.contains("allowed: 101.3 to 1000000 mm"), "{line}");
+        }
+        for (rest, expected) in [
+            (
+                r#""chest": { "radius_across_mm": 140, "radius_along_mm": 90 }"#,
+                "chest.radius_along_mm is 90; allowed: 101.3",
+            ),
+            (
+                r#""patch_radius_mm": 96, "chest": { "radius_across_mm": 72 }"#,
+                "allowed: 72 to 1000000 mm",
+            ),
+            (r#""chest": null"#, "chest: "),
+            (r#""chest": {}"#, "chest: missing field `radius_across_mm`"),
+            (r#""chest": { "radius_across_mm": null }"#, "chest.radius_across_mm: "),
+            (r#""chest": { "radius_across_mm": 140, "radius": 1 }"#, "chest.radius: unknown field"),
+            (
+                r#""tissue_model": "sheet", "chest": { "radius_across_mm": 140 }"#,
+                "chest is curved; allowed: no chest with tissue_model sheet",
+            ),
+            (
+                r#""schema": "implant-preview/scene/2", "chest": { "radius_across_mm": 140 }"#,
+                "chest: the field belongs to implant-preview/scene/3",
+            ),
+        ] {
+            // 72 mm of curvature carry a patch of 96 mm.
+            if rest.contains("72") {
+                assert!(scene(rest).is_ok());
+                let line = with(&rest.replace("72", "71"));
+                assert!(line.contains(expected), "{line}");
+                continue;
+            }
+            let line = with(rest);
+            assert!(line.contains(expected), "{line}");
+        }
+        // Thick tissue in a hollow: cells would shrink to nothing.
+        let thick = r#""layers": [{ "thickness_mm": 1.5, "curve": { "kind": "skin" }, "tissue": "skin" }, { "tissue": "adipose", "thickness_mm": 59, "curve": { "kind": "fat" } }]"#;
+        let hollow = format!(r#"{thick}, "chest": {{ "radius_across_mm": -110 }}"#);
+        assert!(with(&hollow).contains("hollow -1000000 to -121 mm"));
+        assert!(scene(&hollow.replace("-110", "-121")).is_ok());
+    }
+
+    #[test]
+    fn the_wall_is_a_height_field_as_far_as_the_patch_reaches() {
+        for along in [None, Some(110.0), Some(-110.0), Some(1e6)] {
+            for across in [110.0, -110.0] {
+                let chest = ChestShape { radius_across_mm: across, radius_along_mm: along }.wall();
+                for k in 0..24 {
+                    let place =
+                        glam::DVec2::from_angle(0.27 * f64::from(k)) * (110.0 / LEAST_OF_PATCH);
+                    let (foot, normal) = chest.foot_and_normal(place);
+                    assert!(foot.is_finite() && normal.z > 0.2, "{along:?} {place} {normal}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_larger_pocket_makes_a_chest_flatter_and_a_sheet_is_flat() {
+        let mut scene =
+            scene(r#""chest": { "radius_across_mm": 110, "radius_along_mm": -150 }"#).unwrap();
+        assert_eq!(scene.repair(), None);
+        scene.set_pocket_radius(120.0);
+        assert_eq!(scene.repair(), Some(crate::scene::Repair::ChestFlattened { radius_mm: 135.0 }));
+        assert_eq!((scene.repair(), scene.validate()), (None, Ok(())));
+        scene.set_tissue_model(TissueModel::Sheet);
+        assert!(scene.chest.is_none() && scene.validate().is_ok());
+    }
+}
