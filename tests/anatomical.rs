@@ -123,3 +123,51 @@ fn a_turned_base_turns_the_result_and_a_lower_apex_is_found() {
     let height = |outcome: &Outcome| outcome.profile[0].z_mm;
     assert!(height(&along) > 39.9 && height(&shifted) < height(&along) - 0.5);
 }
+
+/// A scan's chest and thickness, an anatomical implant off centre: every part of the body at once.
+#[test]
+fn an_anatomical_implant_over_a_scan_is_solved_and_an_even_field_changes_nothing() {
+    let grid = |of: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+        let at = |k: u32| 4.0 * (f64::from(k) - 34.0);
+        (0..69 * 69).map(|k| of(at(k % 69), at(k / 69))).collect()
+    };
+    let mut file = scene(52.0, 120.0, 15.0);
+    file["implant"]["center_mm"] = json!([4, 0]);
+    file["chest"] = json!({ "grid": { "spacing_mm": 4, "columns": 69, "rows": 69,
+        "heights_mm": grid(&|x, y| -x * x / 300.0 - y * y / 1500.0 + 0.06 * x + (0.02 * y).sin()) } });
+    let even = solve(&file);
+    assert_eq!(serde_json::to_value(&even).unwrap()["status"], "converged");
+    assert!(even.warnings.iter().any(|line| line.contains("tilted by 4°")), "{:?}", even.warnings);
+    let field = json!({ "spacing_mm": 4, "columns": 69, "rows": 69,
+                            "factors": grid(&|_, _| 1.0) });
+    file["thickness_field"] = field;
+    let one = solve(&file);
+    assert_eq!(one.contact_force_n, even.contact_force_n);
+    assert_eq!((one.profile[0], one.profile_skin[7]), (even.profile[0], even.profile_skin[7]));
+    for (member, value, expected) in [
+        ("spacing_mm", json!(0.1), "thickness_field.spacing_mm is 0.1; allowed: 0.5 to 50 mm"),
+        ("columns", json!(3), "thickness_field.columns is 3; allowed: 4 to 257"),
+        ("rows", json!(68), "thickness_field.factors is a list of 4761; allowed: 4692 numbers"),
+        ("factors", json!([null]), "thickness_field.factors[0]: invalid type: null"),
+        (
+            "factors",
+            json!(grid(&|x, _| x)),
+            "thickness_field.factors[0] is -136; allowed: 0.05 to 20",
+        ),
+        (
+            "factors",
+            json!(grid(&|x, _| if x < 0.0 { 20.0 } else { 0.05 })),
+            "thickness_field.factors is as low as -",
+        ),
+        ("spacing_mm", json!(3), "thickness_field is 204 mm wide; allowed: 264 mm or more"),
+    ] {
+        let mut broken = file.clone();
+        broken["thickness_field"][member] = value;
+        let error = Scene::from_json(&broken.to_string()).unwrap_err().to_string();
+        assert!(error.starts_with(expected) && !error.contains('\n'), "{error}");
+    }
+    file["tissue_model"] = json!("sheet");
+    file.as_object_mut().unwrap().remove("chest");
+    let error = Scene::from_json(&file.to_string()).unwrap_err().to_string();
+    assert!(error.starts_with("thickness_field is given; allowed: in layered tissue"), "{error}");
+}

@@ -91,6 +91,7 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     }
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
+    outcome.warnings.extend(scene.chest_warning(&fields.solution().problem().obstacle.wall.0));
     outcome
 }
 

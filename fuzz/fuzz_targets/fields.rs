@@ -11,6 +11,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scene()));
+    hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scanned_scene()));
     let layered = Scene::from_json(&hostile::Choices(bytes).layered_scene());
     hostile::check_scene(&layered);
     if let Ok(scene) = &layered {

@@ -421,4 +421,28 @@ impl Choices<'_> {
         scene["chest"] = json!({ "radius_across_mm": across, "radius_along_mm": along });
         scene.to_string()
     }
+
+    /// A scene with an anatomical implant, a scan of the chest and a thickness field, any of them absent, as JSON text.
+    pub(crate) fn scanned_scene(&mut self) -> String {
+        let mut scene: Value = serde_json::from_str(&self.layered_scene()).expect("written above");
+        if self.byte() < 250 {
+            scene["schema"] = json!("implant-preview/scene/3");
+        }
+        if self.byte() < 128 {
+            scene["implant"]["base_height_mm"] = json!(self.number(40.0, 160.0));
+            scene["implant"]["apex_shift_mm"] = json!(self.number(-20.0, 20.0));
+        }
+        let count = 7 + usize::from(self.byte() % 4);
+        let grid = |c: &mut Self, name: &str, least: f64, most: f64| {
+            let numbers: Vec<f64> = (0..count * count).map(|_| c.number(least, most)).collect();
+            json!({ "spacing_mm": c.number(45.0, 50.0), "columns": count, "rows": count, name: numbers })
+        };
+        if self.byte() < 128 {
+            scene["chest"] = json!({ "grid": grid(self, "heights_mm", -9.0, 9.0) });
+        }
+        if self.byte() < 128 {
+            scene["thickness_field"] = grid(self, "factors", 0.6, 2.0);
+        }
+        scene.to_string()
+    }
 }

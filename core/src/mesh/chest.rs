@@ -159,8 +159,8 @@ fn ahead(
 
 /// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
 fn turn(wall: &HeightField<f64>, at: DVec2, v: DVec2) -> DVec2 {
-    let slope = DVec2::from(wall.at(at.to_array()).slope);
-    let [xx, xy, yy] = wall.curvature(at.to_array());
+    let (ground, [xx, xy, yy]) = wall.bent(at.to_array());
+    let slope = DVec2::from(ground.slope);
     let bend = xx * v.x * v.x + 2.0 * xy * v.x * v.y + yy * v.y * v.y;
     slope * (-bend / (1.0 + slope.length_squared()))
 }

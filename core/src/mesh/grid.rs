@@ -95,6 +95,17 @@ impl ThicknessField {
         reach(&self.factors, self.spacing_mm)
     }
 
+    /// The least of the factors and of three values between two neighbours \[-\].
+    #[must_use]
+    pub fn least(&self) -> f64 {
+        let [columns, rows] = self.factors.counts();
+        let (reach, step) = (self.reach_mm(), 0.25 * self.spacing_mm);
+        let places = (0..4 * rows - 3).flat_map(|j| {
+            (0..4 * columns - 3).map(move |i| DVec2::new(i as f64, j as f64) * step - reach)
+        });
+        places.map(|place| self.factor(place)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Is every factor one?
     pub(super) fn is_even(&self) -> bool {
         self.factors.samples().iter().all(|factor| factor.to_bits() == 1.0_f64.to_bits())

@@ -87,11 +87,20 @@ impl<R: Real> HeightField<R> {
                     -curvatures[1] / root - bend * rates[1] * rates[1],
                 ]
             }
-            Self::Grid { heights, per_spacing, unit } => {
-                let bend = heights.curvature(position.map(|x| x * *per_spacing));
-                bend.map(|bend| bend * (*unit * *per_spacing * *per_spacing))
-            }
+            Self::Grid { .. } => self.bent(position).1,
         }
+    }
+
+    /// [`Self::at`] and [`Self::curvature`], of a grid at once.
+    pub(crate) fn bent(&self, position: [R; 2]) -> (Ground<R>, [R; 3]) {
+        let Self::Grid { heights, per_spacing, unit } = self else {
+            return (self.at(position), self.curvature(position));
+        };
+        let (tangent, bend) = heights.bent(position.map(|x| x * *per_spacing));
+        let rate = *unit * *per_spacing;
+        let slope = tangent.slope.map(|slope| slope * rate);
+        let bend = bend.map(|bend| bend * (rate * *per_spacing));
+        (Ground { height: tangent.value * *unit, slope }, bend)
     }
 
     #[inline(always)]

@@ -101,14 +101,18 @@ impl Spline {
         }
     }
 
-    /// Second derivatives at a position: xx, xy, yy.
+    /// Value, slope, and second derivatives at a position: xx, xy, yy.
     #[inline(always)]
-    pub(crate) fn curvature<R: Real>(&self, position: [R; 2]) -> [R; 3] {
+    pub(crate) fn bent<R: Real>(&self, position: [R; 2]) -> (Tangent<R>, [R; 3]) {
         let [x, y] = self.weights(position);
         let rows = self.rows(x.cell, y.cell);
         let [value, slope, bend] =
             [x.values, x.slopes, x.bends].map(|weights| rows.map(|row| sum(row, weights)));
-        [sum(bend, y.values), sum(slope, y.slopes), sum(value, y.bends)]
+        let tangent = Tangent {
+            value: sum(value, y.values),
+            slope: [sum(slope, y.values), sum(value, y.slopes)],
+        };
+        (tangent, [sum(bend, y.values), sum(slope, y.slopes), sum(value, y.bends)])
     }
 
     /// The centre in spacings from the first sample.
@@ -224,7 +228,7 @@ mod tests {
             let t = f64::from(k);
             let [x, y] = [4.0 * (0.7 * t).sin(), 2.5 * (1.3 * t).cos()];
             assert!((spline.at([x, y]).value - cubic([x, y])).abs() < 1e-12);
-            let bend = spline.curvature([x, y]);
+            let (_, bend) = spline.bent([x, y]);
             for (found, exact) in bend.into_iter().zip([-0.06 * x, 0.05 + 0.008 * y, 0.008 * x]) {
                 assert!((found - exact).abs() < 1e-12);
             }
@@ -243,7 +247,7 @@ mod tests {
             let t = f64::from(k);
             let at = [5.0 * (0.7 * t).sin(), 5.5 * (1.3 * t).cos()];
             let at = if k % 3 == 0 { at.map(f64::round) } else { at };
-            let (here, bend) = (spline.at(at), spline.curvature(at));
+            let (here, (_, bend)) = (spline.at(at), spline.bent(at));
             for axis in 0..2 {
                 let moved = |by: f64| {
                     let mut to = at;
@@ -272,7 +276,7 @@ mod tests {
             let t = f64::from(k);
             let at = [7.0 * (0.7 * t).sin(), 5.0 * (1.3 * t).cos()];
             let lanes = at.map(|x| f32x4::new([x as f32, -x as f32, 0.5 * x as f32, 1.0]));
-            let (found, bend) = (spline.at(lanes), spline.curvature(lanes));
+            let (found, (_, bend)) = (spline.at(lanes), spline.bent(lanes));
             for lane in 0..3 {
                 let at = at.map(|x| x * [1.0, -1.0, 0.5][lane]);
                 let close = |found: f32x4, exact: f64| {
@@ -282,7 +286,7 @@ mod tests {
                 let exact = spline.at(at);
                 close(found.value, exact.value);
                 (0..2).for_each(|axis| close(found.slope[axis], exact.slope[axis]));
-                bend.into_iter().zip(spline.curvature(at)).for_each(|(bend, e)| close(bend, e));
+                bend.into_iter().zip(spline.bent(at).1).for_each(|(bend, e)| close(bend, e));
             }
         }
         let nowhere = spline.at([f32x4::splat(f32::NAN), f32x4::splat(f32::INFINITY)]);

@@ -150,11 +150,6 @@ pub(super) fn in_first(field: &str) -> SceneError {
     problem(field, &format!("the field belongs to {SCENE_SCHEMA_2}; the schema is {SCENE_SCHEMA}"))
 }
 
-/// Error of a field of `scene/3` in a scene of an earlier schema.
-pub(super) fn in_earlier(field: &str, schema: &str) -> SceneError {
-    problem(field, &format!("the field belongs to {SCENE_SCHEMA_3}; the schema is {schema}"))
-}
-
 impl Scene {
     /// Is the tissue layered?
     #[must_use]
@@ -177,7 +172,8 @@ impl Scene {
     }
 
     /// Sets the tissue model; a scene of `scene/1` becomes one of `scene/3`. Layered tissue has the coupled springs, and
-    /// its patch, attachment and cells are moved into their limits, which a sheet does not check. A sheet has a flat chest.
+    /// its patch, attachment and cells are moved into their limits, which a sheet does not check. A sheet has a flat chest
+    /// and layers of even thickness.
     pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
         if self.schema == SCENE_SCHEMA {
             SCENE_SCHEMA_3.clone_into(&mut self.schema);
@@ -187,7 +183,7 @@ impl Scene {
         body.tissue_model = tissue_model;
         self.body = Some(body);
         if tissue_model == TissueModel::Sheet {
-            self.chest = None;
+            (self.chest, self.chest_grid, self.thickness_field) = (None, None, None);
         }
         if tissue_model == TissueModel::Layered {
             for number in NUMBERS {

@@ -3,17 +3,19 @@
 use super::{Scene, SceneError, read};
 use crate::contact::{Dome, Obstacle};
 use crate::curve::Curve;
-use crate::mesh::{Patch, Rest, Sheet, rounded_nodes_per_side};
+use crate::mesh::{Chest, Patch, Rest, Sheet, ThicknessField, rounded_nodes_per_side};
 use crate::solve::{Problem, Tissue};
 use crate::springs::Material;
 use glam::DVec2;
 use std::sync::Arc;
 
-/// A checked scene, with the curves that the check built.
+/// A checked scene, with the curves, the wall and the thickness that the check built.
 #[derive(Clone, Debug)]
 pub struct CheckedScene {
     scene: Scene,
     materials: Arc<[Material]>,
+    wall: Chest,
+    thickness: Option<ThicknessField>,
 }
 
 impl CheckedScene {
@@ -28,8 +30,11 @@ impl CheckedScene {
     /// Checks a scene; curves of an `earlier` scene with the same layers are shared.
     pub(crate) fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
         scene.check_limits()?;
+        let wall = scene.scanned_wall()?.unwrap_or_else(|| scene.wall());
+        let thickness = scene.thickness()?;
         if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {
-            return Ok(Self { scene, materials: Arc::clone(&earlier.materials) });
+            let materials = Arc::clone(&earlier.materials);
+            return Ok(Self { scene, materials, wall, thickness });
         }
         let material = |(k, layer): (usize, &super::Layer)| {
             let curve = Curve::scaled(&layer.curve)
@@ -38,7 +43,7 @@ impl CheckedScene {
             Ok(Material { curve, poisson_ratio, thickness_mm })
         };
         let materials = scene.layers.iter().enumerate().map(material).collect::<Result<_, _>>()?;
-        Ok(Self { scene, materials })
+        Ok(Self { scene, materials, wall, thickness })
     }
 
     /// Reads a scene from JSON and checks it.
@@ -93,14 +98,18 @@ impl CheckedScene {
                 let skin_wrinkles = self.scene.skin_wrinkles();
                 let cells = solver.cells_through.unwrap_or_default();
                 let cells = cells.count(&solids_mm, skin_wrinkles, sheet.spacing_mm());
-                (Tissue::Layered { skin_wrinkles }, Rest::layered(sheet, &solids_mm, cells))
+                let mut rest = Rest::layered(sheet, &solids_mm, cells);
+                if let Some(field) = &self.thickness {
+                    rest = rest.thickened(field.clone());
+                }
+                (Tissue::Layered { skin_wrinkles }, rest)
             }
         };
         Problem {
-            rest: rest.over(self.scene.wall()),
+            rest: rest.over(self.wall.clone()),
             tissue,
             patch,
-            obstacle: Obstacle::on_flat_wall(dome).over(self.scene.wall()),
+            obstacle: Obstacle::on_flat_wall(dome).over(self.wall.clone()),
             materials: self.materials.to_vec(),
             springs: *springs,
             tolerance: solver.tolerance,

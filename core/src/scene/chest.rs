@@ -3,18 +3,14 @@
 use super::{SCENE_SCHEMA_3, Scene, SceneError, Version, field, out_of_range, problem};
 use crate::curve::number;
 use crate::mesh::Chest;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// The chest wall by its radii of curvature at the pocket's centre.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
-#[schemars(rename = "Chest")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChestShape {
     /// Radius across the body, along x \[mm\]; negative: hollow.
     pub radius_across_mm: f64,
     /// Radius along the body, along y \[mm\]; `None`: straight, negative: hollow.
-    #[serde(default)]
     pub radius_along_mm: Option<f64>,
 }
 
@@ -73,8 +69,7 @@ impl Scene {
     /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.
     #[must_use]
     pub fn least_chest_radius_mm(&self, is_hollow: bool) -> f64 {
-        let [x, y] = self.implant.center_mm;
-        let edge = self.implant.base_radius_mm + x.hypot(y);
+        let edge = self.implant.least_pocket_mm();
         let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
         let least = (LEAST_OF_PATCH * patch).max(LEAST_OF_IMPLANT * edge);
         let tissue = || self.layers.iter().map(|layer| layer.thickness_mm).sum::<f64>();

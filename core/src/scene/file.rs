@@ -1,11 +1,12 @@
 //! A scene in a file: optional fields and their defaults.
 
-use super::layer::{LayerFile, default_layers};
+use super::chest_grid::BOTH;
+use super::layer::{LayerFile, default_layers, given};
 use super::patient::PatientFile;
 use super::{
-    AttachmentSettings, Body, CheckedScene, ChestShape, Implant, Layer, SCENE_SCHEMA,
-    SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, TissueModel, Version, Visit,
-    body, limits, patient, pins,
+    AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
+    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, ThicknessGrid,
+    TissueModel, Version, Visit, body, chest, limits, patient, pins, problem,
 };
 use crate::curve::{List, Pair, object};
 use crate::springs::Springs;
@@ -33,13 +34,16 @@ pub(super) struct SceneFile {
     pub(super) attachment: Option<AttachmentSettings>,
     /// From `scene/3` on, of layered tissue: the chest wall. Default: flat.
     #[serde(default, deserialize_with = "some_object")]
-    pub(super) chest: Option<ChestShape>,
+    pub(super) chest: Option<ChestFile>,
     #[serde(default = "full_insertion")]
     pub(super) insertion: f64,
     /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
     #[serde(default, deserialize_with = "layers")]
     #[schemars(with = "Vec<LayerFile>")]
     pub(super) layers: Option<Vec<LayerFile>>,
+    /// From `scene/3` on, of layered tissue: factors of the thickness of all solid layers. Default: even.
+    #[serde(default, deserialize_with = "some_object")]
+    pub(super) thickness_field: Option<ThicknessGrid>,
     /// From `scene/2` on: what was measured on a person.
     #[serde(default, deserialize_with = "some_object")]
     pub(super) patient: Option<PatientFile>,
@@ -70,6 +74,36 @@ pub(super) struct ImplantFile {
     base_height_mm: Option<f64>,
     /// From `scene/3` on: way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
     apex_shift_mm: Option<f64>,
+}
+
+/// The chest wall by radii or by a grid.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "Chest")]
+pub(super) struct ChestFile {
+    /// Radius across the body, along x \[mm\]; negative: hollow.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<f64>")]
+    radius_across_mm: Option<f64>,
+    /// Radius along the body, along y \[mm\]; absent or null: straight, negative: hollow.
+    radius_along_mm: Option<f64>,
+    /// Heights over a plane, instead of radii.
+    #[serde(default, deserialize_with = "some_object")]
+    grid: Option<HeightsGrid>,
+}
+
+impl ChestFile {
+    fn wall(self) -> Result<(Option<ChestShape>, Option<ChestGrid>), SceneError> {
+        let Self { radius_across_mm, radius_along_mm, grid } = self;
+        match (radius_across_mm, grid) {
+            (Some(radius_across_mm), None) => {
+                Ok((Some(ChestShape { radius_across_mm, radius_along_mm }), None))
+            }
+            (None, Some(grid)) if radius_along_mm.is_none() => Ok((None, Some(ChestGrid { grid }))),
+            (None, None) => Err(problem("chest", "missing field `radius_across_mm` or `grid`")),
+            _ => Err(problem("chest", BOTH)),
+        }
+    }
 }
 
 fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
@@ -135,7 +169,7 @@ impl SceneFile {
                 ("implant.apex_shift_mm", file.implant.apex_shift_mm.is_some()),
             ] {
                 if is_given {
-                    return Err(body::in_earlier(field, &file.schema));
+                    return Err(chest::in_third(field, &file.schema));
                 }
             }
         }
@@ -165,14 +199,17 @@ impl SceneFile {
             Some(layers) => layers.into_iter().map(Layer::from).collect(),
             None => default_layers(Version::of(&file.schema).unwrap_or(Version::Third)),
         };
+        let (chest, chest_grid) = file.chest.map(ChestFile::wall).transpose()?.unwrap_or_default();
         let mut scene = Scene {
             schema: file.schema,
             implant,
             pocket_radius_mm,
             body,
-            chest: file.chest,
+            chest,
+            chest_grid,
             insertion: file.insertion,
             layers,
+            thickness_field: file.thickness_field,
             patient: None,
             visit: file.visit,
             springs: file.springs,

@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `chest` (the wall) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
+//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
 //!
@@ -13,14 +13,17 @@
 mod body;
 mod checked;
 mod chest;
+mod chest_grid;
 mod error;
 pub mod field;
 mod file;
+mod grid;
 mod layer;
 mod patient;
 pub mod pins;
 pub mod read;
 mod repair;
+mod thickness;
 pub mod visit;
 
 use crate::clinical::{ClinicalError, Size};
@@ -30,6 +33,7 @@ pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
 pub use chest::ChestShape;
+pub use chest_grid::{ChestGrid, HeightsGrid};
 pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem};
 use file::{SceneFile, full_insertion, newest_schema};
@@ -41,6 +45,7 @@ pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+pub use thickness::ThicknessGrid;
 pub use visit::{FillSchedule, Side, Visit};
 
 /// The schema of a sheet.
@@ -103,10 +108,16 @@ pub struct Scene {
     /// The chest wall; `None`: flat. Layered tissue from `scene/3` on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chest: Option<ChestShape>,
+    /// The chest wall by a grid of heights, instead of radii: in a file `grid` in `chest`.
+    #[serde(rename = "chest", skip_serializing_if = "Option::is_none")]
+    pub chest_grid: Option<ChestGrid>,
     /// Insertion t \[-\], 0 (flat) to 1 (full height).
     pub insertion: f64,
     /// Layers from the skin inwards, 1 to 8.
     pub layers: Vec<Layer>,
+    /// Factors of the thickness of all solid layers from place to place; `None`: even. Layered tissue from `scene/3` on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_field: Option<ThicknessGrid>,
     /// Measurements of a person, and the fields that were derived from them; `None` in `scene/1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patient: Option<Patient>,
@@ -240,8 +251,10 @@ impl Default for Scene {
             pocket_radius_mm,
             body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
             chest: None,
+            chest_grid: None,
             insertion: full_insertion(),
             layers: default_layers(Version::Third),
+            thickness_field: None,
             patient: None,
             visit: None,
             springs: Springs::default(),
@@ -386,7 +399,7 @@ impl Scene {
             (field::APEX_SHIFT, self.implant.apex_shift_mm != 0.0),
         ] {
             if is_given && Version::of(&self.schema) != Some(Version::Third) {
-                return Err(body::in_earlier(number.path, &self.schema));
+                return Err(chest::in_third(number.path, &self.schema));
             }
             number.check(self, 0)?;
         }
@@ -411,6 +424,8 @@ impl Scene {
                 pocket_radius_mm,
                 body,
                 chest: _,
+                chest_grid: _,
+                thickness_field: _,
                 insertion,
                 layers: _,
                 patient: _,
@@ -432,7 +447,8 @@ impl Scene {
                 && *curve == other.curve
         };
         of(self) == of(other)
-            && self.chest == other.chest
+            && (self.chest, &self.chest_grid) == (other.chest, &other.chest_grid)
+            && self.thickness_field == other.thickness_field
             && self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(|(a, b)| layer(a, b))
     }

@@ -2,7 +2,7 @@
 
 use super::Case;
 use crate::curve::CurveSpec;
-use crate::scene::{CellsThrough, Scene, field};
+use crate::scene::{CellsThrough, ChestGrid, Scene, ThicknessGrid, field};
 use std::collections::{HashMap, VecDeque};
 
 /// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
@@ -14,6 +14,8 @@ pub struct Key(Box<[u64]>);
 pub struct Cases {
     /// Each curve of the keys once: a curve may have 100 000 points.
     curves: Vec<CurveSpec>,
+    /// Grids of chest and thickness, each pair once.
+    grids: Vec<(Option<ChestGrid>, Option<ThicknessGrid>)>,
     cases: HashMap<Key, Case>,
     /// The keys in the order of insertion.
     order: VecDeque<Key>,
@@ -43,6 +45,7 @@ impl Cases {
             words.extend(values.map(bits));
         }
         words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
+        words.push(self.grids(scene));
         Key(words.into())
     }
 
@@ -51,6 +54,20 @@ impl Cases {
         let mut words = self.key(scene).0.into_vec();
         words.push(1);
         Key(words.into())
+    }
+
+    /// The index of the grids of a scene from 1; 0 without grids.
+    fn grids(&mut self, scene: &Scene) -> u64 {
+        let Scene { chest_grid, thickness_field, .. } = scene;
+        if chest_grid.is_none() && thickness_field.is_none() {
+            return 0;
+        }
+        let is_known = |(chest, field): &(_, _)| (chest, field) == (chest_grid, thickness_field);
+        let found = self.grids.iter().position(is_known).unwrap_or_else(|| {
+            self.grids.push((chest_grid.clone(), thickness_field.clone()));
+            self.grids.len() - 1
+        });
+        found as u64 + 1
     }
 
     /// The index of a curve.

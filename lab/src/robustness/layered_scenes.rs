@@ -57,6 +57,8 @@ fn start() -> Scene {
         pocket_radius_mm: 70.0,
         body: Some(Body::around(70.0, TissueModel::Layered)),
         chest: None,
+        chest_grid: None,
+        thickness_field: None,
         insertion: 1.0,
         layers: vec![Layer::skin(), Layer::adipose()],
         patient: None,

@@ -29,6 +29,8 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
         pocket_radius_mm: 70.0,
         body: None,
         chest: None,
+        chest_grid: None,
+        thickness_field: None,
         insertion: insertion(rng),
         layers: layers(rng),
         patient: None,

@@ -81,6 +81,8 @@ impl Case {
             pocket_radius_mm,
             body: None,
             chest: None,
+            chest_grid: None,
+            thickness_field: None,
             insertion: 1.0,
             layers,
             patient: None,

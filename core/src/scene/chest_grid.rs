@@ -1,0 +1,260 @@
+//! A chest wall by a grid of heights, as a scan gives it.
+
+use super::chest::in_third;
+use super::{Scene, SceneError, grid, out_of_range, problem};
+use crate::curve::number;
+use crate::mesh::{Chest, HeightGrid};
+use glam::DVec2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// The chest wall by a grid of heights.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+pub struct ChestGrid {
+    /// The grid.
+    pub grid: HeightsGrid,
+}
+
+/// Heights over a plane, centred on the pocket's centre. The wall's tangent plane there is subtracted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+pub struct HeightsGrid {
+    /// Distance of neighbouring heights \[mm\], 0.5 to 50.
+    pub spacing_mm: f64,
+    /// Heights in a row, along x, 4 to 257.
+    pub columns: usize,
+    /// Rows, along y, 4 to 257.
+    pub rows: usize,
+    /// Row by row, x fastest, from −x, −y, −1000 to 1000 \[mm\].
+    #[serde(serialize_with = "grid::written", deserialize_with = "grid::read")]
+    #[schemars(with = "Vec<f64>")]
+    pub heights_mm: Arc<[f64]>,
+}
+
+/// Heights \[mm\].
+const HEIGHTS_MM: (f64, f64) = (-1000.0, 1000.0);
+/// Greatest tilt of the grid at its centre \[degrees\], and the tilt that a result mentions: the subtracted plane shears the wall.
+const TILTS: (f64, f64) = (20.0, 1.0);
+/// Least height component of the wall's normal \[-\]: 76° of slope.
+const LEAST_UP: f64 = 0.24;
+/// Least distance of neighbouring geodesics \[distance over the plane\]: lines that meet fold the tissue.
+const LEAST_SPREAD: f64 = 0.3;
+/// Least radius of a hollow \[thicknesses of the tissue\].
+const LEAST_OF_TISSUE: f64 = 2.0;
+/// Directions and lengths of the geodesics of the check.
+const DIRECTIONS: usize = 48;
+const LENGTHS: usize = 4;
+
+const PATH: &str = "chest.grid";
+/// The error of a chest with radii and a grid.
+pub(super) const BOTH: &str = "both radii and a grid; allowed: one of them";
+
+impl Scene {
+    /// The wall of the scene's grid; `None` without a grid.
+    ///
+    /// # Errors
+    /// A field that is out of its range, or a wall that does not carry the tissue.
+    pub(super) fn scanned_wall(&self) -> Result<Option<Chest>, SceneError> {
+        let Some(ChestGrid { grid }) = &self.chest_grid else { return Ok(None) };
+        let HeightsGrid { spacing_mm, columns, rows, heights_mm } = grid;
+        if !self.may_have_chest() {
+            return Err(match self.is_layered() {
+                true => in_third("chest", &self.schema),
+                false => {
+                    let allowed = "no chest with tissue_model sheet, which is flat";
+                    out_of_range("chest", "curved".to_owned(), allowed)
+                }
+            });
+        }
+        if self.chest.is_some() {
+            return Err(problem("chest", BOTH));
+        }
+        let counts = [*columns, *rows];
+        let form = grid::Form { path: PATH, values: "heights_mm", spacing_mm: *spacing_mm };
+        form.check(counts, heights_mm, HEIGHTS_MM, "mm")?;
+        let heights = HeightGrid::new(*spacing_mm, counts, heights_mm.to_vec());
+        let heights = heights.ok_or_else(|| problem(PATH, "no grid of numbers"))?;
+        let tilt = tilt(&heights);
+        if tilt > TILTS.0 {
+            let allowed = format!("up to {}°", TILTS.0);
+            let value = format!("tilted by {tilt:.0}° at the pocket's centre");
+            return Err(out_of_range(PATH, value, &allowed));
+        }
+        let wall = Chest::Grid(heights);
+        self.check_wall(&wall, &form, counts)?;
+        Ok(Some(wall))
+    }
+
+    /// Checks that the tissue fits onto a wall.
+    fn check_wall(
+        &self,
+        wall: &Chest,
+        form: &grid::Form,
+        counts: [usize; 2],
+    ) -> Result<(), SceneError> {
+        let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
+        let tissue: f64 = self.layers.iter().map(|layer| layer.thickness_mm).sum();
+        let at = |foot: DVec2| format!("at ({:.0}, {:.0}) mm", foot.x, foot.y);
+        let mut reach = DVec2::ZERO;
+        for ring in 1..=LENGTHS {
+            let length = patch * ring as f64 / LENGTHS as f64;
+            let foot = |k: usize| {
+                let angle = TAU * (k % DIRECTIONS) as f64 / DIRECTIONS as f64;
+                wall.foot_and_normal(DVec2::from_angle(angle) * length)
+            };
+            let feet: Vec<_> = (0..DIRECTIONS).map(foot).collect();
+            for (k, (point, normal)) in feet.iter().enumerate() {
+                let place = point.truncate();
+                if normal.z.is_nan() || normal.z < LEAST_UP {
+                    let slope = normal.z.clamp(0.0, 1.0).acos().to_degrees();
+                    let allowed = format!("up to {:.0}°", LEAST_UP.acos().to_degrees());
+                    return Err(out_of_range(
+                        PATH,
+                        format!("steep by {slope:.0}° {}", at(place)),
+                        &allowed,
+                    ));
+                }
+                let next = feet[(k + 1) % DIRECTIONS].0;
+                let spread = place.perp_dot(next.truncate()).signum() * point.distance(next);
+                if spread < LEAST_SPREAD * TAU * length / DIRECTIONS as f64 {
+                    let value = format!("too uneven {}", at(place));
+                    return Err(out_of_range(PATH, value, "a smooth wall"));
+                }
+                let [xx, xy, yy] = wall.heights::<f64>().curvature(place.to_array());
+                let bend = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+                if bend * LEAST_OF_TISSUE * tissue > 1.0 {
+                    let value =
+                        format!("hollow with a radius of {:.0} mm {}", 1.0 / bend, at(place));
+                    let least = number((LEAST_OF_TISSUE * tissue).ceil());
+                    let allowed = format!("{least} mm or more, twice the tissue");
+                    return Err(out_of_range(PATH, value, &allowed));
+                }
+                reach = reach.max(place.abs());
+            }
+        }
+        form.check_reach(counts, reach.to_array())
+    }
+
+    /// What a result says about the grid of the chest.
+    pub(crate) fn chest_warning(&self, wall: &Chest) -> Option<String> {
+        let Chest::Grid(heights) = wall else { return None };
+        let tilt = tilt(heights);
+        (tilt > TILTS.1).then(|| {
+            format!(
+                "The grid of the chest is tilted by {tilt:.0}° at the pocket's centre; heights count from the plane that \
+                 touches it there."
+            )
+        })
+    }
+}
+
+/// Angle of the grid's tangent plane at its centre \[degrees\].
+fn tilt(heights: &HeightGrid) -> f64 {
+    DVec2::from(heights.tilt()).length().atan().to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::ChestShape;
+
+    /// A scene with a wall of these heights, 5 mm apart.
+    fn scene(columns: usize, height: impl Fn(DVec2) -> f64) -> Scene {
+        let half = 0.5 * (columns - 1) as f64;
+        let place =
+            |k: usize| DVec2::new((k % columns) as f64 - half, (k / columns) as f64 - half) * 5.0;
+        let heights_mm = (0..columns * columns).map(|k| height(place(k))).collect();
+        let grid = HeightsGrid { spacing_mm: 5.0, columns, rows: columns, heights_mm };
+        Scene { chest_grid: Some(ChestGrid { grid }), ..Scene::default() }
+    }
+
+    fn sphere(radius: f64) -> impl Fn(DVec2) -> f64 {
+        move |at| Chest::Curved { across_mm: radius, along_mm: radius }.height(at)
+    }
+
+    #[test]
+    fn a_grid_is_read_and_written_and_is_the_wall() {
+        let round = scene(51, sphere(150.0));
+        let text = round.to_json();
+        assert_eq!(text.matches("\"chest\"").count(), 1);
+        assert_eq!(Scene::from_json(&text), Ok(round.clone()));
+        let problem = round.problem().unwrap();
+        let radii = ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(150.0) };
+        let exact = Scene { chest: Some(radii), ..Scene::default() }.problem().unwrap();
+        assert!(
+            problem.mirrored() == [true; 2]
+                && problem.obstacle.dome.chest == problem.obstacle.wall.0
+        );
+        for layer in 0..problem.rest.layers() {
+            for (found, exact) in problem.rest.nodes(layer).zip(exact.rest.nodes(layer)) {
+                assert!(found.distance(exact) < 2e-3, "{found} {exact}");
+            }
+        }
+        assert!(!round.same_physics(&Scene::default()));
+        assert_eq!(round.chest_warning(&problem.obstacle.wall.0), None);
+        let tilted = scene(51, |at| sphere(150.0)(at) + 0.1 * at.x);
+        let wall = tilted.problem().unwrap().obstacle.wall.0;
+        let warning = tilted.chest_warning(&wall).unwrap();
+        assert!(warning.starts_with("The grid of the chest is tilted by 6°"), "{warning}");
+    }
+
+    #[test]
+    fn a_wall_that_carries_no_tissue_is_one_line() {
+        let line = |scene: &Scene| {
+            let line = scene.validate().unwrap_err().to_string();
+            assert!(!line.contains('\n') && line.len() < 160, "{line}");
+            line
+        };
+        let round = scene(51, sphere(150.0));
+        let with = |edit: &dyn Fn(&mut HeightsGrid)| {
+            let mut scene = round.clone();
+            edit(&mut scene.chest_grid.as_mut().unwrap().grid);
+            line(&scene)
+        };
+        for (found, expected) in [
+            (
+                with(&|grid| grid.spacing_mm = 0.2),
+                "chest.grid.spacing_mm is 0.2; allowed: 0.5 to 50 mm",
+            ),
+            (with(&|grid| grid.columns = 3), "chest.grid.columns is 3; allowed: 4 to 257"),
+            (
+                with(&|grid| grid.rows = 50),
+                "chest.grid.heights_mm is a list of 2601; allowed: 2550 numbers",
+            ),
+            (
+                with(&|grid| grid.heights_mm = [f64::NAN; 2601].into()),
+                "chest.grid.heights_mm[0] is NaN; allowed: -1000 to 1000 mm",
+            ),
+            (line(&scene(31, sphere(150.0))), "chest.grid is 150 mm wide; allowed: 229 mm or more"),
+            (line(&scene(51, |at| -at.x * at.x / 20.0)), "chest.grid is steep by "),
+            (
+                line(&scene(61, |at| 0.6 * at.x)),
+                "chest.grid is tilted by 31° at the pocket's centre; allowed: up to 20°",
+            ),
+            (
+                line(&scene(61, |at| 3.0 * (0.3 * at.x).cos())),
+                "chest.grid is hollow with a radius of ",
+            ),
+            (
+                line(&scene(61, |at| -40.0 * (-(at - 40.0).length_squared() / 800.0).exp())),
+                "chest.grid is ",
+            ),
+        ] {
+            assert!(found.starts_with(expected), "{found}");
+        }
+        let mut both = round.clone();
+        both.chest = Some(ChestShape::USUAL);
+        assert!(line(&both).starts_with("chest: both radii and a grid"));
+        let text = round.to_json().replacen("\"heights_mm\": [", "\"heights_mm\": [null,", 1);
+        let error = Scene::from_json(&text).unwrap_err().to_string();
+        assert!(error.starts_with("chest.grid.heights_mm[0]: invalid type: null"), "{error}");
+        let text = text
+            .replacen("\"grid\"", "\"radius_across_mm\": 140, \"grid\"", 1)
+            .replace("[null,", "[");
+        let error = Scene::from_json(&text).unwrap_err().to_string();
+        assert!(error.starts_with("chest: both radii and a grid"), "{error}");
+    }
+}

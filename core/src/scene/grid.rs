@@ -1,0 +1,86 @@
+//! Numbers on a grid in a scene: form in a file and checks.
+
+use super::{SceneError, out_of_range};
+use crate::curve::{List, number};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::sync::Arc;
+
+/// Numbers a side.
+const COUNTS: (usize, usize) = (4, 257);
+/// Distances of neighbouring numbers \[mm\].
+const SPACING_MM: (f64, f64) = (0.5, 50.0);
+/// Most numbers of a grid.
+const MOST: usize = COUNTS.1 * COUNTS.1;
+
+/// A grid in a scene.
+pub(super) struct Form {
+    /// The path of the grid.
+    pub(super) path: &'static str,
+    /// The member with the numbers.
+    pub(super) values: &'static str,
+    pub(super) spacing_mm: f64,
+}
+
+impl Form {
+    /// Checks spacing, numbers a side, and numbers with a unit.
+    pub(super) fn check(
+        &self,
+        counts: [usize; 2],
+        values: &[f64],
+        (least, most): (f64, f64),
+        unit: &str,
+    ) -> Result<(), SceneError> {
+        let path = |member: &str| format!("{}.{member}", self.path);
+        if !(SPACING_MM.0..=SPACING_MM.1).contains(&self.spacing_mm) {
+            let allowed = format!("{} to {} mm", SPACING_MM.0, SPACING_MM.1);
+            return Err(out_of_range(&path("spacing_mm"), number(self.spacing_mm), &allowed));
+        }
+        for (member, count) in ["columns", "rows"].into_iter().zip(counts) {
+            if !(COUNTS.0..=COUNTS.1).contains(&count) {
+                let allowed = format!("{} to {}", COUNTS.0, COUNTS.1);
+                return Err(out_of_range(&path(member), count.to_string(), &allowed));
+            }
+        }
+        let expected = counts[0] * counts[1];
+        if values.len() != expected {
+            let value = format!("a list of {}", values.len());
+            let allowed = format!("{expected} numbers, columns times rows");
+            return Err(out_of_range(&path(self.values), value, &allowed));
+        }
+        match values.iter().position(|value| !(least..=most).contains(value)) {
+            Some(k) => {
+                let member = format!("{}[{k}]", self.values);
+                let allowed = format!("{} to {} {unit}", number(least), number(most));
+                Err(out_of_range(&path(&member), number(values[k]), allowed.trim_end()))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that a grid reaches as far as needed along x and y \[mm\]; one spacing more is continued.
+    pub(super) fn check_reach(
+        &self,
+        counts: [usize; 2],
+        needed: [f64; 2],
+    ) -> Result<(), SceneError> {
+        for (axis, side) in ["wide", "high"].into_iter().enumerate() {
+            let has = (counts[axis] - 1) as f64 * self.spacing_mm;
+            let least = 2.0 * (needed[axis] - self.spacing_mm);
+            if has < least {
+                let value = format!("{} mm {side}", number(has));
+                let least = number((10.0 * least).ceil() / 10.0);
+                let allowed = format!("{least} mm or more, the simulated tissue");
+                return Err(out_of_range(self.path, value, &allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn written<S: Serializer>(values: &Arc<[f64]>, to: S) -> Result<S::Ok, S::Error> {
+    values.as_ref().serialize(to)
+}
+
+pub(super) fn read<'de, D: Deserializer<'de>>(reader: D) -> Result<Arc<[f64]>, D::Error> {
+    List::<f64, MOST>::deserialize(reader).map(|list| list.0.into())
+}

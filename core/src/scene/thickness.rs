@@ -1,0 +1,59 @@
+//! The thickness field of a scene: factors of the thickness of the solid layers on a grid, in lengths along the wall.
+
+use super::{SCENE_SCHEMA_3, Scene, SceneError, grid, out_of_range, problem};
+use crate::curve::number;
+use crate::mesh::ThicknessField;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Factors of the thickness of all solid layers, with a smooth function between them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "ThicknessField")]
+pub struct ThicknessGrid {
+    /// Distance of neighbouring factors along the wall \[mm\], 0.5 to 50.
+    pub spacing_mm: f64,
+    /// Factors in a row, along x, 4 to 257.
+    pub columns: usize,
+    /// Rows, along y, 4 to 257.
+    pub rows: usize,
+    /// Row by row, x fastest, from −x, −y, centred on the pocket's centre, 0.05 to 20 \[-\].
+    #[serde(serialize_with = "grid::written", deserialize_with = "grid::read")]
+    #[schemars(with = "Vec<f64>")]
+    pub factors: Arc<[f64]>,
+}
+
+/// Factors of the thickness.
+const FACTORS: (f64, f64) = (0.05, 20.0);
+
+impl Scene {
+    /// The thickness of the solids as a function of the place on the wall.
+    ///
+    /// # Errors
+    /// A field that is out of its range, or that does not belong to the scene.
+    pub(super) fn thickness(&self) -> Result<Option<ThicknessField>, SceneError> {
+        const PATH: &str = "thickness_field";
+        let Some(field) = &self.thickness_field else { return Ok(None) };
+        if !self.skin_wrinkles() {
+            let allowed = format!("in layered tissue of {SCENE_SCHEMA_3} only");
+            return Err(out_of_range(PATH, "given".to_owned(), &allowed));
+        }
+        let ThicknessGrid { spacing_mm, columns, rows, factors } = field;
+        let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
+        let form = grid::Form { path: PATH, values: "factors", spacing_mm: *spacing_mm };
+        form.check([*columns, *rows], factors, FACTORS, "")?;
+        form.check_reach([*columns, *rows], [patch; 2])?;
+        let found = ThicknessField::new(*spacing_mm, [*columns, *rows], factors.to_vec());
+        let found = found.ok_or_else(|| problem(PATH, "no grid of numbers"))?;
+        let least = found.least();
+        if least <= 0.0 {
+            let value = format!(
+                "as low as {} between two numbers",
+                number((100.0 * least).floor() / 100.0)
+            );
+            return Err(out_of_range("thickness_field.factors", value, "more than 0 everywhere"));
+        }
+        Ok(Some(found))
+    }
+}
