@@ -289,12 +289,15 @@ fn scenes_that_are_not_axisymmetric_are_rejected_in_one_line() {
     let refused = |dome: Dome, materials: &[Material]| {
         axisymmetric::solve(&dome, patch.pocket_radius_mm, materials).unwrap_err()
     };
-    let none = refused(dome, &[]);
+    let none = refused(dome.clone(), &[]);
     assert_eq!(none, AxisymmetricError::NoLayers);
-    let off = refused(Dome { center: DVec2::new(3.0, 4.0), ..dome }, &materials);
+    let off = refused(Dome { center: DVec2::new(3.0, 4.0), ..dome.clone() }, &materials);
     assert_eq!(off, AxisymmetricError::OffCentre { distance_mm: 5.0 });
-    let wide = refused(Dome { base_radius: 1.1 * patch.pocket_radius_mm, ..dome }, &materials);
-    for error in [none, off, wide] {
+    let tall = refused(dome.clone().anatomical(1.2 * dome.base_radius, 0.0), &materials);
+    assert_eq!(tall, AxisymmetricError::NotRound);
+    let wide = Dome::new(DVec2::ZERO, 1.1 * patch.pocket_radius_mm, dome.projection, 1.0);
+    let wide = refused(wide, &materials);
+    for error in [none, off, tall, wide] {
         let line = error.to_string();
         assert!(line.contains("allowed") && !line.contains('\n') && line.len() < 120, "{line}");
     }

@@ -155,7 +155,7 @@ impl Place {
 
 /// What is at a point (x, z) of the section; `None` outside of tissue and implant.
 fn hit(point: Vec2, section: &CrossSection, body: &Body, problem: &Problem) -> Option<Hit> {
-    let dome = problem.obstacle.dome;
+    let dome = &problem.obstacle.dome;
     let target = match section.layer_at(point) {
         Some(layer) => Target::Cut(layer),
         None => {

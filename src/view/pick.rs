@@ -124,10 +124,10 @@ mod tests {
     #[test]
     fn from_above_the_apex_is_picked_and_through_the_wedge_the_implant() {
         for (session, body) in both() {
-            let obstacle = session.problem().obstacle;
+            let obstacle = &session.problem().obstacle;
             let mut section = Section { opening: Opening::Closed, angle: 0.0, axis: Vec2::ZERO };
             let down = Ray { origin: Vec3::new(20.0, 3.0, 400.0), direction: -Vec3::Z };
-            let hit = pick(&down, &body, &section, &[], &obstacle).expect("tissue is there");
+            let hit = pick(&down, &body, &section, &[], obstacle).expect("tissue is there");
             assert!(matches!(hit.target, Target::Sheet(_)), "{hit:?}");
             let x: Vec<f32> = session.shape().iter().map(|p| p.x as f32).collect();
             let at = hit.target.value(&x).expect("a sheet point has values");
@@ -135,7 +135,7 @@ mod tests {
 
             section.opening = Opening::Wedge;
             let caps = section.caps(&body);
-            let hit = pick(&down, &body, &section, &caps, &obstacle).expect("the implant is there");
+            let hit = pick(&down, &body, &section, &caps, obstacle).expect("the implant is there");
             assert_eq!(hit.target, Target::Implant);
             assert!((hit.point.z - (55f32 * 55.0 - 409.0).sqrt()).abs() < 0.01);
         }
@@ -144,23 +144,23 @@ mod tests {
     #[test]
     fn a_cut_face_has_its_layer_and_the_ring_has_no_values() {
         for (session, body) in both() {
-            let obstacle = session.problem().obstacle;
+            let obstacle = &session.problem().obstacle;
             let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
             let caps = section.caps(&body);
             let apex = |level: usize| body.levels[level][16 * 33 + 16].z;
             for layer in [0, 1] {
                 let height = 0.5 * (apex(layer) + apex(layer + 1));
                 let ray = Ray { origin: Vec3::new(300.0, 0.5, height), direction: -Vec3::X };
-                let hit = pick(&ray, &body, &section, &caps, &obstacle).expect("a face is there");
+                let hit = pick(&ray, &body, &section, &caps, obstacle).expect("a face is there");
                 assert_eq!(hit.target, Target::Cut(layer));
             }
             let beside = -8.0 - session.problem().sheet().radius_mm() as f32;
             let down = Ray { origin: Vec3::new(beside, 0.0, 400.0), direction: -Vec3::Z };
-            let hit = pick(&down, &body, &section, &caps, &obstacle).expect("the ring is there");
+            let hit = pick(&down, &body, &section, &caps, obstacle).expect("the ring is there");
             assert_eq!(hit.target, Target::Ring);
             assert_eq!(hit.target.value(&[0.0; 9]), None);
             let miss = Ray { origin: Vec3::new(500.0, 0.0, 400.0), direction: -Vec3::Z };
-            assert_eq!(pick(&miss, &body, &section, &caps, &obstacle), None);
+            assert_eq!(pick(&miss, &body, &section, &caps, obstacle), None);
         }
     }
 }

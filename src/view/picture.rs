@@ -121,10 +121,10 @@ impl Picture {
             self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body));
         }
         // An implant without its tissue would look like an extrusion.
-        let dome = (!self.body.is_empty()).then_some(problem.obstacle.dome);
-        if self.dome_made != dome {
-            self.dome_made = dome;
-            self.set_mesh(2, dome.as_ref().map_or_else(Mesh::default, mesh::implant));
+        let dome = (!self.body.is_empty()).then_some(&problem.obstacle.dome);
+        if self.dome_made.as_ref() != dome {
+            self.set_mesh(2, dome.map_or_else(Mesh::default, mesh::implant));
+            self.dome_made = dome.cloned();
         }
         let wall_radius = self.body.block_radius.max(problem.sheet().radius_mm() as f32);
         let patch_radius = problem.sheet().radius_mm();

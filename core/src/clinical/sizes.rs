@@ -1,6 +1,7 @@
-//! Sizes of round implants and expanders: base width, projection, volume, profile class.
+//! Sizes of implants and expanders: base width, projection, volume, profile class.
 //!
-//! The shape is a half-ellipsoid dome: volume = ⅔ π R² p, R half the base width, p the projection.
+//! The shape is a half-ellipsoid dome: volume = ⅔ π R² p, R half the base width, p the projection; of an anatomical implant times the aspect,
+//! height by width of its base.
 
 use super::{ClinicalError, checked, limits, rounded};
 use serde::{Deserialize, Serialize};
@@ -16,11 +17,13 @@ const VOLUME_ML: (f64, f64) = (0.4, 3620.0);
 /// the class.
 const BEYOND_HALF_SPHERE: f64 = 1.05;
 
-/// Base width, projection and volume of a half-ellipsoid dome; any two give the third.
+/// Base width, projection and volume of a half-ellipsoid dome; with the aspect of the base any two give the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     base_width_mm: f64,
     projection_mm: f64,
+    /// Height by width of the base \[-\]; 1 is round.
+    aspect: f64,
 }
 
 /// One of the three dimensions of a [`Size`].
@@ -36,7 +39,7 @@ pub enum Dimension {
 }
 
 impl Size {
-    /// The size of a base width and a projection \[mm\].
+    /// The round size of a base width and a projection \[mm\].
     ///
     /// # Errors
     /// A base width outside of 20–240 mm or a projection outside of 2–120 mm.
@@ -47,23 +50,34 @@ impl Size {
         Ok(Self {
             base_width_mm: checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?,
             projection_mm: checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?,
+            aspect: 1.0,
         })
     }
 
-    /// The size of a base width \[mm\] and a volume \[ml\]: projection = 3 V / (2 π R²).
+    /// The size with another height of the base than its width: height by width \[-\].
+    #[must_use]
+    pub fn with_aspect(self, aspect: f64) -> Self {
+        Self { aspect, ..self }
+    }
+
+    /// The round size of a base width \[mm\] and a volume \[ml\]: projection = 3 V / (2 π R²).
     ///
     /// # Errors
     /// A base width out of its range, or a volume that gives a projection outside of 2–120 mm.
     pub fn of_width_and_volume(base_width_mm: f64, volume_ml: f64) -> Result<Self, ClinicalError> {
+        Self::with_volume(base_width_mm, volume_ml, 1.0)
+    }
+
+    fn with_volume(base_width_mm: f64, volume_ml: f64, aspect: f64) -> Result<Self, ClinicalError> {
         let width = checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?;
-        let projection = 1.5 * MM3_PER_ML * volume_ml / (PI * (0.5 * width).powi(2));
+        let projection = 1.5 * MM3_PER_ML * volume_ml / (PI * (0.5 * width).powi(2) * aspect);
         let given = || format!("{} ml on a base of {} mm", rounded(volume_ml), rounded(width));
         let allowed = limits::PROJECTION_MM;
         let projection_mm = derived("projection", projection, allowed, volume_ml, given)?;
-        Ok(Self { base_width_mm: width, projection_mm })
+        Ok(Self { base_width_mm: width, projection_mm, aspect })
     }
 
-    /// The size of a projection \[mm\] and a volume \[ml\]: R = √(3 V / (2 π p)).
+    /// The round size of a projection \[mm\] and a volume \[ml\]: R = √(3 V / (2 π p)).
     ///
     /// # Errors
     /// A projection out of its range, or a volume that gives a base width outside of 20–240 mm.
@@ -71,15 +85,23 @@ impl Size {
         projection_mm: f64,
         volume_ml: f64,
     ) -> Result<Self, ClinicalError> {
+        Self::with_projection(projection_mm, volume_ml, 1.0)
+    }
+
+    fn with_projection(
+        projection_mm: f64,
+        volume_ml: f64,
+        aspect: f64,
+    ) -> Result<Self, ClinicalError> {
         let projection = checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?;
-        let width = 2.0 * (1.5 * MM3_PER_ML * volume_ml / (PI * projection)).sqrt();
+        let width = 2.0 * (1.5 * MM3_PER_ML * volume_ml / (PI * projection * aspect)).sqrt();
         let given =
             || format!("{} ml at a projection of {} mm", rounded(volume_ml), rounded(projection));
         let base_width_mm = derived("base width", width, limits::BASE_WIDTH_MM, volume_ml, given)?;
-        Ok(Self { base_width_mm, projection_mm: projection })
+        Ok(Self { base_width_mm, projection_mm: projection, aspect })
     }
 
-    /// The size after a change of one dimension \[mm or ml\], with another dimension locked. With the changed dimension
+    /// The size after a change of one dimension \[mm or ml\], with another dimension locked and the same aspect. With the changed dimension
     /// as the locked one, base width is locked, and projection for a change of the base width.
     ///
     /// # Errors
@@ -93,13 +115,16 @@ impl Size {
         use Dimension::{BaseWidth, Projection, Volume};
         let (width, projection, volume) =
             (self.base_width_mm, self.projection_mm, self.volume_ml());
+        let size = |width, projection| {
+            Ok(Self::of_width_and_projection(width, projection)?.with_aspect(self.aspect))
+        };
         match (dimension, locked) {
-            (BaseWidth, Volume) => Self::of_width_and_volume(value, volume),
-            (BaseWidth, _) => Self::of_width_and_projection(value, projection),
-            (Projection, Volume) => Self::of_projection_and_volume(value, volume),
-            (Projection, _) => Self::of_width_and_projection(width, value),
-            (Volume, Projection) => Self::of_projection_and_volume(projection, value),
-            (Volume, _) => Self::of_width_and_volume(width, value),
+            (BaseWidth, Volume) => Self::with_volume(value, volume, self.aspect),
+            (BaseWidth, _) => size(value, projection),
+            (Projection, Volume) => Self::with_projection(value, volume, self.aspect),
+            (Projection, _) => size(width, value),
+            (Volume, Projection) => Self::with_projection(projection, value, self.aspect),
+            (Volume, _) => Self::with_volume(width, value, self.aspect),
         }
     }
 
@@ -109,16 +134,29 @@ impl Size {
         self.base_width_mm
     }
 
+    /// Height of the base along the body \[mm\].
+    #[must_use]
+    pub fn base_height_mm(self) -> f64 {
+        self.base_width_mm * self.aspect
+    }
+
+    /// Height by width of the base \[-\]; 1 is round.
+    #[must_use]
+    pub fn aspect(self) -> f64 {
+        self.aspect
+    }
+
     /// Projection \[mm\].
     #[must_use]
     pub fn projection_mm(self) -> f64 {
         self.projection_mm
     }
 
-    /// Volume \[ml\], ⅔ π R² p.
+    /// Volume \[ml\], ⅔ π R² p times the aspect.
     #[must_use]
     pub fn volume_ml(self) -> f64 {
-        2.0 / 3.0 * PI * (0.5 * self.base_width_mm).powi(2) * self.projection_mm / MM3_PER_ML
+        let square = (0.5 * self.base_width_mm).powi(2) * self.aspect;
+        2.0 / 3.0 * PI * square * self.projection_mm / MM3_PER_ML
     }
 
     /// Projection \[cm\].
@@ -246,6 +284,7 @@ pub fn typical_sizes() -> Vec<Size> {
         ProfileClass::ALL.map(|class| Size {
             base_width_mm,
             projection_mm: (0.5 * base_width_mm * class.ratio()).round(),
+            aspect: 1.0,
         })
     });
     sizes.filter(|size| size.is_typical()).collect()
@@ -304,6 +343,10 @@ impl Expander {
     }
 
     fn flat(self) -> Size {
-        Size { base_width_mm: self.base_width_mm, projection_mm: limits::PROJECTION_MM.0 }
+        Size {
+            base_width_mm: self.base_width_mm,
+            projection_mm: limits::PROJECTION_MM.0,
+            aspect: 1.0,
+        }
     }
 }

@@ -43,7 +43,7 @@ pub(crate) struct Reaction {
 
 impl Constraint {
     /// The constraint of a node at `x` with a contact offset, as a gauge.
-    pub(crate) fn new(dome: &Dome, wall: Wall, x: DVec3, offset: f64) -> Self {
+    pub(crate) fn new(dome: &Dome, wall: &Wall, x: DVec3, offset: f64) -> Self {
         let gradient = dome.gauge_gradient(x);
         let steepness = gradient.length();
         Self {

@@ -1,8 +1,9 @@
-//! The implant: a half-ellipsoid of revolution, draped over the wall.
+//! The implant: a half-ball's linear image, draped over the wall.
 //!
-//! (x²+y²)/R² + (z−z₀)²/p² = 1, z ≥ z₀, with z counted from the wall; a hemisphere over the plane when p = R. Insertion t raises the dome:
-//! z₀ = (t − 1)·p, apex at t·p. The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 is negative inside and zero on
-//! the surface.
+//! x²/a² + (y + σz)²/b² + z²/p² ≤ 1, z from 0 to p counted from the base, from the wall up: half-axes a across and b along the body,
+//! projection p, and a shear σ that moves the apex towards −y, the feet. Round: a = b and σ = 0, a half-ellipsoid of revolution, a
+//! hemisphere over the plane when p = a. Draping keeps volume and heights. Insertion t raises the dome: its base is at z₀ = (t − 1)·p, its
+//! apex at t·p. The gauge is the square root of the left side less one: negative inside and zero on the surface.
 
 use super::half_ball::{HalfBall, Near};
 use crate::mesh::Chest;
@@ -10,16 +11,17 @@ use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Steps along the normal to the closest point over a curved wall: the error falls by distance over radius of curvature a step.
-const MOST_FEET: usize = 20;
-
 /// A dome in place. Lengths in mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Dome {
     /// Centre of its base in the pocket \[mm\].
     pub center: DVec2,
-    /// Base radius R \[mm\].
+    /// Half-axis a of the base across the body \[mm\]; of a round implant the base radius.
     pub base_radius: f64,
+    /// Half-axis b of the base along the body \[mm\].
+    pub base_along: f64,
+    /// Way of the apex towards −y \[mm\].
+    pub apex_shift: f64,
     /// Projection p \[mm\].
     pub projection: f64,
     /// Height z₀ of its base above the wall \[mm\], −p to 0.
@@ -29,14 +31,51 @@ pub struct Dome {
 }
 
 impl Dome {
-    /// A dome raised by `insertion` (0: its apex at the wall; 1: its base on the wall).
+    /// A round dome raised by `insertion` (0: its apex at the wall; 1: its base on the wall).
     #[must_use]
     pub fn new(center: DVec2, base_radius: f64, projection: f64, insertion: f64) -> Self {
-        let base_height = (insertion - 1.0) * projection;
-        Self { center, base_radius, projection, base_height, chest: Chest::Flat }
+        Self {
+            center,
+            base_radius,
+            base_along: base_radius,
+            apex_shift: 0.0,
+            projection,
+            base_height: (insertion - 1.0) * projection,
+            chest: Chest::Flat,
+        }
     }
 
-    /// Centre of the ellipsoid \[mm\].
+    /// The dome draped over a wall.
+    #[must_use]
+    pub fn over(self, chest: Chest) -> Self {
+        Self { chest, ..self }
+    }
+
+    /// The dome with another half-axis along the body and its apex moved towards −y \[mm\].
+    #[must_use]
+    pub fn anatomical(self, base_along: f64, apex_shift: f64) -> Self {
+        Self { base_along, apex_shift, ..self }
+    }
+
+    /// Is it a solid of revolution?
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        let apart = (self.base_radius - self.base_along).abs().max(self.apex_shift.abs());
+        apart <= 1e-9 * self.base_radius
+    }
+
+    /// Way of the axis along y per height \[-\].
+    fn lean(&self) -> f64 {
+        -self.apex_shift / self.projection
+    }
+
+    /// Place of the axis, from the middle of the base to the apex, at a height above the wall \[mm\].
+    #[must_use]
+    pub fn axis(&self, height: f64) -> DVec2 {
+        self.center + DVec2::new(0.0, self.lean() * (height - self.base_height))
+    }
+
+    /// Centre of its base \[mm\].
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.center.extend(self.chest.height(self.center) + self.base_height)
@@ -45,7 +84,9 @@ impl Dome {
     /// Point highest above the wall \[mm\].
     #[must_use]
     pub fn apex(&self) -> DVec3 {
-        self.origin() + DVec3::Z * self.projection
+        let place = self.center - DVec2::new(0.0, self.apex_shift);
+        let base = place.extend(self.chest.height(place) + self.base_height);
+        base + DVec3::Z * self.projection
     }
 
     /// Height of the apex above the wall \[mm\].
@@ -57,23 +98,23 @@ impl Dome {
     /// Is it a hemisphere?
     #[must_use]
     pub fn is_hemisphere(&self) -> bool {
-        (self.base_radius - self.projection).abs() <= 1e-9 * self.base_radius
+        self.is_round() && (self.base_radius - self.projection).abs() <= 1e-9 * self.base_radius
     }
 
-    /// Volume of the whole implant \[mm³\], ⅔πR²p.
+    /// Volume of the whole implant \[mm³\], ⅔πabp.
     #[must_use]
     pub fn volume(&self) -> f64 {
-        2.0 / 3.0 * PI * self.base_radius.powi(2) * self.projection
+        2.0 / 3.0 * PI * (self.base_radius * self.base_along) * self.projection
     }
 
-    /// Radius of the circle in which the dome meets the wall \[mm\].
+    /// Radius of the circle in which the dome meets the wall \[mm\]; of an ellipse its least half-axis.
     #[must_use]
     pub fn wall_radius(&self) -> f64 {
         let height = self.base_height / self.projection;
-        self.base_radius * (1.0 - height * height).max(0.0).sqrt()
+        self.base_radius.min(self.base_along) * (1.0 - height * height).max(0.0).sqrt()
     }
 
-    /// The length that tolerances and errors are relative to \[mm\]: the base radius.
+    /// The length that tolerances and errors are relative to \[mm\]: the base radius, the half-axis across of any implant.
     #[must_use]
     pub fn reference_length(&self) -> f64 {
         self.base_radius
@@ -85,6 +126,8 @@ impl Dome {
         Self {
             center: self.center * factor,
             base_radius: self.base_radius * factor,
+            base_along: self.base_along * factor,
+            apex_shift: self.apex_shift * factor,
             projection: self.projection * factor,
             base_height: self.base_height * factor,
             chest: self.chest.scaled(factor),
@@ -93,47 +136,62 @@ impl Dome {
 
     /// The dome lowered until a part of its height is above the wall.
     pub(crate) fn lowered_to(&self, part: f64) -> Self {
-        Self { base_height: self.base_height - (1.0 - part) * self.top(), ..*self }
+        let base_height = self.base_height - (1.0 - part) * self.top();
+        Self { base_height, ..self.clone() }
     }
 
-    /// The least half-axis \[mm\]: a point outside is no closer than this length times its gauge.
+    /// The least half-axis \[mm\]: over the plane a point outside is no closer than this length times its gauge.
     #[must_use]
     pub fn least_half_axis(&self) -> f64 {
-        self.base_radius.min(self.projection)
+        self.half_axes().into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    /// The greatest half-axis \[mm\]: no point of the surface moves further than this length times a change of the gauge.
+    /// The greatest half-axis \[mm\]: over the plane no point of the surface moves further than this length times a change of
+    /// the gauge.
     #[must_use]
     pub fn greatest_half_axis(&self) -> f64 {
-        self.base_radius.max(self.projection)
+        self.half_axes().into_iter().fold(0.0, f64::max)
     }
 
-    /// Radius of curvature at the apex \[mm\].
+    /// Half-axes of the ellipsoid: stretches of the half-ball's map.
+    fn half_axes(&self) -> [f64; 3] {
+        let (b, p, shift) = (self.base_along, self.projection, self.apex_shift);
+        if shift == 0.0 {
+            return [self.base_radius, b, p];
+        }
+        let (sum, difference) = (shift.hypot(b + p), shift.hypot(b - p));
+        [self.base_radius, 0.5 * (sum + difference), 0.5 * (sum - difference)]
+    }
+
+    /// Least radius of curvature at the apex over the plane \[mm\].
     #[must_use]
     pub fn apex_radius(&self) -> f64 {
-        self.base_radius * self.base_radius / self.projection
+        let across = self.base_radius.min(self.base_along);
+        across * across / self.projection
     }
 
-    /// Radius of curvature of a meridian at the base \[mm\].
+    /// Least radius of curvature at the base of the sections along and across the body, over the plane \[mm\].
     #[must_use]
     pub fn base_curvature_radius(&self) -> f64 {
-        self.projection * self.projection / self.base_radius
+        let [across, along] = [self.base_radius, self.base_along]
+            .map(|axis| self.projection * self.projection / axis);
+        across.min(along * (1.0 + self.lean() * self.lean()).powf(1.5))
     }
 
     /// The shape in numbers of one precision.
     pub(crate) fn shape<R: Real>(&self) -> HalfBall<R> {
-        let half_axes = [self.base_radius, self.base_radius, self.projection];
+        let half_axes = [self.base_radius, self.base_along, self.projection];
         let center = self.center.extend(self.base_height);
-        HalfBall::new(center.to_array(), half_axes, self.chest.heights())
+        HalfBall::new(center.to_array(), half_axes, self.apex_shift, self.chest.heights())
     }
 
-    /// The gauge √((x²+y²)/R² + (z−z₀)²/p²) − 1 \[-\]: negative inside, zero on the surface.
+    /// The gauge \[-\]: negative inside, zero on the surface.
     #[must_use]
     pub fn gauge(&self, point: DVec3) -> f64 {
         self.shape::<f64>().near(point.to_array()).length - 1.0
     }
 
-    /// Gradient of [`Self::gauge`] \[1/mm\]; straight up at the ellipsoid's centre.
+    /// Gradient of [`Self::gauge`] \[1/mm\]; straight up at the centre of the base.
     #[must_use]
     pub fn gauge_gradient(&self, point: DVec3) -> DVec3 {
         self.gauge_and_gradient(point).1
@@ -168,7 +226,7 @@ impl Dome {
     }
 
     /// The point, not below the base, moved to where [`Self::gauge`] has the given value \[-\]: along the ray from the
-    /// ellipsoid's centre or upright, whichever is the shorter way.
+    /// centre of the base or along the axis, whichever is the shorter way.
     #[must_use]
     pub fn project(&self, point: DVec3, gauge: f64) -> DVec3 {
         let shape: HalfBall<f64> = self.shape();
@@ -182,7 +240,7 @@ impl Dome {
     /// Is it its own image mirrored along x, along y, about the pocket's centre?
     #[must_use]
     pub fn mirrored(&self) -> [bool; 2] {
-        self.center.to_array().map(|c| c == 0.0)
+        [self.center.x == 0.0, self.center.y == 0.0 && self.apex_shift == 0.0]
     }
 
     /// Is the point strictly inside the dome?
@@ -198,7 +256,7 @@ impl Dome {
     /// A test: is a point above the base inside by more than a fraction of the half axes, and of the base radius
     /// as a distance? The gauge's gradient turns a gauge into a distance; near the tip of a needle it is small.
     pub(crate) fn is_deeper_than(&self, fraction: f64) -> impl Fn(DVec3) -> bool + use<> {
-        let (dome, shape, unit) = (*self, self.shape::<f64>(), self.base_radius);
+        let (dome, shape, unit) = (self.clone(), self.shape::<f64>(), self.base_radius);
         move |point| {
             // Most points need no root.
             if shape.length_squared(point.to_array()) >= 1.0 {
@@ -210,57 +268,50 @@ impl Dome {
         }
     }
 
-    /// The meridian at a polar angle of the ellipse's parameter, 0 at the apex: distance from the axis and height
-    /// above the wall \[mm\].
+    /// The meridian of the round implant of this base radius at a polar angle of the ellipse's parameter, 0 at the apex: distance
+    /// from the axis and height above the wall \[mm\].
     #[must_use]
     pub fn meridian(&self, angle: f64) -> DVec2 {
         DVec2::new(self.base_radius * angle.sin(), self.base_height + self.projection * angle.cos())
     }
 
-    /// Points of the surface \[mm\]: circles from the apex, itself one, to the wall at equal steps of the parameter
-    /// of [`Self::meridian`], each counter-clockwise from the direction of x.
+    /// Points of the surface \[mm\]: circles of the half-ball from the apex, itself one, to the wall at equal steps of the
+    /// parameter of [`Self::meridian`], each counter-clockwise from the direction of x.
     pub fn circles(&self, count: usize, around: usize) -> impl Iterator<Item = DVec3> {
         let turn = |step: usize| DVec2::from_angle(TAU * step as f64 / around as f64);
         let directions: Vec<DVec2> = (0..around).map(turn).collect();
-        let (dome, last) = (*self, self.wall_angle());
+        let (dome, last) = (self.clone(), self.wall_angle());
         (0..=count).flat_map(move |circle| {
-            let meridian = dome.meridian(last * circle as f64 / count as f64);
+            let angle = last * circle as f64 / count as f64;
+            let height = dome.meridian(angle).y;
+            let (axis, radii) = (dome.axis(height), dome.base_axes() * angle.sin());
             let point = |across: &DVec2| {
-                let place = dome.center + meridian.x * *across;
-                place.extend(dome.chest.height(place) + meridian.y)
+                let place = axis + radii * *across;
+                place.extend(dome.chest.height(place) + height)
             };
             directions.iter().map(point).collect::<Vec<DVec3>>()
         })
     }
 
-    /// Height of the surface above the wall \[mm\] at a horizontal position, zero beside the dome.
-    #[must_use]
-    pub fn height(&self, position: DVec2) -> f64 {
-        let across = (position - self.center) / self.base_radius;
-        let upright = (1.0 - across.length_squared()).max(0.0).sqrt();
-        (self.base_height + self.projection * upright).max(0.0)
+    /// Half-axes of the base \[mm\].
+    fn base_axes(&self) -> DVec2 {
+        DVec2::new(self.base_radius, self.base_along)
     }
 
     /// The dome's outline in the plane of a given y at a parameter from 0 (greatest x) to π: x and height above the
     /// wall \[mm\].
     #[must_use]
     pub fn outline(&self, y: f64, angle: f64) -> DVec2 {
-        let offset = (y - self.center.y) / self.base_radius;
-        let scale = (1.0 - offset * offset).max(0.0).sqrt();
+        // The section of a leaning ellipsoid is an ellipse about another height, less high.
+        let rate = self.apex_shift / self.base_along;
+        let lower = 1.0 / (1.0 + rate * rate);
+        let offset = (y - self.center.y) / self.base_along;
+        let scale = (1.0 - offset * offset * lower).max(0.0).sqrt();
+        let middle = self.base_height - self.projection * rate * offset * lower;
         DVec2::new(
             self.center.x + scale * self.base_radius * angle.cos(),
-            self.base_height + scale * self.projection * angle.sin(),
+            middle + scale * (self.projection * lower.sqrt()) * angle.sin(),
         )
-    }
-
-    /// Distance along a ray to the surface \[lengths of `direction`\], negative behind the origin.
-    #[must_use]
-    pub fn ray_distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let axes = DVec3::new(self.base_radius, self.base_radius, self.projection);
-        let (from, along) = ((origin - self.origin()) / axes, direction / axes);
-        let (a, b, c) = (along.length_squared(), from.dot(along), from.length_squared() - 1.0);
-        let discriminant = b * b - a * c;
-        (discriminant >= 0.0).then(|| (-b - discriminant.sqrt()) / a)
     }
 
     /// The parameter of [`Self::meridian`] where the dome meets the wall \[rad\].
@@ -268,73 +319,14 @@ impl Dome {
     pub fn wall_angle(&self) -> f64 {
         (-self.base_height / self.projection).clamp(0.0, 1.0).acos()
     }
-
-    /// Signed distance to the surface \[mm\] (negative inside) and the closest point of it, over a curved wall by repeated
-    /// steps along the normal.
-    ///
-    /// The closest point of an ellipse, by Newton's method kept in its bracket (D. Eberly,
-    /// "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid", 2013).
-    #[must_use]
-    pub fn closest_point(&self, point: DVec3) -> (f64, DVec3) {
-        if self.chest != Chest::Flat {
-            let mut foot = self.onto_surface(point);
-            for _ in 0..MOST_FEET {
-                let normal = self.normal(foot);
-                foot = self.onto_surface(point - normal * normal.dot(point - foot));
-            }
-            return (point.distance(foot).copysign(self.gauge(point)), foot);
-        }
-        let d = point - self.origin();
-        let radial = d.truncate().length();
-        let across = if radial > 0.0 { d.truncate() / radial } else { DVec2::X };
-        let foot = closest_on_ellipse(
-            DVec2::new(self.base_radius, self.projection),
-            DVec2::new(radial, d.z.abs()),
-        );
-        let closest = self.origin() + (across * foot.x).extend(foot.y.copysign(d.z));
-        (point.distance(closest).copysign(self.gauge(point)), closest)
-    }
-}
-
-/// Closest point of the ellipse with the given half axes to a point of the first quadrant.
-fn closest_on_ellipse(axes: DVec2, point: DVec2) -> DVec2 {
-    // With the longer half axis first.
-    let swap = axes.y > axes.x;
-    let order = |v: DVec2| if swap { DVec2::new(v.y, v.x) } else { v };
-    let (e, y) = (order(axes), order(point));
-    if y.y <= 0.0 {
-        // On the long axis: the foot leaves the axis inside the evolute.
-        let numerator = e.x * y.x;
-        let denominator = e.x * e.x - e.y * e.y;
-        if numerator < denominator {
-            let c = numerator / denominator;
-            return order(DVec2::new(e.x * c, e.y * (1.0 - c * c).sqrt()));
-        }
-        return order(DVec2::new(e.x, 0.0));
-    }
-    if y.x <= 0.0 {
-        return order(DVec2::new(0.0, e.y));
-    }
-    // Root of (e0 y0/(t+e0²))² + (e1 y1/(t+e1²))² = 1, decreasing and convex right of −e1²: Newton
-    // steps from the left rise towards it and never pass it.
-    let mut t = (e.y * (y.y - e.y)).max(e.x * (y.x - e.x));
-    for _ in 0..100 {
-        let (a, b) = (t + e.x * e.x, t + e.y * e.y);
-        let (u, v) = ((e.x * y.x / a).powi(2), (e.y * y.y / b).powi(2));
-        let next = t + 0.5 * (u + v - 1.0) / (u / a + v / b);
-        if next <= t {
-            break;
-        }
-        t = next;
-    }
-    order(DVec2::new(e.x * e.x * y.x / (t + e.x * e.x), e.y * e.y * y.y / (t + e.y * e.y)))
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::mesh::HeightGrid;
 
-    fn domes() -> [Dome; 3] {
+    pub(in crate::contact) fn domes() -> [Dome; 3] {
         [
             Dome::new(DVec2::ZERO, 55.0, 55.0, 1.0),
             Dome::new(DVec2::new(5.0, -3.0), 60.0, 25.0, 0.6),
@@ -342,26 +334,81 @@ mod tests {
         ]
     }
 
+    /// Anatomical implants over a plane, two radii, a grid of heights.
+    pub(in crate::contact) fn anatomical() -> [Dome; 4] {
+        let heights = (0..41 * 41).map(|k| {
+            let [x, y] = [k % 41, k / 41].map(|i| 5.0 * (f64::from(i) - 20.0));
+            -x * x / 320.0 - y * y / 900.0 + 2.0 * (0.04 * x - 0.03 * y).sin()
+        });
+        let grid = Chest::Grid(HeightGrid::new(5.0, [41; 2], heights.collect()).unwrap());
+        let radii = Chest::Curved { across_mm: 130.0, along_mm: 500.0 };
+        let of = |chest: Chest, dome: Dome| Dome { chest, ..dome };
+        let [first, second, third] = domes();
+        [
+            first.clone().anatomical(48.0, 20.0),
+            second.anatomical(66.0, 18.0),
+            of(radii, third.anatomical(44.0, 12.0)),
+            of(grid, first.anatomical(62.0, 25.0)),
+        ]
+    }
+
     #[test]
-    fn the_closest_point_lies_on_the_surface_along_its_normal() {
+    fn an_anatomical_dome_of_a_round_base_is_the_round_dome() {
         for dome in domes() {
-            for k in 0..500 {
-                let t = f64::from(k);
-                let point = dome.origin()
-                    + DVec3::new(90.0 * (t * 0.7).sin(), 80.0 * (t * 1.3).cos(), (t * 0.17) % 95.0);
-                let (distance, closest) = dome.closest_point(point);
-                assert!(dome.gauge(closest).abs() < 1e-9);
-                assert_eq!(distance < 0.0, dome.gauge(point) < 0.0);
-                let along = (point - closest).cross(dome.normal(closest)).length();
-                assert!(along < 1e-6, "{along} at {point}");
-                // No sampled point of the surface is closer.
-                for j in 0..60 {
-                    let (a, b) = (f64::from(j) * 0.4, f64::from(j) * 0.026);
-                    let other = dome.onto_surface(
-                        dome.origin() + DVec3::new(a.cos() * b.sin(), a.sin() * b.sin(), b.cos()),
-                    );
-                    assert!(point.distance(other) >= distance.abs() - 1e-9);
+            let radius = dome.base_radius;
+            assert_eq!(dome.clone().anatomical(radius, 0.0), dome);
+            assert!(dome.is_round() && !dome.clone().anatomical(radius, 1.0).is_round());
+            assert!(!dome.anatomical(radius + 1.0, 0.0).is_round());
+        }
+    }
+
+    /// Midpoint rule over a box of 120³ points.
+    #[test]
+    fn draping_and_leaning_keep_the_volume() {
+        for dome in anatomical() {
+            let dome = Dome { base_height: 0.0, ..dome };
+            let half = DVec3::new(75.0, 100.0, 100.0);
+            let step = half * 2.0 / 120.0;
+            let at = |k: i32| f64::from(k) + 0.5;
+            let points = (0..120_i32.pow(3)).map(|k| {
+                dome.origin() - half
+                    + step * DVec3::new(at(k % 120), at(k / 120 % 120), at(k / 14_400))
+            });
+            let inside = points.filter(|point| dome.contains(*point)).count();
+            let ratio = inside as f64 * step.element_product() / dome.volume();
+            assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn lines_of_an_anatomical_dome_lie_on_its_surface() {
+        for dome in anatomical() {
+            let above = |point: DVec3| point.z - dome.chest.height(point.truncate());
+            assert!(dome.gauge(dome.apex()).abs() < 1e-12);
+            assert!((above(dome.apex()) - dome.top()).abs() < 1e-12);
+            for point in dome.circles(12, 24) {
+                assert!(dome.gauge(point).abs() < 1e-12);
+                assert!((-1e-9..=dome.top() + 1e-9).contains(&above(point)));
+            }
+            for y in [-30.0, 4.0, 25.0] {
+                for k in 0..=16 {
+                    let place = dome.outline(y, PI * f64::from(k) / 16.0);
+                    let point = DVec3::new(place.x, y, place.y);
+                    let lifted = point + DVec3::Z * dome.chest.height(point.truncate());
+                    assert!(dome.gauge(lifted).abs() < 1e-12, "{}", dome.gauge(lifted));
                 }
+            }
+            if dome.chest == Chest::Flat {
+                let directions = (0..4000).map(|k| {
+                    let z = f64::from(k) / 2000.0 - 1.0;
+                    DVec2::from_angle(2.4 * f64::from(k)).extend(0.0) * (1.0 - z * z).sqrt()
+                        + DVec3::Z * z
+                });
+                let lengths = directions.map(|d| 1.0 / (dome.gauge(dome.origin() + d) + 1.0));
+                let ends = |(least, most): (f64, f64), l: f64| (least.min(l), most.max(l));
+                let (least, most) = lengths.fold((f64::INFINITY, 0.0), ends);
+                assert!((least / dome.least_half_axis() - 1.0).abs() < 1e-2, "{least}");
+                assert!((most / dome.greatest_half_axis() - 1.0).abs() < 1e-2, "{most}");
             }
         }
     }
@@ -434,7 +481,7 @@ mod tests {
 
     #[test]
     fn gradient_is_the_slope_of_the_level() {
-        for dome in domes() {
+        for dome in domes().into_iter().chain(anatomical()) {
             let point = dome.origin() + DVec3::new(13.0, -21.0, 34.0);
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 let step = 1e-4;

@@ -1,8 +1,9 @@
 //! The shape of an implant: a half-ball's linear image draped over the wall, for one point in f64 or for four in f32.
 //!
-//! A point at p from the centre of the base, heights counted from the wall below the point, is the image of s = (x/R, y/R, z/h) in the
-//! half-ball, R the base radius, h the projection. The length |s| is one on the surface; the gauge is |s| − 1. An implant of another
-//! shape is another file with these functions.
+//! A point (x, y, z) from the centre of the base, z counted from the wall below the point, is the image of
+//! s = (x/a, (y + σz)/b, z/p) in the half-ball: half-axes a and b of the base, projection p, and a shear σ that moves the apex by σp
+//! towards −y. The length |s| is one on the surface; the gauge is |s| − 1. An implant of another shape is another file with these
+//! functions.
 
 use crate::mesh::height_field::{Ground, HeightField};
 use crate::mesh::vec3::{Block, add, dot, sub};
@@ -12,12 +13,14 @@ use crate::number::Real;
 const LEAST_LENGTH: f64 = 1e-6;
 
 /// A half-ball's image in place, in any unit of length.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct HalfBall<R> {
     /// Centre of the base: a place, and a height above the wall.
     center: [R; 3],
     /// Reciprocal half-axes.
     per_axis: [R; 3],
+    /// Way of the axis towards −y per height; `None` for an upright axis.
+    shear: Option<R>,
     wall: HeightField<R>,
 }
 
@@ -34,15 +37,35 @@ pub(crate) struct Near<R> {
 }
 
 impl<R: Real> HalfBall<R> {
-    pub(crate) fn new(center: [f64; 3], half_axes: [f64; 3], wall: HeightField<R>) -> Self {
+    /// With half-axes a, b, p and the way of the apex towards −y.
+    pub(crate) fn new(
+        center: [f64; 3],
+        half_axes: [f64; 3],
+        shift: f64,
+        wall: HeightField<R>,
+    ) -> Self {
         let per_axis = half_axes.map(|axis| R::splat(1.0 / axis));
-        Self { center: center.map(R::splat), per_axis, wall }
+        let shear = (shift != 0.0).then(|| R::splat(shift / half_axes[2]));
+        Self { center: center.map(R::splat), per_axis, shear, wall }
     }
 
     /// The source of a vector in the half-ball.
     #[inline(always)]
-    fn source(&self, v: [R; 3]) -> [R; 3] {
-        [v[0] * self.per_axis[0], v[1] * self.per_axis[1], v[2] * self.per_axis[2]]
+    pub(super) fn source(&self, [x, mut y, z]: [R; 3]) -> [R; 3] {
+        if let Some(shear) = self.shear {
+            y += shear * z;
+        }
+        [x * self.per_axis[0], y * self.per_axis[1], z * self.per_axis[2]]
+    }
+
+    /// The transposed map of [`Self::source`]: the gradient of a function of the source.
+    #[inline(always)]
+    fn gradient(&self, of: [R; 3]) -> [R; 3] {
+        let [x, y, mut z] = [0, 1, 2].map(|axis| of[axis] * self.per_axis[axis]);
+        if let Some(shear) = self.shear {
+            z += shear * y;
+        }
+        [x, y, z]
     }
 
     /// Position from the centre, and the wall below the point.
@@ -69,7 +92,7 @@ impl<R: Real> HalfBall<R> {
         let s = self.source(position);
         let length = dot(s, s).sqrt();
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
-        let mut gradient = self.source(s.map(|s| s * per));
+        let mut gradient = self.gradient(s.map(|s| s * per));
         if !self.wall.is_flat() {
             let [x, y] = ground.slope.map(|slope| slope * gradient[2]);
             gradient = [gradient[0] - x, gradient[1] - y, gradient[2]];
@@ -82,7 +105,7 @@ impl<R: Real> HalfBall<R> {
     pub(crate) fn curvature(&self, near: &Near<R>) -> Block<R> {
         let Near { position, length, gradient: g, ground } = near;
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
-        let [x, y, z] = self.source(self.per_axis);
+        let [x, y, mut z] = self.per_axis.map(|axis| axis * axis);
         let mut sum = [
             (x - g[0] * g[0]) * per,
             -g[0] * g[1] * per,
@@ -91,6 +114,12 @@ impl<R: Real> HalfBall<R> {
             -g[1] * g[2] * per,
             (z - g[2] * g[2]) * per,
         ];
+        let sheared = self.shear.map(|shear| shear * y);
+        if let (Some(shear), Some(y)) = (self.shear, sheared) {
+            z += shear * y;
+            sum[4] += y * per;
+            sum[5] += shear * y * per;
+        }
         if !self.wall.is_flat() {
             // The square of the source of (0, 0, 1), with z − w in place of z.
             let [across, along] = ground.slope;
@@ -105,6 +134,10 @@ impl<R: Real> HalfBall<R> {
                 R::splat(0.0),
             ];
             sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            if let Some(y) = sheared {
+                sum[1] += -(y * across * per);
+                sum[3] += -((y + y) * along * per);
+            }
         }
         sum
     }
@@ -140,7 +173,7 @@ impl<R: Real> HalfBall<R> {
         -c / (b + root).max(R::splat(1e-20))
     }
 
-    /// The way of a point, not below the base, to a length: along the ray from the centre or upright, whichever is
+    /// The way of a point, not below the base, to a length: along the ray from the centre or along the axis, whichever is
     /// shorter. On a flat dome the ray leads far aside.
     #[inline(always)]
     pub(crate) fn way_to(&self, near: &Near<R>, to: R) -> [R; 3] {
@@ -151,10 +184,11 @@ impl<R: Real> HalfBall<R> {
         let height = to * to - s[0] * s[0] - s[1] * s[1];
         let upright = (height.max(zero).sqrt() - s[2]) / self.per_axis[2];
         let most = R::select(height.is_above(zero), ray * ray * dot(*p, *p), zero);
-        let is_upright = most.is_above(upright * upright);
+        let aside = self.shear.map_or(zero, |shear| -(shear * upright));
+        let is_upright = most.is_above(upright * upright + aside * aside);
         let mut way = [
             R::select(is_upright, zero, p[0] * ray),
-            R::select(is_upright, zero, p[1] * ray),
+            R::select(is_upright, aside, p[1] * ray),
             R::select(is_upright, upright, p[2] * ray),
         ];
         if !self.wall.is_flat() {
@@ -169,16 +203,26 @@ impl<R: Real> HalfBall<R> {
 mod tests {
     use super::*;
     use crate::mesh::vec3::times;
+    use crate::mesh::{Chest, HeightGrid};
     use wide::f32x4;
 
     const CENTER: [f64; 3] = [3.0, -2.0, -4.0];
-    const HALF_AXES: [f64; 3] = [24.0, 24.0, 17.0];
 
-    /// The plane and a curved wall.
-    const WALLS: [Option<[f64; 2]>; 2] = [None, Some([1.0 / 70.0, 1.0 / 160.0])];
-
-    fn shape<R: Real>(wall: Option<[f64; 2]>) -> HalfBall<R> {
-        HalfBall::new(CENTER, HALF_AXES, HeightField::new(wall))
+    /// Round and anatomical implants on the plane, over two radii and over a grid of heights.
+    fn shapes<R: Real>() -> Vec<HalfBall<R>> {
+        let heights = (0..17 * 17).map(|k| {
+            let [x, y] = [k % 17, k / 17].map(|i| 6.0 * (f64::from(i) - 8.0));
+            0.05 * x - 0.004 * x * x - 0.003 * y * y + 2.0 * (0.06 * x + 0.03 * y).sin()
+        });
+        let grid = Chest::Grid(HeightGrid::new(6.0, [17; 2], heights.collect()).unwrap());
+        let radii = Chest::Curved { across_mm: 70.0, along_mm: 160.0 };
+        [([24.0, 24.0, 17.0], 0.0), ([24.0, 28.0, 17.0], 11.0)]
+            .into_iter()
+            .flat_map(|(half_axes, shift)| {
+                [&Chest::Flat, &radii, &grid]
+                    .map(|wall| HalfBall::new(CENTER, half_axes, shift, wall.heights()))
+            })
+            .collect()
     }
 
     fn points() -> impl Iterator<Item = [f64; 3]> {
@@ -190,8 +234,7 @@ mod tests {
 
     #[test]
     fn both_precisions_agree_and_the_way_ends_at_its_length() {
-        for wall in WALLS {
-            let (one, four) = (shape::<f64>(wall), shape::<f32x4>(wall));
+        for (one, four) in shapes::<f64>().into_iter().zip(shapes::<f32x4>()) {
             let first = |lanes: f32x4| f64::from(lanes.to_array()[0]);
             for point in points() {
                 let near = one.near(point);
@@ -217,7 +260,7 @@ mod tests {
     #[test]
     fn gradient_and_curvature_are_derivatives() {
         const STEP: f64 = 1e-5;
-        for shape in WALLS.map(shape::<f64>) {
+        for shape in shapes::<f64>() {
             for point in points() {
                 let near = shape.near(point);
                 let block = shape.curvature(&near);

@@ -5,14 +5,14 @@
 use super::half_ball::{HalfBall, Near};
 use super::{Obstacle, TOUCH_F32, wall};
 use crate::mesh::height_field::HeightField;
-use crate::mesh::vec3::{Block, Vec3, add, dot, times};
+use crate::mesh::vec3::{Block, Vec3, add, dot, sub, times};
 use wide::f32x4;
 
 /// The greatest move of a node in one step \[grid spacings, along each axis\].
 pub(crate) const MAX_STEP: f32 = 0.5;
 
 /// A dome and a wall in spacings of a grid, about the grid's centre.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LaneObstacle {
     shape: HalfBall<f32x4>,
     wall: HeightField<f32x4>,
@@ -79,6 +79,14 @@ impl LaneObstacle {
             let back = self.along_gradient(&near, d, touching);
             moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));
         }
+        let kept = |v: Vec3| {
+            let own = times(compliance, v);
+            let along_dome = times(compliance, g);
+            let part = dot(g, own) / dot(g, along_dome).fast_max(f32x4::splat(1e-30));
+            [0, 1, 2].map(|a| is_active.bitselect(own[a] - along_dome[a] * part, own[a]))
+        };
+        let limited = wall::limited(&self.wall, add(rest, at), sub(moved, at), kept);
+        let moved = if self.wall.is_flat() { moved } else { add(at, limited) };
         let above = wall::projected(&self.wall, rest, moved);
         [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
     }
@@ -114,13 +122,20 @@ impl LaneObstacle {
     /// the surface may be free: it is active if its own step, of the given compliance, enters the dome.
     #[inline(always)]
     pub(crate) fn active(
+        &self,
         nodes: &Near<f32x4>,
+        point: Vec3,
         force: Vec3,
         compliance: impl FnOnce() -> Block,
         touching: f32x4,
     ) -> f32x4 {
         let Near { length, gradient: g, .. } = *nodes;
         let zero = f32x4::ZERO;
+        // A curved wall and the dome meet at an angle: the wall takes its part first.
+        let force = match self.wall.is_flat() {
+            true => force,
+            false => wall::unsupported(&self.wall, point, force, |normal| normal),
+        };
         let mut is_active =
             length.simd_lt(touching + TOUCH_F32 as f32) & dot(force, g).simd_lt(zero);
         if is_active.any() {
@@ -143,6 +158,9 @@ impl LaneObstacle {
         let g = nodes.gradient;
         let pressing = active.bitselect(dot(force, g) / dot(g, g), f32x4::ZERO);
         let force = [0, 1, 2].map(|a| force[a] - g[a] * pressing);
-        wall::unsupported(&self.wall, add(rest, at), force)
+        wall::unsupported(&self.wall, add(rest, at), force, |normal| {
+            let part = active.bitselect(dot(normal, g) / dot(g, g), f32x4::ZERO);
+            [0, 1, 2].map(|a| normal[a] - g[a] * part)
+        })
     }
 }

@@ -1,13 +1,14 @@
 //! Obstacles of the tissue, the implant's dome and the chest wall, and contact with both.
 //!
 //! `half_ball` (the implant's shape: gauge, gradient, curvature, projection, in f64 and for four f32 at a time) | `dome` (the implant in
-//! place and its sizes) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
+//! place and its sizes), `distance` (of a point from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
 //! conditions of Newton's method) | `contact_edge` (contact edge between two nodes).
 //!
 //! Uses `mesh`. Used by `model`, `solve` and all to their right.
 
 pub(crate) mod active_set;
 pub(crate) mod contact_edge;
+mod distance;
 mod dome;
 mod half_ball;
 pub(crate) mod lanes;

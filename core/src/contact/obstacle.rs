@@ -6,7 +6,7 @@ use crate::mesh::Chest;
 use glam::{DMat3, DVec3};
 
 /// The obstacle of the tissue.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
     /// The implant.
     pub dome: Dome,
@@ -24,7 +24,7 @@ impl Obstacle {
     /// The dome draped over a wall: its heights count from the wall.
     #[must_use]
     pub fn over(self, chest: Chest) -> Self {
-        Self { dome: Dome { chest, ..self.dome }, wall: Wall(chest) }
+        Self { dome: self.dome.over(chest.clone()), wall: Wall(chest) }
     }
 
     /// The nearest admissible point along simple paths: up to the wall, then out of the dome to the given

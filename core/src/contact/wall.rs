@@ -3,13 +3,16 @@
 //! A node's gap to the wall is positive above the wall: to first order its distance, exactly zero on the wall.
 
 use crate::mesh::Chest;
-use crate::mesh::height_field::HeightField;
-use crate::mesh::vec3::{Vec3, dot, sub};
+use crate::mesh::height_field::{Ground, HeightField};
+use crate::mesh::vec3::{Vec3, dot, scale, sub};
 use glam::{DMat3, DVec3};
 use wide::f32x4;
 
+/// Height above a curved wall within which a node touches it, a hundred roundings of a coordinate \[grid spacings\].
+const TOUCH_SPACINGS: f32 = 3e-4;
+
 /// A chest wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wall(
     /// Its shape.
     pub Chest,
@@ -19,8 +22,8 @@ impl Wall {
     /// Distance of a point from the wall \[mm\], negative below the wall.
     #[inline]
     #[must_use]
-    pub fn gap(self, point: DVec3) -> f64 {
-        match self.0 {
+    pub fn gap(&self, point: DVec3) -> f64 {
+        match &self.0 {
             Chest::Flat => point.z,
             chest => (point.z - chest.height(point.truncate())) * self.normal(point).z,
         }
@@ -29,8 +32,8 @@ impl Wall {
     /// The wall's outer unit normal below a point.
     #[inline]
     #[must_use]
-    pub fn normal(self, point: DVec3) -> DVec3 {
-        match self.0 {
+    pub fn normal(&self, point: DVec3) -> DVec3 {
+        match &self.0 {
             Chest::Flat => DVec3::Z,
             chest => (-chest.slope(point.truncate())).extend(1.0).normalize(),
         }
@@ -39,15 +42,15 @@ impl Wall {
     /// The point, lifted onto the wall from below.
     #[inline]
     #[must_use]
-    pub fn project(self, point: DVec3) -> DVec3 {
+    pub fn project(&self, point: DVec3) -> DVec3 {
         point.with_z(point.z.max(self.0.height(point.truncate())))
     }
 
     /// Second derivative of the gap at a point of the wall along the wall \[1/mm\].
     #[inline]
     #[must_use]
-    pub fn curvature(self, point: DVec3) -> DMat3 {
-        match self.0 {
+    pub fn curvature(&self, point: DVec3) -> DMat3 {
+        match &self.0 {
             Chest::Flat => DMat3::ZERO,
             chest => {
                 let [xx, xy, yy] = chest.heights::<f64>().curvature([point.x, point.y]);
@@ -59,23 +62,23 @@ impl Wall {
 
     /// Is the wall its own image mirrored along x, along y, about the pocket's centre?
     #[must_use]
-    pub fn mirrored(self) -> [bool; 2] {
+    pub fn mirrored(&self) -> [bool; 2] {
         self.0.mirrored()
     }
 
     /// The wall in other units of length.
     #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(&self, factor: f64) -> Self {
         Self(self.0.scaled(factor))
     }
 
     /// The step from a point above the wall, lifted onto the wall where the step would pass the wall.
     #[inline]
     #[must_use]
-    pub(crate) fn limited_step(self, point: DVec3, step: DVec3) -> DVec3 {
-        match self.0 {
+    pub(crate) fn limited_step(&self, point: DVec3, step: DVec3) -> DVec3 {
+        match &self.0 {
             Chest::Flat => DVec3::new(step.x, step.y, step.z.max(-point.z)),
-            Chest::Curved { .. } => self.project(point + step) - point,
+            _ => self.project(point + step) - point,
         }
     }
 }
@@ -90,9 +93,45 @@ pub(super) fn projected(wall: &HeightField<f32x4>, rest: Vec3, [x, y, z]: Vec3) 
     [x, y, z.fast_max(least)]
 }
 
-/// The forces on four nodes minus the reaction of the wall.
+/// The step of four nodes from a point, kept above a curved wall: `compliance` is the move per force on the nodes.
 #[inline(always)]
-pub(super) fn unsupported(wall: &HeightField<f32x4>, point: Vec3, force: Vec3) -> Vec3 {
+pub(super) fn limited(
+    wall: &HeightField<f32x4>,
+    point: Vec3,
+    step: Vec3,
+    compliance: impl Fn(Vec3) -> Vec3,
+) -> Vec3 {
+    if wall.is_flat() {
+        return step;
+    }
+    let ground = wall.at([point[0], point[1]]);
+    let normal = upwards(&ground);
+    let after = point[2] - ground.height + dot(normal, step);
+    let is_below = after.simd_lt(f32x4::ZERO);
+    if !is_below.any() {
+        return step;
+    }
+    let along = compliance(normal);
+    let back = after / dot(normal, along).fast_max(f32x4::splat(1e-30));
+    sub(step, scale(along, is_below.bitselect(back, f32x4::ZERO)))
+}
+
+/// A normal of the ground, of unit height.
+#[inline(always)]
+fn upwards(ground: &Ground<f32x4>) -> Vec3 {
+    let [slope_x, slope_y] = ground.slope;
+    [-slope_x, -slope_y, f32x4::ONE]
+}
+
+/// The forces on four nodes minus the reaction of the wall. `free` is the part of a vector in the directions that the dome
+/// leaves free.
+#[inline(always)]
+pub(super) fn unsupported(
+    wall: &HeightField<f32x4>,
+    point: Vec3,
+    force: Vec3,
+    free: impl Fn(Vec3) -> Vec3,
+) -> Vec3 {
     let zero = f32x4::ZERO;
     if wall.is_flat() {
         let [x, y, z] = force;
@@ -100,10 +139,10 @@ pub(super) fn unsupported(wall: &HeightField<f32x4>, point: Vec3, force: Vec3) -
         return [x, y, is_pressing.bitselect(zero, z)];
     }
     let ground = wall.at([point[0], point[1]]);
-    let [slope_x, slope_y] = ground.slope;
-    let upwards = [-slope_x, -slope_y, f32x4::ONE];
-    let pressing = dot(force, upwards);
-    let is_pressing = point[2].simd_le(ground.height) & pressing.simd_lt(zero);
-    let reaction = is_pressing.bitselect(pressing / dot(upwards, upwards), zero);
-    sub(force, upwards.map(|component| component * reaction))
+    let normal = free(upwards(&ground));
+    let pressing = dot(force, normal);
+    let touching = ground.height + f32x4::splat(TOUCH_SPACINGS);
+    let is_pressing = point[2].simd_le(touching) & pressing.simd_lt(zero);
+    let reaction = is_pressing.bitselect(pressing / dot(normal, normal), zero);
+    sub(force, scale(normal, reaction))
 }

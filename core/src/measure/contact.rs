@@ -217,7 +217,7 @@ impl Contact {
             dome.center.length() <= 1e-9 * dome.reference_length() && solution.outer().is_empty();
         let reach =
             self.touching().map(|(_, k)| sheet.rest()[k].length_squared()).reduce(f64::max)?.sqrt();
-        if !is_centred {
+        if !(is_centred && dome.is_round()) {
             return None;
         }
         let h = sheet.spacing_mm();

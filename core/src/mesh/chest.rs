@@ -2,16 +2,17 @@
 //!
 //! The wall is a height field over the plane that touches the wall at the pocket's centre, z outwards:
 //! w = ρ₁(√(1 − x²/ρ₁² − y²/(ρ₁ρ₂)) − 1) with the radii of curvature ρ₁ across (x) and ρ₂ along the body (y), an ellipsoid's
-//! patch; a cylinder for one infinite radius, a sphere for equal radii, hollow for negative radii.
+//! patch; a cylinder for one infinite radius, a sphere for equal radii, hollow for negative radii. Or a grid of heights.
 //!
 //! A place on the wall is given in geodesic polar coordinates about the pocket's centre: the lengths of a tape measure.
 
+use super::HeightGrid;
 use super::height_field::HeightField;
 use crate::number::Real;
 use glam::{DVec2, DVec3};
 
 /// The wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Chest {
     /// The plane z = 0.
     #[default]
@@ -23,6 +24,8 @@ pub enum Chest {
         /// Radius of curvature along the body, along y \[mm\]; infinite: straight.
         along_mm: f64,
     },
+    /// A wall through heights on a grid.
+    Grid(HeightGrid),
 }
 
 /// Length of a step along a geodesic \[radii of curvature\]: the error of a place is below 1e-8 radii within a radius.
@@ -39,62 +42,70 @@ impl Chest {
     /// The point of the wall at a place \[mm\], and the unit normal outwards.
     #[must_use]
     pub fn foot_and_normal(&self, place: DVec2) -> (DVec3, DVec3) {
-        let &Self::Curved { across_mm, along_mm } = self else {
-            return (place.extend(0.0), DVec3::Z);
+        let longest = match self {
+            Self::Flat => return (place.extend(0.0), DVec3::Z),
+            &Self::Curved { across_mm, along_mm } if along_mm.is_infinite() => {
+                let (sin, cos) = (place.x / across_mm).sin_cos();
+                let foot = DVec3::new(across_mm * sin, place.y, across_mm * (cos - 1.0));
+                return (foot, DVec3::new(sin, 0.0, cos));
+            }
+            &Self::Curved { across_mm, along_mm } if across_mm.to_bits() == along_mm.to_bits() => {
+                let (sin, cos) = (place.length() / across_mm).sin_cos();
+                let outwards = place.normalize_or_zero() * sin;
+                let foot = (outwards * across_mm).extend(across_mm * (cos - 1.0));
+                return (foot, outwards.extend(cos));
+            }
+            Self::Curved { across_mm, along_mm } => STEP * across_mm.abs().min(along_mm.abs()),
+            Self::Grid(grid) => grid.spacing(),
         };
-        let foot = self.foot(place, across_mm.abs().min(along_mm.abs()));
+        let foot = self.foot(place, longest);
         (foot.extend(self.height(foot)), self.slope(foot).extend(-1.0).normalize() * -1.0)
     }
 
     /// Is the wall its own image mirrored along x, along y?
     #[must_use]
     pub fn mirrored(&self) -> [bool; 2] {
-        [true; 2]
+        match self {
+            Self::Flat | Self::Curved { .. } => [true; 2],
+            Self::Grid(grid) => grid.mirrored(),
+        }
     }
 
     /// The position over the plane after a geodesic from the centre (classic Runge–Kutta steps).
-    fn foot(&self, place: DVec2, radius: f64) -> DVec2 {
+    fn foot(&self, place: DVec2, longest_step: f64) -> DVec2 {
         let length = place.length();
         if length == 0.0 {
             return DVec2::ZERO;
         }
-        let steps = (length / (STEP * radius)).ceil().max(1.0);
+        let wall = self.heights::<f64>();
+        let steps = (length / longest_step).ceil().max(1.0);
         let step = length / steps;
         let (mut at, mut direction) = (DVec2::ZERO, place / length);
         for _ in 0..steps as usize {
-            let (v1, a1) = (direction, self.turn(at, direction));
-            let (v2, a2) = self.ahead((at, direction), (v1, a1), 0.5 * step);
-            let (v3, a3) = self.ahead((at, direction), (v2, a2), 0.5 * step);
-            let (v4, a4) = self.ahead((at, direction), (v3, a3), step);
+            let (v1, a1) = (direction, turn(&wall, at, direction));
+            let (v2, a2) = ahead(&wall, (at, direction), (v1, a1), 0.5 * step);
+            let (v3, a3) = ahead(&wall, (at, direction), (v2, a2), 0.5 * step);
+            let (v4, a4) = ahead(&wall, (at, direction), (v3, a3), step);
             at += (v1 + 2.0 * (v2 + v3) + v4) * (step / 6.0);
             direction += (a1 + 2.0 * (a2 + a3) + a4) * (step / 6.0);
         }
         at
     }
 
-    /// Rates of position and direction a step ahead.
-    fn ahead(
-        &self,
-        (at, direction): (DVec2, DVec2),
-        (velocity, turn): (DVec2, DVec2),
-        step: f64,
-    ) -> (DVec2, DVec2) {
-        let ahead = direction + turn * step;
-        (ahead, self.turn(at + velocity * step, ahead))
-    }
-
-    /// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
-    fn turn(&self, at: DVec2, v: DVec2) -> DVec2 {
-        let slope = self.slope(at);
-        let [xx, xy, yy] = self.heights::<f64>().curvature(at.to_array());
-        let bend = xx * v.x * v.x + 2.0 * xy * v.x * v.y + yy * v.y * v.y;
-        slope * (-bend / (1.0 + slope.length_squared()))
-    }
-
     /// w \[mm\] over a position of the plane.
     #[must_use]
     pub fn height(&self, at: DVec2) -> f64 {
         self.heights::<f64>().at(at.to_array()).height
+    }
+
+    /// The point with its height above the wall for z.
+    #[inline]
+    #[must_use]
+    pub fn flattened(&self, point: DVec3) -> DVec3 {
+        match self {
+            Self::Flat => point,
+            chest => point.with_z(point.z - chest.height(point.truncate())),
+        }
     }
 
     /// ∇w \[-\].
@@ -105,27 +116,58 @@ impl Chest {
 
     /// The height field in numbers of one precision.
     pub(crate) fn heights<R: Real>(&self) -> HeightField<R> {
-        HeightField::new(match *self {
-            Self::Flat => None,
-            Self::Curved { across_mm, along_mm } => Some([1.0 / across_mm, 1.0 / along_mm]),
-        })
+        match self {
+            Self::Flat => HeightField::Flat,
+            Self::Curved { across_mm, along_mm } => {
+                HeightField::curved([1.0 / across_mm, 1.0 / along_mm])
+            }
+            Self::Grid(grid) => grid.heights(),
+        }
     }
 
     /// The wall in another unit of length.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        match *self {
+        match self {
             Self::Flat => Self::Flat,
             Self::Curved { across_mm, along_mm } => {
                 Self::Curved { across_mm: across_mm * factor, along_mm: along_mm * factor }
             }
+            Self::Grid(grid) => Self::Grid(grid.scaled(factor)),
         }
     }
+}
+
+/// Rates of position and direction of a geodesic a step ahead.
+fn ahead(
+    wall: &HeightField<f64>,
+    (at, direction): (DVec2, DVec2),
+    (velocity, rate): (DVec2, DVec2),
+    step: f64,
+) -> (DVec2, DVec2) {
+    let ahead = direction + rate * step;
+    (ahead, turn(wall, at + velocity * step, ahead))
+}
+
+/// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
+fn turn(wall: &HeightField<f64>, at: DVec2, v: DVec2) -> DVec2 {
+    let slope = DVec2::from(wall.at(at.to_array()).slope);
+    let [xx, xy, yy] = wall.curvature(at.to_array());
+    let bend = xx * v.x * v.x + 2.0 * xy * v.x * v.y + yy * v.y * v.y;
+    slope * (-bend / (1.0 + slope.length_squared()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wide::f32x4;
+
+    /// The wall through heights 4 mm apart, 280 mm wide.
+    fn grid(height: impl Fn(DVec2) -> f64) -> Chest {
+        let place = |k: usize| DVec2::new((k % 71) as f64 - 35.0, (k / 71) as f64 - 35.0) * 4.0;
+        let heights = (0..71 * 71).map(|k| height(place(k))).collect();
+        Chest::Grid(HeightGrid::new(4.0, [71; 2], heights).unwrap())
+    }
 
     fn places() -> impl Iterator<Item = DVec2> {
         (0..40).map(|k| DVec2::from_angle(0.7 * f64::from(k)) * (3.0 * f64::from(k)))
@@ -176,6 +218,67 @@ mod tests {
             let turn = (after - 2.0 * middle + before) / (h * h);
             let beside = turn.cross(normal).length();
             assert!(beside < 1e-5 && turn.dot(normal) < -2e-3, "{length}: {turn} {beside:e}");
+        }
+    }
+
+    #[test]
+    fn a_grid_of_a_spheres_heights_is_the_sphere_in_both_precisions() {
+        let sphere = Chest::Curved { across_mm: 150.0, along_mm: 150.0 };
+        // Tilted and lifted: the grid's own tangent plane is subtracted.
+        let chest = grid(|at| sphere.height(at) + 3.0 + at.dot(DVec2::new(0.1, -0.04)));
+        let lanes = chest.scaled(0.25).heights::<f32x4>();
+        for place in places() {
+            let ((foot, normal), (exact, outwards)) =
+                (chest.foot_and_normal(place), sphere.foot_and_normal(place));
+            assert!(foot.distance(exact) < 1e-4, "{place}: {foot} {exact}");
+            assert!(normal.distance(outwards) < 1e-5, "{place}: {normal} {outwards}");
+            let at = foot.truncate();
+            let [xx, xy, yy] = chest.heights::<f64>().curvature(at.to_array());
+            let exact = sphere.heights::<f64>().curvature(at.to_array());
+            for (found, exact) in [xx, xy, yy].into_iter().zip(exact) {
+                assert!((found - exact).abs() < 2e-5, "{place}: {found} {exact}");
+            }
+            let four = lanes.at((0.25 * at).to_array().map(|x| f32x4::splat(x as f32)));
+            let height = 0.25 * chest.height(at);
+            let slopes = four.slope.map(|slope| f64::from(slope.to_array()[0]));
+            assert!((f64::from(four.height.to_array()[0]) - height).abs() < 2e-5);
+            assert!(DVec2::from(slopes).distance(chest.slope(at)) < 2e-6);
+        }
+        assert_eq!(chest.mirrored(), [true; 2]);
+        let hollow_beside = grid(|at| 0.001 * at.x * at.x * at.x);
+        assert_eq!(hollow_beside.mirrored(), [false, true]);
+    }
+
+    #[test]
+    fn a_turned_cylinder_is_the_turned_wall() {
+        let across = Chest::Curved { across_mm: 140.0, along_mm: f64::INFINITY };
+        let along = Chest::Curved { across_mm: f64::INFINITY, along_mm: 140.0 };
+        let [grid_across, grid_along] = [&across, &along].map(|chest| grid(|at| chest.height(at)));
+        let diagonal = DVec2::from_angle(std::f64::consts::FRAC_PI_4);
+        let grid_diagonal = grid(|at| across.height(diagonal.rotate(at)));
+        for place in places() {
+            let turn = |v: DVec3| v.truncate().perp().extend(v.z);
+            let (foot, normal) = across.foot_and_normal(place);
+            assert_eq!(along.foot_and_normal(place.perp()), (turn(foot), turn(normal)));
+            let (foot, normal) = grid_across.foot_and_normal(place);
+            let found = grid_along.foot_and_normal(place.perp());
+            assert!(found.0.distance(turn(foot)) < 1e-11 && found.1.distance(turn(normal)) < 1e-12);
+            let found = grid_diagonal.foot_and_normal(place).0;
+            let exact = across.foot_and_normal(diagonal.rotate(place)).0;
+            let apart = diagonal.rotate(found.truncate()).extend(found.z).distance(exact);
+            assert!(apart < 2e-3, "{place}: {apart}");
+        }
+    }
+
+    #[test]
+    fn a_large_radius_and_even_heights_are_the_plane() {
+        let large = Chest::Curved { across_mm: 1e9, along_mm: 1e9 };
+        for chest in [&large, &grid(|at| large.height(at)), &grid(|at| 5.0 + 0.2 * at.x)] {
+            for place in places() {
+                let (foot, normal) = chest.foot_and_normal(place);
+                assert!(foot.distance(place.extend(0.0)) < 1e-5, "{place}: {foot}");
+                assert!(normal.distance(DVec3::Z) < 1e-6);
+            }
         }
     }
 }

@@ -1,19 +1,31 @@
 //! The chest wall as a height field, for one point in f64 or for four in f32.
 //!
-//! w = −(κ₁x² + κ₂y²)/(1 + S), S = √(1 − κ₁(κ₁x² + κ₂y²)), with the curvatures κ₁ across (x) and κ₂ along the body (y): an
-//! ellipsoid's patch, a sphere for equal curvatures, the plane for none.
+//! w = −(κ₁x² + κ₂y²)/(1 + S), S = √(1 − κ(κ₁x² + κ₂y²)), with the curvatures κ₁ across (x) and κ₂ along the body (y), and κ = κ₁, or κ₂
+//! where κ₁ is zero: an ellipsoid's patch, a sphere for equal curvatures, a cylinder for one curvature. Or a [`Spline`] through heights.
 
+use super::spline::Spline;
 use crate::number::Real;
+use std::sync::Arc;
 
 /// Least S: the height field ends where the wall is upright.
 const LEAST_ROOT: f64 = 1e-3;
 
 /// A height field, in any unit of length.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct HeightField<R> {
-    /// The plane needs no evaluation.
-    is_flat: bool,
-    curvatures: [R; 2],
+#[derive(Clone, Debug, Default)]
+pub(crate) enum HeightField<R> {
+    /// The plane, which needs no evaluation.
+    #[default]
+    Flat,
+    /// Two curvatures, and κ.
+    Curved([R; 2], R),
+    /// A grid of heights.
+    Grid {
+        heights: Arc<Spline>,
+        /// Reciprocal spacing.
+        per_spacing: R,
+        /// The unit of the heights.
+        unit: R,
+    },
 }
 
 /// Height and slope ∇w at a position of the plane.
@@ -24,47 +36,67 @@ pub(crate) struct Ground<R> {
 }
 
 impl<R: Real> HeightField<R> {
-    /// The plane without curvatures.
-    pub(crate) fn new(curvatures: Option<[f64; 2]>) -> Self {
-        let is_flat = curvatures.is_none();
-        Self { is_flat, curvatures: curvatures.unwrap_or_default().map(R::splat) }
+    /// Of two curvatures.
+    pub(crate) fn curved(curvatures: [f64; 2]) -> Self {
+        let main = if curvatures[0] == 0.0 { curvatures[1] } else { curvatures[0] };
+        Self::Curved(curvatures.map(R::splat), R::splat(main))
     }
 
     #[inline(always)]
     pub(crate) fn is_flat(&self) -> bool {
-        self.is_flat
+        matches!(self, Self::Flat)
     }
 
     #[inline(always)]
-    pub(crate) fn at(&self, [x, y]: [R; 2]) -> Ground<R> {
-        if self.is_flat {
-            return Ground::default();
+    pub(crate) fn at(&self, position: [R; 2]) -> Ground<R> {
+        match self {
+            Self::Flat => Ground::default(),
+            Self::Curved(curvatures, main) => {
+                let rates = [curvatures[0] * position[0], curvatures[1] * position[1]];
+                let share = rates[0] * position[0] + rates[1] * position[1];
+                let root = Self::root(*main, share);
+                let height = -share / (R::splat(1.0) + root);
+                Ground { height, slope: rates.map(|rate| -rate / root) }
+            }
+            Self::Grid { heights, per_spacing, unit } => {
+                Self::in_grid(heights, [*per_spacing, *unit], position)
+            }
         }
-        let [across, along] = self.curvatures;
-        let rates = [across * x, along * y];
-        let share = rates[0] * x + rates[1] * y;
-        let root = self.root(share);
-        let height = -share / (R::splat(1.0) + root);
-        Ground { height, slope: rates.map(|rate| -rate / root) }
+    }
+
+    /// Out of line: the other walls have short code.
+    #[inline(never)]
+    fn in_grid(heights: &Spline, [per_spacing, unit]: [R; 2], position: [R; 2]) -> Ground<R> {
+        let tangent = heights.at(position.map(|x| x * per_spacing));
+        let slope = tangent.slope.map(|slope| slope * (unit * per_spacing));
+        Ground { height: tangent.value * unit, slope }
     }
 
     /// Second derivatives of w: xx, xy, yy.
     #[inline(always)]
-    pub(crate) fn curvature(&self, [x, y]: [R; 2]) -> [R; 3] {
-        let [across, along] = self.curvatures;
-        let rates = [across * x, along * y];
-        let root = self.root(rates[0] * x + rates[1] * y);
-        let bend = across / (root * root * root);
-        [
-            -across / root - bend * rates[0] * rates[0],
-            -bend * rates[0] * rates[1],
-            -along / root - bend * rates[1] * rates[1],
-        ]
+    pub(crate) fn curvature(&self, position: [R; 2]) -> [R; 3] {
+        match self {
+            Self::Flat => Default::default(),
+            Self::Curved(curvatures, main) => {
+                let rates = [curvatures[0] * position[0], curvatures[1] * position[1]];
+                let root = Self::root(*main, rates[0] * position[0] + rates[1] * position[1]);
+                let bend = *main / (root * root * root);
+                [
+                    -curvatures[0] / root - bend * rates[0] * rates[0],
+                    -bend * rates[0] * rates[1],
+                    -curvatures[1] / root - bend * rates[1] * rates[1],
+                ]
+            }
+            Self::Grid { heights, per_spacing, unit } => {
+                let bend = heights.curvature(position.map(|x| x * *per_spacing));
+                bend.map(|bend| bend * (*unit * *per_spacing * *per_spacing))
+            }
+        }
     }
 
     #[inline(always)]
-    fn root(&self, share: R) -> R {
+    fn root(main: R, share: R) -> R {
         let least = R::splat(LEAST_ROOT * LEAST_ROOT);
-        (R::splat(1.0) - self.curvatures[0] * share).max(least).sqrt()
+        (R::splat(1.0) - main * share).max(least).sqrt()
     }
 }

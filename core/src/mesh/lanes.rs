@@ -6,8 +6,8 @@
 
 pub(crate) use super::lane_field::{Field, load, shifted_right, store, store_first};
 use super::vec3::Vec3;
-use super::{CellKind, Sheet};
-use glam::DVec2;
+use super::{CellKind, Rest, Sheet};
+use glam::DVec3;
 use wide::f32x4;
 
 /// Lanes beyond the end of a row or an array that a load may reach.
@@ -45,13 +45,13 @@ impl CellRow {
     }
 }
 
-/// A triangle at the border; its shape at rest differs from the grid's.
+/// A triangle whose shape at rest differs from the grid's: at the border, or on a curved surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BorderTriangle {
     /// Stored nodes, counter-clockwise, the right angle first.
     pub(crate) nodes: [u32; 3],
     /// The nodes' positions at rest \[spacings\].
-    pub(crate) rest: [DVec2; 3],
+    pub(crate) rest: [DVec3; 3],
     /// Weight of the triangle's area \[-\].
     pub(crate) weight: f64,
 }
@@ -93,6 +93,9 @@ pub(crate) struct Layout {
     pub(crate) sources: Vec<u32>,
     /// Stored index of the first node of the layer whose cells [`Self::cell_rows`] returns.
     origin: usize,
+    /// Positions of the inner face at rest over a curved wall, relative to the pocket's centre \[spacings\]; empty over a flat
+    /// wall.
+    inner: Field,
 }
 
 impl Layout {
@@ -116,6 +119,7 @@ impl Layout {
             extrapolated: Vec::new(),
             sources: Vec::new(),
             origin: 0,
+            inner: Field::default(),
         };
         let free = |j: usize| {
             let (from, to) = sheet.free_spans()[j + first[1]];
@@ -143,7 +147,7 @@ impl Layout {
                 let (i, j) = (i + first[0], j + first[1]);
                 if sheet.cell(i, j) != CellKind::Outside {
                     border.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
-                        let rest = nodes.map(|k| sheet.rest()[k]);
+                        let rest = nodes.map(|k| sheet.rest()[k].extend(0.0));
                         BorderTriangle { nodes: nodes.map(stored), rest, weight }
                     }));
                 }
@@ -166,6 +170,53 @@ impl Layout {
                 }
             },
         )
+    }
+
+    /// Places the inner face at rest on a curved wall, or on a flat wall without `rest`.
+    pub(crate) fn set_rest(&mut self, rest: Option<&Rest>) {
+        let Some(rest) = rest else {
+            self.inner = Field::default();
+            return;
+        };
+        let mut inner = Field::new(self.len(), 1);
+        let per_spacing = 1.0 / rest.sheet().spacing_mm();
+        let [first, first_row] = self.first();
+        for j in 0..self.rows {
+            for i in 0..self.columns {
+                let node = rest.node(0, (j + first_row) * self.nodes_per_side + i + first);
+                let [x, y, z] = (node * per_spacing).as_vec3().to_array();
+                let k = j * self.pitch + i;
+                (inner.x[k], inner.y[k], inner.z[k]) = (x, y, z);
+            }
+        }
+        self.inner = inner;
+    }
+
+    /// All triangles of a layer of nodes of the tissue at rest, with the stored nodes of that layer.
+    pub(crate) fn own_triangles(&self, rest: &Rest, layer: usize) -> Vec<BorderTriangle> {
+        let (sheet, n, [first, first_row]) = (rest.sheet(), self.nodes_per_side, self.first());
+        let per_spacing = 1.0 / sheet.spacing_mm();
+        let stored =
+            |k: usize| (self.origin + (k / n - first_row) * self.pitch + k % n - first) as u32;
+        let mut triangles = Vec::new();
+        for j in first_row..n - 1 {
+            let (from, to) = sheet.cell_span(j);
+            for i in from.max(first)..to {
+                if sheet.cell(i, j) != CellKind::Outside {
+                    triangles.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
+                        let rest = nodes.map(|k| rest.node(layer, k) * per_spacing);
+                        BorderTriangle { nodes: nodes.map(stored), rest, weight }
+                    }));
+                }
+            }
+        }
+        triangles
+    }
+
+    /// The layout with no cell that is regular.
+    pub(crate) fn without_regular_cells(mut self) -> Self {
+        self.regular.fill((0, 0));
+        self
     }
 
     /// The same cells of another layer of nodes.
@@ -199,7 +250,7 @@ impl Layout {
         self.center().map(|center| self.nodes_per_side / 2 - center)
     }
 
-    /// Rest position of the node of a stored column and row, relative to the grid's centre \[spacings\].
+    /// Place of the node of a stored column and row along the wall, relative to the grid's centre \[spacings\].
     #[inline(always)]
     pub(crate) fn rest(&self, i: usize, j: usize) -> [f32; 2] {
         let [x, y] = self.center().map(|center| center as f32);
@@ -244,16 +295,25 @@ impl Layout {
         self.free_rows(|j, from, to| {
             let mut i = from;
             while i < to {
-                let [x, y] = self.rest(i, j);
+                let first = j * self.pitch + i;
                 visit(Group {
-                    first: j * self.pitch + i,
+                    first,
                     count: (to - i).min(4),
-                    rest: [f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y), f32x4::ZERO],
+                    rest: self.group_rest(first, i, j),
                     is_row_start: i == from,
                 });
                 i += 4;
             }
         });
+    }
+
+    #[inline(always)]
+    fn group_rest(&self, first: usize, i: usize, j: usize) -> Vec3 {
+        if self.inner.x.is_empty() {
+            let [x, y] = self.rest(i, j);
+            return [f32x4::new([0.0, 1.0, 2.0, 3.0]) + x, f32x4::splat(y), f32x4::ZERO];
+        }
+        self.inner.load(first)
     }
 
     /// Stored column and row of the node, or of its mirror image; `None` unless the node is free.

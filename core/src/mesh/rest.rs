@@ -1,8 +1,9 @@
 //! The tissue at rest: columns of nodes over the patch's grid, and the layers of cells between them.
 //!
-//! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height.
+//! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height, or one times a
+//! factor that differs from place to place.
 
-use super::{Chest, Sheet, coarser_nodes_per_side};
+use super::{Chest, Sheet, ThicknessField, coarser_nodes_per_side};
 use glam::{DMat2, DVec2, DVec3};
 
 /// The greatest number of nodes in a column.
@@ -28,7 +29,9 @@ pub struct Rest {
     /// Heights of the layers of nodes above the wall \[mm\], from the inner face outwards.
     heights: Vec<f64>,
     chest: Chest,
-    /// Positions of the nodes over a curved wall \[mm\], layer by layer; empty over a flat wall.
+    /// Factor of all heights; `None` for even thickness.
+    thickness: Option<ThicknessField>,
+    /// Positions of the nodes \[mm\], layer by layer; empty for even thickness over a flat wall.
     nodes: Vec<DVec3>,
 }
 
@@ -55,22 +58,37 @@ impl Rest {
             *height += cells.height_mm;
             Some(*height)
         }));
-        Self { sheet, cells, heights, chest: Chest::Flat, nodes: Vec::new() }
+        Self { sheet, cells, heights, chest: Chest::Flat, thickness: None, nodes: Vec::new() }
     }
 
     /// The same layers over a wall.
     #[must_use]
-    pub fn over(mut self, chest: Chest) -> Self {
+    pub fn over(self, chest: Chest) -> Self {
+        Self { chest, ..self }.placed()
+    }
+
+    /// The same layers, thicker and thinner from place to place.
+    #[must_use]
+    pub fn thickened(self, thickness: ThicknessField) -> Self {
+        let thickness = Some(thickness).filter(|field| !field.is_even());
+        Self { thickness, ..self }.placed()
+    }
+
+    fn placed(mut self) -> Self {
         self.nodes.clear();
-        if chest != Chest::Flat {
-            // Nodes outside of the patch may lie beyond the wall.
-            let within = |p: &DVec2| p.clamp_length_max(self.sheet.radius_mm());
-            let places = self.sheet.rest().iter().map(within);
-            let feet: Vec<_> = places.map(|place| chest.foot_and_normal(place)).collect();
-            let layer = |height: f64| feet.iter().map(move |(foot, normal)| foot + normal * height);
-            self.nodes = self.heights.iter().flat_map(|height| layer(*height)).collect();
+        if self.chest == Chest::Flat && self.thickness.is_none() {
+            return self;
         }
-        self.chest = chest;
+        let column = |place: &DVec2| {
+            // Nodes outside of the patch may lie beyond the wall.
+            let place = place.clamp_length_max(self.sheet.radius_mm());
+            let (foot, normal) = self.chest.foot_and_normal(place);
+            let factor = self.thickness.as_ref().map(|field| field.factor(place));
+            (foot, factor.map_or(normal, |factor| normal * factor))
+        };
+        let columns: Vec<_> = self.sheet.rest().iter().map(column).collect();
+        let layer = |height: f64| columns.iter().map(move |(foot, up)| foot + up * height);
+        self.nodes = self.heights.iter().flat_map(|height| layer(*height)).collect();
         self
     }
 
@@ -95,10 +113,20 @@ impl Rest {
     /// Is the tissue its own image mirrored along x, along y, about the pocket's centre?
     #[must_use]
     pub fn mirrored(&self) -> [bool; 2] {
-        self.chest.mirrored()
+        let (wall, field) = (self.chest.mirrored(), self.thickness.as_ref());
+        let thickness = field.map_or([true; 2], ThicknessField::mirrored);
+        [0, 1].map(|axis| wall[axis] && thickness[axis])
     }
 
-    /// Is the wall the plane z = 0?
+    /// Is the tissue the same but for the grid?
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        let radius = |of: &Self| of.sheet.radius_mm().to_bits();
+        radius(self) == radius(other)
+            && (&self.cells, &self.chest, &self.thickness)
+                == (&other.cells, &other.chest, &other.thickness)
+    }
+
+    /// Is the wall the plane z = 0, under even thickness?
     #[inline]
     pub(crate) fn is_flat(&self) -> bool {
         self.nodes.is_empty()
@@ -153,8 +181,8 @@ impl Rest {
     #[must_use]
     pub fn restricted(&self, nodes_per_side: usize) -> Self {
         let sheet = Sheet::new(nodes_per_side, self.sheet.radius_mm());
-        let (cells, heights) = (self.cells.clone(), self.heights.clone());
-        Self { sheet, cells, heights, chest: Chest::Flat, nodes: Vec::new() }.over(self.chest)
+        let Self { cells, heights, chest, thickness, .. } = self.clone();
+        Self { sheet, cells, heights, chest, thickness, nodes: Vec::new() }.placed()
     }
 
     /// The same tissue on the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number of
@@ -295,5 +323,33 @@ mod tests {
             assert_eq!(heights, [0.0, 6.0, 12.0, 18.0]);
         }
         assert_eq!(Rest::of_sheet(Sheet::new(9, 60.0)).layers(), 1);
+    }
+
+    #[test]
+    fn a_mound_of_thickness_raises_the_layers_along_the_normals() {
+        let mound = |place: DVec2| 1.0 + 1.6 * (-place.length_squared() / 2025.0).exp();
+        let field = |of: &dyn Fn(DVec2) -> f64| {
+            let place = |k: usize| DVec2::new((k % 41) as f64 - 20.0, (k / 41) as f64 - 20.0) * 5.0;
+            let factors = (0..41 * 41).map(|k| of(place(k))).collect();
+            ThicknessField::new(5.0, [41; 2], factors).unwrap()
+        };
+        let even = Rest::layered(Sheet::new(33, 100.0), &[6.0, 12.0], 3);
+        assert_eq!(even.clone().thickened(field(&|_| 1.0)), even);
+        let curved = Chest::Curved { across_mm: 140.0, along_mm: f64::INFINITY };
+        for chest in [Chest::Flat, curved] {
+            let rest = even.clone().thickened(field(&mound)).over(chest.clone());
+            for rest in [rest.coarser().unwrap(), rest] {
+                assert_eq!(rest.mirrored(), [true; 2]);
+                for (k, place) in rest.sheet().rest().iter().enumerate() {
+                    let place = place.clamp_length_max(100.0);
+                    for (layer, height) in [0.0, 6.0, 12.0, 18.0].into_iter().enumerate() {
+                        let expected = chest.point(place, height * mound(place));
+                        assert!(rest.node(layer, k).distance(expected) < 2e-3, "{place}");
+                    }
+                }
+            }
+        }
+        let aside = even.thickened(field(&|place| mound(place - DVec2::new(0.0, 20.0))));
+        assert_eq!(aside.mirrored(), [true, false]);
     }
 }

@@ -9,9 +9,11 @@ pub(crate) mod columns;
 pub mod layered;
 pub mod membrane;
 
+use crate::mesh::Rest;
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
 use crate::mesh::vec3::{Block, inverted};
 use columns::Stiffness;
+use std::sync::Arc;
 
 /// An elastic body over a grid, in four f32 lanes. Lengths are in grid spacings; the stiffness at small
 /// strain is one.
@@ -28,8 +30,16 @@ pub(crate) trait ElasticModel {
     /// The scratch of a grid with these triangles at the border.
     fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Self::Scratch;
 
-    /// Fits the scratch to a grid of the given spacing \[mm\].
-    fn place(&self, _layout: &Layout, _spacing: f64, _scratch: &mut Self::Scratch) {}
+    /// Fits the scratch to a grid of the given spacing \[mm\]; `rest` is the tissue at rest on that grid, `None` over a flat
+    /// wall.
+    fn place(
+        &self,
+        _layout: &Layout,
+        _spacing: f64,
+        _rest: Option<&Arc<Rest>>,
+        _scratch: &mut Self::Scratch,
+    ) {
+    }
 
     /// Sets `f` to −∂E/∂u; entries of ghost and clamped nodes are unspecified.
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Self::Scratch);

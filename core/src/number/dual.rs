@@ -1,7 +1,7 @@
 //! Numbers with their derivatives by N variables (forward differentiation): the second derivatives of an energy from
 //! the source of its first ones.
 
-use super::Real;
+use super::{Real, Rows};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// A number and its derivatives.
@@ -148,8 +148,18 @@ impl<const N: usize> Real for Dual<N> {
     }
 
     #[inline(always)]
+    fn trunc(self) -> Self {
+        Self::splat(self.value.trunc())
+    }
+
+    #[inline(always)]
     fn rows(table: &[[f64; 4]], indices: Self) -> [Self; 4] {
         f64::rows(table, indices.value).map(Self::splat)
+    }
+
+    #[inline(always)]
+    fn of(rows: &Rows) -> &[[f64; 4]] {
+        f64::of(rows)
     }
 }
 

@@ -49,9 +49,30 @@ pub trait Real:
 
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// The number without its fraction, of a number that `i32` holds.
+    fn trunc(self) -> Self;
+
     /// The columns of the rows with these indices, rounded to zero. The number of rows is a power of two, so that an
     /// index that is not a number finds a row too.
     fn rows(table: &[[Self::Scalar; 4]], indices: Self) -> [Self; 4];
+
+    /// Rows in this precision.
+    fn of(rows: &Rows) -> &[[Self::Scalar; 4]];
+}
+
+/// Rows of four numbers in both precisions, a power of two of them: those after the given ones are zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rows {
+    exact: Vec<[f64; 4]>,
+    lanes: Vec<[f32; 4]>,
+}
+
+impl Rows {
+    pub(crate) fn new(mut exact: Vec<[f64; 4]>) -> Self {
+        exact.resize(exact.len().next_power_of_two(), [0.0; 4]);
+        let lanes = exact.iter().map(|row| row.map(<f32x4 as Real>::scalar)).collect();
+        Self { exact, lanes }
+    }
 }
 
 impl Real for f64 {
@@ -109,8 +130,18 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn trunc(self) -> f64 {
+        f64::trunc(self)
+    }
+
+    #[inline(always)]
     fn rows(table: &[[f64; 4]], index: f64) -> [f64; 4] {
         table[index as usize & (table.len() - 1)]
+    }
+
+    #[inline(always)]
+    fn of(rows: &Rows) -> &[[f64; 4]] {
+        &rows.exact
     }
 }
 
@@ -169,9 +200,19 @@ impl Real for f32x4 {
     }
 
     #[inline(always)]
+    fn trunc(self) -> f32x4 {
+        f32x4::from_i32x4(self.fast_trunc_int())
+    }
+
+    #[inline(always)]
     fn rows(table: &[[f32; 4]], indices: f32x4) -> [f32x4; 4] {
         let mask = table.len() - 1;
         let indices = indices.fast_trunc_int().to_array();
         f32x4::transpose(indices.map(|k| f32x4::new(table[k as usize & mask])))
+    }
+
+    #[inline(always)]
+    fn of(rows: &Rows) -> &[[f32; 4]] {
+        &rows.lanes
     }
 }

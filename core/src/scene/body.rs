@@ -150,6 +150,11 @@ pub(super) fn in_first(field: &str) -> SceneError {
     problem(field, &format!("the field belongs to {SCENE_SCHEMA_2}; the schema is {SCENE_SCHEMA}"))
 }
 
+/// Error of a field of `scene/3` in a scene of an earlier schema.
+pub(super) fn in_earlier(field: &str, schema: &str) -> SceneError {
+    problem(field, &format!("the field belongs to {SCENE_SCHEMA_3}; the schema is {schema}"))
+}
+
 impl Scene {
     /// Is the tissue layered?
     #[must_use]

@@ -76,7 +76,8 @@ impl CheckedScene {
             implant.base_radius_mm,
             implant.projection_mm,
             *insertion,
-        );
+        )
+        .anatomical(0.5 * implant.base_height(), implant.apex_shift_mm);
         let body = self.scene.body.filter(|_| self.scene.is_layered());
         let patch = match body {
             None => Patch::clamped_at_pocket(*pocket_radius_mm),

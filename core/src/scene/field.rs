@@ -4,9 +4,12 @@
 //! the rows. Numbers of nodes and cells are whole, see [`super::limits`].
 
 use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
-use super::{Body, Scene, SceneError, error::out_of_range};
+use super::{ASPECTS, Body, MAX_APEX_SHIFT, Scene, SceneError, error::out_of_range};
 use crate::clinical::limits::{BASE_WIDTH_MM, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM};
 use crate::curve::{SCALES, number};
+
+/// Greatest way of the apex \[mm\].
+const MOST_APEX_SHIFT_MM: f64 = 0.5 * MAX_APEX_SHIFT * BASE_WIDTH_MM.1;
 
 /// What a change of a number costs a solver that goes from scene to scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,6 +64,7 @@ impl PartialEq for Field {
 }
 
 macro_rules! value {
+    (Scene implant.base_height_mm) => { |scene, _| Some(scene.implant.base_height()) };
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.as_ref()?.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
@@ -69,6 +73,12 @@ macro_rules! value {
 }
 
 macro_rules! place {
+    (Scene implant.base_height_mm) => {
+        |scene, _| {
+            let round = scene.implant.base_height();
+            Some(scene.implant.base_height_mm.get_or_insert(round))
+        }
+    };
     (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.as_mut()?.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
@@ -101,6 +111,8 @@ fields! {
     PROJECTION: "implant.projection_mm", "projection", "mm", PROJECTION_MM, Dome, Scene[implant.projection_mm];
     CENTER_X: "implant.center_mm[0]", "centre of the implant, x", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid, Scene[implant.center_mm[0]];
     CENTER_Y: "implant.center_mm[1]", "centre of the implant, y", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid, Scene[implant.center_mm[1]];
+    BASE_HEIGHT: "implant.base_height_mm", "height of the base", "mm", BASE_WIDTH_MM, Grid, Scene[implant.base_height_mm];
+    APEX_SHIFT: "implant.apex_shift_mm", "way of the apex towards the feet", "mm", (-MOST_APEX_SHIFT_MM, MOST_APEX_SHIFT_MM), Dome, Scene[implant.apex_shift_mm];
     POCKET_RADIUS: "pocket_radius_mm", "radius of the pocket", "mm", (10.0, POCKET_RADIUS_MAX_MM), Grid, Scene[pocket_radius_mm];
     PATCH_RADIUS: "patch_radius_mm", "radius of the simulated tissue", "mm", (30.0, PATCH_RADIUS_MAX_MM), Grid, Body[patch_radius_mm];
     ATTACHMENT_STIFFNESS: "attachment.stiffness_kpa_per_mm", "stiffness of the attachment", "kPa/mm", (0.1, 50.0), Dome, Body[attachment.stiffness_kpa_per_mm];
@@ -146,14 +158,22 @@ impl Field {
         (self.place)(scene, layer)
     }
 
-    /// The limits in a scene: the patch depends on the pocket, the chest on patch and implant, and a sheet ignores the numbers
-    /// of a body.
+    /// The limits in a scene: the patch depends on the pocket, the chest on patch and implant, height and apex of an anatomical
+    /// implant on its base, and a sheet ignores the numbers of a body.
     #[must_use]
     pub fn range(&self, scene: &Scene) -> (f64, f64) {
         match self.part {
             Part::Body if !scene.is_layered() => (0.0, f64::MAX),
             Part::Body if self == PATCH_RADIUS => Body::patch_range(scene.pocket_radius_mm),
             Part::Chest => scene.chest_range(self.value(scene, 0).unwrap_or_default()),
+            _ if self == BASE_HEIGHT => {
+                let (width, (least, most)) = (2.0 * scene.implant.base_radius_mm, self.limits);
+                ((width * ASPECTS.0).max(least), (width * ASPECTS.1).min(most))
+            }
+            _ if self == APEX_SHIFT => {
+                let most = 0.5 * MAX_APEX_SHIFT * scene.implant.base_height();
+                (-most, most)
+            }
             _ => self.limits,
         }
     }
@@ -216,6 +236,8 @@ mod tests {
         };
         scene.apply_patient(measured).unwrap();
         scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
+        scene.implant.base_height_mm = Some(126.0);
+        scene.implant.apex_shift_mm = 12.0;
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let json = serde_json::to_value(&scene).unwrap();

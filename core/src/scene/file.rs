@@ -4,8 +4,8 @@ use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestShape, Implant, Layer, SCENE_SCHEMA,
-    SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, TissueModel, Version, Visit, body, limits,
-    patient, pins,
+    SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, TissueModel, Version, Visit,
+    body, limits, patient, pins,
 };
 use crate::curve::{List, Pair, object};
 use crate::springs::Springs;
@@ -66,6 +66,10 @@ pub(super) struct ImplantFile {
     #[serde(default)]
     #[schemars(with = "[f64; 2]")]
     center_mm: Pair,
+    /// From `scene/3` on: height of the base along the body \[mm\], half to twice the width. Default: twice the base radius (round).
+    base_height_mm: Option<f64>,
+    /// From `scene/3` on: way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
+    apex_shift_mm: Option<f64>,
 }
 
 fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
@@ -125,12 +129,28 @@ impl SceneFile {
                 return Err(body::in_first(&format!("layers[{k}].{field}")));
             }
         }
+        if matches!(file.schema.as_str(), SCENE_SCHEMA | SCENE_SCHEMA_2) {
+            for (field, is_given) in [
+                ("implant.base_height_mm", file.implant.base_height_mm.is_some()),
+                ("implant.apex_shift_mm", file.implant.apex_shift_mm.is_some()),
+            ] {
+                if is_given {
+                    return Err(body::in_earlier(field, &file.schema));
+                }
+            }
+        }
         let radius = file.implant.base_radius_mm;
-        let center_mm = file.implant.center_mm.0;
-        let [x, y] = center_mm;
-        let pocket_radius_mm = file
-            .pocket_radius_mm
-            .unwrap_or_else(|| (radius + x.hypot(y) + 15.0).min(limits::POCKET_RADIUS_MAX_MM));
+        let implant = Implant {
+            base_radius_mm: radius,
+            projection_mm: file.implant.projection_mm.unwrap_or(radius),
+            center_mm: file.implant.center_mm.0,
+            base_height_mm: file.implant.base_height_mm,
+            apex_shift_mm: file.implant.apex_shift_mm.unwrap_or_default(),
+        }
+        .in_few_words();
+        let pocket_radius_mm = file.pocket_radius_mm.unwrap_or_else(|| {
+            (implant.least_pocket_mm() + 15.0).min(limits::POCKET_RADIUS_MAX_MM)
+        });
         let body = (!is_first).then(|| {
             let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
             Body {
@@ -147,11 +167,7 @@ impl SceneFile {
         };
         let mut scene = Scene {
             schema: file.schema,
-            implant: Implant {
-                base_radius_mm: radius,
-                projection_mm: file.implant.projection_mm.unwrap_or(radius),
-                center_mm,
-            },
+            implant,
             pocket_radius_mm,
             body,
             chest: file.chest,

@@ -93,6 +93,7 @@ pub struct Scene {
     /// [`SCENE_SCHEMA`], [`SCENE_SCHEMA_2`] or [`SCENE_SCHEMA_3`].
     pub schema: String,
     /// The dome.
+    #[serde(serialize_with = "Implant::written")]
     pub implant: Implant,
     /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
     pub pocket_radius_mm: f64,
@@ -118,24 +119,95 @@ pub struct Scene {
     pub solver: SolverSettings,
 }
 
-/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius; anatomical with another height of the base or a
+/// lower apex, from `scene/3` on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Implant {
-    /// Base radius R \[mm\], 10 to 120.
+    /// Base radius R \[mm\], 10 to 120; of an anatomical implant half of the base's width.
     pub base_radius_mm: f64,
     /// Projection p (height) \[mm\], 2 to 120.
     pub projection_mm: f64,
     /// Centre of the base in the pocket \[mm\]; (0, 0) is the pocket's centre.
     pub center_mm: [f64; 2],
+    /// Height of the base along the body \[mm\], half to twice the width; `None`: a round base.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_height_mm: Option<f64>,
+    /// Way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub apex_shift_mm: f64,
+}
+
+/// Greatest way of the apex \[half of the base's height\]: it stays over the base.
+const MAX_APEX_SHIFT: f64 = 0.6;
+/// Least and greatest height of the base \[width\].
+const ASPECTS: (f64, f64) = (0.5, 2.0);
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Implant {
+    /// Height of the base along the body \[mm\]; twice the base radius of a round base.
+    #[must_use]
+    pub fn base_height(&self) -> f64 {
+        self.base_height_mm.unwrap_or(2.0 * self.base_radius_mm)
+    }
+
+    /// Is the implant a solid of revolution?
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        let Self { base_height_mm, apex_shift_mm, .. } = self.in_few_words();
+        base_height_mm.is_none() && apex_shift_mm == 0.0
+    }
+
+    /// Half of the base's width or height, whichever is greater \[mm\].
+    #[must_use]
+    pub fn greatest_half_axis_mm(&self) -> f64 {
+        self.base_radius_mm.max(0.5 * self.base_height())
+    }
+
+    /// Least radius of a pocket that holds the base \[mm\].
+    #[must_use]
+    pub fn least_pocket_mm(&self) -> f64 {
+        self.greatest_half_axis_mm() + self.center_mm[0].hypot(self.center_mm[1])
+    }
+
+    /// Sets the base radius \[mm\]; an anatomical implant keeps its proportions.
+    pub fn set_base_radius(&mut self, radius_mm: f64) {
+        let factor = radius_mm / self.base_radius_mm;
+        if let Some(height) = &mut self.base_height_mm {
+            *height *= factor;
+        }
+        if self.apex_shift_mm != 0.0 {
+            self.apex_shift_mm *= factor;
+        }
+        self.base_radius_mm = radius_mm;
+    }
+
+    /// The same implant without a height of its base that is that of a round base.
+    fn in_few_words(&self) -> Self {
+        let round = 2.0 * self.base_radius_mm;
+        let base_height_mm =
+            self.base_height_mm.filter(|height| (height - round).abs() > 1e-9 * round);
+        Self { base_height_mm, ..*self }
+    }
+
+    fn written<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.in_few_words().serialize(to)
+    }
+
     /// Base width, projection and volume.
     ///
     /// # Errors
     /// One line if base or projection is out of its limits.
     pub fn size(&self) -> Result<Size, ClinicalError> {
-        Size::of_width_and_projection(2.0 * self.base_radius_mm, self.projection_mm)
+        let width = 2.0 * self.base_radius_mm;
+        let size = Size::of_width_and_projection(width, self.projection_mm)?;
+        Ok(match self.in_few_words().base_height_mm {
+            Some(height) => size.with_aspect(height / width),
+            None => size,
+        })
     }
 }
 
@@ -164,7 +236,7 @@ impl Default for Scene {
         let pocket_radius_mm = 70.0;
         Self {
             schema: newest_schema(),
-            implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0, 0.0] },
+            implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
             pocket_radius_mm,
             body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
             chest: None,
@@ -257,23 +329,25 @@ impl Scene {
         for number in [field::BASE_RADIUS, field::PROJECTION, field::CENTER_X, field::CENTER_Y] {
             number.check(self, 0)?;
         }
+        self.check_shape()?;
         let (implant, most) = (&self.implant, limits::POCKET_RADIUS_MAX_MM);
+        let half = if implant.is_round() { "base radius" } else { "half of the base" };
         let [x, y] = implant.center_mm;
-        let (distance, room) = (x.hypot(y), most - implant.base_radius_mm);
+        let (distance, room) = (x.hypot(y), most - implant.greatest_half_axis_mm());
         if distance > room * (1.0 + 1e-9) {
             return Err(out_of_range(
                 "implant.center_mm",
                 format!("{} mm from the pocket's centre", number((10.0 * distance).ceil() / 10.0)),
-                &format!("0 to {} mm ({most} mm - base radius)", number(room)),
+                &format!("0 to {} mm ({most} mm - {half})", number(room)),
             ));
         }
-        let least = implant.base_radius_mm + distance;
+        let least = implant.least_pocket_mm();
         if !(self.pocket_radius_mm >= least * (1.0 - 1e-9) && self.pocket_radius_mm <= most) {
             return Err(out_of_range(
                 "pocket_radius_mm",
                 number(self.pocket_radius_mm),
                 &format!(
-                    "{} (base radius + distance of the implant's centre) to {most} mm",
+                    "{} ({half} + distance of the implant's centre) to {most} mm",
                     number(least)
                 ),
             ));
@@ -309,6 +383,20 @@ impl Scene {
 }
 
 impl Scene {
+    /// Checks the shape of an anatomical implant.
+    fn check_shape(&self) -> Result<(), SceneError> {
+        for (number, is_given) in [
+            (field::BASE_HEIGHT, self.implant.base_height_mm.is_some()),
+            (field::APEX_SHIFT, self.implant.apex_shift_mm != 0.0),
+        ] {
+            if is_given && Version::of(&self.schema) != Some(Version::Third) {
+                return Err(body::in_earlier(number.path, &self.schema));
+            }
+            number.check(self, 0)?;
+        }
+        Ok(())
+    }
+
     /// The problem of the scene, for the solver.
     ///
     /// # Errors
@@ -340,7 +428,7 @@ impl Scene {
             let grid = (solver.nodes_per_side, solver.tolerance, body.map(|_| cells));
             // The version determines the law of compressed skin.
             let wrinkles = scene.skin_wrinkles();
-            (*implant, *pocket_radius_mm, body, *insertion, *springs, grid, wrinkles)
+            (implant.in_few_words(), *pocket_radius_mm, body, *insertion, *springs, grid, wrinkles)
         };
         let layer = |layer: &Layer, other: &Layer| {
             let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;

@@ -45,7 +45,7 @@ impl Scene {
     /// Greatest distance between the centres of implant and pocket \[mm\].
     #[must_use]
     pub fn room_mm(&self) -> f64 {
-        (self.pocket_radius_mm - self.implant.base_radius_mm).max(0.0)
+        (self.pocket_radius_mm - self.implant.greatest_half_axis_mm()).max(0.0)
     }
 
     /// Sets the pocket's radius \[mm\]. A patch of the default radius becomes the default patch of the new pocket; a
@@ -67,16 +67,20 @@ impl Scene {
     /// enough. Makes a chest flatter that is too curved for the tissue.
     pub fn repair(&mut self) -> Option<Repair> {
         let mut repair = None;
+        if !self.implant.is_round() {
+            for number in [field::BASE_HEIGHT, field::APEX_SHIFT] {
+                number.set(self, 0, number.value(self, 0).unwrap_or_default());
+            }
+        }
         let [x, y] = self.implant.center_mm;
-        let room = limits::POCKET_RADIUS_MAX_MM - self.implant.base_radius_mm;
+        let room = limits::POCKET_RADIUS_MAX_MM - self.implant.greatest_half_axis_mm();
         let distance = x.hypot(y);
         if distance > room {
             let factor = (room / distance) * (1.0 - 1e-12);
             self.implant.center_mm = [x * factor, y * factor];
             repair = Some(Repair::ImplantMovedInwards);
         }
-        let [x, y] = self.implant.center_mm;
-        let least = (self.implant.base_radius_mm + x.hypot(y)).min(limits::POCKET_RADIUS_MAX_MM);
+        let least = self.implant.least_pocket_mm().min(limits::POCKET_RADIUS_MAX_MM);
         // The implant may touch the pocket's rim; the bound allows for rounding.
         if self.pocket_radius_mm < least * (1.0 - 1e-9) {
             self.set_pocket_radius(least);

@@ -1,5 +1,6 @@
 //! Initial guess from geometry alone: in every vertical plane through the dome's axis the taut profile over
-//! the dome and down to a circle, uniformly stretched along its length.
+//! the dome and down to a circle, uniformly stretched along its length; of an anatomical dome the linear image of the guess of a round
+//! one; over a curved wall the same heights above the wall, which may lie within the dome.
 
 use crate::contact::Dome;
 use crate::mesh::{NodeKind, Rest};
@@ -16,6 +17,7 @@ pub(crate) fn taut_profile(rest: &Rest, dome: &Dome) -> Vec<DVec3> {
 /// [`taut_profile`] down to a circle of this radius \[mm\], beyond which nodes are at rest.
 pub(crate) fn taut_within(rest: &Rest, dome: &Dome, radius: f64) -> Vec<DVec3> {
     let (sheet, meridian) = (rest.sheet(), meridian(dome));
+    let (axis, axes) = (dome.axis(0.0), DVec2::new(1.0, dome.base_along / dome.base_radius));
     let mut profile = Vec::with_capacity(MERIDIAN + 2);
     sheet
         .rest()
@@ -23,16 +25,21 @@ pub(crate) fn taut_within(rest: &Rest, dome: &Dome, radius: f64) -> Vec<DVec3> {
         .zip(sheet.kinds())
         .enumerate()
         .map(|(k, (&place, kind))| {
-            let from_axis = place - dome.center;
-            let distance = from_axis.length();
+            let from_axis = place - axis;
+            // In the plane of a round implant, whose linear image the dome is.
+            let round = from_axis / axes;
+            let distance = round.length();
             if *kind != NodeKind::Free || place.length() >= radius {
                 return rest.node(0, k);
             }
-            let direction = if distance > 0.0 { from_axis / distance } else { DVec2::X };
-            let reach = distance_to_border(dome.center, direction, radius);
+            let direction = if distance > 0.0 { round / distance } else { DVec2::X };
+            let stretch = (direction * axes).length() / direction.length();
+            let reach = distance_to_border(axis, direction * axes / stretch, radius) / stretch;
             pull_taut(&meridian, reach, &mut profile);
             let at = along(&profile, distance / reach);
-            (dome.center + direction * at.x).extend(at.y)
+            let place = dome.axis(at.y) + direction * axes * at.x;
+            let (foot, _) = dome.chest.foot_and_normal(place);
+            foot.with_z(foot.z + at.y)
         })
         .collect()
 }

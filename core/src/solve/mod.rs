@@ -204,8 +204,6 @@ impl Solver {
             }
             Method::Multigrid { cycles } => self.start_multigrid(Stop::Cycles(cycles)),
             Method::Newton => self.start_newton(Start::Cold),
-            // The multigrid is flat.
-            Method::Automatic if !self.problem.rest.is_flat() => self.start_newton(Start::Cold),
             Method::Automatic => self.start_multigrid(Stop::Tolerance),
         }
     }
@@ -415,7 +413,7 @@ impl Solver {
     /// Makes the last shape of layered tissue admissible: a step of Newton's method ends beside the dome by the square of
     /// its length. A shape with an inverted cell is no shape.
     fn admit_last_shape(&mut self) {
-        let obstacle = self.problem.obstacle;
+        let obstacle = &self.problem.obstacle;
         for x in &mut self.x {
             *x = obstacle.project(*x, 0.0);
         }

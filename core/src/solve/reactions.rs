@@ -67,7 +67,7 @@ impl PartReactions {
 
 pub(super) fn of(solution: &Solution) -> PartReactions {
     let problem = solution.problem();
-    let (sheet, dome, wall) = (problem.sheet(), &problem.obstacle.dome, problem.obstacle.wall);
+    let (sheet, dome, wall) = (problem.sheet(), &problem.obstacle.dome, &problem.obstacle.wall);
     let x = solution.inner();
     let part = solution.part();
     let touch = TOUCH * dome.reference_length();

@@ -1,7 +1,7 @@
 //! Validity of a solution: finite, not penetrated, not inverted.
 
 use crate::contact::Dome;
-use crate::mesh::{CellKind, Sheet};
+use crate::mesh::{CellKind, Chest, Sheet};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +67,9 @@ pub(crate) fn invalid(
 ) -> Option<Invalid> {
     let n = sheet.nodes_per_side();
     let viewpoint = viewpoint(sheet);
+    // Heights above a curved wall instead of z: the wall becomes the plane, and what is inverted stays so.
+    let (chest, dome) = (&dome.chest, dome.clone().over(Chest::Flat));
+    let at = |i: usize, j: usize| chest.flattened(at(i, j));
     let is_deep = dome.is_deeper_than(MAX_CHORD_DEPTH);
     let (mut is_penetrated, mut is_folded, mut highest) = (false, false, 0.0_f64);
     for j in first[1]..n - 1 {
@@ -100,6 +103,18 @@ mod tests {
     use crate::mesh::Rest;
     use crate::solve::initial_guess;
     use glam::DVec2;
+
+    #[test]
+    fn the_initial_guess_of_an_anatomical_implant_is_valid() {
+        let rest = Rest::of_sheet(Sheet::new(65, 75.0));
+        for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(4.0, -3.0), 0.7)] {
+            let dome = Dome::new(center, 55.0, 40.0, t).anatomical(65.0, 28.0);
+            let x = initial_guess::taut_profile(&rest, &dome);
+            assert_eq!(invalid(rest.sheet(), &dome, 1e-4, [0; 2], |i, j| x[j * 65 + i]), None);
+            let highest = x.iter().max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+            assert!(highest.distance(dome.apex()) < 3.0, "{highest}");
+        }
+    }
 
     #[test]
     fn shapes_that_are_not_finite_inverted_or_penetrated_are_invalid() {

@@ -83,14 +83,20 @@ impl Map {
         const POINTS: usize = 101;
         let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
         let (low, high) = (y.from.min(y.to), y.from.max(y.to));
-        let size = |x: f64, y: f64| Size::of_width_and_projection(factor * x, y).ok();
+        let aspect = self.base().implant.size().map_or(1.0, Size::aspect);
+        let size = |x: f64, y: f64| {
+            Some(Size::of_width_and_projection(factor * x, y).ok()?.with_aspect(aspect))
+        };
         let volume = |x: f64, y: f64| size(x, y).map_or(f64::NAN, Size::volume_ml);
         let least = volume(x.from.min(x.to), low);
         let most = volume(x.from.max(x.to), high);
         let line = |volume: f64| -> Path {
             let xs = (0..POINTS).map(|k| x.from + (x.to - x.from) * k as f64 / (POINTS - 1) as f64);
             let of = |x: f64| {
-                Some((x, Size::of_width_and_volume(factor * x, volume).ok()?.projection_mm()))
+                Some((
+                    x,
+                    Size::of_width_and_volume(factor * x, volume / aspect).ok()?.projection_mm(),
+                ))
             };
             xs.filter_map(of).filter(|(_, y)| (low..=high).contains(y)).collect()
         };
@@ -99,12 +105,12 @@ impl Map {
         lines.filter(|(_, path)| path.len() > 1).collect()
     }
 
-    /// Typical round sizes on a map over width and projection, as (x, y).
+    /// Typical round sizes on a map of round implants over width and projection, as (x, y).
     #[must_use]
     pub fn typical_sizes(&self) -> Vec<(f64, f64)> {
         let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
         let at = |size: Size| (size.base_width_mm() / factor, size.projection_mm());
-        let sizes = typical_sizes().into_iter().map(at);
+        let sizes = typical_sizes().into_iter().filter(|_| self.base().implant.is_round()).map(at);
         sizes.filter(|(a, b)| x.contains(*a) && y.contains(*b)).collect()
     }
 }

@@ -5,8 +5,8 @@
 //! bisection is repeated there. A case is computed as those of all studies, without Newton's method on layered tissue.
 
 use super::{Case, Cases, Job, MapSettings, Parameter, Study, with_values};
-use crate::clinical::Size;
-use crate::scene::{Scene, field};
+use crate::clinical::{Dimension, Size};
+use crate::scene::{Implant, Scene, field};
 
 /// Grid and tolerance of the bisection.
 const COARSE: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -128,9 +128,11 @@ impl Nearest {
         let mut scene = self.plan.clone();
         match self.bracket.varied {
             Varied::Volume => {
-                let width = 2.0 * scene.implant.base_radius_mm;
                 let volume = VOLUME_STEP_ML * f64::from(value);
-                if let Ok(size) = Size::of_width_and_volume(width, volume) {
+                let size = scene.implant.size();
+                let changed =
+                    size.and_then(|it| it.changed(Dimension::Volume, volume, Dimension::BaseWidth));
+                if let Ok(size) = changed {
                     scene.implant.projection_mm = size.projection_mm();
                 }
             }
@@ -214,12 +216,12 @@ impl Bracket {
         let steps = |value: f64, step: f64| (value / step - 1e-9).ceil().max(0.0) as u32;
         let (least, high) = match varied {
             Varied::Volume => {
-                let width = 2.0 * plan.implant.base_radius_mm;
                 let projection = LEAST_RATIO * plan.implant.base_radius_mm;
                 let volume = |projection: f64| {
                     let projection =
                         projection.clamp(field::PROJECTION.limits.0, field::PROJECTION.limits.1);
-                    Size::of_width_and_projection(width, projection).map_or(0.0, Size::volume_ml)
+                    let implant = Implant { projection_mm: projection, ..plan.implant };
+                    implant.size().map_or(0.0, Size::volume_ml)
                 };
                 let [least, present] = [projection, plan.implant.projection_mm].map(volume);
                 (steps(least, VOLUME_STEP_ML), steps(present, VOLUME_STEP_ML))

@@ -1,7 +1,7 @@
 //! The numbers of a scene that a map varies: paths of the scene and a surgeon's names.
 
 use super::quantity::short;
-use crate::clinical::{ClinicalError, Measurements, Size};
+use crate::clinical::{ClinicalError, Dimension, Measurements};
 use crate::curve::number;
 use crate::scene::field::{self, Change, Field, Part};
 use crate::scene::{Body, ChestShape, Scene, SceneError, limits};
@@ -21,6 +21,10 @@ pub enum Parameter {
     Projection,
     /// `volume_ml`: changes the projection; on a map over projection and volume the base width \[ml\].
     Volume,
+    /// `implant.base_height_mm`.
+    BaseHeight,
+    /// `implant.apex_shift_mm`.
+    ApexShift,
     /// `implant.center_mm[0]`.
     CenterX,
     /// `implant.center_mm[1]`.
@@ -75,6 +79,8 @@ const NAMES: [(&str, Parameter); 25] = [
     ("poisson_ratio", Parameter::PoissonRatio),
     (field::BASE_RADIUS.path, Parameter::BaseRadius),
     (field::PROJECTION.path, Parameter::Projection),
+    (field::BASE_HEIGHT.path, Parameter::BaseHeight),
+    (field::APEX_SHIFT.path, Parameter::ApexShift),
     (field::CENTER_X.path, Parameter::CenterX),
     (field::CENTER_Y.path, Parameter::CenterY),
     (field::PATCH_RADIUS.path, Parameter::PatchRadius),
@@ -140,6 +146,8 @@ impl Parameter {
         let (field, layer) = match self {
             Self::BaseWidth | Self::BaseRadius => (field::BASE_RADIUS, 0),
             Self::Projection | Self::Volume => (field::PROJECTION, 0),
+            Self::BaseHeight => (field::BASE_HEIGHT, 0),
+            Self::ApexShift => (field::APEX_SHIFT, 0),
             Self::CenterX => (field::CENTER_X, 0),
             Self::CenterY => (field::CENTER_Y, 0),
             Self::PocketMargin | Self::PocketRadius => (field::POCKET_RADIUS, 0),
@@ -201,7 +209,7 @@ impl Parameter {
     /// Does the pocket follow the implant when this parameter changes?
     #[must_use]
     pub fn moves_implant(self) -> bool {
-        let sizes = [Self::BaseWidth, Self::BaseRadius, Self::Volume];
+        let sizes = [Self::BaseWidth, Self::BaseRadius, Self::BaseHeight, Self::Volume];
         sizes.contains(&self) || matches!(self, Self::CenterX | Self::CenterY)
     }
 
@@ -247,11 +255,11 @@ impl From<Parameter> for String {
     }
 }
 
-/// Pocket radius less base radius and distance of the implant's centre \[mm\], 0 or more. Rounded to 1e-9 mm, so that the
+/// Pocket radius less half of the implant's base and distance of its centre \[mm\], 0 or more. Rounded to 1e-9 mm, so that the
 /// margin is the same for every implant that keeps it.
 fn margin(scene: &Scene) -> f64 {
     let [x, y] = scene.implant.center_mm;
-    let margin = scene.pocket_radius_mm - scene.implant.base_radius_mm - x.hypot(y);
+    let margin = scene.pocket_radius_mm - scene.implant.greatest_half_axis_mm() - x.hypot(y);
     ((1e9 * margin).round() / 1e9).max(0.0)
 }
 
@@ -296,23 +304,29 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
     let mut scene = base.clone();
     let base_margin = margin(base);
     let of = |wanted: Parameter| values.iter().find(|(p, _)| *p == wanted).map(|(_, value)| *value);
-    for &(parameter, value) in values {
+    // The proportions of an anatomical implant, which its sizes keep, are set after these.
+    let is_shape = |parameter| matches!(parameter, Parameter::BaseHeight | Parameter::ApexShift);
+    for &(parameter, value) in values.iter().filter(|(parameter, _)| !is_shape(*parameter)) {
         set(&mut scene, parameter, value)?;
     }
     if let Some(volume) = of(Parameter::Volume) {
-        let size = match of(Parameter::Projection) {
-            Some(projection) => Size::of_projection_and_volume(projection, volume)?,
-            None => Size::of_width_and_volume(2.0 * scene.implant.base_radius_mm, volume)?,
+        let locked = if of(Parameter::Projection).is_some() {
+            Dimension::Projection
+        } else {
+            Dimension::BaseWidth
         };
-        scene.implant.base_radius_mm = 0.5 * size.base_width_mm();
+        let size = scene.implant.size()?.changed(Dimension::Volume, volume, locked)?;
+        scene.implant.set_base_radius(0.5 * size.base_width_mm());
         scene.implant.projection_mm = size.projection_mm();
+    }
+    for &(parameter, value) in values.iter().filter(|(parameter, _)| is_shape(*parameter)) {
+        set(&mut scene, parameter, value)?;
     }
     let sets_pocket = of(Parameter::PocketRadius).is_some();
     let moves_implant = values.iter().any(|(parameter, _)| parameter.moves_implant());
     let margin = of(Parameter::PocketMargin).or_else(|| moves_implant.then_some(base_margin));
     if let Some(margin) = margin.filter(|_| !sets_pocket) {
-        let [x, y] = scene.implant.center_mm;
-        let radius = scene.implant.base_radius_mm + x.hypot(y) + margin;
+        let radius = scene.implant.least_pocket_mm() + margin;
         // A pocket of the margin may be larger than the largest pocket; a margin that was asked for is not changed.
         let is_wanted = of(Parameter::PocketMargin).is_some();
         let most = if is_wanted { f64::INFINITY } else { limits::POCKET_RADIUS_MAX_MM };
@@ -332,7 +346,8 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
     let count = scene.layers.len();
     let name = || parameter.name();
     match parameter {
-        Parameter::BaseWidth => scene.implant.base_radius_mm = 0.5 * value,
+        Parameter::BaseWidth => scene.implant.set_base_radius(0.5 * value),
+        Parameter::BaseRadius => scene.implant.set_base_radius(value),
         Parameter::PocketRadius => scene.set_pocket_radius(value),
         Parameter::Volume | Parameter::PocketMargin => {}
         Parameter::Pinch | Parameter::SkinPull => {

@@ -161,8 +161,7 @@ impl Unknown {
             }
             Self::PocketRadius => {
                 // The patch stays, so that all samples of layered tissue have one grid.
-                let [x, y] = base.implant.center_mm;
-                let least = base.implant.base_radius_mm + x.hypot(y);
+                let least = base.implant.least_pocket_mm();
                 let most = limits::POCKET_RADIUS_MAX_MM;
                 scene.pocket_radius_mm = (base.pocket_radius_mm + value).max(least).min(most);
                 if let Some(body) = &mut scene.body {

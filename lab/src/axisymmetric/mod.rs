@@ -34,6 +34,9 @@ pub enum AxisymmetricError {
         /// Distance between the axes of dome and pocket \[mm\].
         distance_mm: f64,
     },
+    /// The dome is anatomical.
+    #[error("the dome is no solid of revolution; allowed: a round implant")]
+    NotRound,
     /// The pocket is smaller than the dome.
     #[error(
         "the pocket radius is {pocket_radius_mm} mm; allowed: at least the base radius \
@@ -105,7 +108,7 @@ impl Solution {
 /// base radius; shooting may fail for much flatter or taller domes.
 ///
 /// # Errors
-/// [`AxisymmetricError`] if the dome is off centre or larger than the pocket, if the sheet has no layer, or
+/// [`AxisymmetricError`] if the dome is off centre, anatomical or larger than the pocket, if the sheet has no layer, or
 /// if shooting does not satisfy the boundary conditions.
 pub fn solve(
     dome: &Dome,
@@ -115,6 +118,9 @@ pub fn solve(
     let (distance_mm, base_radius_mm) = (dome.center.length(), dome.base_radius);
     if distance_mm > 1e-9 * base_radius_mm {
         return Err(AxisymmetricError::OffCentre { distance_mm });
+    }
+    if !dome.is_round() {
+        return Err(AxisymmetricError::NotRound);
     }
     if pocket_radius_mm < base_radius_mm * (1.0 - 1e-9) {
         return Err(AxisymmetricError::Pocket { pocket_radius_mm, base_radius_mm });

@@ -93,7 +93,7 @@ fn pig_scene(model: TissueModel, pocket_mm: f64, fat: Option<Layer>, nodes: usiz
         implant: Implant {
             base_radius_mm: PIG_BASE_MM,
             projection_mm: PIG_PROJECTION_MM,
-            center_mm: [0.0; 2],
+            ..Implant::default()
         },
         pocket_radius_mm: pocket_mm,
         body: Some(Body::around(pocket_mm, model)),

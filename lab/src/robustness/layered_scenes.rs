@@ -53,7 +53,7 @@ pub(super) fn extreme(rng: &mut Rng) -> Scene {
 fn start() -> Scene {
     Scene {
         schema: SCENE_SCHEMA_3.to_owned(),
-        implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0; 2] },
+        implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
         pocket_radius_mm: 70.0,
         body: Some(Body::around(70.0, TissueModel::Layered)),
         chest: None,
@@ -80,6 +80,7 @@ pub(super) fn realistic_dome(rng: &mut Rng, scene: &mut Scene) {
         base_radius_mm: radius,
         projection_mm: radius * uniform(rng, PROJECTION),
         center_mm: [distance * angle.cos(), distance * angle.sin()],
+        ..Implant::default()
     };
     scene.pocket_radius_mm = pocket;
     fit_patch(scene);

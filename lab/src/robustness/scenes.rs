@@ -25,7 +25,7 @@ pub(super) fn log_uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
 pub(super) fn scene(rng: &mut Rng) -> Scene {
     let mut scene = Scene {
         schema: SCENE_SCHEMA.to_owned(),
-        implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, center_mm: [0.0; 2] },
+        implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
         pocket_radius_mm: 70.0,
         body: None,
         chest: None,
@@ -72,6 +72,7 @@ pub(super) fn dome_and_pocket(rng: &mut Rng, scene: &mut Scene) {
         base_radius_mm: radius,
         projection_mm: projection,
         center_mm: [distance * angle.cos(), distance * angle.sin()],
+        ..Implant::default()
     };
     let [x, y] = scene.implant.center_mm;
     scene.pocket_radius_mm = pocket.max(radius + x.hypot(y)).min(most);

@@ -173,7 +173,7 @@ impl Reference {
             implant: Implant {
                 base_radius_mm: self.base_radius_mm,
                 projection_mm: self.projection_mm,
-                center_mm: [0.0; 2],
+                ..Implant::default()
             },
             pocket_radius_mm: self.pocket_radius_mm,
             body: Some(Body {

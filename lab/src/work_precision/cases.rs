@@ -73,7 +73,11 @@ impl Case {
     pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {
         let sheet = |radius: f64, pocket_radius_mm: f64, layers: Vec<Layer>| Scene {
             schema: SCENE_SCHEMA.to_owned(),
-            implant: Implant { base_radius_mm: radius, projection_mm: radius, center_mm: [0.0; 2] },
+            implant: Implant {
+                base_radius_mm: radius,
+                projection_mm: radius,
+                ..Implant::default()
+            },
             pocket_radius_mm,
             body: None,
             chest: None,

@@ -50,8 +50,8 @@ fn largest_usual(ui: &mut Ui, scene: &Scene, device: Device, marks: &VolumeMarks
         return None;
     };
     let link = ui.link(RichText::new(words).small()).on_hover_ui(about);
-    let width = 2.0 * scene.implant.base_radius_mm;
-    link.clicked().then(|| Size::of_width_and_volume(width, volume).ok())?
+    let changed = |size: Size| size.changed(Dimension::Volume, volume, Dimension::BaseWidth).ok();
+    link.clicked().then(|| scene.implant.size().ok().and_then(changed))?
 }
 
 /// The switch between implant and expander.
@@ -328,7 +328,7 @@ fn third(a: Dimension, b: Dimension) -> Dimension {
 fn allowed(size: Size, dimension: Dimension, held: Dimension) -> RangeInclusive<f64> {
     use Dimension::{BaseWidth, Projection, Volume};
     // Volume [ml] = factor · width² [mm²] · projection [mm].
-    let factor = std::f64::consts::PI / 6000.0;
+    let factor = std::f64::consts::PI / 6000.0 * size.aspect();
     let (width, projection, volume) =
         (size.base_width_mm(), size.projection_mm(), size.volume_ml());
     let (widths, projections) = (limits::BASE_WIDTH_MM, limits::PROJECTION_MM);
@@ -357,11 +357,13 @@ fn allowed(size: Size, dimension: Dimension, held: Dimension) -> RangeInclusive<
 /// Sets the size of the implant. The pocket keeps its margin around the implant.
 pub(super) fn set_size(scene: &mut Scene, size: Size) {
     let radius = 0.5 * size.base_width_mm();
-    let before = scene.implant.base_radius_mm;
+    let before = scene.implant;
     scene.implant.projection_mm = size.projection_mm();
-    if radius.to_bits() != before.to_bits() {
-        let pocket = significant(scene.pocket_radius_mm - before + radius);
-        scene.implant.base_radius_mm = radius;
+    if radius.to_bits() != before.base_radius_mm.to_bits() {
+        scene.implant.set_base_radius(radius);
+        let (before, after) =
+            (before.greatest_half_axis_mm(), scene.implant.greatest_half_axis_mm());
+        let pocket = significant(scene.pocket_radius_mm - before + after);
         scene.set_pocket_radius(pocket.min(scene::limits::POCKET_RADIUS_MAX_MM));
     }
 }

@@ -108,11 +108,9 @@ const ROUND_MM: f64 = 5.0;
 /// The implant in the middle of the chart of a plan.
 pub(super) fn middle(implant: Implant) -> Implant {
     let round = |value: f64| ROUND_MM * (value / ROUND_MM).round();
-    Implant {
-        base_radius_mm: 0.5 * round(2.0 * implant.base_radius_mm),
-        projection_mm: round(implant.projection_mm),
-        ..implant
-    }
+    let mut middle = Implant { projection_mm: round(implant.projection_mm), ..implant };
+    middle.set_base_radius(0.5 * round(2.0 * implant.base_radius_mm));
+    middle
 }
 
 /// Sizes around the one in the middle, within the limits.

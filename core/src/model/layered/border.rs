@@ -6,8 +6,9 @@
 use super::cell;
 use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, Modes, modes, on_faces};
-use super::sides::Oblique;
-use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
+use super::shape::{Even, Own, RestShape};
+use super::sides::{Oblique, Skew};
+use super::stiffness::{CORNERS, CellStiffness, LaneLaw};
 use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
 use crate::mesh::{CellKind, Sheet};
@@ -22,14 +23,14 @@ pub(super) struct Border {
 }
 
 #[derive(Clone, Debug)]
-struct Four {
+pub(super) struct Four {
     /// Stored nodes at each corner; of a missing corner any node.
     corners: [[u32; 4]; 4],
     /// 1 where the corner is missing.
     missing: [f32x4; 4],
     /// The slopes in the spacing's directions per slope along the cell's sides: ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y.
     sides: [f32x4; 4],
-    /// Area, in those of a regular cell; zero in unused lanes.
+    /// Area over a flat wall, in those of a regular cell; zero in unused lanes.
     weight: f32x4,
 }
 
@@ -106,11 +107,11 @@ impl BorderCell {
 }
 
 impl Border {
-    pub(super) fn new(layout: &Layout) -> Self {
+    /// The cells of a layout that are not regular; four after four are a group.
+    pub(super) fn cells(layout: &Layout) -> Vec<BorderCell> {
         let n = layout.nodes_per_side;
         let sheet = Sheet::new(n, (n / 2) as f64);
         let first = layout.first();
-        let stored = |k: usize| ((k / n - first[1]) * layout.pitch + k % n - first[0]) as u32;
         let mut cells = Vec::new();
         for j in 0..layout.rows - 1 {
             let (from, to) = layout.regular[j];
@@ -118,6 +119,13 @@ impl Border {
                 cells.extend(BorderCell::new(&sheet, i + first[0], j + first[1]));
             }
         }
+        cells
+    }
+
+    pub(super) fn new(layout: &Layout) -> Self {
+        let (n, first) = (layout.nodes_per_side, layout.first());
+        let stored = |k: usize| ((k / n - first[1]) * layout.pitch + k % n - first[0]) as u32;
+        let cells = Self::cells(layout);
         let four = |cells: &[BorderCell]| {
             let cell = |lane: usize| cells[lane.min(cells.len() - 1)];
             let lanes = |value: &dyn Fn(BorderCell) -> f64| {
@@ -147,13 +155,13 @@ impl Border {
     pub(super) fn renew(
         &self,
         law: &LaneLaw,
-        shape: &Shape,
+        shape: impl Fn(usize, &Four) -> Own,
         layers: [usize; 2],
         u: &Field,
         pressure: &mut [f32x4],
     ) {
-        for (four, pressure) in self.fours.iter().zip(pressure) {
-            let volume = cell::volume(&four.modes(u, layers), &four.oblique(shape));
+        for (k, (four, pressure)) in self.fours.iter().zip(pressure).enumerate() {
+            let volume = cell::volume(&four.modes(u, layers), &shape(k, four).sides);
             *pressure = law.renewed(Volume::new(volume), *pressure);
         }
     }
@@ -163,18 +171,18 @@ impl Border {
     pub(super) fn add_forces(
         &self,
         law: &LaneLaw,
-        shape: &Shape,
+        shape: impl Fn(usize, &Four) -> Own,
         layers: [usize; 2],
         pressure: &[f32x4],
         u: &Field,
         f: &mut Field,
     ) {
         for (k, four) in self.fours.iter().enumerate() {
-            let modes = four.modes(u, layers);
+            let shape = shape(k, four);
+            let modes = shape.removed(four.modes(u, layers));
             let augmented = pressure.get(k).copied().unwrap_or_default();
-            let sides = four.oblique(shape);
-            let force = cell::center(law, &modes, &sides, &shape.variation, augmented);
-            let force = force.weighted(four.weight);
+            let force = cell::center(law, &modes, &shape.sides, &shape.variation, augmented);
+            let force = shape.handed_back(force).weighted(four.weight);
             for (face, layer) in on_faces(&force).iter().zip(layers) {
                 four.pull(face, layer, f);
             }
@@ -182,10 +190,10 @@ impl Border {
     }
 
     /// Adds the blocks of a layer of cells.
-    pub(super) fn add_blocks(
+    pub(super) fn add_blocks<S: RestShape>(
         &self,
         law: &LaneLaw,
-        shape: &Shape,
+        shape: impl Fn(usize) -> S,
         layers: [usize; 2],
         pressure: &[f32x4],
         u: &Field,
@@ -193,10 +201,12 @@ impl Border {
     ) {
         for (k, four) in self.fours.iter().enumerate() {
             let augmented = pressure.get(k).copied().unwrap_or_default();
-            let stiffness = CellStiffness::new(law, &four.modes(u, layers), shape, augmented);
+            let shape = shape(k);
+            let modes = shape.removed(four.modes(u, layers));
+            let stiffness = CellStiffness::new(law, &modes, &shape, augmented);
             for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
                 let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
-                let weight = four.weight * (f32x4::ONE - four.missing[corner]);
+                let weight = four.weight * shape.weight() * (f32x4::ONE - four.missing[corner]);
                 let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
                 for (lane, &node) in four.corners[corner].iter().enumerate() {
                     let at = node as usize + layers[0];
@@ -222,9 +232,14 @@ impl Four {
         modes(&inner, &outer)
     }
 
-    /// The sides of the cells in a layer.
-    fn oblique(&self, shape: &Shape) -> Oblique<f32x4> {
-        Oblique::in_plane(self.sides, shape.sides.slope)
+    /// The rest shape of the cells in a layer over a flat wall.
+    pub(super) fn upright(&self, Even { sides, variation }: &Even) -> Own {
+        Own {
+            sides: Oblique::in_plane(self.sides, sides.slope),
+            variation: *variation,
+            weight: f32x4::ONE,
+            skew: Skew::default(),
+        }
     }
 
     /// The sums over the corners of a face.

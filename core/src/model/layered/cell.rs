@@ -36,6 +36,7 @@ impl<R: Real> Variation<R> {
     }
 
     /// Of the sides of a cell at rest, a mean of the twists through the thickness.
+    #[inline(always)]
     pub(super) fn of_sides(Oblique(columns): &Oblique<R>) -> Self {
         let [xi, eta, zeta] =
             [0, 1, 2].map(|k| columns.iter().fold(R::default(), |sum, c| sum + c[k] * c[k]));

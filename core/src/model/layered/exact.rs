@@ -113,7 +113,7 @@ pub struct Place {
 pub(super) struct CellShape {
     pub(super) sides: Oblique<f64>,
     /// Of a cell over a curved wall.
-    pub(super) skew: Option<Skew>,
+    pub(super) skew: Option<Skew<f64>>,
     pub(super) variation: Variation<f64>,
     /// Volume over the spacing squared \[mm\].
     pub(super) volume: f64,
@@ -122,7 +122,7 @@ pub(super) struct CellShape {
 impl CellShape {
     /// Forces on the modes of a cell, from those on its modes without skew.
     pub(super) fn handed_back(&self, forces: Modes<f64>) -> Modes<f64> {
-        self.skew.map_or(forces, |skew| skew.handed_back(&forces))
+        self.skew.map_or(forces, |skew| skew.handed_back(&self.sides, &forces))
     }
 }
 
@@ -344,7 +344,7 @@ impl Exact<'_> {
                     parity: parity
                         .filter(|_| is_large(spacing, cells.height_mm))
                         .map(|parity| sign * parity),
-                    modes: shape.skew.map_or(modes, |skew| skew.removed(&modes)),
+                    modes: shape.skew.map_or(modes, |skew| skew.removed(&shape.sides, &modes)),
                 });
             }
         }

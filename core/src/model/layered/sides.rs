@@ -4,7 +4,7 @@
 
 use super::law::{Matrix, combined};
 use super::modes::Modes;
-use crate::mesh::vec3::{dot, scale, sub};
+use crate::mesh::vec3::{add, dot, scale, sub};
 use crate::number::Real;
 use glam::{DMat3, DVec3};
 
@@ -15,6 +15,9 @@ pub(crate) trait Sides<R: Real>: Copy {
 
     /// The transpose of [`Self::gradient`]: the stress along the sides.
     fn stress(&self, stress: Matrix<R>) -> Matrix<R>;
+
+    /// The gradient of a scalar with these slopes along the sides.
+    fn of_scalar(&self, slopes: [R; 3]) -> [R; 3];
 }
 
 /// Sides along the axes: two of one spacing, the third of the cell's height.
@@ -38,6 +41,11 @@ impl<R: Real> Sides<R> for Upright<R> {
     fn stress(&self, [x, y, z]: Matrix<R>) -> Matrix<R> {
         [x, y, scale(z, self.slope)]
     }
+
+    #[inline(always)]
+    fn of_scalar(&self, [x, y, z]: [R; 3]) -> [R; 3] {
+        [x, y, z * self.slope]
+    }
 }
 
 impl<R: Real> Sides<R> for Oblique<R> {
@@ -50,6 +58,11 @@ impl<R: Real> Sides<R> for Oblique<R> {
     fn stress(&self, stress: Matrix<R>) -> Matrix<R> {
         let [a, b, c] = self.0;
         [0, 1, 2].map(|k| combined(stress, [a[k], b[k], c[k]]))
+    }
+
+    #[inline(always)]
+    fn of_scalar(&self, slopes: [R; 3]) -> [R; 3] {
+        self.0.map(|column| dot(column, slopes))
     }
 }
 
@@ -76,20 +89,22 @@ fn with_identity<R: Real>(mut columns: Matrix<R>) -> Matrix<R> {
     columns
 }
 
-/// What the sides of a cell at rest lack to a parallelepiped: its own modes b₁₂, b₁₃, b₂₃, d along its sides.
+/// What the sides of a cell at rest lack to a parallelepiped: the vectors b₁₂, b₁₃, b₂₃, d of its own modes \[spacings\].
 ///
-/// Of a displacement with the slopes L the twist of the deformed cell beyond that of the gradient alone is b − L·skew: without
-/// this part a rotation of the cell would strain the cell.
+/// Of a displacement with the gradient H in the middle of the cell the twist of the deformed cell beyond that of the gradient
+/// alone is b − H·skew: without this part a rotation of the cell would strain the cell.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Skew {
-    twist: Matrix<f64>,
-    d: [f64; 3],
+pub(crate) struct Skew<R> {
+    pub(crate) twist: Matrix<R>,
+    pub(crate) d: [R; 3],
 }
 
-impl Skew {
+impl<R: Real> Skew<R> {
     /// The modes of a displacement without those of its gradient in the middle of the cell.
-    pub(crate) fn removed(&self, modes: &Modes<f64>) -> Modes<f64> {
-        let without = |b, skew| sub(b, combined(modes.linear, skew));
+    #[inline(always)]
+    pub(crate) fn removed(&self, sides: &Oblique<R>, modes: &Modes<R>) -> Modes<R> {
+        let gradient = sides.turned(modes.linear);
+        let without = |b, skew| sub(b, combined(gradient, skew));
         let [p, q, r] = self.twist;
         let [xy, xz, yz] = modes.twist;
         Modes {
@@ -100,35 +115,35 @@ impl Skew {
     }
 
     /// The transpose of [`Self::removed`], for forces.
-    pub(crate) fn handed_back(&self, forces: &Modes<f64>) -> Modes<f64> {
-        let mut linear = forces.linear;
-        let all = forces.twist.iter().zip(&self.twist).chain([(&forces.d, &self.d)]);
-        for (force, skew) in all {
-            for (to, part) in linear.iter_mut().zip(skew) {
-                *to = sub(*to, scale(*force, *part));
-            }
-        }
-        Modes { linear, ..*forces }
+    #[inline(always)]
+    pub(crate) fn handed_back(&self, sides: &Oblique<R>, forces: &Modes<R>) -> Modes<R> {
+        let ([p, q, r], [xy, xz, yz]) = (self.twist, forces.twist);
+        let stress = [0, 1, 2].map(|k| {
+            let twists = add(add(scale(xy, p[k]), scale(xz, q[k])), scale(yz, r[k]));
+            add(twists, scale(forces.d, self.d[k]))
+        });
+        let [x, y, z] = sides.stress(stress);
+        let linear = forces.linear;
+        Modes { linear: [sub(linear[0], x), sub(linear[1], y), sub(linear[2], z)], ..*forces }
     }
 
     /// [`Self::removed`] of one component.
     pub(crate) fn removed_from(
         &self,
-        linear: [f64; 3],
-        twist: [f64; 3],
-        d: f64,
-    ) -> ([f64; 3], f64) {
-        let [p, q, r] = self.twist.map(|skew| dot(linear, skew));
-        (sub(twist, [p, q, r]), d - dot(linear, self.d))
+        sides: &Oblique<R>,
+        linear: [R; 3],
+        twist: [R; 3],
+        d: R,
+    ) -> ([R; 3], R) {
+        let gradient = sides.0.map(|column| dot(linear, column));
+        (sub(twist, self.twist.map(|skew| dot(gradient, skew))), d - dot(gradient, self.d))
     }
 }
 
 /// Sides, skew and volume \[spacings³\] of a cell with these modes of its positions at rest \[spacings\].
-pub(crate) fn of_rest(rest: &Modes<f64>) -> (Oblique<f64>, Skew, f64) {
+pub(crate) fn of_rest(rest: &Modes<f64>) -> (Oblique<f64>, Skew<f64>, f64) {
     let [x, y, z] = rest.linear.map(DVec3::from);
     let jacobian = DMat3::from_cols(x, y, z);
-    let inverse = jacobian.inverse();
-    let along = |b: [f64; 3]| (inverse * DVec3::from(b)).to_array();
-    let skew = Skew { twist: rest.twist.map(along), d: along(rest.d) };
-    (Oblique(inverse.to_cols_array_2d()), skew, jacobian.determinant())
+    let skew = Skew { twist: rest.twist, d: rest.d };
+    (Oblique(jacobian.inverse().to_cols_array_2d()), skew, jacobian.determinant())
 }

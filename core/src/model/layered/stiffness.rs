@@ -6,11 +6,12 @@
 //!
 //! where a negative bend is bounded.
 
-use super::cell::{self, Variation};
+use super::cell;
 use super::curve_law::CurveLaw;
 use super::law::{Curvature, Deformed, Isochoric, Matrix, SolidLaw, Volume, combined};
 use super::modes::Modes;
-use super::sides::{Sides, Upright};
+use super::shape::RestShape;
+use super::sides::Sides;
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
 use crate::springs::table::Buckets;
 use wide::f32x4;
@@ -21,19 +22,12 @@ pub(super) type LaneLaw = CurveLaw<f32x4, Buckets<f32x4>>;
 /// Column and row of the corners, counter-clockwise.
 pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 
-/// A layer of cells in spacings of a grid.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shape {
-    pub(super) sides: Upright<f32x4>,
-    pub(super) variation: Variation<f32x4>,
-    /// May cells have four points? As a mask.
-    pub(super) points: f32x4,
-}
-
 /// What the stiffness of four cells is made of.
-pub(super) struct CellStiffness {
-    deformed: Deformed<f32x4>,
-    /// α·½∂g/∂F + β·∂J/∂F, by columns; the third times the slope.
+pub(super) struct CellStiffness<S> {
+    /// J and its derivative along the sides.
+    volume: f32x4,
+    cofactors: Matrix<f32x4>,
+    /// α·½∂g/∂F + β·∂J/∂F along the sides.
     pull: Matrix<f32x4>,
     /// 2W_g.
     shear: f32x4,
@@ -46,23 +40,23 @@ pub(super) struct CellStiffness {
     variation: [f32x4; 2],
     /// The point of the cell on \[−½, ½\]³.
     at: Vec3,
-    slope: f32x4,
+    sides: S,
 }
 
-impl CellStiffness {
+impl<S: Sides<f32x4>> CellStiffness<S> {
     #[inline(always)]
     pub(super) fn new(
         law: &LaneLaw,
         modes: &Modes<f32x4>,
-        shape: &Shape,
+        shape: &impl RestShape<Sides = S>,
         augmented: f32x4,
     ) -> Self {
-        let deformed = Deformed::new(shape.sides.gradient(modes.linear));
-        let v = &shape.variation;
+        let deformed = Deformed::new(shape.sides().gradient(modes.linear));
+        let v = shape.variation();
         let iso = deformed.isochoric();
         let g = iso.g + v.mean_square(modes);
         let curvature = law.curvature(g, deformed.volume(), augmented);
-        let mut new = Self::of(deformed, &iso, &curvature, shape.sides.slope);
+        let mut new = Self::of(deformed, &iso, &curvature, *shape.sides());
         let (quarter, half) = (f32x4::splat(0.25), f32x4::HALF);
         let along = v.through * half + v.d;
         new.variation = [
@@ -77,12 +71,12 @@ impl CellStiffness {
     pub(super) fn at_points(
         law: &LaneLaw,
         modes: &Modes<f32x4>,
-        shape: &Shape,
+        shape: &impl RestShape<Sides = S>,
         parity: f32x4,
         augmented: f32x4,
     ) -> [Self; 5] {
         let zero = f32x4::ZERO;
-        let (points, volume) = cell::deformed_points(modes, &shape.sides, parity);
+        let (points, volume) = cell::deformed_points(modes, shape.sides(), parity);
         let log = Volume::new(volume).log;
         let quarter = f32x4::splat(0.25);
         let [a, b, c, d] = points.map(|(deformed, at)| {
@@ -90,7 +84,7 @@ impl CellStiffness {
             // The cell's change of volume at the point's own J.
             let volume = Volume { log, ..deformed.volume() };
             let curvature = law.curvature(iso.g, volume, augmented);
-            let mut point = Self::of(deformed, &iso, &curvature, shape.sides.slope);
+            let mut point = Self::of(deformed, &iso, &curvature, *shape.sides());
             point.straight = -point.shear * f32x4::splat(1.0 / 3.0);
             for part in
                 [&mut point.isotropic, &mut point.crossed, &mut point.straight, &mut point.bend]
@@ -111,16 +105,15 @@ impl CellStiffness {
         deformed: Deformed<f32x4>,
         iso: &Isochoric<f32x4>,
         curvature: &Curvature<f32x4>,
-        slope: f32x4,
+        sides: S,
     ) -> Self {
         let Curvature { shear, along, bend, least_bend, bulk, .. } = *curvature;
         let one = f32x4::ONE;
-        let [x, y, z] = deformed.stress(iso, along[0], along[1]);
         let relief = f32x4::splat(3.0) / iso.i1;
         let limited = relief.fast_min(one);
         let softening = bend.fast_min(f32x4::ZERO).fast_max(least_bend) * limited;
         Self {
-            pull: [x, y, scale(z, slope)],
+            pull: sides.stress(deformed.stress(iso, along[0], along[1])),
             shear,
             isotropic: shear * f32x4::HALF * relief,
             crossed: shear * f32x4::HALF * limited,
@@ -128,8 +121,9 @@ impl CellStiffness {
             bend: bend.fast_max(f32x4::ZERO) + softening,
             variation: [f32x4::ZERO; 2],
             at: [f32x4::ZERO; 3],
-            slope,
-            deformed,
+            volume: deformed.volume,
+            cofactors: sides.stress(deformed.cofactors),
+            sides,
         }
     }
 
@@ -140,10 +134,9 @@ impl CellStiffness {
         // N is the product of these; its slopes have one factor replaced by the sign.
         let [p, q, r] = [0, 1, 2].map(|axis| self.at[axis] * [sx, sy, sz][axis] + half);
         let slopes = [q * r * sx, p * r * sy, p * q * sz];
-        let inverse = f32x4::ONE / self.deformed.volume.fast_max(f32x4::splat(0.05));
-        let [x, y, z] = self.deformed.cofactors;
-        let g = combined([x, y, scale(z, self.slope)], slopes.map(|s| s * inverse));
-        [g, combined(self.pull, slopes), [slopes[0], slopes[1], slopes[2] * self.slope]]
+        let inverse = f32x4::ONE / self.volume.fast_max(f32x4::splat(0.05));
+        let g = combined(self.cofactors, slopes.map(|s| s * inverse));
+        [g, combined(self.pull, slopes), self.sides.of_scalar(slopes)]
     }
 
     /// The blocks of the lower node, of the upper node, and of the pair, for a corner; times `weight`.

@@ -18,7 +18,7 @@ use super::law::{
     stress_slopes,
 };
 use super::modes::{Modes, modes, on_faces};
-use super::sides::{Oblique, Sides, Skew};
+use super::sides::{Oblique, Sides};
 use super::stiffness::CORNERS;
 use crate::mesh::stencil::outer;
 use crate::mesh::vec3::{add, dot, scale};
@@ -144,7 +144,7 @@ impl Tangent {
             let CellShape { sides, skew, volume, .. } = shape;
             let faces = [*layer, layer + 1].map(|l| cell.gather(|k| v[l][k]));
             let modes = modes(&faces[0], &faces[1]);
-            let modes = skew.map_or(modes, |skew| skew.removed(&modes));
+            let modes = skew.map_or(modes, |skew| skew.removed(sides, &modes));
             let mut force = variation.slopes(&modes);
             for Point { at, slopes } in &self.points[point..ends[0]] {
                 let stress = slopes.product(from_modes(&modes, *at, sides));
@@ -188,7 +188,7 @@ impl Tangent {
                     continue;
                 }
                 let [sx, sy] = CORNERS[corner].map(|bit| if bit == 1 { 1.0 } else { -1.0 });
-                let [low, high] = [-1.0, 1.0].map(|sz| NodeModes::new([sx, sy, sz], shape.skew));
+                let [low, high] = [-1.0, 1.0].map(|sz| NodeModes::new([sx, sy, sz], shape));
                 let block = |[a, b]: [NodeModes; 2], variation: f64| {
                     let mut block = DMat3::from_diagonal(DVec3::splat(variation));
                     for Point { at, slopes } in points {
@@ -260,10 +260,10 @@ struct NodeModes {
 
 impl NodeModes {
     /// Of the corner of these signs.
-    fn new([sx, sy, sz]: [f64; 3], skew: Option<Skew>) -> Self {
+    fn new([sx, sy, sz]: [f64; 3], CellShape { sides, skew, .. }: &CellShape) -> Self {
         let linear = [0.25 * sx, 0.25 * sy, 0.25 * sz];
         let (twist, d) = ([0.5 * sx * sy, 0.5 * sx * sz, 0.5 * sy * sz], sx * sy * sz);
-        let (twist, d) = skew.map_or((twist, d), |skew| skew.removed_from(linear, twist, d));
+        let (twist, d) = skew.map_or((twist, d), |skew| skew.removed_from(sides, linear, twist, d));
         Self { linear, twist, d }
     }
 

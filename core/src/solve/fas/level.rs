@@ -5,10 +5,12 @@ use super::transfer;
 use crate::contact::contact_edge;
 use crate::contact::lanes::LaneObstacle;
 use crate::contact::{Dome, Obstacle};
+use crate::mesh::Rest;
 use crate::mesh::lanes::{Field, Layout, Mirrored};
 use crate::model::columns::Stiffness;
 use crate::model::{ElasticModel, Tension};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// A grid with its state and scratch.
 #[derive(Clone, Debug)]
@@ -34,6 +36,8 @@ pub(super) struct Level<M: ElasticModel> {
     /// negative if contact ends before the node, is read by `write_positions` alone.
     pub(super) contact_offset: Vec<f32>,
     scratch: M::Scratch,
+    /// The tissue at rest on this grid, over a curved wall.
+    pub(super) rest: Option<Arc<Rest>>,
     /// The least sum of squares of the residual above the inner face since the last blocks.
     least_squares: f64,
 }
@@ -66,20 +70,30 @@ impl<M: ElasticModel> Level<M> {
             contact_offset: vec![0.0; length],
             scratch: model.scratch(&layout, &border),
             layout,
+            rest: None,
             least_squares: f64::INFINITY,
         }
     }
 
-    /// Fits the model to the grid's spacing \[mm\].
-    pub(super) fn fit(&mut self, model: &M, spacing: f64) {
-        model.place(&self.layout, spacing, &mut self.scratch);
+    /// Fits grid and model to the grid's spacing \[mm\] and to the tissue at rest on the finest grid.
+    pub(super) fn fit(&mut self, model: &M, spacing: f64, rest: &Rest) {
+        let is_fitted = match &self.rest {
+            Some(own) => own.is_alike(rest),
+            None => rest.is_flat(),
+        };
+        if !is_fitted {
+            let n = self.layout.nodes_per_side;
+            self.rest = (!rest.is_flat()).then(|| Arc::new(rest.restricted(n)));
+            self.layout.set_rest(self.rest.as_deref());
+        }
+        model.place(&self.layout, spacing, self.rest.as_ref(), &mut self.scratch);
     }
 
     /// Places the obstacle, given in spacings of this grid.
     pub(super) fn place(&mut self, obstacle: Obstacle) {
         self.are_forces_current = false;
-        self.exact_obstacle = obstacle;
         self.obstacle = LaneObstacle::new(&obstacle);
+        self.exact_obstacle = obstacle;
     }
 
     /// Computes the contact offsets; returns the greatest contact offset \[grid spacings\].
@@ -246,7 +260,7 @@ impl<M: ElasticModel> Level<M> {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::mesh::{Attachment, Rest, Sheet};
+    use crate::mesh::{Attachment, Chest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::model::layered::exact::Exact;
     use crate::model::layered::lanes::Layered;
@@ -318,10 +332,13 @@ mod tests {
     /// Forces of the layered body in lanes of f32 equal those in f64, which are the gradient of the energy.
     #[test]
     fn layered_forces_equal_the_exact_forces_and_the_gradient_of_the_energy() {
-        [false, true].into_iter().for_each(compare_layered_forces);
+        let curved = Chest::Curved { across_mm: 130.0, along_mm: 300.0 };
+        for (skin_wrinkles, chest) in [(false, Chest::Flat), (true, Chest::Flat), (true, curved)] {
+            compare_layered_forces(skin_wrinkles, chest);
+        }
     }
 
-    fn compare_layered_forces(skin_wrinkles: bool) {
+    fn compare_layered_forces(skin_wrinkles: bool, chest: Chest) {
         let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
             curve: Curve::new(spec).unwrap(),
             poisson_ratio,
@@ -334,7 +351,7 @@ mod tests {
         ];
         let law = LayeredLaw::new(&materials, skin_wrinkles);
         let n = 33;
-        let rest = Rest::layered(Sheet::new(n, 80.0), &[5.0, 8.0], 3);
+        let rest = Rest::layered(Sheet::new(n, 80.0), &[5.0, 8.0], 3).over(chest);
         let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
         let pocket_radius = 40.0;
@@ -382,7 +399,7 @@ mod tests {
         for mirrored in [[false; 2], [true, false], [true; 2]] {
             let model = Layered::new(&law, &rest, pocket_radius, attachment);
             let mut level = Level::new(n, mirrored, true, &model);
-            level.fit(&model, sheet.spacing_mm());
+            level.fit(&model, sheet.spacing_mm(), &rest);
             let Level { layout, u, .. } = &mut level;
             let first = layout.first();
             let length = layout.len();

@@ -239,7 +239,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
             let spacing = self.spacing * f64::from(1 << (finest - l));
-            level.fit(&self.model, spacing);
+            level.fit(&self.model, spacing, rest);
             // A failed solve may leave numbers that are not finite at clamped nodes.
             level.u.fill_zero();
             level.place(obstacle.scaled(1.0 / spacing));
@@ -322,5 +322,8 @@ impl<M: ElasticModel> Level<M> {
             });
         }
         layout.mirror(u);
+        if self.rest.is_some() {
+            self.project_feasible();
+        }
     }
 }

@@ -187,8 +187,9 @@ pub(super) fn residual<S: Stiffness>(
         let is_active = match contact {
             Contact::OneSided => {
                 let touching = load(contact_offset, k).abs() + 1.0;
-                let is_active =
-                    LaneObstacle::active(&nodes, r, || inverse.inner().load(k), touching);
+                let compliance = || inverse.inner().load(k);
+                let point = add(group.rest, at);
+                let is_active = obstacle.active(&nodes, point, r, compliance, touching);
                 let marks = is_active.bitselect(f32x4::ONE, zero).to_array();
                 active[k..k + count].copy_from_slice(&marks[..count]);
                 is_active

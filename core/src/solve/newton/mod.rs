@@ -50,7 +50,6 @@ pub(super) enum State {
 }
 
 /// The problem on one grid.
-#[derive(Clone, Copy)]
 pub(super) struct Case<'a, L> {
     law: &'a L,
     patch: Patch,
@@ -244,7 +243,7 @@ impl<S: System> Newton<S> {
         curvature.clear();
         for k in self.grid.free() {
             let (x, offset) = (self.x[0][k], self.system.offset(k).abs());
-            constraint[k] = Constraint::new(&obstacle.dome, obstacle.wall, x, offset);
+            constraint[k] = Constraint::new(&obstacle.dome, &obstacle.wall, x, offset);
             let reaction = constraint[k].reaction(self.forces[0][k], touch);
             active[k] = reaction.active;
             let bend = obstacle.curvature(x, &reaction);

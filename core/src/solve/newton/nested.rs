@@ -100,7 +100,7 @@ impl<S: System> NestedNewton<S> {
 
     /// The problem on the grid being solved.
     fn case<'a>(&self, law: &'a S::Law, problem: &Problem) -> Case<'a, S::Law> {
-        let Problem { patch, mut obstacle, .. } = *problem;
+        let (patch, mut obstacle) = (problem.patch, problem.obstacle.clone());
         let tolerance = match self.is_on_finest() {
             _ if self.raised < 1.0 => S::PARAMETERS.rising_tolerance,
             true => problem.tolerance,

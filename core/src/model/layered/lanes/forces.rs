@@ -1,5 +1,6 @@
 //! Forces of the regular cells and of the attachment.
 
+use super::shapes::Layers;
 use super::{CellLayer, Layered, Scratch};
 use crate::mesh::lanes::{Field, Layout, load, shifted_right};
 use crate::mesh::rest::MAX_LAYERS;
@@ -8,7 +9,8 @@ use crate::model::layered::attachment::PAIRS;
 use crate::model::layered::cell;
 use crate::model::layered::law::Matrix;
 use crate::model::layered::modes::{Corners, Modes, modes, on_faces};
-use crate::model::layered::stiffness::{CORNERS, Shape};
+use crate::model::layered::shape::RestShape;
+use crate::model::layered::stiffness::CORNERS;
 use wide::f32x4;
 
 /// The corners of four cells of a face.
@@ -46,7 +48,14 @@ impl Carry {
 
 impl Layered {
     /// Adds the forces of the regular cells.
-    pub(super) fn add_cells(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &Scratch) {
+    pub(super) fn add_cells(
+        &self,
+        layout: &Layout,
+        shapes: &impl Layers,
+        u: &Field,
+        f: &mut Field,
+        scratch: &Scratch,
+    ) {
         let (length, pitch) = (layout.len(), layout.pitch);
         for row in layout.cell_rows() {
             let parity = first_parity(layout, row.start);
@@ -58,15 +67,16 @@ impl Layered {
                 let is_edge = group == 0 || group + 1 == row.groups;
                 let mut inner = Corners::new(at_corners(u, k, pitch));
                 let mut pull = Corners::<f32x4>::default();
-                for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
+                for (layer, cells) in self.cells.iter().enumerate() {
                     let at = k + layer * length;
                     let outer = Corners::new(at_corners(u, at + length, pitch));
                     let sign = if layer % 2 == 0 { parity } else { -parity };
-                    let points = points & shape.points;
+                    let points = points & scratch.points[layer];
                     let augmented = cells.augmented(scratch, at);
-                    let modes = modes(&inner, &outer);
-                    let forces = cells.forces(&modes, shape, points, sign, augmented);
-                    let [on_inner, on_outer] = on_faces(&forces);
+                    let shape = shapes.regular(layer, k);
+                    let modes = shape.removed(modes(&inner, &outer));
+                    let forces = cells.forces(&modes, &shape, points, sign, augmented);
+                    let [on_inner, on_outer] = on_faces(&shape.handed_back(forces));
                     pull.add(&on_inner);
                     carries[layer].pull(f, at, pitch, counted(pull.spread(), counts, is_edge));
                     (inner, pull) = (outer, on_outer);
@@ -138,16 +148,16 @@ impl CellLayer {
     fn forces(
         &self,
         modes: &Modes<f32x4>,
-        shape: &Shape,
+        shape: &impl RestShape,
         points: f32x4,
         parity: f32x4,
         augmented: f32x4,
     ) -> Modes<f32x4> {
-        let center = || cell::center(&self.law, modes, &shape.sides, &shape.variation, augmented);
+        let center = || cell::center(&self.law, modes, shape.sides(), shape.variation(), augmented);
         if !points.any() {
             return center();
         }
-        let four = cell::four_points(&self.law, modes, &shape.sides, parity, augmented);
+        let four = cell::four_points(&self.law, modes, shape.sides(), parity, augmented);
         if points.all() {
             return four;
         }

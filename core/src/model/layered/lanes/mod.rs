@@ -2,25 +2,28 @@
 //!
 //! The outermost layer of nodes carries the skin, a [`Membrane`]; between two layers of nodes lies a layer of cells.
 //!
-//! `forces` (of the regular cells and the attachment).
+//! `shapes` (of the cells at rest) | `forces`, `blocks` (of the regular cells and the attachment).
 
+mod blocks;
 mod forces;
+mod shapes;
 
 use super::LayeredLaw;
-use super::attachment::PAIRS;
-use super::border::Border;
-use super::cell::{self, Variation};
+use super::border::{Border, Four};
+use super::cell;
 use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, modes};
-use super::sides::Upright;
-use super::stiffness::{CORNERS, CellStiffness, LaneLaw, Shape};
+use super::shape::{Even, RestShape};
+use super::stiffness::LaneLaw;
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
 use crate::mesh::vec3::dot;
 use crate::mesh::{Attachment, Cells, Rest};
 use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
-use forces::{at_corners, attached_groups, first_parity};
+use forces::{at_corners, first_parity};
+use shapes::{CurvedLayers, Layers, Shapes};
+use std::sync::Arc;
 use wide::f32x4;
 
 /// The greatest change of a cell's height in one step \[cell heights\].
@@ -73,8 +76,9 @@ pub(crate) struct Scratch {
     /// The layout of the layer that carries the skin.
     outer: Layout,
     border: Border,
-    /// Of each layer of cells.
-    shapes: Vec<Shape>,
+    shapes: Shapes,
+    /// May the cells of each layer have four points? As a mask.
+    points: Vec<f32x4>,
     /// The augmented pressure of the cell at each stored node, shape (layers of cells, stored nodes) \[secants\]; empty unless a
     /// tissue is nearly incompressible.
     pressure: Vec<f32>,
@@ -82,15 +86,17 @@ pub(crate) struct Scratch {
     border_pressure: Vec<f32x4>,
     /// Of the cells at each stored node: 1 in the ring of four points, else 0.
     in_ring: Vec<f32>,
-    /// Of the cell at each stored node: integrals of the attachment for [`PAIRS`], scaled.
+    /// Of the cell at each stored node: integrals of the attachment for [`super::attachment::PAIRS`], scaled.
     attachment: [Vec<f32>; 10],
     /// What the arrays above are computed for.
     geometry: Option<Geometry>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Geometry {
     spacing: f64,
+    /// Over a curved wall.
+    rest: Option<Arc<Rest>>,
     pocket_radius: f64,
     attachment: Option<Attachment>,
     stiffness: f64,
@@ -143,19 +149,12 @@ impl ElasticModel for Layered {
     }
 
     fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Scratch {
-        let outer = layout.of_layer(self.cells.len());
-        let shift = outer.origin();
-        let triangles: Vec<BorderTriangle> = border
-            .iter()
-            .map(|triangle| BorderTriangle {
-                nodes: triangle.nodes.map(|k| k + shift as u32),
-                ..*triangle
-            })
-            .collect();
+        let (outer, skin) = self.flat_skin(layout, border);
         Scratch {
-            skin: self.skin.scratch(&outer, &triangles),
+            skin,
             border: Border::new(layout),
-            shapes: vec![Shape::default(); self.cells.len()],
+            shapes: Shapes::default(),
+            points: vec![f32x4::ZERO; self.cells.len()],
             pressure: Vec::new(),
             border_pressure: Vec::new(),
             in_ring: vec![0.0; layout.len()],
@@ -165,9 +164,16 @@ impl ElasticModel for Layered {
         }
     }
 
-    fn place(&self, layout: &Layout, spacing: f64, scratch: &mut Scratch) {
+    fn place(
+        &self,
+        layout: &Layout,
+        spacing: f64,
+        rest: Option<&Arc<Rest>>,
+        scratch: &mut Scratch,
+    ) {
         let geometry = Geometry {
             spacing,
+            rest: rest.cloned(),
             pocket_radius: self.pocket_radius,
             attachment: self.attachment,
             stiffness: self.stiffness,
@@ -179,20 +185,28 @@ impl ElasticModel for Layered {
             let groups = scratch.border.len() * self.cells.len();
             scratch.border_pressure.resize(groups, f32x4::ZERO);
         }
-        for (shape, cells) in scratch.shapes.iter_mut().zip(&self.cells) {
-            let slope = spacing / cells.height;
+        for (points, cells) in scratch.points.iter_mut().zip(&self.cells) {
             let zero = f32x4::ZERO;
-            *shape = Shape {
-                sides: Upright { slope: f32x4::splat(slope as f32) },
-                variation: Variation::new(slope),
-                points: if is_large(spacing, cells.height) { zero.simd_eq(zero) } else { zero },
-            };
+            *points = if is_large(spacing, cells.height) { zero.simd_eq(zero) } else { zero };
         }
-        if scratch.geometry == Some(geometry) {
+        if rest.is_none() {
+            let even = |cells: &CellLayer| Even::new(spacing / cells.height);
+            scratch.shapes = Shapes::Flat(self.cells.iter().map(even).collect());
+        }
+        if scratch.geometry.as_ref() == Some(&geometry) {
             return;
+        }
+        let was_curved = scratch.geometry.as_ref().is_some_and(|before| before.rest.is_some());
+        if let Some(rest) = rest {
+            scratch.shapes = Shapes::Curved(Box::new(CurvedLayers::new(layout, rest)));
+            self.curve_skin(layout, rest, scratch);
+        } else if was_curved {
+            let (layout, border) = Layout::new(layout.nodes_per_side, layout.mirrored);
+            (scratch.outer, scratch.skin) = self.flat_skin(&layout, &border);
         }
         scratch.geometry = Some(geometry);
         let [x0, y0] = layout.center().map(|center| center as f64);
+        let (n, first) = (layout.nodes_per_side, layout.first());
         // Forces are in units of the stiffness times the spacing.
         let unit = spacing * spacing / self.stiffness;
         for j in 0..layout.rows - 1 {
@@ -206,6 +220,10 @@ impl ElasticModel for Layered {
                     .attachment
                     .filter(|_| layout.touches_free(i, j))
                     .and_then(|a| a.integrals(self.pocket_radius, corner, spacing));
+                let unit = rest.filter(|_| integrals.is_some()).map_or(unit, |rest| {
+                    let node = (j + first[1]) * n + i + first[0];
+                    rest.area([node, node + 1, node + n + 1, node + n]) / self.stiffness
+                });
                 for (pair, values) in scratch.attachment.iter_mut().enumerate() {
                     values[k] = integrals.map_or(0.0, |all| (all[pair] * unit) as f32);
                 }
@@ -215,77 +233,36 @@ impl ElasticModel for Layered {
 
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
         self.skin.forces(&scratch.outer, u, f, &mut scratch.skin);
-        self.add_cells(layout, u, f, scratch);
+        match &scratch.shapes {
+            Shapes::Flat(shapes) => self.add_cells(layout, shapes, u, f, scratch),
+            Shapes::Curved(shapes) => self.add_cells(layout, &**shapes, u, f, scratch),
+        }
         Self::add_attachment(layout, u, f, scratch);
-        for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
-            let layers = [layer, layer + 1].map(|layer| layer * layout.len());
-            let pressure = scratch.border_pressure(layer);
-            scratch.border.add_forces(&cells.law, shape, layers, pressure, u, f);
+        match &scratch.shapes {
+            Shapes::Flat(shapes) => self.add_border(layout, shapes, u, f, scratch),
+            Shapes::Curved(shapes) => self.add_border(layout, &**shapes, u, f, scratch),
         }
     }
 
     fn blocks(&self, layout: &Layout, u: &Field, blocks: &mut ColumnBlocks, scratch: &mut Scratch) {
         blocks.fill_zero();
         self.skin.blocks(&scratch.outer, u, &mut blocks.diagonal, &mut scratch.skin);
-        let length = layout.len();
-        for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
-            let height = f64::from(1.0 / shape.sides.slope.to_array()[0]);
-            blocks.limits[layer] = (MAX_COMPRESSION * height) as f32;
-            for row in layout.cell_rows() {
-                let parity = first_parity(layout, row.start);
-                let parity = if layer % 2 == 0 { parity } else { -parity };
-                for group in 0..row.groups {
-                    let k = row.start + 4 * group;
-                    let points = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
-                    let at = k + layer * length;
-                    let augmented = cells.augmented(scratch, at);
-                    let lanes = [row.counts(group), points & shape.points, parity, augmented];
-                    cells.add_blocks(layout, u, at, shape, lanes, blocks);
-                }
-            }
-            let layers = [layer, layer + 1].map(|layer| layer * length);
-            let pressure = scratch.border_pressure(layer);
-            scratch.border.add_blocks(&cells.law, shape, layers, pressure, u, blocks);
+        let spacing = scratch.geometry.as_ref().map_or(1.0, |geometry| geometry.spacing);
+        for (cells, limit) in self.cells.iter().zip(&mut blocks.limits) {
+            *limit = (MAX_COMPRESSION * cells.height / spacing) as f32;
         }
-        // An upper bound: the sum of each row.
-        attached_groups(layout, &scratch.attachment[0], |k| {
-            let mut sums = [f32x4::ZERO; 4];
-            for (values, [a, b]) in scratch.attachment.iter().zip(PAIRS) {
-                let weight = load(values, k);
-                sums[a] += weight;
-                if a != b {
-                    sums[b] += weight;
-                }
-            }
-            for (corner, sum) in CORNERS.into_iter().zip(sums) {
-                let zero = f32x4::ZERO;
-                let to = k + corner[0] + corner[1] * layout.pitch;
-                blocks.diagonal.add(to, [sum, zero, zero, sum, zero, sum]);
-            }
-        });
+        match &scratch.shapes {
+            Shapes::Flat(shapes) => self.add_cell_blocks(layout, shapes, u, blocks, scratch),
+            Shapes::Curved(shapes) => self.add_cell_blocks(layout, &**shapes, u, blocks, scratch),
+        }
+        Self::add_attachment_blocks(layout, blocks, scratch);
     }
 
     fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Scratch) -> Tension {
         let mut tension = self.skin.tension(&scratch.outer, u, &mut scratch.skin);
-        let (length, pitch) = (layout.len(), layout.pitch);
-        for row in layout.cell_rows() {
-            for group in 0..row.groups {
-                let k = row.start + 4 * group;
-                for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
-                    let at = k + layer * length;
-                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-                    let modes = modes(&faces[0], &faces[1]);
-                    let volume = cell::volume(&modes, &shape.sides);
-                    let inverted = volume.simd_le(f32x4::ZERO) & row.counts(group);
-                    tension.has_inverted_cell |= inverted.any();
-                    let augmented = cells.augmented(scratch, at);
-                    let force =
-                        cell::center(&cells.law, &modes, &shape.sides, &shape.variation, augmented);
-                    let squares = force.linear.map(|f| dot(f, f));
-                    let squares = squares[0] + squares[1] + squares[2];
-                    tension.squares += f64::from((squares & row.counts(group)).reduce_add());
-                }
-            }
+        match &scratch.shapes {
+            Shapes::Flat(shapes) => self.add_tension(layout, shapes, u, scratch, &mut tension),
+            Shapes::Curved(shapes) => self.add_tension(layout, &**shapes, u, scratch, &mut tension),
         }
         // Only the skin may wrinkle, and its bending is not resolved: no other method does better.
         tension.least = 0.0;
@@ -296,43 +273,12 @@ impl ElasticModel for Layered {
         if scratch.pressure.is_empty() {
             return;
         }
-        let (length, pitch) = (layout.len(), layout.pitch);
-        for row in layout.cell_rows() {
-            let parity = first_parity(layout, row.start);
-            for group in 0..row.groups {
-                let k = row.start + 4 * group;
-                let in_ring = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
-                for (layer, (cells, shape)) in self.cells.iter().zip(&scratch.shapes).enumerate() {
-                    if !cells.is_augmented {
-                        continue;
-                    }
-                    let at = k + layer * length;
-                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-                    let modes = modes(&faces[0], &faces[1]);
-                    let sign = if layer % 2 == 0 { parity } else { -parity };
-                    let points = in_ring & shape.points;
-                    let mut volume = cell::volume(&modes, &shape.sides);
-                    if points.any() {
-                        let mean = cell::deformed_points(&modes, &shape.sides, sign).1;
-                        volume = points.bitselect(mean, volume);
-                    }
-                    let before = load(&scratch.pressure, at);
-                    // Lanes beyond the row keep no pressure.
-                    let renewed =
-                        cells.law.renewed(Volume::new(volume), before) & row.counts(group);
-                    store(&mut scratch.pressure, at, renewed);
-                }
-            }
+        let shapes = std::mem::take(&mut scratch.shapes);
+        match &shapes {
+            Shapes::Flat(shapes) => self.renew_pressure(layout, shapes, u, scratch),
+            Shapes::Curved(shapes) => self.renew_pressure(layout, &**shapes, u, scratch),
         }
-        let groups = scratch.border.len();
-        let all = scratch.border_pressure.chunks_mut(groups.max(1));
-        for (layer, (cells, pressure)) in self.cells.iter().zip(all).enumerate() {
-            if cells.is_augmented {
-                let layers = [layer, layer + 1].map(|layer| layer * length);
-                let shape = &scratch.shapes[layer];
-                scratch.border.renew(&cells.law, shape, layers, u, pressure);
-            }
-        }
+        scratch.shapes = shapes;
     }
 
     fn hand_on(
@@ -363,43 +309,125 @@ impl ElasticModel for Layered {
     }
 }
 
-impl CellLayer {
-    /// Adds the blocks of four cells whose first corner is at k; `points` marks the cells with four points, of these parities.
-    fn add_blocks(
+impl Layered {
+    /// The layout of the layer that carries the skin, and the skin over a flat wall; the triangles are those at the border.
+    fn flat_skin(&self, layout: &Layout, border: &[BorderTriangle]) -> (Layout, SkinScratch) {
+        let outer = layout.of_layer(self.cells.len());
+        let shift = outer.origin() as u32;
+        let shifted = |triangle: &BorderTriangle| BorderTriangle {
+            nodes: triangle.nodes.map(|k| k + shift),
+            ..*triangle
+        };
+        let triangles: Vec<BorderTriangle> = border.iter().map(shifted).collect();
+        let skin = self.skin.scratch(&outer, &triangles);
+        (outer, skin)
+    }
+
+    /// Sets up the skin over a curved wall, whose triangles all have rest shapes of their own.
+    fn curve_skin(&self, layout: &Layout, rest: &Rest, scratch: &mut Scratch) {
+        let outer = layout.of_layer(self.cells.len());
+        let triangles = outer.own_triangles(rest, self.cells.len());
+        scratch.outer = outer.without_regular_cells();
+        scratch.skin = self.skin.scratch(&scratch.outer, &triangles);
+    }
+
+    /// Adds the forces of the cells at the border.
+    fn add_border(
         &self,
         layout: &Layout,
+        shapes: &impl Layers,
         u: &Field,
-        k: usize,
-        shape: &Shape,
-        [counts, points, parity, augmented]: [f32x4; 4],
-        blocks: &mut ColumnBlocks,
+        f: &mut Field,
+        scratch: &Scratch,
+    ) {
+        for (layer, cells) in self.cells.iter().enumerate() {
+            let layers = [layer, layer + 1].map(|layer| layer * layout.len());
+            let pressure = scratch.border_pressure(layer);
+            let shape = |group: usize, four: &Four| shapes.at_border(layer, group, four);
+            scratch.border.add_forces(&cells.law, shape, layers, pressure, u, f);
+        }
+    }
+
+    /// Adds the squares of the cells' forces.
+    fn add_tension(
+        &self,
+        layout: &Layout,
+        shapes: &impl Layers,
+        u: &Field,
+        scratch: &Scratch,
+        tension: &mut Tension,
     ) {
         let (length, pitch) = (layout.len(), layout.pitch);
-        let faces = [k, k + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-        let modes = modes(&faces[0], &faces[1]);
-        let mut add = |stiffness: &CellStiffness, weight: f32x4| {
-            for [i, j] in CORNERS {
-                let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
-                let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
-                let at = k + i + j * pitch;
-                blocks.diagonal.add(at, diagonal[0]);
-                blocks.diagonal.add(at + length, diagonal[1]);
-                for (part, lanes) in blocks.above.iter_mut().zip(above) {
-                    let total = load(part, at) + lanes;
-                    store(part, at, total);
+        for row in layout.cell_rows() {
+            for group in 0..row.groups {
+                let k = row.start + 4 * group;
+                for (layer, cells) in self.cells.iter().enumerate() {
+                    let (at, shape) = (k + layer * length, shapes.regular(layer, k));
+                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
+                    let modes = shape.removed(modes(&faces[0], &faces[1]));
+                    let volume = cell::volume(&modes, shape.sides());
+                    let inverted = volume.simd_le(f32x4::ZERO) & row.counts(group);
+                    tension.has_inverted_cell |= inverted.any();
+                    let augmented = cells.augmented(scratch, at);
+                    let force = shape.handed_back(cell::center(
+                        &cells.law,
+                        &modes,
+                        shape.sides(),
+                        shape.variation(),
+                        augmented,
+                    ));
+                    let squares = force.linear.map(|f| dot(f, f));
+                    let squares = squares[0] + squares[1] + squares[2];
+                    tension.squares += f64::from((squares & row.counts(group)).reduce_add());
                 }
             }
-        };
-        let (one, zero) = (f32x4::ONE & counts, f32x4::ZERO);
-        if points.any() {
-            for stiffness in &CellStiffness::at_points(&self.law, &modes, shape, parity, augmented)
-            {
-                add(stiffness, points.bitselect(one, zero));
+        }
+    }
+
+    /// Renews the augmented pressures.
+    fn renew_pressure(
+        &self,
+        layout: &Layout,
+        shapes: &impl Layers,
+        u: &Field,
+        scratch: &mut Scratch,
+    ) {
+        let (length, pitch) = (layout.len(), layout.pitch);
+        for row in layout.cell_rows() {
+            let parity = first_parity(layout, row.start);
+            for group in 0..row.groups {
+                let k = row.start + 4 * group;
+                let in_ring = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
+                for (layer, cells) in self.cells.iter().enumerate() {
+                    if !cells.is_augmented {
+                        continue;
+                    }
+                    let (at, shape) = (k + layer * length, shapes.regular(layer, k));
+                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
+                    let modes = shape.removed(modes(&faces[0], &faces[1]));
+                    let sign = if layer % 2 == 0 { parity } else { -parity };
+                    let points = in_ring & scratch.points[layer];
+                    let mut volume = cell::volume(&modes, shape.sides());
+                    if points.any() {
+                        let mean = cell::deformed_points(&modes, shape.sides(), sign).1;
+                        volume = points.bitselect(mean, volume);
+                    }
+                    let before = load(&scratch.pressure, at);
+                    // Lanes beyond the row keep no pressure.
+                    let renewed =
+                        cells.law.renewed(Volume::new(volume), before) & row.counts(group);
+                    store(&mut scratch.pressure, at, renewed);
+                }
             }
         }
-        if !points.all() {
-            let stiffness = CellStiffness::new(&self.law, &modes, shape, augmented);
-            add(&stiffness, points.bitselect(zero, one));
+        let groups = scratch.border.len();
+        let all = scratch.border_pressure.chunks_mut(groups.max(1));
+        for (layer, (cells, pressure)) in self.cells.iter().zip(all).enumerate() {
+            if cells.is_augmented {
+                let layers = [layer, layer + 1].map(|layer| layer * length);
+                let shape = |group: usize, four: &Four| shapes.at_border(layer, group, four);
+                scratch.border.renew(&cells.law, shape, layers, u, pressure);
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Triangles at the border, whose rest shapes are not those of the grid, four at a time.
+//! Triangles whose rest shapes are not those of the grid, at the border or on a curved surface, four at a time.
 //!
 //! Such triangles are few but scattered: their nodes are gathered first, one vector each, so that four triangles
 //! read and write whole vectors.
@@ -24,8 +24,8 @@ pub(super) struct Border {
 pub(super) struct Four {
     /// Each triangle's three corners: places in [`Border::nodes`].
     pub(super) corners: [[u32; 4]; 3],
-    /// The two edges from the first corner at rest: x and y of one, x and y of the other.
-    pub(super) edges: [f32x4; 4],
+    /// The two edges from the first corner at rest.
+    pub(super) edges: [Vec3; 2],
     /// G⁻¹: 11, 12, 22.
     inverse_metric: [f32x4; 3],
     /// 1/det G.
@@ -75,21 +75,23 @@ impl Four {
     /// Of one to four triangles; `place` is the place of a stored node among the border's.
     fn new(triangles: &[BorderTriangle], place: impl Fn(u32) -> u32) -> Self {
         let mut corners = [[0_u32; 4]; 3];
-        let mut numbers = [[0.0_f32; 4]; 9];
+        let mut numbers = [[0.0_f32; 4]; 11];
         for lane in 0..4 {
             // Unused lanes repeat the last triangle without weight.
             let BorderTriangle { nodes, rest, weight } = triangles[lane.min(triangles.len() - 1)];
             let weight = if lane < triangles.len() { weight } else { 0.0 };
             let [a, b, c] = rest;
             let (e1, e2) = (b - a, c - a);
-            let double_area = e1.perp_dot(e2);
+            let double_area = e1.cross(e2).length();
             let det = double_area.powi(2);
             let (g11, g12, g22) = (e1.length_squared(), e1.dot(e2), e2.length_squared());
             let all = [
                 e1.x,
                 e1.y,
+                e1.z,
                 e2.x,
                 e2.y,
+                e2.z,
                 g22 / det,
                 -g12 / det,
                 g11 / det,
@@ -107,10 +109,10 @@ impl Four {
         let n = numbers.map(f32x4::new);
         Self {
             corners,
-            edges: [n[0], n[1], n[2], n[3]],
-            inverse_metric: [n[4], n[5], n[6]],
-            inverse_det: n[7],
-            weight: n[8],
+            edges: [[n[0], n[1], n[2]], [n[3], n[4], n[5]]],
+            inverse_metric: [n[6], n[7], n[8]],
+            inverse_det: n[9],
+            weight: n[10],
         }
     }
 
@@ -118,11 +120,7 @@ impl Four {
     #[inline(always)]
     fn stretched(&self, u: &[f32x4]) -> Stretched {
         let [a, b, c] = [0, 1, 2].map(|k| gathered(u, &self.corners[k]));
-        let (mut e1, mut e2) = (sub(b, a), sub(c, a));
-        e1[0] += self.edges[0];
-        e1[1] += self.edges[1];
-        e2[0] += self.edges[2];
-        e2[1] += self.edges[3];
+        let (e1, e2) = (add(sub(b, a), self.edges[0]), add(sub(c, a), self.edges[1]));
         let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
         let [i11, i12, i22] = self.inverse_metric;
         let det = (g11 * g22 - g12 * g12) * self.inverse_det;
@@ -197,6 +195,30 @@ impl Border {
             }
         }
         self.scatter(pulls, f);
+    }
+
+    /// Sum of the squares of what the sheet pulls at two edges of each triangle, in the measure of the regular cells.
+    pub(super) fn squares<L: Law + ?Sized>(
+        &self,
+        law: &L,
+        u: &Field,
+        scratch: &mut BorderScratch,
+    ) -> f64 {
+        self.gather(u, &mut scratch.u);
+        // A cell is four triangles of half weight.
+        let share = 0.25;
+        let squares = |four: &Four| {
+            let Stretched { e1, e2, g11, g12, g22, i1, s, t } = four.stretched(&scratch.u);
+            let (p, q) = law.tension(i1, s, t, || four.spread([g11, g12, g22]));
+            let [i11, i12, i22] = four.inverse_metric;
+            let q = q * four.inverse_det;
+            let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
+            let p1 = add(scale(e1, m11), scale(e2, m12));
+            let p2 = add(scale(e1, m12), scale(e2, m22));
+            let pulls = dot(p1, p1) + dot(p2, p2);
+            f64::from((four.weight.simd_gt(f32x4::ZERO) & pulls).reduce_add())
+        };
+        share * self.fours.iter().map(squares).sum::<f64>()
     }
 
     pub(super) fn scatter(&self, pulls: &[f32x4], f: &mut Field) {

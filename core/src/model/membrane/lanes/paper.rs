@@ -133,7 +133,7 @@ impl Border {
         mut visit: impl FnMut([&[u32; 4]; 2], Spring, [f32x4; 2], Vec3, f32x4),
     ) {
         for four in &self.fours {
-            let [x1, y1, x2, y2] = four.edges;
+            let [[x1, y1, _], [x2, y2, _]] = four.edges;
             let rests = [[x1, y1], [x2, y2], [x2 - x1, y2 - y1]];
             for ((a, b, spring), rest) in TRIANGLE_SPRINGS.into_iter().zip(rests) {
                 let [from, to] = [&four.corners[a], &four.corners[b]];

@@ -36,6 +36,10 @@ pub(super) fn tension(
             least = least.fast_min((mean - (half * half + m12 * m12).sqrt()) & counts);
         }
     }
+    if layout.cell_rows().next().is_none() {
+        // A curved surface has no regular cells.
+        sum = scratch.border.squares(law.groups(), u, &mut scratch.on_border);
+    }
     let least = least.to_array().into_iter().fold(0.0, f32::min);
     Tension { squares: sum, least, ..Tension::default() }
 }

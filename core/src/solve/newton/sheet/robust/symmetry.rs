@@ -73,8 +73,8 @@ impl Mirror {
         let all = [
             (Self::X, along_x),
             (Self::Y, along_y),
-            (Self::Diagonal, x - y == 0.0),
-            (Self::Antidiagonal, x + y == 0.0),
+            (Self::Diagonal, dome.is_round() && x - y == 0.0),
+            (Self::Antidiagonal, dome.is_round() && x + y == 0.0),
         ];
         all.into_iter().filter_map(|(mirror, holds)| holds.then_some(mirror)).collect()
     }

@@ -1,0 +1,112 @@
+//! What a scan gives: heights of the wall over the plane, factors of the thickness along the wall, each on a grid of its own.
+
+use super::height_field::HeightField;
+use super::spline::Spline;
+use crate::number::Real;
+use glam::DVec2;
+use std::sync::Arc;
+
+/// Heights of the wall over the plane, with a cubic spline between them.
+///
+/// Over a sphere of 150 mm, 4 mm apart, the errors of height and slope are below 3e-5 mm and 3e-5 within 110 mm (of cubic convolution
+/// 8e-4 mm and 1.5e-3). Beyond the grid's edge the wall
+/// goes on straight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightGrid {
+    heights: Arc<Spline>,
+    spacing: f64,
+    /// A mm in the unit of length.
+    unit: f64,
+    tilt: [f64; 2],
+}
+
+impl HeightGrid {
+    /// The wall through heights \[mm\] with a spacing \[mm\], centred on the pocket's centre: columns and rows, row-major, x
+    /// fastest, from −x, −y. The wall's tangent plane at the centre is subtracted: the plane z = 0 touches the wall there.
+    /// `None` for less than 4 columns or rows, another number of heights than that of the grid, heights that are not finite.
+    #[must_use]
+    pub fn new(spacing_mm: f64, counts: [usize; 2], heights_mm: Vec<f64>) -> Option<Self> {
+        let (heights, plane) = Spline::new(counts, heights_mm)?.based();
+        let tilt = plane.slope.map(|slope| slope / spacing_mm);
+        Some(Self { heights: Arc::new(heights), spacing: spacing_mm, unit: 1.0, tilt })
+    }
+
+    /// Slope of the subtracted plane along x and y \[-\].
+    #[must_use]
+    pub fn tilt(&self) -> [f64; 2] {
+        self.tilt
+    }
+
+    /// Distance of the grid's edges from its centre, along x and y.
+    #[must_use]
+    pub fn reach(&self) -> DVec2 {
+        reach(&self.heights, self.spacing)
+    }
+
+    /// Distance of neighbouring heights.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// Is the wall its own image mirrored along x, along y?
+    pub(super) fn mirrored(&self) -> [bool; 2] {
+        self.heights.mirrored()
+    }
+
+    pub(super) fn heights<R: Real>(&self) -> HeightField<R> {
+        HeightField::Grid {
+            heights: Arc::clone(&self.heights),
+            per_spacing: R::splat(1.0 / self.spacing),
+            unit: R::splat(self.unit),
+        }
+    }
+
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        Self { spacing: self.spacing * factor, unit: self.unit * factor, ..self.clone() }
+    }
+}
+
+/// Factors of the thickness of the solids, in lengths along the wall, with a cubic spline between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ThicknessField {
+    factors: Arc<Spline>,
+    spacing_mm: f64,
+}
+
+impl ThicknessField {
+    /// Factors \[-\] with a spacing \[mm\], centred on the pocket's centre: columns and rows, row-major, x fastest, from −x, −y.
+    /// `None` as for [`HeightGrid::new`].
+    #[must_use]
+    pub fn new(spacing_mm: f64, counts: [usize; 2], factors: Vec<f64>) -> Option<Self> {
+        let factors = Arc::new(Spline::new(counts, factors)?);
+        Some(Self { factors, spacing_mm })
+    }
+
+    /// The factor at a place on the wall \[-\].
+    #[must_use]
+    pub fn factor(&self, place: DVec2) -> f64 {
+        self.factors.at((place / self.spacing_mm).to_array()).value
+    }
+
+    /// Distance of the grid's edges from its centre, along x and y \[mm\].
+    #[must_use]
+    pub fn reach_mm(&self) -> DVec2 {
+        reach(&self.factors, self.spacing_mm)
+    }
+
+    /// Is every factor one?
+    pub(super) fn is_even(&self) -> bool {
+        self.factors.samples().iter().all(|factor| factor.to_bits() == 1.0_f64.to_bits())
+    }
+
+    /// Is the field its own image mirrored along x, along y?
+    pub(super) fn mirrored(&self) -> [bool; 2] {
+        self.factors.mirrored()
+    }
+}
+
+fn reach(spline: &Spline, spacing: f64) -> DVec2 {
+    let [columns, rows] = spline.counts().map(|count| (count - 1) as f64);
+    DVec2::new(columns, rows) * (0.5 * spacing)
+}

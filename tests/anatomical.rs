@@ -1,0 +1,125 @@
+//! Anatomical implants: from the scene to the result.
+
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use implant_preview::measure::Outcome;
+use implant_preview::scene::{Repair, Scene};
+use implant_preview::simulate::simulate;
+use implant_preview::study::{Parameter, with_values};
+use serde_json::{Value, json};
+
+fn read(file: &Value) -> Scene {
+    Scene::from_json(&file.to_string()).unwrap()
+}
+
+/// The scene of a base and an apex, on a coarse grid.
+fn scene(radius: f64, height: f64, shift: f64) -> Value {
+    json!({
+        "implant": { "base_radius_mm": radius, "projection_mm": 40, "base_height_mm": height,
+                     "apex_shift_mm": shift },
+        "pocket_radius_mm": 75,
+        "layers": [{}, { "tissue": "adipose", "thickness_mm": 12, "poisson_ratio": 0.49,
+                         "curve": { "kind": "fat" } }],
+        "solver": { "nodes_per_side": 65 },
+    })
+}
+
+fn solve(file: &Value) -> Outcome {
+    simulate(&read(file)).unwrap()
+}
+
+#[test]
+fn only_an_anatomical_shape_is_written() {
+    let tall = read(&scene(55.0, 126.0, 12.5));
+    assert_eq!((tall.implant.base_height(), tall.implant.apex_shift_mm), (126.0, 12.5));
+    assert_eq!(read(&serde_json::from_str(&tall.to_json()).unwrap()), tall);
+    let round = read(&scene(55.0, 110.0, 0.0));
+    let text = round.to_json();
+    assert!(round.implant.is_round() && !text.contains("base_height") && !text.contains("apex"));
+    let mut file = scene(55.0, 110.0, 0.0);
+    let implant = file["implant"].as_object_mut().unwrap();
+    implant.remove("base_height_mm");
+    implant.remove("apex_shift_mm");
+    assert_eq!(read(&file), round);
+    let mut set = round.clone();
+    set.implant.base_height_mm = Some(110.0);
+    assert!(set.to_json() == text && set.same_physics(&round) && !set.same_physics(&tall));
+    assert_eq!(set.problem().unwrap().obstacle, round.problem().unwrap().obstacle);
+}
+
+#[test]
+fn invalid_shapes_are_refused_in_one_line() {
+    let of = |schema: &str, radius, height, shift| {
+        let mut file = scene(radius, height, shift);
+        file["schema"] = json!(format!("implant-preview/{schema}"));
+        Scene::from_json(&file.to_string()).unwrap_err().to_string()
+    };
+    for (found, expected) in [
+        (of("scene/3", 55.0, 54.0, 0.0), "implant.base_height_mm is 54; allowed: 55 to 220 mm"),
+        (of("scene/3", 70.0, 250.0, 0.0), "implant.base_height_mm is 250; allowed: 70 to 240 mm"),
+        (of("scene/3", 55.0, 120.0, 37.0), "implant.apex_shift_mm is 37; allowed: -36 to 36 mm"),
+        (
+            of("scene/3", 60.0, 156.0, 0.0),
+            "pocket_radius_mm is 75; allowed: 78 (half of the base + distance of the implant's centre) to 200 mm",
+        ),
+        (
+            of("scene/2", 55.0, 126.0, 0.0),
+            "implant.base_height_mm: the field belongs to implant-preview/scene/3; the schema is implant-preview/scene/2",
+        ),
+        (
+            of("scene/1", 55.0, 110.0, 3.0),
+            "implant.base_height_mm: the field belongs to implant-preview/scene/3; the schema is implant-preview/scene/1",
+        ),
+    ] {
+        assert!(found.starts_with(expected), "{found}");
+    }
+    let mut edited = read(&scene(55.0, 126.0, 12.0));
+    edited.schema = "implant-preview/scene/2".to_owned();
+    let error = edited.validate().unwrap_err().to_string();
+    assert!(error.starts_with("implant.base_height_mm: the field belongs to"), "{error}");
+}
+
+#[test]
+fn sizes_keep_the_proportions_and_the_pocket_holds_the_base() {
+    let base = read(&scene(55.0, 132.0, 11.0));
+    let volume = base.implant.size().unwrap().volume_ml();
+    let dome = base.problem().unwrap().obstacle.dome;
+    assert!((volume - dome.volume() / 1000.0).abs() < 1e-9);
+    assert!((volume - 2e-3 / 3.0 * std::f64::consts::PI * 55.0 * 66.0 * 40.0).abs() < 1e-9);
+    let wide = with_values(&base, &[(Parameter::BaseWidth, 120.0)]).unwrap();
+    assert!((wide.implant.base_height() - 144.0).abs() < 1e-12);
+    assert!((wide.implant.apex_shift_mm - 12.0).abs() < 1e-12);
+    assert!((wide.pocket_radius_mm - 72.0 - (75.0 - 66.0)).abs() < 1e-9);
+    for more in [vec![], vec![(Parameter::Projection, 45.0)]] {
+        let values: Vec<_> = more.into_iter().chain([(Parameter::Volume, 300.0)]).collect();
+        let found = with_values(&base, &values).unwrap();
+        assert!((found.implant.size().unwrap().volume_ml() - 300.0).abs() < 1e-9);
+        let aspect = found.implant.base_height() / found.implant.base_radius_mm;
+        assert!((aspect - 2.4).abs() < 1e-12);
+    }
+    let values = [(Parameter::BaseHeight, 150.0), (Parameter::BaseWidth, 130.0)];
+    let set = with_values(&base, &values).unwrap();
+    assert!((set.implant.base_height() - 150.0).abs() < 1e-12);
+    let mut tall = base;
+    tall.implant.base_height_mm = Some(160.0);
+    assert_eq!(tall.repair(), Some(Repair::PocketWidened { radius_mm: 80.0 }));
+    tall.implant.apex_shift_mm = 60.0;
+    tall.repair();
+    assert!(tall.validate().is_ok() && (tall.implant.apex_shift_mm - 48.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_turned_base_turns_the_result_and_a_lower_apex_is_found() {
+    let (across, along) = (solve(&scene(60.0, 104.0, 0.0)), solve(&scene(52.0, 120.0, 0.0)));
+    let force = |outcome: &Outcome| outcome.contact_force_n.unwrap();
+    assert!((force(&across) / force(&along) - 1.0).abs() < 1e-3);
+    assert!(along.contact_angle_deg.is_none() && along.contact_material_radius_mm.is_none());
+    let shifted = solve(&scene(52.0, 120.0, 18.0));
+    assert!((shifted.implant_volume_ml - along.implant_volume_ml).abs() < 1e-9);
+    let cover = shifted.cover_mm.unwrap();
+    assert!(cover.apex > 6.0 && force(&shifted) > 1.01 * force(&along), "{cover:?}");
+    // The apex stands where the implant is shifted to: the profile along x, through the centre, is lower.
+    let height = |outcome: &Outcome| outcome.profile[0].z_mm;
+    assert!(height(&along) > 39.9 && height(&shifted) < height(&along) - 0.5);
+}
