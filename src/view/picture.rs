@@ -9,7 +9,6 @@ use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
 use crate::view::strokes;
 use crate::view::subject::Subject;
-use crate::view::wall;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -132,7 +131,7 @@ impl Picture {
         let wall = Some((wall_radius, patch_radius, problem.obstacle.wall.0.clone()));
         if self.wall_made != wall {
             self.wall_made = wall;
-            self.set_mesh(3, wall::mesh(&problem.obstacle.wall.0, patch_radius, wall_radius));
+            self.set_mesh(3, mesh::wall(&problem.obstacle.wall.0, patch_radius, wall_radius));
         }
     }
 

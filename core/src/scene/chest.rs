@@ -61,9 +61,15 @@ impl Scene {
     /// spherical chest?
     #[must_use]
     pub fn is_round(&self) -> bool {
-        let is_sphere = |chest: &ChestShape| chest.radius_along_mm == Some(chest.radius_across_mm);
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
-        is_centred && self.chest.as_ref().is_none_or(is_sphere)
+        is_centred && (self.chest.is_none() || self.is_sphere())
+    }
+
+    /// Is the chest a sphere?
+    #[must_use]
+    pub fn is_sphere(&self) -> bool {
+        let is_equal = |chest: &ChestShape| chest.radius_along_mm == Some(chest.radius_across_mm);
+        self.chest.as_ref().is_some_and(is_equal)
     }
 
     /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.
