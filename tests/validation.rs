@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::curve::{Curve, ScaledCurve};
-use implant_preview::scene::Scene;
-use implant_preview::simulate::simulate;
+use implant_preview::scene::{CheckedScene, Scene};
+use implant_preview::simulate::{self, simulate};
+use implant_preview::solve::{Options, Verdict};
 use implant_preview::springs::Material;
 use implant_preview_lab::axisymmetric_layers::{
     self, Attachment, Input, Mound, RestShape, Solution, Wall,
@@ -118,14 +119,22 @@ fn the_axisymmetric_reference_agrees_with_the_independent_one_over_a_curved_wall
     }
 }
 
-/// Errors of skin \[base radius\], force and cover \[relative\] against the limit of both meshes of the independent elements.
-fn errors(meshes: &[Value], nodes: usize, cells: &Value) -> [f64; 3] {
-    let limit = |of: &dyn Fn(&Value) -> f64| {
-        let [coarse, fine] = [0, 1].map(|k| of(&meshes[k]["result"]));
-        (4.0 * fine - coarse) / 3.0
-    };
-    let case = &meshes[0];
-    let scene = json!({
+/// The limit of a value on two meshes.
+fn limit(meshes: &[Value], of: impl Fn(&Value) -> f64) -> f64 {
+    let [coarse, fine] = [0, 1].map(|k| of(&meshes[k]["result"]));
+    (4.0 * fine - coarse) / 3.0
+}
+
+/// A grid of numbers, 4 mm apart and 272 mm wide.
+fn grid(name: &str, of: impl Fn([f64; 2]) -> f64) -> Value {
+    let at = |k: i32| 4.0 * f64::from(k - 34);
+    let numbers: Vec<f64> = (0..69 * 69).map(|k| of([at(k % 69), at(k / 69)])).collect();
+    json!({ "spacing_mm": 4, "columns": 69, "rows": 69, name: numbers })
+}
+
+/// The scene of a case.
+fn scene(case: &Value, nodes: usize, cells: &Value) -> Scene {
+    let mut scene = json!({
         "schema": "implant-preview/scene/3",
         "implant": { "base_radius_mm": case["base_radius_mm"],
                      "projection_mm": case["projection_mm"] },
@@ -134,7 +143,25 @@ fn errors(meshes: &[Value], nodes: usize, cells: &Value) -> [f64; 3] {
         "layers": case["layers"],
         "solver": { "nodes_per_side": nodes, "tolerance": 1e-4, "cells_through": cells },
     });
-    let found = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
+    if let Some(wall) = case.get("wall") {
+        let radius = &wall["radius_mm"];
+        scene["chest"] = json!({ "radius_across_mm": radius, "radius_along_mm": radius });
+    }
+    if let Some(mound) = case.get("mound") {
+        let [height, width] = ["height_mm", "width_mm"].map(|name| number(mound, name));
+        let solids = number(&case["layers"][1], "thickness_mm");
+        scene["thickness_field"] = grid("factors", |[x, y]| {
+            1.0 + height / solids * (-(x * x + y * y) / (width * width)).exp()
+        });
+    }
+    Scene::from_json(&scene.to_string()).unwrap()
+}
+
+/// Errors of skin \[base radius\], force and cover \[relative\] against the limit of both meshes of the independent elements.
+fn errors(meshes: &[Value], nodes: usize, cells: &Value) -> [f64; 3] {
+    let limit = |of: &dyn Fn(&Value) -> f64| limit(meshes, of);
+    let case = &meshes[0];
+    let found = simulate(&scene(case, nodes, cells)).unwrap();
     let radius = number(case, "base_radius_mm");
     let skin = found.profile_skin.iter().enumerate().map(|(k, point)| {
         let [r, z] = [0, 1].map(|i| limit(&|of| of["skin"][k][i].as_f64().unwrap()));
@@ -172,6 +199,87 @@ fn with_chosen_cells_the_errors_are_small_and_the_skin_converges() {
         let order = (coarse / fine).log2();
         println!("order {order:.2}");
         assert!(order > least_order, "{order}");
+    }
+}
+
+/// Errors of the skin up to the patch's edge \[base radius\] and of the force \[relative\].
+fn errors_of_body(meshes: &[Value], nodes: usize) -> [f64; 2] {
+    let case = &meshes[0];
+    let scene = CheckedScene::new(scene(case, nodes, &json!("auto"))).unwrap();
+    let found = simulate::run(&scene, Options::default(), None);
+    let (solution, outcome) = (&found.solution, &found.outcome);
+    let report = solution.report();
+    assert!(report.verdict == Verdict::Converged && !report.fell_back);
+    let places: Vec<f64> =
+        serde_json::from_value(case["result"]["material_radius_mm"].clone()).unwrap();
+    let profile: Vec<[f64; 2]> = (0..places.len())
+        .map(|k| [0, 1].map(|i| limit(meshes, |of| of["skin"][k][i].as_f64().unwrap())))
+        .collect();
+    let sheet = solution.problem().sheet();
+    let (n, skin) = (sheet.nodes_per_side(), solution.membrane());
+    let along_x = n / 2 * n + n / 2..n / 2 * n + n - 1;
+    let errors = along_x.map(|k| {
+        let s = sheet.rest()[k].x / places[1];
+        let at = (s as usize).clamp(1, places.len() - 3);
+        let t = s - at as f64;
+        // Cubic interpolation of the reference.
+        let weights = [
+            -t * (t - 1.0) * (t - 2.0) / 6.0,
+            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+            -(t + 1.0) * t * (t - 2.0) / 2.0,
+            (t + 1.0) * t * (t - 1.0) / 6.0,
+        ];
+        let [r, z] =
+            [0, 1].map(|axis| (0..4).map(|j| weights[j] * profile[at + j - 1][axis]).sum::<f64>());
+        (skin[k].x - r).hypot(skin[k].z - z) / number(case, "base_radius_mm")
+    });
+    let force =
+        outcome.contact_force_n.unwrap() / limit(meshes, |of| number(of, "contact_force_n"));
+    [errors.fold(0.0, f64::max), force - 1.0]
+}
+
+#[test]
+fn a_grid_of_a_spheres_heights_gives_the_shape_over_the_sphere() {
+    let file: Value = serde_json::from_str(include_str!("reference/body.json")).unwrap();
+    let case = file["cases"].as_array().unwrap().last().unwrap();
+    let (radius, base) = (number(&case["wall"], "radius_mm"), number(case, "base_radius_mm"));
+    let sphere = scene(case, 33, &json!(4));
+    let mut file: Value = serde_json::from_str(&sphere.to_json()).unwrap();
+    // A sphere to where it is upright, and on as a cone.
+    let edge = 0.97 * radius;
+    let height = |r: f64| (radius * radius - r * r).sqrt();
+    let slope = edge / height(edge);
+    file["chest"] = json!({ "grid": grid("heights_mm", |[x, y]| {
+        let r = x.hypot(y);
+        7.0 + height(r.min(edge)) - slope * (r - edge).max(0.0)
+    }) });
+    let scanned = Scene::from_json(&file.to_string()).unwrap();
+    let [exact, found] = [sphere, scanned].map(|scene| {
+        let found = simulate::run(&CheckedScene::new(scene).unwrap(), Options::default(), None);
+        assert_eq!(found.solution.report().verdict, Verdict::Converged);
+        found
+    });
+    let apart = exact.solution.membrane().iter().zip(found.solution.membrane());
+    let greatest = apart.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!(greatest < 1e-4 * base, "{greatest}");
+    assert!(found.outcome.warnings == exact.outcome.warnings, "{:?}", found.outcome.warnings);
+}
+
+#[test]
+fn the_solver_reproduces_tissue_over_a_curved_wall_and_under_a_mound() {
+    let file: Value = serde_json::from_str(include_str!("reference/body.json")).unwrap();
+    let cases = file["cases"].as_array().unwrap();
+    for meshes in cases.chunks(2) {
+        let grids = [(65, 1.5e-3, 1e-2), (129, 8e-4, 5e-3)];
+        let [coarse, fine] = grids.map(|(nodes, most, force_most)| {
+            let [skin, force] = errors_of_body(meshes, nodes);
+            println!("{} {nodes} nodes: {skin:.5} {force:.5}", meshes[0]["name"]);
+            assert!(skin < most && force.abs() < force_most);
+            skin
+        });
+        let order = (coarse / fine).log2();
+        println!("order {order:.2}");
+        assert!(order > 1.8, "{order}");
     }
 }
 

@@ -19,7 +19,7 @@ use egui_plot::{
     FilledArea, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi,
     Points, uniform_grid_spacer,
 };
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 
 /// Number of intervals of a sampled curve.
 const SAMPLES: i32 = 160;
@@ -117,8 +117,7 @@ pub(super) fn section_chart(
         let [inner, outer] = tissue_faces(session.solution());
         [(tr("skin"), palette.curves[0], outer), (tr("inner face"), palette.curves[1], inner)]
     });
-    let radius = problem.sheet().radius_mm();
-    let wall = (tr("chest wall"), palette.caution, vec![[-radius, 0.0], [radius, 0.0]]);
+    let wall = (tr("chest wall"), palette.caution, wall_line(problem));
     let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
     let silhouettes = drawn_silhouettes(session, compare, palette);
     let own = tissue.iter().flatten().chain([&implant, &wall]);
@@ -227,21 +226,35 @@ pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) 
             color,
             dashes: compare::dashes_of(pin.letter()),
             points: outwards.map(|[x, z]| Vec2::new(x as f32, z as f32)).collect(),
-            center_mm: pin.scene().implant.center_mm,
+            is_round: pin.scene().is_round(),
         })
     };
     let pins = compare::drawn_pins(session, compare, palette);
     pins.filter(|(pin, _)| !pin.scene().same_physics(session.scene())).filter_map(outline).collect()
 }
 
-/// Intersection of the dome with the plane y = 0, above the chest wall: an arc of an ellipse \[mm\].
+/// Intersection of the dome with the plane y = 0, above the chest wall \[mm\].
 pub(super) fn dome_outline(problem: &Problem) -> Polyline {
     let dome = &problem.obstacle.dome;
     (0..=SAMPLES)
         .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
-        .map(|angle| dome.outline(0.0, angle).to_array())
-        .filter(|point| point[1] >= -1e-9)
+        .map(|angle| dome.outline(0.0, angle))
+        .filter(|point| point.y >= -1e-9)
+        .map(|point| [point.x, point.y + wall_height(problem, point.x)])
         .collect()
+}
+
+/// Height of the chest wall in the plane y = 0 \[mm\].
+pub(super) fn wall_height(problem: &Problem, x: f64) -> f64 {
+    problem.obstacle.wall.0.height(DVec2::new(x, 0.0))
+}
+
+/// The chest wall under the patch in the plane y = 0 \[mm\].
+pub(super) fn wall_line(problem: &Problem) -> Polyline {
+    let radius = problem.sheet().radius_mm();
+    let place = |i: i32| radius * (2.0 * f64::from(i) / f64::from(SAMPLES) - 1.0);
+    let foot = |s: f64| problem.obstacle.wall.0.foot_and_normal(DVec2::new(s, 0.0)).0;
+    (0..=SAMPLES).map(|i| foot(place(i))).map(|foot| [foot.x, foot.z]).collect()
 }
 
 /// A plot without interaction, so that the Tab key skips it.

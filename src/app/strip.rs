@@ -22,7 +22,7 @@ use eframe::egui::{
     self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2,
     vec2,
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Name of the strip, and of its switch.
 pub(super) const CROSS_SECTION: &str = "Cross-section";
@@ -124,13 +124,14 @@ impl Place {
         let radius = problem.sheet().radius_mm() as f32;
         let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
         let highest = highest.fold(section.height(), f32::max);
-        let height = STEP_MM * (highest / STEP_MM).ceil().max(2.0);
+        let lowest = section.depth();
+        let height = STEP_MM * ((highest - lowest) / STEP_MM).ceil().max(2.0);
         let room = area.shrink2(vec2(2.0 * theme::SPACE, theme::SPACE));
         let room = room.with_min_x(room.left() + LEGEND);
         let below = 14.0;
         let points_per_mm = ((room.height() - below) / height).min(0.5 * room.width() / radius);
         Self {
-            origin: pos2(room.center().x, room.bottom() - below),
+            origin: pos2(room.center().x, room.bottom() - below + lowest * points_per_mm),
             points_per_mm,
             reach_mm: radius,
         }
@@ -158,7 +159,8 @@ fn hit(point: Vec2, section: &CrossSection, body: &Body, problem: &Problem) -> O
         Some(layer) => Target::Cut(layer),
         None => {
             let [x, z] = point.to_array().map(f64::from);
-            let is_inside = z >= 0.0 && dome.contains(DVec3::new(x, dome.center.y, z));
+            let at = DVec3::new(x, dome.center.y, z);
+            let is_inside = problem.obstacle.wall.gap(at) >= 0.0 && dome.contains(at);
             is_inside.then_some(Target::Implant)?
         }
     };
@@ -184,9 +186,13 @@ fn paint_ground(ui: &Ui, painter: &Painter, area: Rect) {
 fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
     let (visuals, palette) = (ui.visuals(), theme::palette(ui.visuals()));
     let font = TextStyle::Small.resolve(ui.style());
-    let at = |x: f32| place.at(Vec2::new(x, 0.0));
+    // At a length along the wall.
+    let at = |s: f32| {
+        let foot = problem.obstacle.wall.0.foot_and_normal(DVec2::new(f64::from(s), 0.0)).0;
+        place.at(Vec2::new(foot.x as f32, foot.z as f32))
+    };
     let wall = Stroke::new(1.0, palette.edge);
-    painter.line_segment([at(-place.reach_mm), at(place.reach_mm)], wall);
+    painter.add(Shape::line(place.line(&plots::wall_line(problem)), wall));
     let pocket = problem.patch.pocket_radius_mm as f32;
     let line = Stroke::new(2.0, palette.text);
     for x in [-pocket, pocket] {
@@ -202,13 +208,23 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
 }
 
 fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
-    let outline = place.line(&plots::dome_outline(problem));
+    let outline = plots::dome_outline(problem);
+    let foot = |point: &[f64; 2]| [point[0], plots::wall_height(problem, point[0])];
+    let base: Vec<[f64; 2]> = outline.iter().rev().map(foot).collect();
     let accent = theme::palette(ui.visuals()).accent;
-    painter.add(Shape::convex_polygon(
-        outline,
-        accent.gamma_multiply(0.22),
-        Stroke::new(1.5, accent),
-    ));
+    // A draped implant is not convex: strips from the wall to the surface.
+    let (top, low) = (place.line(&outline), place.line(&base));
+    let mut mesh = Mesh::default();
+    for (high, low) in top.iter().zip(low.iter().rev()) {
+        mesh.colored_vertex(*high, accent.gamma_multiply(0.22));
+        mesh.colored_vertex(*low, accent.gamma_multiply(0.22));
+    }
+    for k in (2..mesh.vertices.len() as u32).step_by(2) {
+        mesh.add_triangle(k - 2, k - 1, k);
+        mesh.add_triangle(k - 1, k, k + 1);
+    }
+    painter.add(Shape::mesh(mesh));
+    painter.add(Shape::closed_line([top, low].concat(), Stroke::new(1.5, accent)));
 }
 
 fn paint_tissue(

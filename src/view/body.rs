@@ -2,11 +2,12 @@
 //!
 //! A column stands on every grid node. In layered tissue its points are the nodes from the inner face to the skin, and the
 //! skin's outer surface; in a sheet the inner face and, along the nodal normal, the deformed thicknesses of the layers.
-//! Around the patch a ring of tissue without simulation continues the stack on the wall.
+//! Around the patch a ring of tissue without simulation continues the stack on the wall, along its tangents.
 
 use crate::measure::Stack;
 use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use crate::solve::{Problem, Solution};
+use crate::view::wall;
 use glam::{Vec2, Vec3};
 use implant_preview_core::model::membrane::stack::offset;
 
@@ -35,7 +36,7 @@ pub struct Body {
     pub seam: Vec<(u32, u32)>,
     /// The ring's outer columns, counter-clockwise, closed.
     pub rim: Vec<u32>,
-    /// Radius of the whole block on the wall \[mm\].
+    /// Radius of the whole block along the wall \[mm\].
     pub block_radius: f32,
     /// The clamped nodes, counter-clockwise.
     border: Vec<usize>,
@@ -159,17 +160,21 @@ impl Body {
         let radius = sheet.radius_mm() as f32;
         let width = (RING_WIDTH * radius).max(2.0 * stack);
         self.block_radius = radius + width;
+        let computed = self.slabs.iter().filter(|slab| slab.has_cells).count();
         for k in 0..self.border.len() {
             let node = self.border[k];
-            let outward = sheet.rest()[node].as_vec2().normalize_or_zero();
+            // The computed columns at the border stand on the wall's normals, at rest.
+            let column = |level: usize| self.levels[level][node];
+            let innermost = self.slabs.len();
+            let up = (column(innermost - computed) - column(innermost)).normalize_or(Vec3::Z);
+            let outward = wall::outwards(up, sheet.rest()[node].extend(0.0).as_vec3());
             for (step, fraction) in RING_STEPS.into_iter().enumerate() {
-                let offset = (outward * fraction * width).extend(0.0);
-                self.push_ring_column(node, step, offset);
+                self.push_ring_column(node, step, outward * (fraction * width), up);
             }
         }
     }
 
-    fn push_ring_column(&mut self, node: usize, step: usize, offset: Vec3) {
+    fn push_ring_column(&mut self, node: usize, step: usize, offset: Vec3, up: Vec3) {
         if step == 0 {
             for level in &mut self.levels {
                 let point = level[node];
@@ -181,7 +186,7 @@ impl Body {
         let mut point = self.levels[innermost][node] + offset;
         self.levels[innermost].push(point);
         for (level, slab) in self.levels.iter_mut().zip(&self.slabs).rev() {
-            point.z += slab.height_mm;
+            point += up * slab.height_mm;
             level.push(point);
         }
     }

@@ -41,10 +41,16 @@ impl CrossSection {
         self.levels.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Greatest height above the chest wall \[mm\].
+    /// Greatest height over the plane z = 0 \[mm\].
     #[must_use]
     pub fn height(&self) -> f32 {
         self.skin().iter().map(|p| p.y).fold(0.0, f32::max)
+    }
+
+    /// Least height over the plane z = 0, 0 or less: below 0 beside the middle of a curved chest \[mm\].
+    #[must_use]
+    pub fn depth(&self) -> f32 {
+        self.levels.iter().flatten().map(|p| p.y).fold(0.0, f32::min)
     }
 
     /// The quadrilaterals of the slabs, with their layers.

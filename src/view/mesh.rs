@@ -2,14 +2,15 @@
 
 use crate::contact::Dome;
 use crate::view::body::Body;
-use crate::view::color::{IMPLANT, Pattern, Rgb, WALL};
+use crate::view::color::{IMPLANT, Pattern, Rgb};
 use crate::view::section::{CapTriangle, Corner};
+use crate::view::wall;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
 /// skin those of the grid, on a cut face those of [`crate::view::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]; on a cut face the depth at rest \[mm\]
-/// plus 1000 for skin or 2000 for fat), colour (3).
+/// plus 1000 for skin or 2000 for fat; on the implant the height above the wall \[mm\]), colour (3).
 pub type Vertex = [f32; 12];
 
 /// The value of a vertex without quantity, drawn in the vertex's colour.
@@ -20,9 +21,6 @@ const PATTERN_STEP: f32 = 1000.0;
 
 /// Neighbours on either side in the smoothing of normals on the seam.
 const SEAM_REACH: usize = 4;
-
-/// Drawn thickness of the chest wall \[mm\].
-const WALL_THICKNESS: f32 = 5.0;
 
 /// Vertices and triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,7 +43,7 @@ impl Mesh {
 }
 
 /// The two triangles of a quad; `first` is the index of its first corner.
-fn quad_indices(first: u32) -> [u32; 6] {
+pub(super) fn quad_indices(first: u32) -> [u32; 6] {
     [0, 1, 2, 0, 2, 3].map(|k| first + k)
 }
 
@@ -90,10 +88,14 @@ pub fn tissue_vertices(
     }
     for (slab, pair) in body.slabs.iter().zip(body.levels.windows(2)) {
         let (high, low) = (&pair[0], &pair[1]);
-        let out = |p: Vec3| Vec3::new(p.x, p.y, 0.0).normalize_or_zero();
+        // Across the column, away from the pocket.
+        let out = |k: usize| {
+            let up = (high[k] - low[k]).normalize_or(Vec3::Z);
+            wall::outwards(up, low[k].with_z(0.0))
+        };
         for k in 0..body.rim.len() {
             let (a, b) = (body.rim[k] as usize, body.rim[(k + 1) % body.rim.len()] as usize);
-            let (na, nb) = (out(low[a]), out(low[b]));
+            let (na, nb) = (out(a), out(b));
             for (point, normal) in [(low[a], na), (low[b], nb), (high[b], nb), (high[a], na)] {
                 vertices.push(vertex(point, normal, [-1.0; 2], NO_VALUE, colors[slab.layer]));
             }
@@ -170,7 +172,8 @@ pub fn implant(dome: &Dome) -> Mesh {
     }
     let of = |point: DVec3| {
         let normal = dome.normal(point + DVec3::Z * 1e-9);
-        vertex(point.as_vec3(), normal.as_vec3(), [-1.0; 2], NO_VALUE, IMPLANT)
+        let above = point.z - dome.chest.height(point.truncate());
+        vertex(point.as_vec3(), normal.as_vec3(), [-1.0; 2], above as f32, IMPLANT)
     };
     let at = |ring: usize, step: usize| (ring * AROUND + step % AROUND) as u32;
     let mut indices = Vec::with_capacity(6 * RINGS * AROUND);
@@ -184,38 +187,11 @@ pub fn implant(dome: &Dome) -> Mesh {
     Mesh::new(dome.circles(RINGS, AROUND).map(of).collect(), indices)
 }
 
-/// The chest wall: a disc with a rim.
-#[must_use]
-pub fn wall(radius: f32) -> Mesh {
-    const AROUND: usize = 128;
-    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
-    let at = |k: usize| {
-        let (y, x) = (std::f32::consts::TAU * k as f32 / AROUND as f32).sin_cos();
-        Vec3::new(x, y, 0.0)
-    };
-    // Slightly below the sheet's clamped border at zero.
-    let top = Vec3::new(0.0, 0.0, -0.05);
-    let low = Vec3::new(0.0, 0.0, -WALL_THICKNESS);
-    for k in 0..AROUND {
-        let (a, b) = (at(k), at(k + 1));
-        let first = vertices.len() as u32;
-        for p in [top, top + a * radius, top + b * radius] {
-            vertices.push(vertex(p, Vec3::Z, [-1.0; 2], NO_VALUE, WALL));
-        }
-        indices.extend([first, first + 1, first + 2]);
-        let (ra, rb) = (a * radius, b * radius);
-        indices.extend(quad_indices(first + 3));
-        for (point, normal) in [(low + ra, a), (low + rb, b), (top + rb, b), (top + ra, a)] {
-            vertices.push(vertex(point, normal, [-1.0; 2], NO_VALUE, WALL));
-        }
-    }
-    Mesh::new(vertices, indices)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::measure::Field;
+    use crate::mesh::Chest;
     use crate::view::body::tests::both;
     use crate::view::section::{Opening, Section};
     use glam::Vec2;
@@ -241,7 +217,8 @@ mod tests {
             let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
             check(&caps(&section.caps(&body), &colors, &[Pattern::Skin, Pattern::Fat]));
             check(&implant(&session.problem().obstacle.dome));
-            check(&wall(80.0));
+            check(&wall::mesh(&Chest::Flat, 60.0, 80.0));
+            check(&wall::mesh(&Chest::Curved { across_mm: 70.0, along_mm: 90.0 }, 60.0, 80.0));
         }
     }
 

@@ -18,3 +18,4 @@ pub mod side_by_side;
 pub mod strokes;
 pub mod subject;
 pub mod torso;
+pub mod wall;

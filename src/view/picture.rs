@@ -2,12 +2,14 @@
 
 use crate::contact::Dome;
 use crate::measure::Fields;
+use crate::mesh::Chest;
 use crate::view::body::Body;
 use crate::view::color::{self, Pattern, Quantity, Rgb, Scale};
 use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
 use crate::view::strokes;
 use crate::view::subject::Subject;
+use crate::view::wall;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -45,7 +47,8 @@ pub struct Picture {
     tissues_made: Vec<String>,
     section_made: Option<Section>,
     dome_made: Option<Dome>,
-    wall_made: Option<f32>,
+    /// Radius of the drawn wall, radius of the patch, the wall.
+    wall_made: Option<(f32, f64, Chest)>,
     /// Start and duration of the last update of the shape, colours and cut included \[s\].
     last_shape: Option<(f64, f64)>,
 }
@@ -125,9 +128,11 @@ impl Picture {
             self.dome_made = dome.cloned();
         }
         let wall_radius = self.body.block_radius.max(problem.sheet().radius_mm() as f32);
-        if self.wall_made != Some(wall_radius) {
-            self.wall_made = Some(wall_radius);
-            self.set_mesh(3, mesh::wall(wall_radius));
+        let patch_radius = problem.sheet().radius_mm();
+        let wall = Some((wall_radius, patch_radius, problem.obstacle.wall.0.clone()));
+        if self.wall_made != wall {
+            self.wall_made = wall;
+            self.set_mesh(3, wall::mesh(&problem.obstacle.wall.0, patch_radius, wall_radius));
         }
     }
 

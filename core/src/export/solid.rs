@@ -3,7 +3,8 @@
 
 use crate::contact::Dome;
 use crate::measure::Surfaces;
-use glam::{DVec3, Vec3};
+use crate::mesh::Chest;
+use glam::{DVec2, DVec3, Vec3};
 use std::collections::BTreeMap;
 
 /// A part of a mesh; its triangles refer to [`Solid::vertices`].
@@ -39,7 +40,9 @@ impl Solid {
         Self::between("deformed skin", surfaces, surfaces.positions.len() - 2)
     }
 
-    /// The implant above the chest wall, a dome on a flat base; without vertices where it is not inserted.
+    /// The implant above the chest wall, a dome on a base on the wall; without vertices where it is not inserted.
+    ///
+    /// Over a curved wall the base has a vertex below every vertex of the dome, so that the draped implant keeps its volume.
     #[must_use]
     pub fn implant(dome: &Dome) -> Self {
         const RINGS: usize = 48;
@@ -51,7 +54,8 @@ impl Solid {
         let mut vertices = vec![dome.apex().as_vec3()];
         vertices.extend(dome.circles(RINGS, AROUND).skip(AROUND).map(DVec3::as_vec3));
         let centre = vertices.len() as u32;
-        vertices.push(dome.center.extend(0.0).as_vec3());
+        let on_wall = |at: DVec2| at.extend(dome.chest.height(at)).as_vec3();
+        vertices.push(on_wall(dome.center));
         let at = |ring: usize, step: usize| (1 + (ring - 1) * AROUND + step % AROUND) as u32;
         let top = (0..AROUND).map(|k| [0, at(1, k), at(1, k + 1)]);
         let rings = (1..RINGS).flat_map(|ring| {
@@ -61,10 +65,22 @@ impl Solid {
                 [[a[0], b[0], b[1]], [a[0], b[1], a[1]]]
             })
         });
-        let base = (0..AROUND).map(|k| [centre, at(RINGS, k + 1), at(RINGS, k)]);
+        let dome_triangles: Vec<[u32; 3]> = top.chain(rings).collect();
+        let base = if dome.chest == Chest::Flat {
+            (0..AROUND).map(|k| [centre, at(RINGS, k + 1), at(RINGS, k)]).collect()
+        } else {
+            let inner = dome.circles(RINGS, AROUND).skip(AROUND).take((RINGS - 1) * AROUND);
+            vertices.extend(inner.map(|point| on_wall(point.truncate())));
+            let below = |k: u32| match k {
+                0 => centre,
+                k if k < at(RINGS, 0) => centre + k,
+                edge => edge,
+            };
+            dome_triangles.iter().map(|[a, b, c]| [below(*a), below(*c), below(*b)]).collect()
+        };
         let parts = vec![
-            Part { name: "dome", triangles: top.chain(rings).collect() },
-            Part { name: "base", triangles: base.collect() },
+            Part { name: "dome", triangles: dome_triangles },
+            Part { name: "base", triangles: base },
         ];
         Self { name, vertices, parts }
     }
@@ -130,7 +146,8 @@ mod tests {
     use super::*;
     use crate::measure::{Stack, of_faces};
     use crate::mesh::Sheet;
-    use glam::DVec2;
+
+    const CURVED: Chest = Chest::Curved { across_mm: 110.0, along_mm: -300.0 };
 
     fn flat(thickness: f32) -> Solid {
         let sheet = Sheet::new(33, 50.0);
@@ -155,7 +172,8 @@ mod tests {
     #[test]
     fn every_edge_belongs_to_two_triangles_that_run_it_in_opposite_directions() {
         let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 0.7);
-        for solid in [flat(3.0), Solid::implant(&dome)] {
+        let draped = Dome { chest: CURVED, ..dome };
+        for solid in [flat(3.0), Solid::implant(&dome), Solid::implant(&draped)] {
             assert!(border_edges(&solid.triangles().collect::<Vec<_>>()).is_empty());
         }
     }
@@ -170,8 +188,10 @@ mod tests {
     #[test]
     fn an_implant_in_place_has_its_volume() {
         let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
-        let ratio = volume(&Solid::implant(&dome)) / dome.volume();
-        assert!(ratio < 1.0 && ratio > 0.998, "{ratio}");
+        for dome in [dome.clone(), dome.over(CURVED)] {
+            let ratio = volume(&Solid::implant(&dome)) / dome.volume();
+            assert!(ratio < 1.0 && ratio > 0.998, "{ratio}");
+        }
         let outside = Dome::new(DVec2::ZERO, 60.0, 40.0, 0.0);
         assert!(Solid::implant(&outside).vertices.is_empty());
     }

@@ -25,6 +25,8 @@ pub(super) struct Contact {
     nodes_per_side: usize,
     /// Vertical force \[kPa·mm²\].
     vertical_force: f64,
+    /// Sum of the dome's forces \[kPa·mm²\].
+    resultant: DVec3,
     /// Pressure \[kPa\]; zero outside of the contact.
     at_nodes: Vec<f64>,
     /// Mean and greatest pressure \[kPa\].
@@ -67,7 +69,7 @@ impl Contact {
         let one_ring = within(&touching);
         let two_rings = within(&one_ring);
         let inside = if two_rings.contains(&true) { two_rings } else { one_ring };
-        let vertical_force = reactions.vertical_force();
+        let (vertical_force, resultant) = (reactions.vertical_force(), reactions.resultant());
         let at_nodes = vec![0.0; part.len()];
         let mut contact = Self {
             part,
@@ -76,6 +78,7 @@ impl Contact {
             inside,
             nodes_per_side: n,
             vertical_force,
+            resultant,
             at_nodes,
             pressure: None,
         };
@@ -86,6 +89,11 @@ impl Contact {
     /// Vertical force between dome and sheet \[kPa·mm²\].
     pub(super) fn vertical_force(&self) -> f64 {
         self.vertical_force
+    }
+
+    /// Sum of the dome's forces on the tissue \[kPa·mm²\].
+    pub(super) fn resultant(&self) -> DVec3 {
+        self.resultant
     }
 
     /// Number of nodes of the sheet in contact.

@@ -1,11 +1,11 @@
 //! What a result of layered tissue adds: cover, skin area, traction of the attachment, loads of the solid layers.
 
-use super::profile;
-use super::{Outcome, ProfilePoint, Selection};
+use super::profile::{self, Axis, Layer};
+use super::{Outcome, Selection};
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::layered::exact::CellState;
-use crate::solve::Solution;
-use glam::DVec3;
+use crate::solve::{Problem, Solution};
+use glam::{DMat3, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ pub const RESULT_SCHEMA_2: &str = "implant-preview/result/2";
 /// Thickness of the tissue between implant and outer skin surface \[mm\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cover {
-    /// Above the implant's highest point.
+    /// Above the implant's highest point, along the wall's normal there.
     pub apex: f64,
     /// The least distance of the skin's outer surface from the implant's dome.
     pub least: f64,
@@ -61,6 +61,29 @@ pub(super) fn pocket_weight(sheet: &Sheet, pocket_radius: f64, node: usize) -> f
     (distance / sheet.spacing_mm() + 0.5).clamp(0.0, 1.0)
 }
 
+/// Area of the skin at rest over the pocket and of the whole patch \[mm²\]; of a sheet that of the sheet.
+pub(super) fn rest_areas(problem: &Problem) -> [f64; 2] {
+    let Problem { rest, patch, .. } = problem;
+    let radius = patch.radius_mm;
+    let flat = [PI * patch.pocket_radius_mm.powi(2), PI * radius * radius];
+    if rest.is_flat() {
+        return flat;
+    }
+    // The grid's sums over the curved surface, relative to those over the plane.
+    let (sheet, skin) = (rest.sheet(), rest.layers() - 1);
+    let (mut curved, mut plane) = ([0.0; 2], [0.0; 2]);
+    for (nodes, weight) in sheet.triangles() {
+        let [a, b, c] = nodes.map(|k| rest.node(skin, k));
+        let areas = [0.5 * (b - a).cross(c - a).length(), sheet.rest_area(nodes)];
+        let in_pocket = nodes.map(|k| pocket_weight(sheet, patch.pocket_radius_mm, k));
+        for (part, factor) in [in_pocket.iter().sum::<f64>() / 3.0, 1.0].into_iter().enumerate() {
+            curved[part] += weight * factor * areas[0];
+            plane[part] += weight * factor * areas[1];
+        }
+    }
+    [0, 1].map(|part| flat[part] * curved[part] / plane[part])
+}
+
 /// The free nodes that determine a solution: of mirror images the first one.
 fn free_nodes(solution: &Solution) -> impl Iterator<Item = usize> + '_ {
     let kinds = solution.problem().sheet().kinds();
@@ -68,8 +91,13 @@ fn free_nodes(solution: &Solution) -> impl Iterator<Item = usize> + '_ {
 }
 
 impl Outcome {
-    /// Adds the selected fields of layered tissue.
-    pub(super) fn measure_layers(&mut self, solution: &Solution, selection: &Selection) {
+    /// Adds the selected fields of layered tissue; `patch_area` is the skin's of the patch at rest \[mm²\].
+    pub(super) fn measure_layers(
+        &mut self,
+        solution: &Solution,
+        selection: &Selection,
+        patch_area: f64,
+    ) {
         let problem = solution.problem();
         let patch = &problem.patch;
         // That of a sheet.
@@ -78,12 +106,11 @@ impl Outcome {
             let outer: Vec<(usize, DVec3)> = free_nodes(solution)
                 .map(|k| (k, solution.outer_surface_at(k).as_dvec3()))
                 .collect();
-            let apex = problem.obstacle.dome.apex();
-            self.skin_projection_mm = height_above(solution, &outer, apex.x, apex.y);
+            self.skin_projection_mm = skin_over_apex(solution, &outer);
             self.cover_mm = cover(solution, &outer, self.skin_projection_mm);
         }
         let deformation = solution.deformation();
-        let whole = PI * patch.radius_mm * patch.radius_mm / 100.0;
+        let whole = patch_area / 100.0;
         let skin = deformation.summary([], |_| 1.0);
         self.skin_area = self.area_after_cm2.map(|pocket_after_cm2| SkinArea {
             pocket_before_cm2: self.area_before_cm2,
@@ -94,8 +121,17 @@ impl Outcome {
         if selection.wants("attachment_traction_kpa") {
             self.attachment_traction_kpa = traction(solution);
         }
+        let skin_profile = |axis| profile::along(Layer::membrane(solution), axis, patch.radius_mm);
         if selection.wants("profile_skin") {
-            self.profile_skin = skin_profile(solution);
+            self.profile_skin = skin_profile(Axis::X);
+        }
+        if problem.tissue.skin_wrinkles() {
+            if selection.wants("profile_y") {
+                self.profile_y = profile::along_y(solution);
+            }
+            if selection.wants("profile_skin_y") {
+                self.profile_skin_y = skin_profile(Axis::Y);
+            }
         }
         if !selection.wants_any(&["layers", "warnings"]) {
             return;
@@ -115,15 +151,6 @@ impl Outcome {
             self.layers[layer].beyond_curve_data = curve.is_beyond_data(load.strain);
         }
     }
-}
-
-/// 41 points of the skin along +x, material radius 0 … patch radius.
-fn skin_profile(solution: &Solution) -> Vec<ProfilePoint> {
-    profile::along(
-        solution.problem().sheet(),
-        solution.membrane(),
-        solution.problem().patch.radius_mm,
-    )
 }
 
 /// The load of a solid layer.
@@ -220,19 +247,25 @@ pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
     })
 }
 
+/// Part of the gauge's distance that a draped dome's is at least \[-\]: the shear of a wall as steep as a scene's may be under its
+/// implant, 65°, shortens lengths to 0.39.
+const LEAST_OF_DRAPED: f64 = 0.38;
+
 /// The cover over the implant; `outer` is the skin's outer surface at the free nodes of the part, `height` that above the
 /// apex \[mm\]. `None` without an implant above the wall.
 fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> Option<Cover> {
     let dome = &solution.problem().obstacle.dome;
     let apex = dome.apex();
-    if apex.z <= 0.0 {
+    if dome.top() <= 0.0 {
         return None;
     }
     let height = height?;
+    let is_flat = solution.problem().rest.is_flat();
+    let per_gauge = dome.least_half_axis() * if is_flat { 1.0 } else { LEAST_OF_DRAPED };
     let mut least = (f64::INFINITY, [apex.x, apex.y]);
     for (_, point) in outer {
         // A bound without roots keeps far nodes out of the search.
-        if dome.gauge(*point) * dome.least_half_axis() > least.0 {
+        if dome.gauge(*point) * per_gauge > least.0 {
             continue;
         }
         let distance = dome.closest_point(*point).0;
@@ -240,16 +273,36 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
             least = (distance, [point.x, point.y]);
         }
     }
-    Some(Cover { apex: height - apex.z, least: least.0, least_at_mm: least.1 })
+    Some(Cover { apex: height - dome.top(), least: least.0, least_at_mm: least.1 })
 }
 
-/// Height of the skin's outer surface above a point of the wall \[mm\], by a parabola in each direction about the nearest
-/// of the nodes `outer`.
-fn height_above(solution: &Solution, outer: &[(usize, DVec3)], px: f64, py: f64) -> Option<f64> {
+/// Height of the skin's outer surface over the apex above the wall \[mm\]: the apex's, and the tissue's along the wall's normal.
+fn skin_over_apex(solution: &Solution, outer: &[(usize, DVec3)]) -> Option<f64> {
+    let obstacle = &solution.problem().obstacle;
+    let apex = obstacle.dome.apex();
+    if solution.problem().rest.is_flat() {
+        return height_above(solution, outer, [apex.x, apex.y], |point| point);
+    }
+    let up = obstacle.wall.normal(apex);
+    let along = (DVec3::X - up * up.x).normalize();
+    let frame = DMat3::from_cols(along, up.cross(along), up).transpose();
+    let cover = height_above(solution, outer, [0.0; 2], |point| frame * (point - apex))?;
+    Some(obstacle.dome.top() + cover)
+}
+
+/// Height of the skin's outer surface in a frame above its point (px, py) \[mm\], by a parabola in each direction about the
+/// nearest of the nodes `outer`.
+fn height_above(
+    solution: &Solution,
+    outer: &[(usize, DVec3)],
+    [px, py]: [f64; 2],
+    frame: impl Fn(DVec3) -> DVec3,
+) -> Option<f64> {
     let n = solution.problem().sheet().nodes_per_side();
     let apart = |x: DVec3| (x.x - px).powi(2) + (x.y - py).powi(2);
-    let &(k, x) = outer.iter().min_by(|(_, a), (_, b)| apart(*a).total_cmp(&apart(*b)))?;
-    let at = |k: usize| solution.outer_surface_at(k).as_dvec3();
+    let nodes = outer.iter().map(|(k, point)| (*k, frame(*point)));
+    let (k, x) = nodes.min_by(|(_, a), (_, b)| apart(*a).total_cmp(&apart(*b)))?;
+    let at = |k: usize| frame(solution.outer_surface_at(k).as_dvec3());
     let along = |[low, high]: [DVec3; 2], target: f64, axis: usize| {
         let (a, b, c) = (low[axis], x[axis], high[axis]);
         // Newton's divided differences through three points.

@@ -37,6 +37,7 @@ use crate::model::layered::curve_law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
 use crate::solve::{Invalid, Method, Problem, Report, Solution, Tissue, Verdict};
 use crate::springs::Springs;
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// The schema of [`Outcome`].
@@ -58,7 +59,8 @@ pub const STRAIN_BANDS: [f64; 3] = [0.25, 0.50, 0.54];
 pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Outcome {
     let solution = fields.solution();
     let (problem, report) = (solution.problem(), solution.report());
-    let mut outcome = Outcome::without_shape(problem, report, tissues);
+    let [pocket_area, patch_area] = layered::rest_areas(problem);
+    let mut outcome = Outcome::without_shape(problem, report, tissues, pocket_area);
     if problem.tissue.skin_wrinkles() {
         outcome.solver.cells_through = Some(solution.cells().len());
         outcome.solver.estimated_discretisation_error = report.estimated_discretisation_error;
@@ -78,13 +80,13 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     }
     if selection.wants_any(&OF_MEMBRANE) {
         let summary = solution.deformation().summary(STRAIN_BANDS, weight);
-        outcome.measure_shape(fields, &summary);
+        outcome.measure_shape(fields, &summary, pocket_area);
         outcome.skin_reserve_used = reserve_used(problem, outcome.strain.as_ref());
         if selection.wants_any(&["layers", "warnings"]) {
             outcome.measure_loads(solution);
         }
         if matches!(problem.tissue, Tissue::Layered { .. }) {
-            outcome.measure_layers(solution, selection);
+            outcome.measure_layers(solution, selection, patch_area);
         }
         let wants_warnings = selection.wants("warnings");
         let shares = (wants_warnings || selection.wants("wrinkled"))
@@ -115,7 +117,7 @@ fn reserve_used(problem: &Problem, strain: Option<&Strains>) -> Option<f64> {
 }
 
 /// Fields that depend on the membrane's deformation.
-const OF_MEMBRANE: [&str; 14] = [
+const OF_MEMBRANE: [&str; 16] = [
     "apex_stretch",
     "skin_projection_mm",
     "area_after_cm2",
@@ -125,6 +127,8 @@ const OF_MEMBRANE: [&str; 14] = [
     "skin_reserve_used",
     "layers",
     "profile_skin",
+    "profile_y",
+    "profile_skin_y",
     "cover_mm",
     "skin_area",
     "attachment_traction_kpa",
@@ -133,10 +137,11 @@ const OF_MEMBRANE: [&str; 14] = [
 ];
 
 /// Fields that depend on the contact.
-const OF_CONTACT: [&str; 5] = [
+const OF_CONTACT: [&str; 6] = [
     "contact_angle_deg",
     "contact_material_radius_mm",
     "contact_force_n",
+    "contact_resultant_n",
     "contact_pressure_kpa",
     "contact_pressure_mmhg",
 ];
@@ -169,7 +174,12 @@ pub fn no_shape(invalid: Option<Invalid>) -> &'static str {
 
 impl Outcome {
     /// The result of a solve without measured quantities.
-    fn without_shape(problem: &Problem, report: &Report, tissues: &[String]) -> Self {
+    fn without_shape(
+        problem: &Problem,
+        report: &Report,
+        tissues: &[String],
+        pocket_area: f64,
+    ) -> Self {
         let layer = |tissue: &String| LayerOutcome {
             tissue: tissue.clone(),
             max_stress_kpa: None,
@@ -193,12 +203,13 @@ impl Outcome {
             contact_angle_deg: None,
             contact_material_radius_mm: None,
             contact_force_n: None,
+            contact_resultant_n: None,
             contact_pressure_kpa: None,
             contact_pressure_mmhg: None,
             projection_mm: None,
             skin_projection_mm: None,
             implant_volume_ml: problem.obstacle.dome.volume() / 1000.0,
-            area_before_cm2: pocket_area(problem) / 100.0,
+            area_before_cm2: pocket_area / 100.0,
             area_after_cm2: None,
             area_ratio: None,
             area_gain_cm2: None,
@@ -207,6 +218,8 @@ impl Outcome {
             layers: tissues.iter().map(layer).collect(),
             profile: Vec::new(),
             profile_skin: Vec::new(),
+            profile_y: Vec::new(),
+            profile_skin_y: Vec::new(),
             cover_mm: None,
             skin_area: None,
             attachment_traction_kpa: None,
@@ -232,16 +245,20 @@ impl Outcome {
         }
     }
 
-    fn measure_shape(&mut self, fields: &Fields, summary: &Summary<{ STRAIN_BANDS.len() }>) {
+    fn measure_shape(
+        &mut self,
+        fields: &Fields,
+        summary: &Summary<{ STRAIN_BANDS.len() }>,
+        area_before: f64,
+    ) {
         let solution = fields.solution();
         let problem = solution.problem();
         let (dome, sheet, x) = (&problem.obstacle.dome, problem.sheet(), solution.inner());
         let deformation = solution.deformation();
-        let area_before = pocket_area(problem);
 
         let apex = deformation.at_apex(sheet, dome, x);
         self.apex_stretch = Some(apex.area_stretch().sqrt());
-        let height = dome.apex().z;
+        let height = dome.top();
         let thickness: f64 = problem
             .materials
             .iter()
@@ -279,13 +296,17 @@ impl Outcome {
     fn measure_contact(&mut self, fields: &Fields, selection: &Selection) {
         let solution = fields.solution();
         let dome = &solution.problem().obstacle.dome;
-        self.projection_mm = Some(dome.apex().z);
+        self.projection_mm = Some(dome.top());
         if !selection.wants_any(&OF_CONTACT) {
             return;
         }
         let contact = fields.contact();
         // Without contact the sum of the forces is a negative zero.
         self.contact_force_n = Some(contact.vertical_force() / 1000.0 + 0.0);
+        if solution.problem().tissue.skin_wrinkles() {
+            let resultant = contact.resultant() / 1000.0 + DVec3::ZERO;
+            self.contact_resultant_n = Some(resultant.to_array());
+        }
         self.contact_pressure_kpa = contact.pressure();
         self.contact_pressure_mmhg = self
             .contact_pressure_kpa
@@ -368,9 +389,4 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
     } else {
         None
     }
-}
-
-/// Area of the pocket at rest \[mm²\].
-fn pocket_area(problem: &Problem) -> f64 {
-    PI * problem.patch.pocket_radius_mm.powi(2)
 }

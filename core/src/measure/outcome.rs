@@ -32,19 +32,23 @@ pub struct Outcome {
     pub contact_angle_deg: Option<f64>,
     /// Material radius at which contact ends \[mm\]; centred dome only.
     pub contact_material_radius_mm: Option<f64>,
-    /// Vertical force between dome and tissue \[N\].
+    /// Force between dome and tissue along z \[N\].
     pub contact_force_n: Option<f64>,
+    /// Skin that wrinkles: resultant of the dome's forces on the tissue, \[x, y, z\] \[N\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_resultant_n: Option<[f64; 3]>,
     /// Contact pressure \[kPa\].
     pub contact_pressure_kpa: Option<Pressure>,
     /// Contact pressure \[mmHg\].
     pub contact_pressure_mmhg: Option<Pressure>,
     /// Height of the implant's tip above the wall, over which the tissue is highest \[mm\].
     pub projection_mm: Option<f64>,
-    /// Height of the outer skin surface's highest point above the wall \[mm\].
+    /// Height of the outer skin surface over the implant's tip above the wall \[mm\]: of layered tissue `projection_mm` and the cover
+    /// over the tip.
     pub skin_projection_mm: Option<f64>,
     /// Volume of the whole implant, ⅔πR²p \[ml\].
     pub implant_volume_ml: f64,
-    /// Area of the pocket πa² \[cm²\].
+    /// Area of the pocket πa² \[cm²\]; over a curved wall that of the skin over the pocket at rest.
     pub area_before_cm2: f64,
     /// Area of the deformed membrane over the pocket \[cm²\].
     pub area_after_cm2: Option<f64>,
@@ -67,6 +71,12 @@ pub struct Outcome {
     /// Layered tissue: 41 points of the skin's membrane along +x, material radius 0 … patch radius.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profile_skin: Vec<ProfilePoint>,
+    /// Skin that wrinkles: as `profile`, along +y.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profile_y: Vec<ProfilePoint>,
+    /// Skin that wrinkles: as `profile_skin`, along +y.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profile_skin_y: Vec<ProfilePoint>,
     /// Layered tissue: thickness between implant and outer skin surface \[mm\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cover_mm: Option<Cover>,
@@ -128,11 +138,11 @@ pub struct LayerOutcome {
 /// A point of the profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ProfilePoint {
-    /// Material radius \[mm\].
+    /// Material radius \[mm\], a length along the wall.
     pub s_mm: f64,
     /// Deformed distance from the pocket's axis \[mm\], on either side.
     pub r_mm: f64,
-    /// Deformed height \[mm\].
+    /// Deformed height \[mm\] over the plane z = 0, which touches a curved wall at the pocket's centre.
     pub z_mm: f64,
     /// Stretch along the profile \[-\].
     pub stretch_meridional: f64,

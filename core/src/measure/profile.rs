@@ -1,10 +1,41 @@
-//! The profile: the sheet along +x from the pocket's centre.
+//! The profiles: the tissue along +x and +y from the pocket's centre.
 
 use super::{PROFILE_POINTS, ProfilePoint};
 use crate::contact::TOUCH_F64;
-use crate::mesh::{NodeKind, Sheet};
+use crate::mesh::{NodeKind, Rest};
 use crate::solve::Solution;
 use glam::{DVec2, DVec3};
+
+/// An axis of the grid through the pocket's centre.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    /// Across the body.
+    X,
+    /// Along the body.
+    Y,
+}
+
+/// A layer of nodes at rest and deformed.
+#[derive(Clone, Copy)]
+pub(super) struct Layer<'a> {
+    pub(super) rest: &'a Rest,
+    /// From the inner face outwards.
+    pub(super) layer: usize,
+    /// Deformed positions \[mm\].
+    pub(super) x: &'a [DVec3],
+}
+
+impl<'a> Layer<'a> {
+    fn inner(solution: &'a Solution) -> Self {
+        Self { rest: &solution.problem().rest, layer: 0, x: solution.inner() }
+    }
+
+    /// The skin's membrane.
+    pub(super) fn membrane(solution: &'a Solution) -> Self {
+        let rest = &solution.problem().rest;
+        Self { rest, layer: rest.layers() - 1, x: solution.membrane() }
+    }
+}
 
 /// 41 points, material radius 0 … pocket radius in equal steps. Positions by cubic interpolation
 /// between the nodes, stretches from central differences (second order).
@@ -16,7 +47,12 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
     let sheet = solution.problem().sheet();
     let row = sheet.nodes_per_side() / 2 * sheet.nodes_per_side();
     let pocket_radius = solution.problem().patch.pocket_radius_mm;
-    beside_edges(sheet, solution.inner(), pocket_radius, &edges(solution, row))
+    beside_edges(Layer::inner(solution), Axis::X, pocket_radius, &edges(solution, row))
+}
+
+/// 41 points of the inner face of layered tissue along +y, material radius 0 … pocket radius in equal steps.
+pub(super) fn along_y(solution: &Solution) -> Vec<ProfilePoint> {
+    along(Layer::inner(solution), Axis::Y, solution.problem().patch.pocket_radius_mm)
 }
 
 /// 41 points of the skin's outer surface along +x, material radius 0 … patch radius in equal steps.
@@ -24,30 +60,46 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
 pub fn skin_surface(solution: &Solution) -> Vec<ProfilePoint> {
     let faces = solution.faces();
     let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
-    along(solution.problem().sheet(), &outer, solution.problem().patch.radius_mm)
+    let layer = Layer { x: &outer, ..Layer::membrane(solution) };
+    along(layer, Axis::X, solution.problem().patch.radius_mm)
 }
 
 /// 41 points of a face, material radius 0 … `radius` in equal steps.
-pub(super) fn along(sheet: &Sheet, x: &[DVec3], radius: f64) -> Vec<ProfilePoint> {
-    beside_edges(sheet, x, radius, &[])
+pub(super) fn along(layer: Layer, axis: Axis, radius: f64) -> Vec<ProfilePoint> {
+    beside_edges(layer, axis, radius, &[])
 }
 
-fn beside_edges(sheet: &Sheet, x: &[DVec3], radius: f64, edges: &[Edge]) -> Vec<ProfilePoint> {
+fn beside_edges(layer: Layer, axis: Axis, radius: f64, edges: &[Edge]) -> Vec<ProfilePoint> {
+    let Layer { rest, layer, x } = layer;
+    let sheet = rest.sheet();
     let n = sheet.nodes_per_side();
     let half = n / 2;
-    let row = half * n;
-    let (h, rest) = (sheet.spacing_mm(), sheet.rest());
-    // Stretch along and across the row at its i-th node.
+    // Nodes of the line, and beside it.
+    let (first, step, side) = match axis {
+        Axis::X => (half * n, 1, n),
+        Axis::Y => (half, n, 1),
+    };
+    let h = sheet.spacing_mm();
+    // Stretch along and across the line at its i-th node.
     let stretches = |i: usize| {
-        let k = row + i;
-        let along = if i + 1 < n {
-            (x[k + 1] - x[k - 1]) / (2.0 * h)
-        } else {
-            (x[k] * 3.0 - x[k - 1] * 4.0 + x[k - 2]) / (2.0 * h)
+        let k = first + i * step;
+        let difference = |at: &dyn Fn(usize) -> DVec3| {
+            let along = if i + 1 < n {
+                (at(k + step) - at(k - step)) / (2.0 * h)
+            } else {
+                (at(k) * 3.0 - at(k - step) * 4.0 + at(k - 2 * step)) / (2.0 * h)
+            };
+            along.length()
         };
-        let (up, down) = (k + n, k - n);
-        let across = x[up].distance(x[down]) / rest[up].distance(rest[down]);
-        (along.length(), across)
+        let (up, down) = (k + side, k - side);
+        let across = x[up].distance(x[down]);
+        if rest.is_flat() {
+            let flat = sheet.rest();
+            return (difference(&|k| x[k]), across / flat[up].distance(flat[down]));
+        }
+        let at_rest = |k: usize| rest.node(layer, k);
+        let along = difference(&|k| x[k]) / difference(&at_rest);
+        (along, across / at_rest(up).distance(at_rest(down)))
     };
     (0..PROFILE_POINTS)
         .map(|point| {
@@ -77,7 +129,7 @@ fn beside_edges(sheet: &Sheet, x: &[DVec3], radius: f64, edges: &[Edge]) -> Vec<
             let mut position = DVec3::ZERO;
             for (k, weight) in (low - 1..=low + 2).zip(cubic(column - low as f64)) {
                 let own = edges.iter().find(|e| e.node == k && passed.is_some());
-                position += own.map_or(x[row + k], |e| e.balanced) * weight;
+                position += own.map_or(x[first + k * step], |e| e.balanced) * weight;
             }
             ProfilePoint {
                 s_mm: s,

@@ -23,7 +23,7 @@ pub struct Selection {
 
 /// Always selected: a result without its status might be read as converged.
 const ALWAYS: [&str; 2] = ["schema", "status"];
-const PROFILES: [&str; 2] = ["profile", "profile_skin"];
+const PROFILES: [&str; 4] = ["profile", "profile_skin", "profile_y", "profile_skin_y"];
 
 impl Selection {
     /// All fields.

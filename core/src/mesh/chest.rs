@@ -44,6 +44,17 @@ impl Chest {
     pub fn foot_and_normal(&self, place: DVec2) -> (DVec3, DVec3) {
         let longest = match self {
             Self::Flat => return (place.extend(0.0), DVec3::Z),
+            &Self::Curved { across_mm, along_mm } if along_mm.is_infinite() => {
+                let (sin, cos) = (place.x / across_mm).sin_cos();
+                let foot = DVec3::new(across_mm * sin, place.y, across_mm * (cos - 1.0));
+                return (foot, DVec3::new(sin, 0.0, cos));
+            }
+            &Self::Curved { across_mm, along_mm } if across_mm.to_bits() == along_mm.to_bits() => {
+                let (sin, cos) = (place.length() / across_mm).sin_cos();
+                let outwards = place.normalize_or_zero() * sin;
+                let foot = (outwards * across_mm).extend(across_mm * (cos - 1.0));
+                return (foot, outwards.extend(cos));
+            }
             Self::Curved { across_mm, along_mm } => STEP * across_mm.abs().min(along_mm.abs()),
             Self::Grid(grid) => grid.spacing(),
         };

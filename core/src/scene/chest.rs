@@ -57,6 +57,16 @@ impl Scene {
         self.skin_wrinkles()
     }
 
+    /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred round implant under
+    /// even tissue on a flat or spherical chest?
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        let is_sphere = |chest: &ChestShape| chest.radius_along_mm == Some(chest.radius_across_mm);
+        let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
+        let is_even = self.chest_grid.is_none() && self.thickness_field.is_none();
+        is_centred && is_even && self.implant.is_round() && self.chest.as_ref().is_none_or(is_sphere)
+    }
+
     /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.
     #[must_use]
     pub fn least_chest_radius_mm(&self, is_hollow: bool) -> f64 {

@@ -204,8 +204,6 @@ impl Solver {
             }
             Method::Multigrid { cycles } => self.start_multigrid(Stop::Cycles(cycles)),
             Method::Newton => self.start_newton(Start::Cold),
-            // The multigrid is flat.
-            Method::Automatic if !self.problem.rest.is_flat() => self.start_newton(Start::Cold),
             Method::Automatic => self.start_multigrid(Stop::Tolerance),
         }
     }

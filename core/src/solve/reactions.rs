@@ -41,6 +41,16 @@ impl PartReactions {
         nodes.map(|(k, vertical)| self.part.multiplicity(k) * vertical).sum()
     }
 
+    /// Sum of the dome's forces on the whole sheet \[kPa·mm²\].
+    pub(crate) fn resultant(&self) -> DVec3 {
+        let forces = self.force.iter().zip(&self.normal).map(|(f, n)| *n * *f);
+        let nodes = self.part.nodes().zip(forces);
+        let sum: DVec3 = nodes.map(|(k, force)| self.part.multiplicity(k) * force).sum();
+        // Forces of mirror images cancel along the mirrored axis.
+        let [x, y] = self.part.first().map(|first| if first > 0 { 0.0 } else { 1.0 });
+        sum * DVec3::new(x, y, 1.0)
+    }
+
     pub(super) fn on_grid(&self) -> Reactions {
         let part = self.part;
         let normal = |k: usize| {

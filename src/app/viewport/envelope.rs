@@ -1,7 +1,8 @@
 //! The skin of other plans as lines in the picture: envelopes of sampled patients, outlines of pins.
 //!
-//! Around a centred implant the skin is one of revolution: its lines lie on the faces of the cut, without a cut on the
-//! outline as the camera sees it. Off centre a line holds along the profile only, from the pocket's centre to +x.
+//! Around a centred implant on a flat or spherical chest the skin is one of revolution: its lines lie on the faces of the cut,
+//! without a cut on the outline as the camera sees it. Otherwise a line holds along the profile only, from the pocket's centre
+//! to +x.
 
 use crate::scene::Letter;
 use crate::study::SectionBand;
@@ -18,8 +19,8 @@ pub(crate) struct Outline {
     pub(crate) dashes: (f32, f32),
     /// Distance from the pocket's centre and height of the skin's outer surface \[mm\], outwards.
     pub(crate) points: Vec<Vec2>,
-    /// Position of the implant on the wall \[mm\].
-    pub(crate) center_mm: [f64; 2],
+    /// Is the skin one of revolution?
+    pub(crate) is_round: bool,
 }
 
 impl Outline {
@@ -29,7 +30,7 @@ impl Outline {
             let point = |p: &Vec2| (Vec2::from_angle(direction) * p.x).extend(p.y);
             self.points.iter().map(point).collect()
         };
-        directions(self.center_mm, section, azimuth).into_iter().map(at).collect()
+        directions(self.is_round, section, azimuth).into_iter().map(at).collect()
     }
 }
 
@@ -44,7 +45,7 @@ pub(super) struct EnvelopeLine {
 /// The lines of a band: an inner and an outer one in each direction. `azimuth`: of the camera \[radians\].
 pub(super) fn lines(
     band: &[SectionBand],
-    center_mm: [f64; 2],
+    is_round: bool,
     section: Section,
     azimuth: f32,
 ) -> Vec<EnvelopeLine> {
@@ -58,15 +59,15 @@ pub(super) fn lines(
         };
         EnvelopeLine { points: band.iter().map(point).collect(), is_outer }
     };
-    let directions = directions(center_mm, section, azimuth).into_iter();
+    let directions = directions(is_round, section, azimuth).into_iter();
     directions.flat_map(|at| [false, true].map(|is_outer| line(at, is_outer))).collect()
 }
 
-/// Directions \[radians\] in which the skin of an implant at a place is known, and shown.
-fn directions(center_mm: [f64; 2], section: Section, azimuth: f32) -> Vec<f32> {
+/// Directions \[radians\] in which the skin is known, and shown.
+fn directions(is_round: bool, section: Section, azimuth: f32) -> Vec<f32> {
     let both = |middle: f32, apart: f32| vec![middle - apart, middle + apart];
     match section.opening {
-        _ if center_mm.iter().any(|at| at.abs() > 0.0) => vec![0.0],
+        _ if !is_round => vec![0.0],
         Opening::Closed => both(azimuth, FRAC_PI_2),
         Opening::Wedge => both(section.angle, FRAC_PI_4),
         Opening::Half => both(section.angle, FRAC_PI_2),
@@ -80,9 +81,9 @@ mod tests {
     #[test]
     fn lines_lie_on_the_faces_of_the_cut_and_off_centre_along_the_profile() {
         let band = [SectionBand { r_mm: 20.0, z_mm: [10.0, 12.0, 15.0] }];
-        let of = |opening, center_mm| {
+        let of = |opening, is_round| {
             let section = Section { opening, angle: 0.3, axis: Vec2::ZERO };
-            let lines = lines(&band, center_mm, section, 1.0);
+            let lines = lines(&band, is_round, section, 1.0);
             lines.into_iter().map(|line| (line.points[0], line.is_outer)).collect::<Vec<_>>()
         };
         let at = |angle: f32, z| Vec3::new(20.0 * angle.cos(), 20.0 * angle.sin(), z);
@@ -94,14 +95,14 @@ mod tests {
             let expected = [middle - apart, middle + apart]
                 .map(|angle| [(at(angle, 10.0), false), (at(angle, 15.0), true)])
                 .concat();
-            assert_eq!(of(opening, [0.0; 2]), expected);
-            assert_eq!(of(opening, [3.0, 0.0]), [(at(0.0, 10.0), false), (at(0.0, 15.0), true)]);
+            assert_eq!(of(opening, true), expected);
+            assert_eq!(of(opening, false), [(at(0.0, 10.0), false), (at(0.0, 15.0), true)]);
             let outline = Outline {
                 letter: Letter::A,
                 color: Color32::RED,
                 dashes: (7.0, 4.0),
                 points: vec![Vec2::new(20.0, 15.0)],
-                center_mm: [0.0; 2],
+                is_round: true,
             };
             let section = Section { opening, angle: 0.3, axis: Vec2::ZERO };
             let points = outline.lines(section, 1.0).concat();
@@ -111,6 +112,6 @@ mod tests {
             assert_eq!(points.len(), 2);
         }
         let section = Section { opening: Opening::Half, angle: 0.0, axis: Vec2::ZERO };
-        assert!(lines(&[], [0.0; 2], section, 0.0).is_empty());
+        assert!(lines(&[], true, section, 0.0).is_empty());
     }
 }

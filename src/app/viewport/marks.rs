@@ -17,7 +17,7 @@ use crate::view::subject::Subject;
 use eframe::egui::{
     self, Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, vec2,
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Maximum nodes per side for which a running solve still shows values at the pointer.
 const PICK_WHILE_SOLVING: usize = 257;
@@ -220,11 +220,22 @@ struct Measured {
 
 impl Measured {
     fn new(places: [Place; 2], fields: &Fields, body: &Body) -> Option<Self> {
-        let sheet = fields.solution().problem().sheet();
+        let rest = &fields.solution().problem().rest;
+        let sheet = rest.sheet();
         let [a, b] = places.map(|place| place.position(sheet, body));
         let ends = [a?, b?];
         let line = along_skin(body.levels.first()?, &body.triangles, ends);
-        Some(Self { ends, line, rest_mm: places[0].rest.distance(places[1].rest) })
+        // The skin at rest, without the ring.
+        let skin: Vec<Vec3> = rest.nodes(rest.layers() - 1).map(DVec3::as_vec3).collect();
+        let is_on_sheet = |t: &&[u32; 3]| t.iter().all(|&k| (k as usize) < skin.len());
+        let triangles: Vec<[u32; 3]> = body.triangles.iter().filter(is_on_sheet).copied().collect();
+        let at_rest = places.map(|place| {
+            let nodes = place.nodes(sheet)?;
+            Some(nodes.into_iter().map(|(k, weight)| skin[k] * weight).sum())
+        });
+        let [a, b] = at_rest;
+        let rest_mm = along_skin(&skin, &triangles, [a?, b?]).length_mm;
+        Some(Self { ends, line, rest_mm })
     }
 
     fn words(&self) -> Vec<String> {
@@ -255,7 +266,9 @@ fn show_values(
     scene: &Scene,
 ) {
     ring(ui, painter, pointer);
-    let heading = readout::heading(hit, scene, Device::of(ui.ctx()));
+    let fields = picture.fields.as_deref();
+    let device = Device::of(ui.ctx());
+    let heading = fields.and_then(|fields| readout::heading(hit, fields, scene, device));
     let lines = lines(heading, place_of(hit, picture), picture, scene);
     labelled_box(ui, painter, area, (pointer, tr("Values at the pointer")), &lines);
 }

@@ -27,13 +27,14 @@ use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{LastAnswer, Subject};
+use crate::view::wall;
 use eframe::egui::{
     self, Align2, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui,
     WidgetInfo,
 };
 use eframe::{egui_glow, glow};
 use egui::layers::ShapeIdx;
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
@@ -428,9 +429,13 @@ impl Viewport {
 
     /// Places of the words for the directions of the patient, on the rim of the wall.
     fn directions(&self, session: &impl Subject, area: Rect) -> [(Option<Pos2>, &'static str); 4] {
-        let radius =
-            1.04 * self.picture.body.block_radius.max(session.problem().sheet().radius_mm() as f32);
-        let at = |x: f32, y: f32| self.point(Vec3::new(radius * x, radius * y, 0.0), area);
+        let problem = session.problem();
+        let patch = problem.sheet().radius_mm();
+        let radius = 1.04 * f64::from(self.picture.body.block_radius).max(patch);
+        let at = |x: f64, y: f64| {
+            let place = radius * DVec2::new(x, y);
+            self.point(wall::at(&problem.obstacle.wall.0, patch, place).0, area)
+        };
         let words = [
             (0.0, 1.0, tr("head")),
             (0.0, -1.0, tr("feet")),
@@ -456,7 +461,7 @@ impl Viewport {
         band: &[SectionBand],
     ) {
         let azimuth = self.camera.pose().azimuth;
-        for line in envelope::lines(band, session.scene().implant.center_mm, section, azimuth) {
+        for line in envelope::lines(band, session.scene().is_round(), section, azimuth) {
             let points = line.points.iter().filter_map(|point| self.point(*point, area)).collect();
             overlay::envelope(ui, painter, points, line.is_outer);
         }

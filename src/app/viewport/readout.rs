@@ -46,14 +46,17 @@ fn depth_of(nodes: &Nodes, body: &Body, hit: &Hit) -> Option<f32> {
 }
 
 /// What is at a hit, in a few words; nothing on the skin.
-pub(super) fn heading(hit: &Hit, scene: &Scene, device: Device) -> Option<String> {
+pub(super) fn heading(hit: &Hit, fields: &Fields, scene: &Scene, device: Device) -> Option<String> {
     match hit.target {
         Target::Sheet(_) => None,
         Target::Ring => Some(tr("Outside the pocket (not computed)").to_owned()),
         Target::Cut(layer) => Some(tr!("In {tissue}", tissue = name(scene, layer))),
         Target::Implant => {
             let name = device.words(tr("Implant"));
-            Some(tr!("{name}, {height:.1} mm above the chest wall", name, height = hit.point.z))
+            let wall =
+                fields.solution().problem().obstacle.wall.0.height(hit.point.truncate().as_dvec2());
+            let height = hit.point.z - wall as f32;
+            Some(tr!("{name}, {height:.1} mm above the chest wall", name, height))
         }
     }
 }

@@ -145,7 +145,7 @@ void main() {
     if (u_material == 1) light = mix(light, vec3(1.0), 0.7);
     // Contact shadows: where the implant meets the wall, and in the crease of the skin around it.
     float beside = length(from_axis.xy) - u_foot;
-    if (u_material == 2) light *= 1.0 - 0.45 * exp(-max(v_position.z, 0.0) / 9.0);
+    if (u_material == 2) light *= 1.0 - 0.45 * exp(-max(v_value, 0.0) / 9.0);
     if (u_material == 3) light *= 1.0 - 0.55 * exp(-abs(beside) / 13.0);
     if (u_material == 0) {
         float crease = (beside - 0.10 * u_foot) / (0.16 * u_foot + 1.0);
