@@ -45,15 +45,17 @@ impl Chest {
         let longest = match self {
             Self::Flat => return (place.extend(0.0), DVec3::Z),
             &Self::Curved { across_mm, along_mm } if along_mm.is_infinite() => {
-                let (sin, cos) = (place.x / across_mm).sin_cos();
-                let foot = DVec3::new(across_mm * sin, place.y, across_mm * (cos - 1.0));
-                return (foot, DVec3::new(sin, 0.0, cos));
+                let [x, height, slope_x, up] = circle(place.x, across_mm);
+                return (DVec3::new(x, place.y, height), DVec3::new(slope_x, 0.0, up));
+            }
+            &Self::Curved { across_mm, along_mm } if across_mm.is_infinite() => {
+                let [y, height, slope_y, up] = circle(place.y, along_mm);
+                return (DVec3::new(place.x, y, height), DVec3::new(0.0, slope_y, up));
             }
             &Self::Curved { across_mm, along_mm } if across_mm.to_bits() == along_mm.to_bits() => {
-                let (sin, cos) = (place.length() / across_mm).sin_cos();
-                let outwards = place.normalize_or_zero() * sin;
-                let foot = (outwards * across_mm).extend(across_mm * (cos - 1.0));
-                return (foot, outwards.extend(cos));
+                let [far, height, sin, up] = circle(place.length(), across_mm);
+                let direction = place.normalize_or_zero();
+                return ((direction * far).extend(height), (direction * sin).extend(up));
             }
             Self::Curved { across_mm, along_mm } => STEP * across_mm.abs().min(along_mm.abs()),
             Self::Grid(grid) => grid.spacing(),
@@ -136,6 +138,12 @@ impl Chest {
             Self::Grid(grid) => Self::Grid(grid.scaled(factor)),
         }
     }
+}
+
+/// After a length along a circle of a radius, which starts level: way, height, and the unit normal's components along both.
+fn circle(length: f64, radius: f64) -> [f64; 4] {
+    let (sin, cos) = (length / radius).sin_cos();
+    [radius * sin, radius * (cos - 1.0), sin, cos]
 }
 
 /// Rates of position and direction of a geodesic a step ahead.
