@@ -106,6 +106,12 @@ impl ThicknessField {
         places.map(|place| self.factor(place)).fold(f64::INFINITY, f64::min)
     }
 
+    /// The greatest factor \[-\].
+    #[must_use]
+    pub fn greatest(&self) -> f64 {
+        self.factors.samples().iter().copied().fold(0.0, f64::max)
+    }
+
     /// Is every factor one?
     pub(super) fn is_even(&self) -> bool {
         self.factors.samples().iter().all(|factor| factor.to_bits() == 1.0_f64.to_bits())

@@ -97,7 +97,10 @@ impl CheckedScene {
                 let solids_mm: Vec<f64> = solids.map(|solid| solid.thickness_mm).collect();
                 let skin_wrinkles = self.scene.skin_wrinkles();
                 let cells = solver.cells_through.unwrap_or_default();
-                let cells = cells.count(&solids_mm, skin_wrinkles, sheet.spacing_mm());
+                // As many as the thickest place needs.
+                let factor = self.thickness.as_ref().map_or(1.0, ThicknessField::greatest);
+                let thickest: Vec<f64> = solids_mm.iter().map(|solid| solid * factor).collect();
+                let cells = cells.count(&thickest, skin_wrinkles, sheet.spacing_mm());
                 let mut rest = Rest::layered(sheet, &solids_mm, cells);
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());

@@ -57,12 +57,14 @@ impl Scene {
         self.skin_wrinkles()
     }
 
-    /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred implant on a flat or
-    /// spherical chest?
+    /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred round implant under
+    /// even tissue on a flat or spherical chest?
     #[must_use]
     pub fn is_round(&self) -> bool {
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
-        is_centred && (self.chest.is_none() || self.is_sphere())
+        let is_even = self.chest_grid.is_none() && self.thickness_field.is_none();
+        let is_turned = self.chest.is_none() || self.is_sphere();
+        is_centred && is_even && self.implant.is_round() && is_turned
     }
 
     /// Is the chest a sphere?
