@@ -61,12 +61,12 @@ impl Scene {
         self.skin_wrinkles()
     }
 
-    /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred implant on a flat or
-    /// spherical chest?
+    /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred round implant on a
+    /// flat or spherical chest?
     #[must_use]
     pub fn is_round(&self) -> bool {
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
-        is_centred && (self.chest.is_none() || self.is_sphere())
+        is_centred && self.implant.is_round() && (self.chest.is_none() || self.is_sphere())
     }
 
     /// Is the chest a sphere?
@@ -79,8 +79,7 @@ impl Scene {
     /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.
     #[must_use]
     pub fn least_chest_radius_mm(&self, is_hollow: bool) -> f64 {
-        let [x, y] = self.implant.center_mm;
-        let edge = self.implant.base_radius_mm + x.hypot(y);
+        let edge = self.implant.least_pocket_mm();
         let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
         let least = (LEAST_OF_PATCH * patch).max(LEAST_OF_IMPLANT * edge);
         let tissue = || self.layers.iter().map(|layer| layer.thickness_mm).sum::<f64>();

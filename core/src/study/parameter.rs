@@ -64,7 +64,7 @@ pub enum Parameter {
 }
 
 /// Names without an index, in the order of help and messages.
-const NAMES: [(&str, Parameter); 25] = [
+const NAMES: [(&str, Parameter); 27] = [
     ("base_width_mm", Parameter::BaseWidth),
     ("projection_mm", Parameter::Projection),
     ("volume_ml", Parameter::Volume),
@@ -119,7 +119,7 @@ impl Parameter {
             OF_LAYER.map(|of| of(layer)).into_iter().find(is_named)
         };
         of_layer().ok_or_else(|| {
-            let names: Vec<&str> = NAMES[..21].iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = NAMES[..23].iter().map(|(name, _)| *name).collect();
             let layers = OF_LAYER.map(|of| of(0).row().0.path.replace("[]", "[k]"));
             format!(
                 "{:?} is not a field; allowed: {}, {}",
