@@ -119,7 +119,7 @@ impl Parameter {
             OF_LAYER.map(|of| of(layer)).into_iter().find(is_named)
         };
         of_layer().ok_or_else(|| {
-            let names: Vec<&str> = NAMES[..21].iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = NAMES[..23].iter().map(|(name, _)| *name).collect();
             let layers = OF_LAYER.map(|of| of(0).row().0.path.replace("[]", "[k]"));
             format!(
                 "{:?} is not a field; allowed: {}, {}",
