@@ -79,17 +79,20 @@ impl Layers for CurvedLayers {
     #[inline(always)]
     fn regular(&self, layer: usize, k: usize) -> Own {
         let at = k + layer * self.length;
-        let part = |p: usize| load(&self.sides[p], at);
-        let sides = Oblique([0, 3, 6].map(|p| [part(p), part(p + 1), part(p + 2)]));
-        let direction = |p: usize| [0, 1, 2].map(|axis| load(&self.directions[p + axis], k));
+        let three = |parts: &[Vec<f32>], k: usize| {
+            [load(&parts[0], k), load(&parts[1], k), load(&parts[2], k)]
+        };
+        let of_side = |side: usize| three(&self.sides[3 * side..], at);
+        let sides = Oblique([of_side(0), of_side(1), of_side(2)]);
+        let direction = |sign: usize| three(&self.directions[3 * sign..], k);
         let [middle, height] = self.heights[layer];
-        let (along, half) = (direction(6), height * f32x4::HALF);
-        let inner = [0, 1, 2].map(|axis| load(&self.twist[axis], k));
+        let (along, half) = (direction(2), height * f32x4::HALF);
+        let inner = three(&self.twist, k);
         let skew = Skew {
             twist: [
                 add(inner, scale(along, middle)),
                 scale(direction(0), half),
-                scale(direction(3), half),
+                scale(direction(1), half),
             ],
             d: scale(along, height),
         };
