@@ -36,7 +36,8 @@ pub(super) fn check(solver: &Solver) -> Checked {
     }
     let tolerance = problem.tolerance * problem.obstacle.dome.reference_length();
     require_at_most(findings, "depth in the dome, mm", depth_in_dome(solver), tolerance);
-    let depth = solver.positions().iter().map(|x| -x.z).fold(0.0, f64::max);
+    let wall = &problem.obstacle.wall;
+    let depth = solver.positions().iter().map(|x| -wall.gap(*x)).fold(0.0, f64::max);
     require_at_most(findings, "depth below the wall, mm", depth, tolerance);
     let (mut least, mut inverted, mut cells) = (f64::INFINITY, 0, 0);
     solver.solution().visit_cells(|cell| {
