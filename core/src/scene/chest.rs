@@ -64,7 +64,10 @@ impl Scene {
         let is_sphere = |chest: &ChestShape| chest.radius_along_mm == Some(chest.radius_across_mm);
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
         let is_even = self.chest_grid.is_none() && self.thickness_field.is_none();
-        is_centred && is_even && self.implant.is_round() && self.chest.as_ref().is_none_or(is_sphere)
+        is_centred
+            && is_even
+            && self.implant.is_round()
+            && self.chest.as_ref().is_none_or(is_sphere)
     }
 
     /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.
