@@ -249,7 +249,9 @@ fn simulate_writes_the_fields_asked_for() {
     for result in [&mut short, &mut expected] {
         result["solver"]["time_ms"] = Value::Null;
         let fields = result.as_object_mut().unwrap();
-        assert_eq!(fields.remove("profile").is_some(), fields.remove("profile_skin").is_some());
+        let profiles = ["profile", "profile_skin", "profile_y", "profile_skin_y"];
+        let removed = profiles.map(|name| fields.remove(name).is_some());
+        assert!(removed.iter().all(|is_removed| *is_removed == removed[0]), "{removed:?}");
     }
     assert_eq!(short, expected);
     // The table of the profile does not depend on the fields of the result.

@@ -19,6 +19,8 @@ use implant_preview::simulate::simulate;
 use serde_json::json;
 use window::window;
 
+#[path = "screens/chest.rs"]
+mod chest;
 #[path = "screens/device.rs"]
 mod device;
 #[path = "screens/filling.rs"]

@@ -1,5 +1,5 @@
-//! Scenes with all fields, their values mostly in range, of sheets and of layered tissue; the latter are solved on a coarse
-//! grid.
+//! Scenes with all fields, their values mostly in range, of sheets and of layered tissue, also over a curved chest; the latter
+//! are solved on a coarse grid.
 #![no_main]
 
 #[path = "../../tests/common/hostile.rs"]
@@ -12,9 +12,12 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|bytes: &[u8]| {
     hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scene()));
     hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scanned_scene()));
-    let layered = Scene::from_json(&hostile::Choices(bytes).layered_scene());
-    hostile::check_scene(&layered);
-    if let Ok(scene) = &layered {
-        hostile::check_layered_solve(scene);
+    let layered = hostile::Choices(bytes).layered_scene();
+    for text in [layered, hostile::Choices(bytes).chest_scene()] {
+        let read = Scene::from_json(&text);
+        hostile::check_scene(&read);
+        if let Ok(scene) = &read {
+            hostile::check_layered_solve(scene);
+        }
     }
 });

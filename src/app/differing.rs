@@ -1,8 +1,9 @@
-//! What differs between the plan and its pins beside the size: skin, pinch, thickness, pocket. The table of the comparison, the
+//! What differs between the plan and its pins beside the size: skin, pinch, thickness, chest, pocket. The table of the comparison, the
 //! report and the captions of the pictures side by side contain only what differs.
 //!
-//! Uses `texts`, `widgets`. Used by `compare`, `viewport`.
+//! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
 
+use super::plan::chest_in_words;
 use super::texts::{fixed, tr};
 use super::widgets::quantity::format_at_most;
 use crate::scene::Scene;
@@ -19,11 +20,12 @@ struct Given {
     is_in_captions: bool,
 }
 
-const GIVEN: [Given; 5] = [
+const GIVEN: [Given; 6] = [
     Given { name: "Skin", unit: "", value: skin, is_in_captions: true },
     Given { name: "Pinch", unit: "cm", value: pinch, is_in_captions: true },
     Given { name: "Skin and fat at rest", unit: "mm", value: thickness, is_in_captions: false },
     Given { name: "Thickness of the skin", unit: "mm", value: of_skin, is_in_captions: false },
+    Given { name: "Chest", unit: "", value: chest_in_words, is_in_captions: true },
     Given { name: "Margin of the pocket", unit: "cm", value: margin, is_in_captions: true },
 ];
 

@@ -5,7 +5,7 @@ use super::focus::Boundary;
 use super::messages::Notice;
 use super::shared::{LONG, RunningSolve, Shared};
 use super::status::SliceOf;
-use super::texts::tr;
+use super::texts::{self, tr};
 use super::widgets::note_cancelled_press;
 use super::{App, Panels, commands, keys, plan, theme, toolbar};
 use crate::measure::no_shape;
@@ -268,8 +268,9 @@ impl App {
         self.request_frame();
         self.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: self.edits.gesture })?;
         if let Some(repair) = repair {
-            self.notice =
-                Some(Notice::caution(self.shared.choices.device.words(&repair.to_string())));
+            self.notice = Some(Notice::caution(
+                self.shared.choices.device.words(&texts::shown(&repair.to_string())),
+            ));
         }
         Ok(())
     }

@@ -4,7 +4,7 @@
 use super::range::quantity_name;
 use crate::export;
 use crate::measure::{Outcome, Status};
-use crate::scene::Scene;
+use crate::scene::{Scene, field};
 use crate::session::Session;
 use crate::study::{Quantity, Samples};
 
@@ -65,6 +65,12 @@ fn rows(layers: usize) -> Vec<Row> {
         Row::new("Up", "cm", |scene, _| Some(0.1 * scene.implant.center_mm[1])),
         Row::new("In place", "%", |scene, _| Some(100.0 * scene.insertion)),
         Row::new("Pinch", "cm", |scene, _| Some(0.1 * scene.patient.as_ref()?.measured.pinch_mm?)),
+        Row::new("Radius of the chest across", "cm", |scene, _| {
+            Some(0.1 * field::CHEST_ACROSS.value(scene, 0)?)
+        }),
+        Row::new("Radius of the chest along", "cm", |scene, _| {
+            Some(0.1 * field::CHEST_ALONG.value(scene, 0)?)
+        }),
     ];
     for k in 0..layers {
         rows.push(Row::new(

@@ -124,7 +124,8 @@ impl Place {
         let radius = problem.sheet().radius_mm() as f32;
         let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
         let highest = highest.fold(section.height(), f32::max);
-        let lowest = section.depth();
+        let wall = plots::wall_line(problem).into_iter().map(|[_, z]| z as f32);
+        let lowest = wall.fold(section.depth(), f32::min);
         let height = STEP_MM * ((highest - lowest) / STEP_MM).ceil().max(2.0);
         let room = area.shrink2(vec2(2.0 * theme::SPACE, theme::SPACE));
         let room = room.with_min_x(room.left() + LEGEND);

@@ -46,6 +46,22 @@ pub enum View {
     All,
 }
 
+/// What a camera shows: a ball on the wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ball {
+    /// Radius \[mm\].
+    pub radius_mm: f32,
+    /// Height of the middle of the wall below it over the plane z = 0 \[mm\]: 0 or less, a curved chest falls away.
+    pub middle_mm: f32,
+}
+
+impl From<f32> for Ball {
+    /// A ball of this radius \[mm\] on a flat wall.
+    fn from(radius_mm: f32) -> Self {
+        Self { radius_mm, middle_mm: 0.0 }
+    }
+}
+
 /// An orbit camera with a perspective lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -70,10 +86,10 @@ pub struct Ray {
 }
 
 impl Camera {
-    /// A three-quarter view of a ball of the given radius \[mm\] on the wall.
+    /// A three-quarter view of a ball on the wall.
     #[must_use]
-    pub fn new(radius_mm: f32, aspect: f32) -> Self {
-        Self { pose: fitted(radius_mm, aspect), ease: None }
+    pub fn new(ball: impl Into<Ball>, aspect: f32) -> Self {
+        Self { pose: fitted(ball.into(), aspect), ease: None }
     }
 
     /// The current pose.
@@ -108,7 +124,7 @@ impl Camera {
         self.pose.target += (up * delta.y - right * delta.x) * scale;
         self.pose.target = self.pose.target.clamp(-TARGET_MM, TARGET_MM);
         // The wall is seen from above.
-        self.pose.target.z = self.pose.target.z.max(0.0);
+        self.pose.target.z = self.pose.target.z.max(before.pose.target.z.min(0.0));
         *self != before
     }
 
@@ -183,11 +199,12 @@ impl Camera {
         }
     }
 
-    /// Starts the animation to a view of a ball of this radius \[mm\].
-    pub fn fit(&mut self, radius_mm: f32, aspect: f32, view: View) -> bool {
+    /// Starts the animation to a view of a ball.
+    pub fn fit(&mut self, ball: impl Into<Ball>, aspect: f32, view: View) -> bool {
+        let ball = ball.into();
         let quarter = std::f32::consts::FRAC_PI_2;
-        let fitted = fitted(radius_mm, aspect);
-        let target = Vec3::new(0.0, 0.0, LEVEL_HEIGHT * radius_mm);
+        let fitted = fitted(ball, aspect);
+        let target = Vec3::new(0.0, 0.0, LEVEL_HEIGHT * ball.radius_mm + ball.middle_mm);
         let level = Pose { target, elevation: 0.0, ..fitted };
         let to = match view {
             View::Front => Pose { azimuth: -quarter, elevation: ELEVATION.1, ..fitted },
@@ -273,10 +290,10 @@ impl Camera {
     }
 }
 
-fn fitted(radius_mm: f32, aspect: f32) -> Pose {
+fn fitted(Ball { radius_mm, middle_mm }: Ball, aspect: f32) -> Pose {
     let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(0.2, 1.15);
     Pose {
-        target: Vec3::new(0.0, 0.0, OBLIQUE_HEIGHT * radius_mm),
+        target: Vec3::new(0.0, 0.0, OBLIQUE_HEIGHT * radius_mm + middle_mm),
         azimuth: -1.05,
         elevation: 0.5,
         distance: (1.14 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),

@@ -1,11 +1,12 @@
 //! Triangle meshes for a graphics card.
 
 use crate::contact::Dome;
+use crate::mesh::Chest;
 use crate::view::body::Body;
-use crate::view::color::{IMPLANT, Pattern, Rgb};
+use crate::view::color::{IMPLANT, Pattern, Rgb, WALL};
 use crate::view::section::{CapTriangle, Corner};
 use crate::view::wall;
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
@@ -21,6 +22,10 @@ const PATTERN_STEP: f32 = 1000.0;
 
 /// Neighbours on either side in the smoothing of normals on the seam.
 const SEAM_REACH: usize = 4;
+
+/// Drawn thickness of the chest wall \[mm\], and its distance below the tissue's clamped border.
+const WALL_THICKNESS: f32 = 5.0;
+const WALL_BELOW: f32 = 0.05;
 
 /// Vertices and triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,7 +48,7 @@ impl Mesh {
 }
 
 /// The two triangles of a quad; `first` is the index of its first corner.
-pub(super) fn quad_indices(first: u32) -> [u32; 6] {
+fn quad_indices(first: u32) -> [u32; 6] {
     [0, 1, 2, 0, 2, 3].map(|k| first + k)
 }
 
@@ -187,11 +192,52 @@ pub fn implant(dome: &Dome) -> Mesh {
     Mesh::new(dome.circles(RINGS, AROUND).map(of).collect(), indices)
 }
 
+/// The wall within a radius \[mm\], with a rim.
+#[must_use]
+pub fn wall(chest: &Chest, patch_radius_mm: f64, radius_mm: f32) -> Mesh {
+    const RINGS: usize = 12;
+    const AROUND: usize = 128;
+    let on = |ring: usize, step: usize| {
+        let angle = std::f64::consts::TAU * step as f64 / AROUND as f64;
+        let radius = f64::from(radius_mm) * ring as f64 / RINGS as f64;
+        let (foot, normal) = wall::at(chest, patch_radius_mm, DVec2::from_angle(angle) * radius);
+        (foot - normal * WALL_BELOW, normal)
+    };
+    let plain = |point: Vec3, normal: Vec3| vertex(point, normal, [-1.0; 2], NO_VALUE, WALL);
+    let grid = (0..=RINGS).flat_map(|ring| (0..AROUND).map(move |step| (ring, step)));
+    let mut vertices: Vec<Vertex> = grid
+        .map(|(ring, step)| on(ring, step))
+        .map(|(point, normal)| plain(point, normal))
+        .collect();
+    let index = |ring: usize, step: usize| (ring * AROUND + step % AROUND) as u32;
+    let cells = (0..RINGS).flat_map(|ring| (0..AROUND).map(move |step| (ring, step)));
+    let mut indices: Vec<u32> = cells
+        .flat_map(|(ring, step)| {
+            let [a, b] = [index(ring, step), index(ring, step + 1)];
+            let [c, d] = [index(ring + 1, step), index(ring + 1, step + 1)];
+            [a, c, d, a, d, b]
+        })
+        .collect();
+    let rim: Vec<(Vec3, Vec3)> = (0..AROUND).map(|step| on(RINGS, step)).collect();
+    for step in 0..AROUND {
+        let ((a, up_a), (b, up_b)) = (rim[step], rim[(step + 1) % AROUND]);
+        let [low_a, low_b] = [a - up_a * WALL_THICKNESS, b - up_b * WALL_THICKNESS];
+        let [out_a, out_b] = [a, b].map(|p| wall::outwards(up_a, p.with_z(0.0)));
+        indices.extend(quad_indices(vertices.len() as u32));
+        vertices.extend([
+            plain(low_a, out_a),
+            plain(low_b, out_b),
+            plain(b, out_b),
+            plain(a, out_a),
+        ]);
+    }
+    Mesh::new(vertices, indices)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::measure::Field;
-    use crate::mesh::Chest;
     use crate::view::body::tests::both;
     use crate::view::section::{Opening, Section};
     use glam::Vec2;
@@ -217,8 +263,8 @@ mod tests {
             let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
             check(&caps(&section.caps(&body), &colors, &[Pattern::Skin, Pattern::Fat]));
             check(&implant(&session.problem().obstacle.dome));
-            check(&wall::mesh(&Chest::Flat, 60.0, 80.0));
-            check(&wall::mesh(&Chest::Curved { across_mm: 70.0, along_mm: 90.0 }, 60.0, 80.0));
+            check(&wall(&Chest::Flat, 60.0, 80.0));
+            check(&wall(&Chest::Curved { across_mm: 70.0, along_mm: 90.0 }, 60.0, 80.0));
         }
     }
 
@@ -240,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_flat_implant_is_not_drawn() {
-        let dome = Dome::new(glam::DVec2::ZERO, 55.0, 55.0, 0.0);
+        let dome = Dome::new(DVec2::ZERO, 55.0, 55.0, 0.0);
         assert!(implant(&dome).indices.is_empty());
     }
 }

@@ -9,7 +9,6 @@ use crate::view::mesh::{self, Mesh, Vertex};
 use crate::view::section::{CapTriangle, Section};
 use crate::view::strokes;
 use crate::view::subject::Subject;
-use crate::view::wall;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -129,10 +128,11 @@ impl Picture {
         }
         let wall_radius = self.body.block_radius.max(problem.sheet().radius_mm() as f32);
         let patch_radius = problem.sheet().radius_mm();
-        let wall = Some((wall_radius, patch_radius, problem.obstacle.wall.0.clone()));
+        let chest = &problem.obstacle.wall.0;
+        let wall = Some((wall_radius, patch_radius, chest.clone()));
         if self.wall_made != wall {
             self.wall_made = wall;
-            self.set_mesh(3, wall::mesh(&problem.obstacle.wall.0, patch_radius, wall_radius));
+            self.set_mesh(3, mesh::wall(chest, patch_radius, wall_radius));
         }
     }
 

@@ -1,17 +1,9 @@
 //! The chest wall as drawn: the wall under the patch, and its tangents beyond.
 
 use crate::mesh::Chest;
-use crate::view::color::WALL;
-use crate::view::mesh::{Mesh, NO_VALUE, Vertex, quad_indices, vertex};
+use crate::solve::Problem;
+use crate::view::camera::Ball;
 use glam::{DVec2, DVec3, Vec3};
-
-/// Drawn thickness of the wall \[mm\].
-const THICKNESS: f32 = 5.0;
-/// Distance of the drawn wall below the tissue's clamped border \[mm\].
-const BELOW: f32 = 0.05;
-/// Circles of vertices, and vertices of a circle.
-const RINGS: usize = 12;
-const AROUND: usize = 128;
 
 /// The direction from a point of the wall outwards that is nearest to a direction over the plane.
 pub(super) fn outwards(normal: Vec3, direction: Vec3) -> Vec3 {
@@ -28,44 +20,18 @@ pub fn at(chest: &Chest, patch_radius_mm: f64, place: DVec2) -> (Vec3, Vec3) {
     (foot + outwards(normal, beyond) * beyond.length(), normal)
 }
 
-/// The wall within a radius \[mm\], with a rim.
+/// The ball around tissue and wall, for a camera.
 #[must_use]
-pub fn mesh(chest: &Chest, patch_radius_mm: f64, radius_mm: f32) -> Mesh {
-    let on = |ring: usize, step: usize| {
-        let angle = std::f64::consts::TAU * step as f64 / AROUND as f64;
-        let radius = f64::from(radius_mm) * ring as f64 / RINGS as f64;
-        let (foot, normal) = at(chest, patch_radius_mm, DVec2::from_angle(angle) * radius);
-        (foot - normal * BELOW, normal)
-    };
-    let plain = |point: Vec3, normal: Vec3| vertex(point, normal, [-1.0; 2], NO_VALUE, WALL);
-    let grid = (0..=RINGS).flat_map(|ring| (0..AROUND).map(move |step| (ring, step)));
-    let mut vertices: Vec<Vertex> = grid
-        .map(|(ring, step)| on(ring, step))
-        .map(|(point, normal)| plain(point, normal))
-        .collect();
-    let index = |ring: usize, step: usize| (ring * AROUND + step % AROUND) as u32;
-    let cells = (0..RINGS).flat_map(|ring| (0..AROUND).map(move |step| (ring, step)));
-    let mut indices: Vec<u32> = cells
-        .flat_map(|(ring, step)| {
-            let [a, b] = [index(ring, step), index(ring, step + 1)];
-            let [c, d] = [index(ring + 1, step), index(ring + 1, step + 1)];
-            [a, c, d, a, d, b]
-        })
-        .collect();
-    let rim: Vec<(Vec3, Vec3)> = (0..AROUND).map(|step| on(RINGS, step)).collect();
-    for step in 0..AROUND {
-        let ((a, up_a), (b, up_b)) = (rim[step], rim[(step + 1) % AROUND]);
-        let [low_a, low_b] = [a - up_a * THICKNESS, b - up_b * THICKNESS];
-        let [out_a, out_b] = [a, b].map(|p| outwards(up_a, p.with_z(0.0)));
-        indices.extend(quad_indices(vertices.len() as u32));
-        vertices.extend([
-            plain(low_a, out_a),
-            plain(low_b, out_b),
-            plain(b, out_b),
-            plain(a, out_a),
-        ]);
-    }
-    Mesh { vertices, indices: std::sync::Arc::new(indices) }
+pub fn ball(problem: &Problem) -> Ball {
+    let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
+    let radius = problem.sheet().radius_mm();
+    let block = radius + (0.2 * radius).max(2.0 * stack);
+    // The rim of the drawn wall across and along the body.
+    let chest = &problem.obstacle.wall.0;
+    let height = |place: DVec2| at(chest, radius, block * place).0.z;
+    let lowest = [DVec2::X, DVec2::Y].map(height).into_iter().fold(0.0, f32::min);
+    let radius_mm = block.max(1.15 * problem.obstacle.dome.projection) as f32;
+    Ball { radius_mm, middle_mm: 0.5 * lowest }
 }
 
 #[cfg(test)]
@@ -80,14 +46,12 @@ mod tests {
             Chest::Curved { across_mm: radius, along_mm: radius },
             Chest::Curved { across_mm: -radius, along_mm: f64::INFINITY },
         ] {
-            let drawn = mesh(&chest, 130.0, 156.0);
-            for vertex in &drawn.vertices[..AROUND * (RINGS + 1)] {
-                let (point, normal) =
-                    (Vec3::from_slice(&vertex[..3]), Vec3::from_slice(&vertex[3..6]));
-                assert!((normal.length() - 1.0).abs() < 1e-5);
+            for k in 0..40 {
+                let place = DVec2::from_angle(0.7 * f64::from(k)) * (3.2 * f64::from(k));
+                let (point, normal) = at(&chest, 130.0, place);
                 let height = chest.height(point.truncate().as_dvec2()) as f32;
-                let is_under_patch = point.truncate().length() < 90.0;
-                assert!(!is_under_patch || (point.z - height).abs() < 0.2, "{point} {height}");
+                assert!((point.z - height).abs() < 1e-2, "{point} {height}");
+                assert!((normal.length() - 1.0).abs() < 1e-5);
             }
             // A step over the patch's border changes the point by as much.
             let [a, b] = [129.999, 130.001].map(|s| at(&chest, 130.0, DVec2::new(s, 0.0)).0);

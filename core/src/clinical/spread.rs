@@ -122,6 +122,14 @@ pub const POCKET_RADIUS: Spread = Spread {
     distribution: Distribution::Normal { mean: 0.0, sd: 2.5 },
 };
 
+/// Difference of the chest's radius of curvature across from the plan \[mm\]: with the usual plan 140 ± 15 mm, as parametric bodies
+/// measure it at the breast (121–156 mm).
+pub const CHEST_RADIUS: Spread = Spread {
+    quantity: "radius of the chest",
+    unit: "mm, added",
+    distribution: Distribution::Normal { mean: 0.0, sd: 15.0 },
+};
+
 /// Relative difference of the projection in the tissue from the nominal projection \[-\].
 pub const PROJECTION: Spread = Spread {
     quantity: "projection of the implant",

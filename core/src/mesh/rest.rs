@@ -120,10 +120,9 @@ impl Rest {
 
     /// Is the tissue the same but for the grid?
     pub(crate) fn is_alike(&self, other: &Self) -> bool {
-        let radius = |of: &Self| of.sheet.radius_mm().to_bits();
-        radius(self) == radius(other)
-            && (&self.cells, &self.chest, &self.thickness)
-                == (&other.cells, &other.chest, &other.thickness)
+        self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
+            && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
+            && (&self.cells, &self.heights) == (&other.cells, &other.heights)
     }
 
     /// Is the wall the plane z = 0, under even thickness?

@@ -61,13 +61,17 @@ impl Scene {
     /// even tissue on a flat or spherical chest?
     #[must_use]
     pub fn is_round(&self) -> bool {
-        let is_sphere = |chest: &ChestShape| chest.radius_along_mm == Some(chest.radius_across_mm);
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
         let is_even = self.chest_grid.is_none() && self.thickness_field.is_none();
-        is_centred
-            && is_even
-            && self.implant.is_round()
-            && self.chest.as_ref().is_none_or(is_sphere)
+        let is_turned = self.chest.is_none() || self.is_sphere();
+        is_centred && is_even && self.implant.is_round() && is_turned
+    }
+
+    /// Is the chest a sphere?
+    #[must_use]
+    pub fn is_sphere(&self) -> bool {
+        let is_equal = |chest: &ChestShape| chest.radius_along_mm == Some(chest.radius_across_mm);
+        self.chest.as_ref().is_some_and(is_equal)
     }
 
     /// Least radius of curvature of the chest \[mm\], as a number outwards or hollow.

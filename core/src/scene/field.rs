@@ -158,14 +158,13 @@ impl Field {
         (self.place)(scene, layer)
     }
 
-    /// The limits in a scene: the patch depends on the pocket, the chest on patch and implant, height and apex of an anatomical
-    /// implant on its base, and a sheet ignores the numbers of a body.
+    /// The limits in a scene: the patch depends on the pocket, height and apex of an anatomical implant on its base, the chest on
+    /// patch and implant, and a sheet ignores the numbers of a body.
     #[must_use]
     pub fn range(&self, scene: &Scene) -> (f64, f64) {
         match self.part {
             Part::Body if !scene.is_layered() => (0.0, f64::MAX),
             Part::Body if self == PATCH_RADIUS => Body::patch_range(scene.pocket_radius_mm),
-            Part::Chest => scene.chest_range(self.value(scene, 0).unwrap_or_default()),
             _ if self == BASE_HEIGHT => {
                 let (width, (least, most)) = (2.0 * scene.implant.base_radius_mm, self.limits);
                 ((width * ASPECTS.0).max(least), (width * ASPECTS.1).min(most))
@@ -174,6 +173,7 @@ impl Field {
                 let most = 0.5 * MAX_APEX_SHIFT * scene.implant.base_height();
                 (-most, most)
             }
+            Part::Chest => scene.chest_range(self.value(scene, 0).unwrap_or_default()),
             _ => self.limits,
         }
     }
@@ -235,9 +235,9 @@ mod tests {
             skin_class: None,
         };
         scene.apply_patient(measured).unwrap();
-        scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
         scene.implant.base_height_mm = Some(126.0);
         scene.implant.apex_shift_mm = 12.0;
+        scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let json = serde_json::to_value(&scene).unwrap();

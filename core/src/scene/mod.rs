@@ -274,12 +274,15 @@ const OPENING: &str = r#"{
     "patient": { "pinch_mm": 20.0, "skin_class": "normal" }
 }"#;
 
+/// The chest of the patient that the app opens with.
+const OPENING_CHEST: Option<ChestShape> = None;
+
 /// Volume of the implant that the app opens with \[ml\].
 const OPENING_VOLUME_ML: f64 = 300.0;
 
 impl Scene {
     /// The plan that the app opens with, a usual one: an implant of 12 cm and 300 ml in a pocket 1 cm wider all round,
-    /// pinch 2 cm, normal skin.
+    /// pinch 2 cm, normal skin, [`OPENING_CHEST`].
     ///
     /// [`Scene::default`] keeps the defaults of files.
     #[must_use]
@@ -289,6 +292,7 @@ impl Scene {
         if let Ok(size) = Size::of_width_and_volume(width_mm, OPENING_VOLUME_ML) {
             scene.implant.projection_mm = size.projection_mm();
         }
+        scene.chest = OPENING_CHEST;
         scene
     }
 

@@ -1,6 +1,6 @@
 //! Initial guess from geometry alone: in every vertical plane through the dome's axis the taut profile over
-//! the dome and down to a circle, uniformly stretched along its length; of an anatomical dome the linear image of the guess of a round
-//! one; over a curved wall the same heights above the wall, which may lie within the dome.
+//! the dome and down to a circle, uniformly stretched along its length; of an anatomical dome the linear image of the guess of a round one;
+//! over a curved wall the same heights above the wall, which may lie within the dome.
 
 use crate::contact::Dome;
 use crate::mesh::{NodeKind, Rest};

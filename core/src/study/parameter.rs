@@ -4,7 +4,7 @@ use super::quantity::short;
 use crate::clinical::{ClinicalError, Dimension, Measurements};
 use crate::curve::number;
 use crate::scene::field::{self, Change, Field, Part};
-use crate::scene::{Body, Scene, SceneError, limits};
+use crate::scene::{Body, ChestShape, Scene, SceneError, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +53,10 @@ pub enum Parameter {
     StrainScale(u8),
     /// `stress_scale`: of the skin; `layers[k].curve.stress_scale` \[-\].
     StressScale(u8),
+    /// `chest.radius_across_mm`; a flat chest becomes a curved one, straight along the body.
+    ChestAcross,
+    /// `chest.radius_along_mm`; a flat chest becomes the usual one.
+    ChestAlong,
     /// `layers[k].thickness_mm`.
     LayerThickness(u8),
     /// `layers[k].poisson_ratio`.
@@ -60,7 +64,7 @@ pub enum Parameter {
 }
 
 /// Names without an index, in the order of help and messages.
-const NAMES: [(&str, Parameter); 25] = [
+const NAMES: [(&str, Parameter); 27] = [
     ("base_width_mm", Parameter::BaseWidth),
     ("projection_mm", Parameter::Projection),
     ("volume_ml", Parameter::Volume),
@@ -82,6 +86,8 @@ const NAMES: [(&str, Parameter); 25] = [
     (field::PATCH_RADIUS.path, Parameter::PatchRadius),
     (field::ATTACHMENT_STIFFNESS.path, Parameter::AttachmentStiffness),
     (field::ATTACHMENT_RAMP.path, Parameter::AttachmentRamp),
+    (field::CHEST_ACROSS.path, Parameter::ChestAcross),
+    (field::CHEST_ALONG.path, Parameter::ChestAlong),
     ("thickness", Parameter::Thickness),
     (field::PINCH.path, Parameter::Pinch),
     (field::SKIN_PULL.path, Parameter::SkinPull),
@@ -113,7 +119,7 @@ impl Parameter {
             OF_LAYER.map(|of| of(layer)).into_iter().find(is_named)
         };
         of_layer().ok_or_else(|| {
-            let names: Vec<&str> = NAMES[..21].iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = NAMES[..23].iter().map(|(name, _)| *name).collect();
             let layers = OF_LAYER.map(|of| of(0).row().0.path.replace("[]", "[k]"));
             format!(
                 "{:?} is not a field; allowed: {}, {}",
@@ -149,6 +155,8 @@ impl Parameter {
             Self::PatchRadius => (field::PATCH_RADIUS, 0),
             Self::AttachmentStiffness => (field::ATTACHMENT_STIFFNESS, 0),
             Self::AttachmentRamp => (field::ATTACHMENT_RAMP, 0),
+            Self::ChestAcross => (field::CHEST_ACROSS, 0),
+            Self::ChestAlong => (field::CHEST_ALONG, 0),
             Self::Pinch => (field::PINCH, 0),
             Self::SkinPull => (field::SKIN_PULL, 0),
             Self::Thickness => (field::THICKNESS, 0),
@@ -380,6 +388,17 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
                 return Err(ParameterError::TooThin(value, skin));
             }
             scene.layers.iter_mut().skip(1).for_each(|layer| layer.thickness_mm *= factor);
+        }
+        Parameter::ChestAcross | Parameter::ChestAlong => {
+            if !scene.may_have_chest() {
+                return Err(ParameterError::Sheet(name()));
+            }
+            let chest = scene.chest.get_or_insert(ChestShape::USUAL);
+            if parameter == Parameter::ChestAcross {
+                chest.radius_across_mm = value;
+            } else {
+                chest.radius_along_mm = Some(value);
+            }
         }
         Parameter::PoissonRatio => {
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);

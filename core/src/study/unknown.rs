@@ -33,11 +33,13 @@ pub enum Unknown {
     FatStressScale,
     /// Poisson ratio of the layers whose curve is `fat` \[-\].
     FatPoissonRatio,
+    /// Added to the radius of the chest across \[mm\]; a spherical chest stays one.
+    ChestRadius,
 }
 
 impl Unknown {
     /// All unknowns.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::SkinThickness,
         Self::SkinStressScale,
         Self::SkinStrainScale,
@@ -48,6 +50,7 @@ impl Unknown {
         Self::PoissonRatio,
         Self::FatStressScale,
         Self::FatPoissonRatio,
+        Self::ChestRadius,
     ];
 
     /// The name in files and arguments.
@@ -64,6 +67,7 @@ impl Unknown {
             Self::PoissonRatio => "poisson_ratio",
             Self::FatStressScale => "fat_stress_scale",
             Self::FatPoissonRatio => "fat_poisson_ratio",
+            Self::ChestRadius => "chest_radius",
         }
     }
 
@@ -107,6 +111,7 @@ impl Unknown {
             Self::FatPoissonRatio => {
                 scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_POISSON_RATIO)
             }
+            Self::ChestRadius => field::CHEST_ACROSS.value(scene, 0).map(|_| spread::CHEST_RADIUS),
         }
     }
 
@@ -120,7 +125,7 @@ impl Unknown {
             | Self::CoverThickness
             | Self::FatStressScale => SCALES,
             Self::FatModulus => (0.01, 1e4),
-            Self::PocketRadius => (-50.0, 50.0),
+            Self::PocketRadius | Self::ChestRadius => (-50.0, 50.0),
             Self::Projection => (-0.9, 0.9),
             Self::PoissonRatio | Self::FatPoissonRatio => field::POISSON_RATIO.limits,
         }
@@ -182,6 +187,16 @@ impl Unknown {
                     field::POISSON_RATIO.set(scene, k, value);
                 }
             }
+            Self::ChestRadius => {
+                let across = field::CHEST_ACROSS.value(base, 0);
+                let along = field::CHEST_ALONG.value(base, 0).filter(|_| base.is_sphere());
+                for (field, radius) in [(field::CHEST_ACROSS, across), (field::CHEST_ALONG, along)]
+                {
+                    if let Some(radius) = radius {
+                        field.set(scene, 0, radius + value);
+                    }
+                }
+            }
         }
     }
 }
@@ -201,4 +216,52 @@ fn has_own_scale(scene: &Scene) -> bool {
     let measured = scene.patient.as_ref().map(|patient| patient.measured);
     measured.is_some_and(|m| m.skin_pull_mm.is_some() || m.skin_class.is_some())
         || scene.layers.first().is_some_and(|skin| skin.curve.strain_scale != 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::spread::Distribution;
+    use crate::scene::ChestShape;
+    use crate::study::{Parameter, with_values};
+
+    #[test]
+    fn the_radius_of_a_chest_is_unknown_by_15_mm_about_the_plan_and_a_flat_chest_has_none() {
+        let mut base = Scene::opening();
+        base.chest = None;
+        assert_eq!(Unknown::ChestRadius.spread(&base), None);
+        let sampled = |chest, value| {
+            let base = Scene { chest: Some(chest), ..base.clone() };
+            let spread = Unknown::ChestRadius.spread(&base).unwrap();
+            assert_eq!(spread.distribution, Distribution::Normal { mean: 0.0, sd: 15.0 });
+            let mut scene = base.clone();
+            Unknown::ChestRadius.apply(&mut scene, &base, value);
+            assert_eq!(scene.validate(), Ok(()));
+            let chest = scene.chest.unwrap();
+            (chest.radius_across_mm, chest.radius_along_mm)
+        };
+        assert_eq!(sampled(ChestShape::USUAL, 12.0), (152.0, None));
+        assert_eq!(sampled(ChestShape::ROUND, -10.0), (110.0, Some(110.0)));
+        // Not below the limit of the scene, 3/4 of the patch.
+        assert_eq!(sampled(ChestShape::USUAL, -60.0), (97.5, None));
+        let hollow = ChestShape { radius_across_mm: -200.0, radius_along_mm: Some(500.0) };
+        assert_eq!(sampled(hollow, 15.0), (-185.0, Some(500.0)));
+    }
+
+    #[test]
+    fn a_radius_of_the_chest_is_an_axis_and_makes_a_flat_chest_curved() {
+        let flat = Scene { chest: None, ..Scene::opening() };
+        let curved = |name: &str, value: f64| {
+            let parameter = Parameter::of_name(name).unwrap();
+            assert_eq!(parameter.value(&flat), None);
+            let scene = with_values(&flat, &[(parameter, value)]).unwrap();
+            assert_eq!(parameter.value(&scene), Some(value));
+            scene.chest.unwrap()
+        };
+        let across = curved("chest.radius_across_mm", 160.0);
+        assert_eq!(across, ChestShape { radius_across_mm: 160.0, ..ChestShape::USUAL });
+        let along = curved("chest.radius_along_mm", 300.0);
+        assert_eq!(along, ChestShape { radius_along_mm: Some(300.0), ..ChestShape::USUAL });
+        assert!(with_values(&Scene::sheet(), &[(Parameter::ChestAcross, 150.0)]).is_err());
+    }
 }

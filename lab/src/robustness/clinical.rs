@@ -1,7 +1,8 @@
 //! Random patients under round implants: solved once each, without comparisons.
 //!
 //! Distributions: spread between people as in `clinical::spread`; base radius 45–75 mm and volume 120–600 ml with
-//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant.
+//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant. With chests: 110–250 mm of radius across,
+//! half of them straight along, the others 1 to 4 times as flat; half of the implants off centre in their pocket.
 
 use super::{
     Case, Ending, Endings, Population, check_layered, nodes, random, scenes::uniform, solve,
@@ -9,7 +10,7 @@ use super::{
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{Scene, field};
+use implant_preview_core::scene::{ChestShape, Scene, field};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
@@ -20,6 +21,9 @@ const BASE_RADIUS_MM: (f64, f64) = (45.0, 75.0);
 const VOLUME_ML: (f64, f64) = (120.0, 600.0);
 /// Projection relative to the base radius \[-\].
 const PROJECTION: (f64, f64) = (0.4, 1.0);
+/// Radius of a chest across \[mm\], and along \[radii across\].
+const CHEST_MM: (f64, f64) = (110.0, 250.0);
+const ALONG: (f64, f64) = (1.0, 4.0);
 /// Pinch \[mm\]; half of it is the cover.
 const PINCH_MM: (f64, f64) = (10.0, 50.0);
 /// Pocket beyond the implant: mean and standard deviation \[mm\].
@@ -45,6 +49,9 @@ pub struct Clinical {
     /// Rate of an exponential in place of the curve `fat` \[-\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fat_rate: Option<f64>,
+    /// Has every patient a curved chest?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_chest: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -103,6 +110,9 @@ impl Clinical {
         scene.set_pocket_radius(radius + normal(rng, MARGIN_MM).max(0.0));
         scene.solver.nodes_per_side = self.nodes_per_side;
         scene.solver.tolerance = 1e-3;
+        if self.has_chest {
+            chest(rng, &mut scene);
+        }
         scene
     }
 
@@ -128,6 +138,22 @@ impl Clinical {
         let error = is_measured.then(|| error(&outcome.scene, &solver)).flatten();
         ClinicalCase { case: outcome, attempts: solver.attempts(), by_newton, error }
     }
+}
+
+/// Gives a scene a chest, and half of the scenes an implant off centre. The numbers of the scene without a chest stay.
+fn chest(rng: &mut Rng, scene: &mut Scene) {
+    let across = uniform(rng, CHEST_MM);
+    let along = rng.bool().then(|| across * uniform(rng, ALONG));
+    if rng.bool() {
+        let angle = std::f64::consts::TAU * rng.f64();
+        let distance = scene.room_mm() * rng.f64();
+        scene.implant.center_mm = [distance * angle.cos(), distance * angle.sin()];
+    }
+    let least = scene.least_chest_radius_mm(false);
+    scene.chest = Some(ChestShape {
+        radius_across_mm: across.max(least),
+        radius_along_mm: along.map(|along| along.max(least)),
+    });
 }
 
 /// Greatest distance of a node from the solution of a smaller tolerance on the same grid \[base radius\]; `None` if that solve
@@ -236,19 +262,24 @@ mod tests {
 
     #[test]
     fn every_scene_is_valid_and_within_the_distributions() {
-        for (fat_rate, nodes_per_side) in [(None, 65), (Some(10.0), 33)] {
+        for (fat_rate, has_chest) in [(None, false), (Some(10.0), false), (None, true)] {
             let clinical = Clinical {
                 fat_poisson_ratio: 0.49,
                 fat_rate,
-                nodes_per_side,
+                has_chest,
+                nodes_per_side: 65,
                 measures_errors: false,
             };
+            let flat = Clinical { has_chest: false, ..clinical };
             for case in 0..500 {
                 let scene = clinical.scene(7, case);
                 assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
                 let slope = scene.implant.projection_mm / scene.implant.base_radius_mm;
                 assert!((PROJECTION.0..=PROJECTION.1).contains(&slope));
-                assert!(scene.skin_wrinkles());
+                assert!(scene.skin_wrinkles() && scene.chest.is_some() == has_chest);
+                let mut without = scene.clone();
+                (without.chest, without.implant.center_mm) = (None, [0.0; 2]);
+                assert_eq!(without, flat.scene(7, case));
             }
         }
     }

@@ -4,13 +4,13 @@
 
 use super::check::{Bound, Check};
 use crate::accuracy;
-use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution};
+use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution, Wall};
 use crate::work_precision::Case;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::measure::{Selection, Status};
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, CheckedScene, Implant, Layer, Scene, SceneError,
-    TissueModel,
+    AttachmentSettings, Body, CellsThrough, CheckedScene, ChestShape, Implant, Layer, Scene,
+    SceneError, TissueModel,
 };
 use implant_preview_core::simulate::{Simulation, Simulator};
 use implant_preview_core::solve::Options;
@@ -89,7 +89,7 @@ pub(super) fn order(is_quick: bool) -> Result<Vec<Check>, SceneError> {
 }
 
 /// A scene with stiffening fat and the limit of the independent solution, extrapolated by second order from the two meshes of
-/// `tests/reference/stiffening.json`.
+/// `tests/reference/stiffening.json` and `tests/reference/body.json`.
 struct Reference {
     name: &'static str,
     base_radius_mm: f64,
@@ -100,11 +100,13 @@ struct Reference {
     poisson_ratio: f64,
     scale_kpa: f64,
     rate: f64,
+    /// Radius of a spherical chest; `None`: flat.
+    chest_mm: Option<f64>,
     force_n: f64,
     cover_mm: f64,
 }
 
-const REFERENCES: [Reference; 2] = [
+const REFERENCES: [Reference; 3] = [
     Reference {
         name: "stiffening",
         base_radius_mm: 60.0,
@@ -115,6 +117,7 @@ const REFERENCES: [Reference; 2] = [
         poisson_ratio: 0.45,
         scale_kpa: 0.6,
         rate: 5.0,
+        chest_mm: None,
         force_n: 15.759_94,
         cover_mm: 6.996_07,
     },
@@ -128,8 +131,23 @@ const REFERENCES: [Reference; 2] = [
         poisson_ratio: 0.49,
         scale_kpa: 0.25,
         rate: 10.0,
+        chest_mm: None,
         force_n: 29.211_18,
         cover_mm: 11.656_99,
+    },
+    Reference {
+        name: "over a sphere",
+        base_radius_mm: 60.0,
+        projection_mm: 40.0,
+        pocket_radius_mm: 70.0,
+        skin_scale: 0.5,
+        fat_mm: 8.5,
+        poisson_ratio: 0.45,
+        scale_kpa: 0.6,
+        rate: 5.0,
+        chest_mm: Some(150.0),
+        force_n: 38.815_91,
+        cover_mm: 6.026_58,
     },
 ];
 /// Width of the patch around the pocket \[mm\].
@@ -163,6 +181,10 @@ impl Reference {
                 patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,
                 attachment: AttachmentSettings::default(),
             }),
+            chest: self.chest_mm.map(|radius| ChestShape {
+                radius_across_mm: radius,
+                radius_along_mm: Some(radius),
+            }),
             layers: vec![skin, fat],
             ..Scene::default()
         };
@@ -186,7 +208,7 @@ impl Reference {
                 attachment: Attachment { stiffness_kpa_per_mm, ramp_mm },
                 layers: problem.materials.clone(),
                 skin_wrinkles,
-                rest: RestShape::default(),
+                rest: RestShape { wall: Wall { radius_mm: self.chest_mm }, mound: None },
                 cells,
             })
             .ok()

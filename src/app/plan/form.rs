@@ -3,7 +3,7 @@
 
 use super::field::{Field, Values};
 use super::{
-    Choices, Device, format_at_most, implant, insertion, mm, patient, pocket, position,
+    Choices, Device, chest, format_at_most, implant, insertion, mm, patient, pocket, position,
     set_insertion, visit,
 };
 use crate::app::texts::tr;
@@ -16,18 +16,22 @@ use crate::scene::Scene;
 enum Number {
     Size(Dimension),
     Pinch,
+    /// Radius of the chest across (0) or along the body (1).
+    Chest(usize),
     Margin,
     /// Position along an axis (0: to the side, 1: up).
     Offset(usize),
     InPlace,
 }
 
-/// The numbers by name, in the order of the screen. The skin follows the pinch.
-const NUMBERS: [(&str, Number); 8] = [
+/// The numbers by name, in the order of the screen. The skin and the choice of the chest follow the pinch.
+const NUMBERS: [(&str, Number); 10] = [
     ("width_cm", Number::Size(Dimension::BaseWidth)),
     ("volume_ml", Number::Size(Dimension::Volume)),
     ("projection_cm", Number::Size(Dimension::Projection)),
     (PINCH, Number::Pinch),
+    ("chest_across_cm", Number::Chest(0)),
+    ("chest_along_cm", Number::Chest(1)),
     ("margin_cm", Number::Margin),
     ("side_cm", Number::Offset(0)),
     ("up_cm", Number::Offset(1)),
@@ -35,6 +39,7 @@ const NUMBERS: [(&str, Number); 8] = [
 ];
 const PINCH: &str = "pinch_cm";
 const SKIN: &str = "skin";
+const CHEST: &str = "chest";
 
 /// The fields of the present plan, in the order of the screen.
 pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
@@ -63,6 +68,7 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
         }));
         if name == PINCH {
             fields.push(skin(scene));
+            fields.extend(scene.may_have_chest().then(|| chest_field(scene)));
         }
     }
     fields.extend(visit::form_fields(scene));
@@ -87,6 +93,23 @@ fn skin(scene: &Scene) -> Field {
     }
 }
 
+/// The choice of the chest; empty for radii of their own.
+fn chest_field(scene: &Scene) -> Field {
+    Field {
+        name: CHEST,
+        label: tr("Chest"),
+        unit: "",
+        text: chest::choice(scene).unwrap_or_default().to_owned(),
+        hint: tr("Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and along.")
+            .to_owned(),
+        range: String::new(),
+        values: Values::Words {
+            choices: chest::CHOICES.map(|(word, ..)| word).to_vec(),
+            words: chest::CHOICES.map(|(word, ..)| tr(word)).to_vec(),
+        },
+    }
+}
+
 /// Sets a field from its text. A number may have a decimal comma and a unit.
 ///
 /// # Errors
@@ -105,6 +128,15 @@ pub(in crate::app) fn set(
         let mut measured = patient::measured(scene);
         (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
         patient::measure(scene, measured);
+        return Ok(());
+    }
+    if name == CHEST && scene.may_have_chest() {
+        let choices = chest::CHOICES;
+        let found = choices.into_iter().find(|(word, ..)| *word == text.trim());
+        let (_, chest, _) = found.ok_or_else(|| {
+            tr!("Chest: allowed: {words}", words = choices.map(|(word, ..)| word).join(", "))
+        })?;
+        scene.chest = chest;
         return Ok(());
     }
     if let Some(set) = visit::set_form_field(scene, name, text) {
@@ -136,6 +168,7 @@ impl Number {
                 (control, implant::value(size, dimension))
             }
             Self::Pinch => patient::pinch_control(scene, &patient::measured(scene)),
+            Self::Chest(axis) => return chest::radius(scene, axis),
             Self::Margin => pocket::margin(scene),
             Self::Offset(axis) => position::offset(scene, axis),
             Self::InPlace => insertion(scene),
@@ -157,6 +190,7 @@ impl Number {
                 measured.pinch_mm = Some(mm(value));
                 patient::measure(scene, measured);
             }
+            Self::Chest(axis) => chest::set_radius(scene, axis, value),
             Self::Margin => pocket::set_margin(scene, value),
             Self::Offset(axis) => scene.implant.center_mm[axis] = mm(value),
             Self::InPlace => set_insertion(scene, value),
@@ -168,6 +202,7 @@ impl Number {
 #[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
 mod tests {
     use super::*;
+    use crate::scene::ChestShape;
 
     /// The scene after fields of the opening plan were set.
     fn after(fields: &[(&str, &str)]) -> Scene {
@@ -199,6 +234,10 @@ mod tests {
         let placed = after(&[("margin_cm", "2"), ("side_cm", "1"), ("up_cm", "−0,5")]);
         assert_eq!((placed.pocket_radius_mm, placed.implant.center_mm), (80.0, [10.0, -5.0]));
         assert_eq!(after(&[("in_place_percent", "40 %")]).insertion, 0.4);
+        let chest =
+            after(&[("chest", "round"), ("chest_along_cm", "30"), ("chest_across_cm", "13,5")]);
+        let radii = ChestShape { radius_across_mm: 135.0, radius_along_mm: Some(300.0) };
+        assert_eq!(chest.chest, Some(radii));
     }
 
     #[test]
@@ -210,12 +249,13 @@ mod tests {
             ("volume_ml", "NaN", "Volume: “NaN” is not a number"),
             ("pinch_cm", "", "Pinch: enter a number"),
             ("skin", "soft", "Skin feels: allowed: tight, normal, lax, very lax"),
+            ("chest", "square", "Chest: allowed: flat, usual, round"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             (
                 "height",
                 "3",
                 "the plan has no field of this name; allowed: width_cm, volume_ml, projection_cm, pinch_cm, skin, \
-                 margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
+                 chest, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
             ),
             ("side", "up", "Side: allowed: left, right, both, not said"),
             (

@@ -1,10 +1,11 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
+//! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
 //! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`).
 
+mod chest;
 mod date;
 mod field;
 mod form;
@@ -15,6 +16,7 @@ mod pocket;
 mod position;
 mod visit;
 
+pub(super) use chest::chest_in_words;
 pub(super) use form::{fields, set};
 pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
@@ -66,6 +68,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         pull,
         base,
         Some((tr("Tissue"), layers.join(", "))),
+        scene.may_have_chest().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
         Some((
             tr("Position"),

@@ -1,17 +1,18 @@
-//! What was measured on the patient, pinch and skin, and what the measurements become.
+//! What was measured on the patient, pinch, skin and chest, and what the measurements become.
 
-use super::{Hand, centimetres, chip, chips, cm, mm, row, title, visit};
+use super::{Hand, centimetres, chest, chip, chips, cm, mm, row, title, visit};
 use crate::app::texts::{self, localized, tr};
+use crate::app::theme::SPACE_SMALL;
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Scene, TissueModel};
-use eframe::egui::{Id, Ui};
+use eframe::egui::{Align, Id, Layout, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
 const USUAL_PULL_MM: f64 = 25.0;
 
-/// Shows pinch and skin, and the entries for the file. Returns the text field with the focus.
+/// Shows pinch, skin and chest, and the entries for the file. Returns the text field with the focus.
 pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
     title(ui, tr("Patient"), |ui| visit::switch(ui, hand));
     let before = measured(scene);
@@ -22,6 +23,7 @@ pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Opt
     if now != before {
         measure(scene, now);
     }
+    chest::radii(ui, scene, hand);
     visit::visit(ui, scene, hand)
 }
 
@@ -125,15 +127,26 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
     }
 }
 
-/// Class of the skin, or a measured pull.
-fn skin(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
+/// Class of the skin, or a measured pull; beside the heading the chest.
+fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand) {
     let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
     let is_pulled = measured.skin_pull_mm.is_some();
     let word =
         if measured.skin_class.is_none() && !is_pulled { tr(" (set in Advanced)") } else { "" };
-    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(tr!("How far the skin stretches under a pull, as a factor of the preset's stretch: {scale:.2}. Tight: \
+    let about = tr!(
+        "How far the skin stretches under a pull, as a factor of the preset's stretch: {scale:.2}. Tight: \
          pulled less than 2 cm; normal: 2–3 cm; lax: 3–4 cm; very lax: more than 4 cm. Within a factor 2 \
-         (1 standard deviation).", scale));
+         (1 standard deviation).",
+        scale
+    );
+    ui.horizontal(|ui| {
+        remark(ui, tr!("Skin feels{word}", word)).on_hover_text(about);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            // Room for the scroll bar that appears with unfolded parts.
+            ui.add_space(SPACE_SMALL);
+            chest::choices(ui, scene);
+        });
+    });
     chips(ui, |ui| {
         for class in SkinClass::ALL {
             let tooltip = tr("Class of the skin by its anterior pull");

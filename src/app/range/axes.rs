@@ -8,7 +8,7 @@ use crate::scene::{Implant, Scene, field, limits};
 use crate::study::{Axis, Parameter, with_values};
 
 /// The numbers on offer, the usual ones first.
-pub(super) const FIELDS: [Parameter; 13] = [
+pub(super) const FIELDS: [Parameter; 14] = [
     Parameter::BaseWidth,
     Parameter::Projection,
     Parameter::Volume,
@@ -22,6 +22,7 @@ pub(super) const FIELDS: [Parameter; 13] = [
     Parameter::CenterY,
     Parameter::Insertion,
     Parameter::AttachmentStiffness,
+    Parameter::ChestAcross,
 ];
 
 /// How an axis is displayed.
@@ -66,6 +67,7 @@ impl Words {
             Parameter::AttachmentStiffness => {
                 new(tr("Attachment stiffness"), Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
             }
+            Parameter::ChestAcross => cm(tr("Radius of the chest")),
             // Not on offer.
             _ => plain(tr("Number")),
         }
@@ -145,6 +147,10 @@ pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) 
         }
         Parameter::Insertion => (0.2, 1.0),
         Parameter::AttachmentStiffness => (0.5, 10.0),
+        Parameter::ChestAcross => {
+            let least = (scene.least_chest_radius_mm(false) / 10.0).ceil() * 10.0;
+            (least, (2.0 * least).max(250.0))
+        }
         _ => (0.0, 1.0),
     };
     match field.value(scene) {
@@ -162,6 +168,7 @@ pub(super) fn allowed(field: Parameter) -> (f64, f64) {
         Parameter::Volume => (10.0, 5000.0),
         Parameter::PocketMargin => (0.0, limits::POCKET_RADIUS_MAX_MM),
         Parameter::Thickness => (0.5, 8.0 * field::THICKNESS.limits.1),
+        Parameter::ChestAcross => (50.0, 10_000.0),
         _ => field.row().0.limits,
     }
 }

@@ -257,6 +257,16 @@ pub(super) fn words(unknown: Unknown) -> Words {
             most_sd: 50.0,
             ..of_plan
         },
+        Unknown::ChestRadius => Words {
+            name: tr("Radius of the chest"),
+            tooltip: tr(
+                "Difference of the chest's radius of curvature from the plan: chests of people differ by 15 mm",
+            ),
+            unit: "mm, added",
+            kind: Kind::Length,
+            most_sd: 50.0,
+            ..of_plan
+        },
         Unknown::Projection => Words {
             name: tr("Projection in the body"),
             tooltip: tr("Difference of the implant's projection in the body from the catalogue"),

@@ -22,7 +22,7 @@ use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::body::Body;
-use crate::view::camera::{Camera, View};
+use crate::view::camera::{Ball, Camera, View};
 use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
@@ -69,9 +69,8 @@ pub(crate) struct Viewport {
     renderer: Option<Arc<Mutex<Renderer>>>,
     error: Option<String>,
     camera: Camera,
-    /// Radius of the sphere to which the camera is fitted \[mm\]; `None` after the user has moved the
-    /// camera.
-    fitted: Option<f32>,
+    /// The ball to which the camera is fitted; `None` after the user has moved the camera.
+    fitted: Option<Ball>,
     is_placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
@@ -187,10 +186,10 @@ impl Viewport {
 
     /// Moves the camera smoothly to a standard view of the whole body.
     pub(crate) fn fit(&mut self, session: &Session, view: View) {
-        let radius = self.radius_to_fit(session);
-        self.camera.fit(radius, self.aspect, view);
+        let ball = self.ball_to_fit(session);
+        self.camera.fit(ball, self.aspect, view);
         // A new aspect ratio restores the three-quarter view only.
-        self.fitted = (view == View::All).then_some(radius);
+        self.fitted = (view == View::All).then_some(ball);
     }
 
     /// Frees the resources on the graphics card.
@@ -220,7 +219,7 @@ impl Viewport {
         self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
-        self.place_camera(radius_of(session.problem()), area.width() / area.height());
+        self.place_camera(wall::ball(session.problem()), area.width() / area.height());
         let section = section_of(options, session.problem());
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
@@ -280,13 +279,13 @@ impl Viewport {
     }
 
     /// Fits the camera to a new aspect ratio, unless the user has moved the camera.
-    fn place_camera(&mut self, radius: f32, aspect: f32) {
+    fn place_camera(&mut self, ball: Ball, aspect: f32) {
         if !self.is_placed {
-            self.fitted = Some(radius);
+            self.fitted = Some(ball);
         }
         let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
-        if let Some(radius) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
-            self.camera = Camera::new(radius, aspect);
+        if let Some(ball) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
+            self.camera = Camera::new(ball, aspect);
         }
         (self.is_placed, self.aspect) = (true, aspect);
     }
@@ -485,13 +484,6 @@ fn section_of(options: &Options, problem: &Problem) -> Section {
         angle: options.section_azimuth_deg.to_radians(),
         axis: problem.obstacle.dome.center.as_vec2(),
     }
-}
-
-/// Radius of the sphere around the body \[mm\].
-fn radius_of(problem: &Problem) -> f32 {
-    let stack: f64 = problem.materials.iter().map(|m| m.thickness_mm).sum();
-    let radius = problem.sheet().radius_mm();
-    (radius + (0.2 * radius).max(2.0 * stack)).max(1.15 * problem.obstacle.dome.projection) as f32
 }
 
 /// Draws the veil over the last answer of a scene without one.

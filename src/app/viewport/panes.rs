@@ -1,7 +1,7 @@
 //! Pictures of the current scene and of the pins side by side, with one camera, each skin in the colours of its limits.
 
 use super::marks::Marked;
-use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, radius_of, section_of};
+use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, section_of};
 use crate::app::differing;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
@@ -9,10 +9,12 @@ use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::Problem;
 use crate::study::size_in_words;
+use crate::view::camera::Ball;
 use crate::view::color::{Quantity, Rgb, Scale};
 use crate::view::picture::Picture;
 use crate::view::side_by_side::{Colours, Limited};
 use crate::view::subject::{PinnedShape, Subject};
+use crate::view::wall;
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 use std::sync::Arc;
 
@@ -43,11 +45,11 @@ impl Viewport {
         let top = area.top() + bar + if has_legend { overlay::STRIP } else { 0.0 };
         let areas = divided(area.with_min_y(top), pins.len() + 1);
         let Some((&own_area, pin_areas)) = areas.split_last() else { return };
-        let radius = self.radius_to_fit(session);
-        if self.fitted.is_some_and(|fitted| fitted < radius) {
+        let ball = self.ball_to_fit(session);
+        if self.fitted.is_some_and(|fitted| fitted.radius_mm < ball.radius_mm) {
             self.is_placed = false;
         }
-        self.place_camera(radius, own_area.width() / own_area.height());
+        self.place_camera(ball, own_area.width() / own_area.height());
 
         let own = self.interact(ui, own_area);
         let responses: Vec<Response> =
@@ -159,12 +161,15 @@ impl Viewport {
         }
     }
 
-    /// Radius of the sphere around the bodies of the session and of the pins beside it \[mm\].
-    pub(super) fn radius_to_fit(&self, session: &Session) -> f32 {
+    /// The ball around the bodies of the session and of the pins beside it.
+    pub(super) fn ball_to_fit(&self, session: &Session) -> Ball {
         let is_beside = |pin: &&Pin| self.panes.iter().any(|pane| pane.number == pin.number());
         let pins = session.pins().iter().filter(is_beside).filter_map(Pin::solution);
         let problems = pins.map(|solution| solution.problem()).chain([session.problem()]);
-        problems.map(radius_of).fold(0.0, f32::max)
+        problems.map(wall::ball).fold(Ball::default(), |all, ball| Ball {
+            radius_mm: all.radius_mm.max(ball.radius_mm),
+            middle_mm: all.middle_mm.min(ball.middle_mm),
+        })
     }
 
     /// Drops the pictures of other pins and adds the missing ones, in the order of the pins.

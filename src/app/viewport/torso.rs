@@ -2,7 +2,7 @@
 
 use super::{Viewport, overlay};
 use crate::session::Session;
-use crate::view::camera::View;
+use crate::view::camera::{Ball, View};
 use crate::view::torso;
 use eframe::egui::{Painter, Rect, Ui};
 
@@ -15,8 +15,9 @@ impl Viewport {
         if !is_shown {
             return self.fit(session, View::All);
         }
-        let radius = ROOM * self.radius_to_fit(session);
-        self.camera.fit(radius, self.aspect, View::Front);
+        let ball = self.ball_to_fit(session);
+        let ball = Ball { radius_mm: ROOM * ball.radius_mm, ..ball };
+        self.camera.fit(ball, self.aspect, View::Front);
         self.fitted = None;
     }
 

@@ -39,6 +39,9 @@ pub(super) struct Arguments {
     /// Clinical population: rate of an exponential, 0.001 to 100, in place of the curve `fat`.
     #[arg(long, value_name = "RATE", value_parser = rate, requires = "clinical")]
     fat_rate: Option<f64>,
+    /// Clinical population: every patient has a curved chest, half of the implants are off centre.
+    #[arg(long, requires = "clinical")]
+    chest: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -86,6 +89,7 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let clinical = Clinical {
         fat_poisson_ratio,
         fat_rate,
+        has_chest: arguments.chest,
         nodes_per_side: nodes,
         measures_errors: *measure_errors,
     };

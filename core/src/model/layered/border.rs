@@ -179,10 +179,9 @@ impl Border {
     ) {
         for (k, four) in self.fours.iter().enumerate() {
             let shape = shape(k, four);
-            let modes = shape.removed(four.modes(u, layers));
             let augmented = pressure.get(k).copied().unwrap_or_default();
-            let force = cell::center(law, &modes, &shape.sides, &shape.variation, augmented);
-            let force = shape.handed_back(force).weighted(four.weight);
+            let force = cell::center(law, &four.modes(u, layers), &shape, augmented);
+            let force = force.weighted(four.weight);
             for (face, layer) in on_faces(&force).iter().zip(layers) {
                 four.pull(face, layer, f);
             }
@@ -202,7 +201,7 @@ impl Border {
         for (k, four) in self.fours.iter().enumerate() {
             let augmented = pressure.get(k).copied().unwrap_or_default();
             let shape = shape(k);
-            let modes = shape.removed(four.modes(u, layers));
+            let modes = shape.removed(&four.modes(u, layers));
             let stiffness = CellStiffness::new(law, &modes, &shape, augmented);
             for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
                 let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };

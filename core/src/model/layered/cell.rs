@@ -10,6 +10,7 @@
 
 use super::law::{Deformed, Energy, LEAST_VOLUME, Matrix, Slopes, SolidLaw, Volume, combined};
 use super::modes::Modes;
+use super::shape::RestShape;
 use super::sides::{Oblique, Sides};
 use crate::mesh::vec3::{add, dot, scale};
 use crate::number::Real;
@@ -82,21 +83,23 @@ pub(super) fn volume<R: Real>(modes: &Modes<R>, sides: &impl Sides<R>) -> R {
     Deformed::new(sides.gradient(modes.linear)).volume
 }
 
-/// The derivatives of the energy per rest volume by the modes, by the rule of one point; `augmented` is p of [`SolidLaw`].
+/// The derivatives of the energy by the modes, by the rule of one point, per volume of an even cell; `augmented` is p of
+/// [`SolidLaw`].
 #[inline(always)]
-pub(crate) fn center<R: Real>(
+pub(super) fn center<R: Real>(
     law: &impl SolidLaw<R>,
     modes: &Modes<R>,
-    sides: &impl Sides<R>,
-    variation: &Variation<R>,
+    rest: &impl RestShape<R>,
     augmented: R,
 ) -> Modes<R> {
-    let deformed = Deformed::new(sides.gradient(modes.linear));
+    let (gradient, modes) = rest.deformed(modes);
+    let deformed = Deformed::new(gradient);
     let shape = deformed.isochoric();
-    let g = shape.g + variation.mean_square(modes);
+    let g = shape.g + rest.variation().mean_square(&modes);
     let Slopes { shear: [shear], pressure } = law.slopes([g], deformed.volume(), augmented);
-    let linear = sides.stress(deformed.stress(&shape, shear, pressure));
-    Modes { linear, ..variation.weighted(shear).slopes(modes) }
+    let (shear, pressure) = (shear * rest.weight(), pressure * rest.weight());
+    let inside = rest.variation().weighted(shear).slopes(&modes);
+    rest.forces(deformed.stress(&shape, shear, pressure), inside)
 }
 
 /// The deformation gradients at the four points of a parity, ±1.
@@ -106,10 +109,13 @@ pub(super) fn at_points<R: Real>(
     sides: &impl Sides<R>,
     parity: R,
 ) -> [Matrix<R>; 4] {
-    let [xy, xz, yz] = modes.twist.map(|b| scale(b, R::splat(POINT)));
-    let d = scale(modes.d, R::splat(POINT * POINT) * parity);
-    SIGNS.map(|[sx, sy]| {
-        let [x, y, z] = modes.linear;
+    let ([xy, xz, yz], d) = (modes.twist, modes.d);
+    let point = R::splat(POINT);
+    let (xy, xz, yz) = (scale(xy, point), scale(xz, point), scale(yz, point));
+    let d = scale(d, R::splat(POINT * POINT) * parity);
+    let [x, y, z] = modes.linear;
+    let [a, b, c, e] = SIGNS;
+    let at = |[sx, sy]: [f64; 2]| {
         let (sx, sy) = (R::splat(sx), R::splat(sy));
         let sz = sx * sy * parity;
         // The product of the three signs is the parity: ηζ has the sign parity·sx.
@@ -117,7 +123,8 @@ pub(super) fn at_points<R: Real>(
         let y = add(y, add(add(scale(xy, sx), scale(yz, sz)), scale(d, sy)));
         let z = add(z, add(add(scale(xz, sx), scale(yz, sy)), scale(d, sz)));
         sides.gradient([x, y, z])
-    })
+    };
+    [at(a), at(b), at(c), at(e)]
 }
 
 /// The deformation at a point, and the point's coordinates.
@@ -153,10 +160,13 @@ pub(crate) fn four_points<R: Real>(
     augmented: R,
 ) -> Modes<R> {
     let quarter = R::splat(0.25);
-    let points = at_points(modes, sides, parity).map(Deformed::new);
+    let [a, b, c, d] = at_points(modes, sides, parity);
+    let points = [Deformed::new(a), Deformed::new(b), Deformed::new(c), Deformed::new(d)];
     let volume = mean_volume(&points);
-    let shapes = points.each_ref().map(Deformed::isochoric);
-    let g = shapes.each_ref().map(|shape| shape.g);
+    let [a, b, c, d] = &points;
+    let shapes = [a.isochoric(), b.isochoric(), c.isochoric(), d.isochoric()];
+    let [a, b, c, d] = &shapes;
+    let g = [a.g, b.g, c.g, d.g];
     let Slopes { shear, pressure } = law.slopes(g, Volume::new(volume), augmented);
     let mut forces = Modes::default();
     let point = R::splat(0.25 * POINT);
@@ -180,8 +190,8 @@ pub(crate) fn four_points<R: Real>(
 }
 
 pub(super) fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {
-    let [a, b, c, d] = points.each_ref().map(|point| point.volume);
-    R::splat(0.25) * ((a + b) + (c + d))
+    let [a, b, c, d] = points;
+    R::splat(0.25) * ((a.volume + b.volume) + (c.volume + d.volume))
 }
 
 /// The energy per rest volume by either rule \[kPa\]; infinite where J is at the law's least.

@@ -8,8 +8,10 @@ use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
 use super::modes::{Corners, Modes, modes, on_faces};
+use super::shape::Bare;
 use super::sides::{self, Oblique, Sides, Skew};
 use crate::mesh::part::Part;
+use crate::mesh::vec3::sub;
 use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::springs::table::Table;
@@ -120,9 +122,18 @@ pub(super) struct CellShape {
 }
 
 impl CellShape {
+    /// The modes of a displacement without those of its gradient in the middle of the cell.
+    pub(super) fn removed(&self, modes: Modes<f64>) -> Modes<f64> {
+        self.skew.map_or(modes, |skew| skew.removed(self.sides.turned(modes.linear), &modes))
+    }
+
     /// Forces on the modes of a cell, from those on its modes without skew.
     pub(super) fn handed_back(&self, forces: Modes<f64>) -> Modes<f64> {
-        self.skew.map_or(forces, |skew| skew.handed_back(&self.sides, &forces))
+        self.skew.map_or(forces, |skew| {
+            let [x, y, z] = self.sides.stress(skew.stress(&forces));
+            let linear = forces.linear;
+            Modes { linear: [sub(linear[0], x), sub(linear[1], y), sub(linear[2], z)], ..forces }
+        })
     }
 }
 
@@ -271,7 +282,10 @@ impl Exact<'_> {
         let Element { law, modes, shape, .. } = element;
         let force = match element.parity {
             Some(parity) => cell::four_points(*law, modes, &shape.sides, parity, 0.0),
-            None => cell::center(*law, modes, &shape.sides, &shape.variation, 0.0),
+            None => {
+                let CellShape { sides, variation, .. } = shape;
+                cell::center(*law, modes, &Bare { sides, variation }, 0.0)
+            }
         };
         let weight = shape.volume * self.sheet().spacing_mm();
         on_faces(&shape.handed_back(force).weighted(weight))
@@ -344,7 +358,7 @@ impl Exact<'_> {
                     parity: parity
                         .filter(|_| is_large(spacing, cells.height_mm))
                         .map(|parity| sign * parity),
-                    modes: shape.skew.map_or(modes, |skew| skew.removed(&shape.sides, &modes)),
+                    modes: shape.removed(modes),
                 });
             }
         }

@@ -1,26 +1,56 @@
 //! Four cells at rest: even cells of one shape over a flat wall, cells of their own shapes over a curved wall.
 
 use super::cell::Variation;
+use super::law::Matrix;
 use super::modes::Modes;
-use super::sides::{Oblique, Sides, Skew, Upright};
+use super::sides::{Oblique, Sides, Skew, Upright, with_identity};
+use crate::mesh::vec3::{add, sub};
+use crate::number::Real;
 use wide::f32x4;
 
-/// The rest shape of four cells, in spacings of a grid.
-pub(super) trait RestShape: Copy {
-    type Sides: Sides<f32x4>;
+/// The rest shape of cells, in spacings of a grid.
+pub(super) trait RestShape<R: Real = f32x4>: Copy {
+    type Sides: Sides<R>;
 
     fn sides(&self) -> &Self::Sides;
 
-    fn variation(&self) -> &Variation<f32x4>;
+    fn variation(&self) -> &Variation<R>;
 
     /// The volume over that of an even cell.
-    fn weight(&self) -> f32x4;
+    fn weight(&self) -> R;
+
+    /// The deformation gradient in the middle of the cell, and the modes of a displacement without those of that gradient.
+    fn deformed(&self, modes: &Modes<R>) -> (Matrix<R>, Modes<R>);
+
+    /// The transpose of [`Self::deformed`]: forces on the modes, of a stress in the middle and forces on the modes without skew.
+    fn forces(&self, stress: Matrix<R>, forces: Modes<R>) -> Modes<R>;
 
     /// The modes of a displacement without those of its gradient in the middle of the cell.
-    fn removed(&self, modes: Modes<f32x4>) -> Modes<f32x4>;
+    #[inline(always)]
+    fn removed(&self, modes: &Modes<R>) -> Modes<R> {
+        self.deformed(modes).1
+    }
 
-    /// Forces on the modes of the cell, from the derivatives of the energy per rest volume by its modes without skew.
-    fn handed_back(&self, forces: Modes<f32x4>) -> Modes<f32x4>;
+    /// Forces times the weight.
+    #[inline(always)]
+    fn weighted(&self, forces: Modes<R>) -> Modes<R> {
+        forces.weighted(self.weight())
+    }
+
+    /// Forces on the modes of the cell, from those on its modes without skew.
+    #[inline(always)]
+    fn handed_back(&self, forces: Modes<R>) -> Modes<R> {
+        let linear = forces.linear;
+        let all = self.forces(Matrix::default(), forces);
+        Modes { linear: [0, 1, 2].map(|k| add(linear[k], all.linear[k])), ..all }
+    }
+}
+
+/// Sides with what varies inside: a cell without skew.
+#[derive(Clone, Copy)]
+pub(super) struct Bare<'a, R, S> {
+    pub(super) sides: &'a S,
+    pub(super) variation: &'a Variation<R>,
 }
 
 /// Upright cells of one height and spacing.
@@ -46,6 +76,35 @@ impl Even {
     }
 }
 
+impl<R: Real, S: Sides<R>> RestShape<R> for Bare<'_, R, S> {
+    type Sides = S;
+
+    #[inline(always)]
+    fn sides(&self) -> &S {
+        self.sides
+    }
+
+    #[inline(always)]
+    fn variation(&self) -> &Variation<R> {
+        self.variation
+    }
+
+    #[inline(always)]
+    fn weight(&self) -> R {
+        R::splat(1.0)
+    }
+
+    #[inline(always)]
+    fn deformed(&self, modes: &Modes<R>) -> (Matrix<R>, Modes<R>) {
+        (self.sides.gradient(modes.linear), *modes)
+    }
+
+    #[inline(always)]
+    fn forces(&self, stress: Matrix<R>, forces: Modes<R>) -> Modes<R> {
+        Modes { linear: self.sides.stress(stress), ..forces }
+    }
+}
+
 impl RestShape for Even {
     type Sides = Upright<f32x4>;
 
@@ -65,8 +124,18 @@ impl RestShape for Even {
     }
 
     #[inline(always)]
-    fn removed(&self, modes: Modes<f32x4>) -> Modes<f32x4> {
-        modes
+    fn deformed(&self, modes: &Modes<f32x4>) -> (Matrix<f32x4>, Modes<f32x4>) {
+        (self.sides.gradient(modes.linear), *modes)
+    }
+
+    #[inline(always)]
+    fn forces(&self, stress: Matrix<f32x4>, forces: Modes<f32x4>) -> Modes<f32x4> {
+        Modes { linear: self.sides.stress(stress), ..forces }
+    }
+
+    #[inline(always)]
+    fn weighted(&self, forces: Modes<f32x4>) -> Modes<f32x4> {
+        forces
     }
 
     #[inline(always)]
@@ -94,12 +163,15 @@ impl RestShape for Own {
     }
 
     #[inline(always)]
-    fn removed(&self, modes: Modes<f32x4>) -> Modes<f32x4> {
-        self.skew.removed(&self.sides, &modes)
+    fn deformed(&self, modes: &Modes<f32x4>) -> (Matrix<f32x4>, Modes<f32x4>) {
+        let gradient = self.sides.turned(modes.linear);
+        (with_identity(gradient), self.skew.removed(gradient, modes))
     }
 
     #[inline(always)]
-    fn handed_back(&self, forces: Modes<f32x4>) -> Modes<f32x4> {
-        self.skew.handed_back(&self.sides, &forces).weighted(self.weight)
+    fn forces(&self, stress: Matrix<f32x4>, forces: Modes<f32x4>) -> Modes<f32x4> {
+        let [p, q, r] = self.skew.stress(&forces);
+        let [x, y, z] = stress;
+        Modes { linear: self.sides.stress([sub(x, p), sub(y, q), sub(z, r)]), ..forces }
     }
 }

@@ -57,12 +57,17 @@ impl<R: Real> Sides<R> for Oblique<R> {
     #[inline(always)]
     fn stress(&self, stress: Matrix<R>) -> Matrix<R> {
         let [a, b, c] = self.0;
-        [0, 1, 2].map(|k| combined(stress, [a[k], b[k], c[k]]))
+        [
+            combined(stress, [a[0], b[0], c[0]]),
+            combined(stress, [a[1], b[1], c[1]]),
+            combined(stress, [a[2], b[2], c[2]]),
+        ]
     }
 
     #[inline(always)]
     fn of_scalar(&self, slopes: [R; 3]) -> [R; 3] {
-        self.0.map(|column| dot(column, slopes))
+        let [a, b, c] = self.0;
+        [dot(a, slopes), dot(b, slopes), dot(c, slopes)]
     }
 }
 
@@ -70,7 +75,8 @@ impl<R: Real> Oblique<R> {
     /// The displacement gradient of slopes along the sides.
     #[inline(always)]
     pub(crate) fn turned(&self, slopes: Matrix<R>) -> Matrix<R> {
-        self.0.map(|column| combined(slopes, column))
+        let [a, b, c] = self.0;
+        [combined(slopes, a), combined(slopes, b), combined(slopes, c)]
     }
 
     /// Two sides in the plane, with ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y, the third upright.
@@ -83,7 +89,7 @@ impl<R: Real> Oblique<R> {
 
 /// I plus a displacement gradient.
 #[inline(always)]
-fn with_identity<R: Real>(mut columns: Matrix<R>) -> Matrix<R> {
+pub(super) fn with_identity<R: Real>(mut columns: Matrix<R>) -> Matrix<R> {
     let one = R::splat(1.0);
     (0..3).for_each(|k| columns[k][k] += one);
     columns
@@ -100,31 +106,34 @@ pub(crate) struct Skew<R> {
 }
 
 impl<R: Real> Skew<R> {
-    /// The modes of a displacement without those of its gradient in the middle of the cell.
+    /// The modes of a displacement without those of its gradient H in the middle of the cell.
     #[inline(always)]
-    pub(crate) fn removed(&self, sides: &Oblique<R>, modes: &Modes<R>) -> Modes<R> {
-        let gradient = sides.turned(modes.linear);
-        let without = |b, skew| sub(b, combined(gradient, skew));
-        let [p, q, r] = self.twist;
-        let [xy, xz, yz] = modes.twist;
+    pub(super) fn removed(&self, gradient: Matrix<R>, modes: &Modes<R>) -> Modes<R> {
+        let ([p, q, r], [xy, xz, yz]) = (self.twist, modes.twist);
         Modes {
             linear: modes.linear,
-            twist: [without(xy, p), without(xz, q), without(yz, r)],
-            d: without(modes.d, self.d),
+            twist: [
+                sub(xy, combined(gradient, p)),
+                sub(xz, combined(gradient, q)),
+                sub(yz, combined(gradient, r)),
+            ],
+            d: sub(modes.d, combined(gradient, self.d)),
         }
     }
 
-    /// The transpose of [`Self::removed`], for forces.
+    /// The transpose of [`Self::removed`]: what forces on the modes without skew take from the stress.
     #[inline(always)]
-    pub(crate) fn handed_back(&self, sides: &Oblique<R>, forces: &Modes<R>) -> Modes<R> {
-        let ([p, q, r], [xy, xz, yz]) = (self.twist, forces.twist);
-        let stress = [0, 1, 2].map(|k| {
-            let twists = add(add(scale(xy, p[k]), scale(xz, q[k])), scale(yz, r[k]));
-            add(twists, scale(forces.d, self.d[k]))
-        });
-        let [x, y, z] = sides.stress(stress);
-        let linear = forces.linear;
-        Modes { linear: [sub(linear[0], x), sub(linear[1], y), sub(linear[2], z)], ..*forces }
+    pub(super) fn stress(&self, forces: &Modes<R>) -> Matrix<R> {
+        let ([p, q, r], d) = (self.twist, self.d);
+        let [xy, xz, yz] = forces.twist;
+        let column = |p, q, r, d| {
+            add(add(scale(xy, p), scale(xz, q)), add(scale(yz, r), scale(forces.d, d)))
+        };
+        [
+            column(p[0], q[0], r[0], d[0]),
+            column(p[1], q[1], r[1], d[1]),
+            column(p[2], q[2], r[2], d[2]),
+        ]
     }
 
     /// [`Self::removed`] of one component.

@@ -141,10 +141,9 @@ impl Tangent {
     pub(crate) fn add_product(&self, v: &[Vec<DVec3>], out: &mut [Vec<DVec3>]) {
         let (mut point, mut vector) = (0, 0);
         for Cell { cell, layer, shape, variation, ends } in &self.cells {
-            let CellShape { sides, skew, volume, .. } = shape;
+            let CellShape { sides, volume, .. } = shape;
             let faces = [*layer, layer + 1].map(|l| cell.gather(|k| v[l][k]));
-            let modes = modes(&faces[0], &faces[1]);
-            let modes = skew.map_or(modes, |skew| skew.removed(sides, &modes));
+            let modes = shape.removed(modes(&faces[0], &faces[1]));
             let mut force = variation.slopes(&modes);
             for Point { at, slopes } in &self.points[point..ends[0]] {
                 let stress = slopes.product(from_modes(&modes, *at, sides));

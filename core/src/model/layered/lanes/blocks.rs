@@ -81,7 +81,7 @@ impl CellLayer {
     ) {
         let (length, pitch) = (layout.len(), layout.pitch);
         let faces = [k, k + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-        let modes = shape.removed(modes(&faces[0], &faces[1]));
+        let modes = shape.removed(&modes(&faces[0], &faces[1]));
         let mut add = |stiffness: &CellStiffness<_>, weight: f32x4| {
             for [i, j] in CORNERS {
                 let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };

@@ -74,9 +74,9 @@ impl Layered {
                     let points = points & scratch.points[layer];
                     let augmented = cells.augmented(scratch, at);
                     let shape = shapes.regular(layer, k);
-                    let modes = shape.removed(modes(&inner, &outer));
+                    let modes = modes(&inner, &outer);
                     let forces = cells.forces(&modes, &shape, points, sign, augmented);
-                    let [on_inner, on_outer] = on_faces(&shape.handed_back(forces));
+                    let [on_inner, on_outer] = on_faces(&forces);
                     pull.add(&on_inner);
                     carries[layer].pull(f, at, pitch, counted(pull.spread(), counts, is_edge));
                     (inner, pull) = (outer, on_outer);
@@ -153,11 +153,13 @@ impl CellLayer {
         parity: f32x4,
         augmented: f32x4,
     ) -> Modes<f32x4> {
-        let center = || cell::center(&self.law, modes, shape.sides(), shape.variation(), augmented);
+        let center = || cell::center(&self.law, modes, shape, augmented);
         if !points.any() {
             return center();
         }
-        let four = cell::four_points(&self.law, modes, shape.sides(), parity, augmented);
+        let bare = shape.removed(modes);
+        let four = cell::four_points(&self.law, &bare, shape.sides(), parity, augmented);
+        let four = shape.handed_back(shape.weighted(four));
         if points.all() {
             return four;
         }

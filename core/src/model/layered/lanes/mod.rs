@@ -364,18 +364,12 @@ impl Layered {
                 for (layer, cells) in self.cells.iter().enumerate() {
                     let (at, shape) = (k + layer * length, shapes.regular(layer, k));
                     let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-                    let modes = shape.removed(modes(&faces[0], &faces[1]));
+                    let modes = modes(&faces[0], &faces[1]);
                     let volume = cell::volume(&modes, shape.sides());
                     let inverted = volume.simd_le(f32x4::ZERO) & row.counts(group);
                     tension.has_inverted_cell |= inverted.any();
                     let augmented = cells.augmented(scratch, at);
-                    let force = shape.handed_back(cell::center(
-                        &cells.law,
-                        &modes,
-                        shape.sides(),
-                        shape.variation(),
-                        augmented,
-                    ));
+                    let force = cell::center(&cells.law, &modes, &shape, augmented);
                     let squares = force.linear.map(|f| dot(f, f));
                     let squares = squares[0] + squares[1] + squares[2];
                     tension.squares += f64::from((squares & row.counts(group)).reduce_add());
@@ -404,7 +398,7 @@ impl Layered {
                     }
                     let (at, shape) = (k + layer * length, shapes.regular(layer, k));
                     let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-                    let modes = shape.removed(modes(&faces[0], &faces[1]));
+                    let modes = shape.removed(&modes(&faces[0], &faces[1]));
                     let sign = if layer % 2 == 0 { parity } else { -parity };
                     let points = in_ring & scratch.points[layer];
                     let mut volume = cell::volume(&modes, shape.sides());

@@ -1,0 +1,185 @@
+//! The chest: flat, usual, round, or by its radii of curvature.
+
+use super::{Hand, centimetres, chip, chips, cm, mm, row};
+use crate::app::texts::tr;
+use crate::app::widgets::quantity::format_at_most;
+use crate::app::widgets::{self, Control, set_accessible_name};
+use crate::scene::{ChestShape, Scene, field};
+use eframe::egui::{self, Ui};
+
+/// A choice: its word, its chest (`None`: flat) and what it means.
+type ChestChoice = (&'static str, Option<ChestShape>, &'static str);
+
+pub(super) const CHOICES: [ChestChoice; 3] = [
+    ("flat", None, "A flat chest wall. The skin then stretches less than over a curved one."),
+    (
+        "usual",
+        Some(ChestShape::USUAL),
+        "Radius of curvature 14 cm across the body, straight along it: chests measured at the breasts have 12 to 16 cm.",
+    ),
+    (
+        "round",
+        Some(ChestShape::ROUND),
+        "Radius of curvature 12 cm across and along: a barrel chest.",
+    ),
+];
+
+/// Radius along the body of a chest that is curved along at first \[mm\].
+const ALONG_MM: f64 = 600.0;
+/// Greatest radius on the screen \[mm\], flat to the eye.
+const MOST_MM: f64 = 10_000.0;
+
+/// The word of the present choice; `None` for radii of their own.
+pub(super) fn choice(scene: &Scene) -> Option<&'static str> {
+    CHOICES.iter().find(|(_, chest, _)| *chest == scene.chest).map(|(word, ..)| *word)
+}
+
+/// The chest of a scene in a few words with its radii.
+pub(in crate::app) fn chest_in_words(scene: &Scene) -> String {
+    let radius =
+        |field: &field::Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
+    match (radius(field::CHEST_ACROSS), radius(field::CHEST_ALONG)) {
+        (None, _) => tr("flat").to_owned(),
+        (Some(across), None) => tr!("radius {across} cm across", across),
+        (Some(across), Some(along)) if across == along => tr!("round, radius {across} cm", across),
+        (Some(across), Some(along)) => {
+            tr!("radius {across} cm across, {along} cm along", across, along)
+        }
+    }
+}
+
+/// Are the radii shown in place of a choice?
+fn is_own(ui: &Ui, scene: &Scene) -> bool {
+    let is_open = ui.data(|data| data.get_temp(own_id()).unwrap_or(false));
+    scene.chest.is_some() && (is_open || choice(scene).is_none())
+}
+
+fn own_id() -> egui::Id {
+    egui::Id::unique("radii of the chest")
+}
+
+/// Shows the choices in a list; nothing for tissue without a chest: a sheet, older files.
+pub(super) fn choices(ui: &mut Ui, scene: &mut Scene) {
+    if !scene.may_have_chest() {
+        return;
+    }
+    let is_own = is_own(ui, scene);
+    let present = if is_own { None } else { choice(scene) };
+    let name = |word: Option<&str>| match word {
+        Some("flat") => tr("flat chest"),
+        Some("usual") => tr("usual chest"),
+        Some(_) => tr("round chest"),
+        None => tr("chest of its own…"),
+    };
+    let list = egui::ComboBox::from_id_salt("chest").width(112.0).selected_text(name(present));
+    let response = list
+        .show_ui(ui, |ui| {
+            for (word, chest, tooltip) in CHOICES {
+                let item = widgets::choice(ui, present == Some(word), name(Some(word)));
+                if item.on_hover_text(tr(tooltip)).clicked() {
+                    scene.chest = chest;
+                    ui.data_mut(|data| data.insert_temp(own_id(), false));
+                }
+            }
+            let item = widgets::choice(ui, is_own, name(None));
+            if item.on_hover_text(tr("A chest by its radii of curvature")).clicked() {
+                scene.chest.get_or_insert(ChestShape::USUAL);
+                ui.data_mut(|data| data.insert_temp(own_id(), true));
+            }
+        })
+        .response;
+    set_accessible_name(&response, egui::Role::ComboBox, tr("Chest"));
+    let words = tr!("Chest: {words}", words = chest_in_words(scene));
+    let about = tr(
+        "Curvature of the chest wall below the breast. Tissue that is lifted from a curved chest stretches more: \
+         4 cm over a radius of 14 cm by a quarter across.",
+    );
+    response.on_hover_text(format!("{words}\n{about}"));
+}
+
+/// Shows the radii of a chest of its own.
+pub(super) fn radii(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    if !is_own(ui, scene) {
+        return;
+    }
+    for axis in [0, 1] {
+        let Some((control, mut radius)) = radius(scene, axis) else {
+            continue;
+        };
+        if row(ui, hand, control, &mut radius, (0.0, |_: &mut Ui| {})).is_changed {
+            set_radius(scene, axis, radius);
+        }
+    }
+    chips(ui, |ui| {
+        let Some(chest) = &mut scene.chest else { return };
+        for (word, along, tooltip) in [
+            ("straight along", None, "The chest is not curved along the body."),
+            ("curved along", Some(ALONG_MM), "The chest is curved along the body too."),
+        ] {
+            let is_chosen = chest.radius_along_mm.is_some() == along.is_some();
+            if chip(ui, hand, is_chosen, tr(word), tr(tooltip)) {
+                chest.radius_along_mm = along;
+            }
+        }
+    });
+}
+
+/// The control of the radius across (0) or along the body (1), and the radius \[cm\]; `None` without one.
+pub(super) fn radius(scene: &Scene, axis: usize) -> Option<(Control<'static>, f64)> {
+    let (field, label) = match axis {
+        0 => (field::CHEST_ACROSS, tr("Radius across")),
+        _ => (field::CHEST_ALONG, tr("Radius along")),
+    };
+    let value = field.value(scene, 0)?;
+    let (least, most) = field.range(scene);
+    // Of the limits in a file those that a person may mean; a displayed limit is itself allowed.
+    let (least, most) = (least.max(-MOST_MM).min(value), most.min(MOST_MM).max(value));
+    let tenth = |mm: f64| cm((mm - 1e-6).ceil());
+    let control = Control {
+        range: if value < 0.0 { -40.0..=-10.0 } else { 10.0..=40.0 },
+        allowed: Some(tenth(least).min(cm(value))..=cm(most)),
+        limit_reason: tr("the simulated tissue reaches around a smaller radius").to_owned(),
+        reset: 14.0,
+        tooltip: tr(
+            "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.",
+        ),
+        ..centimetres(label)
+    };
+    Some((control, cm(value)))
+}
+
+/// Sets a radius \[cm\].
+pub(super) fn set_radius(scene: &mut Scene, axis: usize, radius: f64) {
+    let field = if axis == 0 { field::CHEST_ACROSS } else { field::CHEST_ALONG };
+    field.set(scene, 0, mm(radius));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_choices_are_scenes_and_have_their_words() {
+        let mut scene = Scene::opening();
+        for (word, chest, _) in CHOICES {
+            scene.chest = chest;
+            assert_eq!((choice(&scene), scene.validate()), (Some(word), Ok(())));
+        }
+        assert_eq!(chest_in_words(&scene), "round, radius 12 cm");
+        set_radius(&mut scene, 0, 14.5);
+        set_radius(&mut scene, 1, 60.0);
+        assert_eq!(choice(&scene), None);
+        assert_eq!(chest_in_words(&scene), "radius 14.5 cm across, 60 cm along");
+        scene.chest = Some(ChestShape::USUAL);
+        assert_eq!(chest_in_words(&scene), "radius 14 cm across");
+        assert!(radius(&scene, 1).is_none());
+        // Too small for the tissue: the least radius.
+        set_radius(&mut scene, 0, 3.0);
+        assert_eq!(scene.validate(), Ok(()));
+        scene.chest = None;
+        assert_eq!(
+            (chest_in_words(&scene), radius(&scene, 0).is_none()),
+            ("flat".to_owned(), true)
+        );
+    }
+}

@@ -1,0 +1,64 @@
+//! The chest of the plan: its list, its radii, the report and the comparison.
+
+use super::*;
+use implant_preview::scene::ChestShape;
+
+/// The opening plan with a flat chest on the coarsest grid.
+fn flat(scene: &mut Scene) {
+    *scene = Scene { chest: None, ..Scene::opening() };
+    scene.solver.nodes_per_side = 17;
+    scene.solver.tolerance = 1e-3;
+}
+
+fn choose(harness: &mut Harness<'static, App>, name: &'static str) {
+    harness.get_by_role_and_label(Role::ComboBox, "Chest").click();
+    harness.run();
+    // The selected text of the list has the name of a choice.
+    harness.get_all_by_label(name).last().unwrap().click();
+    settle(harness);
+}
+
+#[test]
+fn a_chest_is_chosen_from_a_list_or_by_its_radii() {
+    let mut harness = app(DESKTOP, flat);
+    let chest = |harness: &Harness<'static, App>| harness.state().session().scene().chest;
+    for (name, shape) in [
+        ("round chest", Some(ChestShape::ROUND)),
+        ("usual chest", Some(ChestShape::USUAL)),
+        ("flat chest", None),
+        ("chest of its own…", Some(ChestShape::USUAL)),
+    ] {
+        choose(&mut harness, name);
+        assert_eq!(chest(&harness), shape, "{name}");
+        let shown = harness.get_by_role_and_label(Role::ComboBox, "Chest").value();
+        assert_eq!(shown.as_deref(), Some(name));
+    }
+    // The usual radius stays in its field while it is edited.
+    type_into(&mut harness, "Radius across (cm)", "15");
+    settle(&mut harness);
+    type_into(&mut harness, "Radius across (cm)", "14");
+    settle(&mut harness);
+    harness.get_by_role_and_label(Role::Button, "curved along").click();
+    settle(&mut harness);
+    type_into(&mut harness, "Radius along (cm)", "30,5");
+    settle(&mut harness);
+    let own = ChestShape { radius_across_mm: 140.0, radius_along_mm: Some(305.0) };
+    assert_eq!(chest(&harness), Some(own));
+    // Below the least radius.
+    type_into(&mut harness, "Radius across (cm)", "5");
+    assert_eq!(chest(&harness), Some(own));
+    harness.get_by_role_and_label(Role::Button, "Undo").click();
+    settle(&mut harness);
+    assert_eq!(chest(&harness).unwrap().radius_along_mm, Some(600.0));
+}
+
+#[test]
+fn a_sheet_and_an_older_plan_have_no_chest() {
+    for change in [
+        |scene: &mut Scene| scene.set_tissue_model(TissueModel::Sheet),
+        |scene: &mut Scene| "implant-preview/scene/2".clone_into(&mut scene.schema),
+    ] {
+        let harness = app(DESKTOP, change);
+        assert_eq!(harness.query_all_by_label("Chest").count(), 0);
+    }
+}
