@@ -138,12 +138,18 @@ fn an_anatomical_implant_over_a_scan_is_solved_and_an_even_field_changes_nothing
     let even = solve(&file);
     assert_eq!(serde_json::to_value(&even).unwrap()["status"], "converged");
     assert!(even.warnings.iter().any(|line| line.contains("tilted by 4°")), "{:?}", even.warnings);
-    let field = json!({ "spacing_mm": 4, "columns": 69, "rows": 69,
+    let mut field = json!({ "spacing_mm": 4, "columns": 69, "rows": 69,
                             "factors": grid(&|_, _| 1.0) });
-    file["thickness_field"] = field;
+    file["thickness_field"] = field.clone();
     let one = solve(&file);
     assert_eq!(one.contact_force_n, even.contact_force_n);
     assert_eq!((one.profile[0], one.profile_skin[7]), (even.profile[0], even.profile_skin[7]));
+    field["factors"] = json!(grid(&|x, y| 1.0 + 0.9 * (-(x * x + y * y) / 2000.0).exp()));
+    file["thickness_field"] = field;
+    let thick = solve(&file);
+    assert_eq!(serde_json::to_value(&thick).unwrap()["status"], "converged");
+    let cover = |outcome: &Outcome| outcome.cover_mm.unwrap().apex;
+    assert!(cover(&thick) > 1.4 * cover(&even), "{} {}", cover(&thick), cover(&even));
     for (member, value, expected) in [
         ("spacing_mm", json!(0.1), "thickness_field.spacing_mm is 0.1; allowed: 0.5 to 50 mm"),
         ("columns", json!(3), "thickness_field.columns is 3; allowed: 4 to 257"),
