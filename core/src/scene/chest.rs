@@ -51,6 +51,11 @@ impl Scene {
         self.chest.as_ref().map_or(Chest::Flat, ChestShape::wall)
     }
 
+    /// Sets the radii of the chest, `None` for a flat one, in place of radii or a grid.
+    pub fn set_chest(&mut self, chest: Option<ChestShape>) {
+        (self.chest, self.chest_grid) = (chest, None);
+    }
+
     /// May the scene have a chest? Layered tissue from `scene/3` on.
     #[must_use]
     pub fn may_have_chest(&self) -> bool {

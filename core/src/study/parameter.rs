@@ -393,12 +393,13 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             if !scene.may_have_chest() {
                 return Err(ParameterError::Sheet(name()));
             }
-            let chest = scene.chest.get_or_insert(ChestShape::USUAL);
+            let mut chest = scene.chest.unwrap_or(ChestShape::USUAL);
             if parameter == Parameter::ChestAcross {
                 chest.radius_across_mm = value;
             } else {
                 chest.radius_along_mm = Some(value);
             }
+            scene.set_chest(Some(chest));
         }
         Parameter::PoissonRatio => {
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);

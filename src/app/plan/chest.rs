@@ -29,9 +29,10 @@ const ALONG_MM: f64 = 600.0;
 /// Greatest radius on the screen \[mm\], flat to the eye.
 const MOST_MM: f64 = 10_000.0;
 
-/// The word of the present choice; `None` for radii of their own.
+/// The word of the present choice; `None` for radii of their own and for a grid of heights.
 pub(super) fn choice(scene: &Scene) -> Option<&'static str> {
-    CHOICES.iter().find(|(_, chest, _)| *chest == scene.chest).map(|(word, ..)| *word)
+    let is_present = |chest| scene.chest_grid.is_none() && scene.chest == chest;
+    CHOICES.iter().find(|(_, chest, _)| is_present(*chest)).map(|(word, ..)| *word)
 }
 
 /// The chest of a scene in a few words with its radii.
@@ -39,6 +40,7 @@ pub(in crate::app) fn chest_in_words(scene: &Scene) -> String {
     let radius =
         |field: &field::Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
     match (radius(field::CHEST_ACROSS), radius(field::CHEST_ALONG)) {
+        (None, _) if scene.chest_grid.is_some() => tr("from a grid of heights").to_owned(),
         (None, _) => tr("flat").to_owned(),
         (Some(across), None) => tr!("radius {across} cm across", across),
         (Some(across), Some(along)) if across == along => tr!("round, radius {across} cm", across),
@@ -77,13 +79,13 @@ pub(super) fn choices(ui: &mut Ui, scene: &mut Scene) {
             for (word, chest, tooltip) in CHOICES {
                 let item = widgets::choice(ui, present == Some(word), name(Some(word)));
                 if item.on_hover_text(tr(tooltip)).clicked() {
-                    scene.chest = chest;
+                    scene.set_chest(chest);
                     ui.data_mut(|data| data.insert_temp(own_id(), false));
                 }
             }
             let item = widgets::choice(ui, is_own, name(None));
             if item.on_hover_text(tr("A chest by its radii of curvature")).clicked() {
-                scene.chest.get_or_insert(ChestShape::USUAL);
+                scene.set_chest(Some(scene.chest.unwrap_or(ChestShape::USUAL)));
                 ui.data_mut(|data| data.insert_temp(own_id(), true));
             }
         })

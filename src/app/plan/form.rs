@@ -136,7 +136,7 @@ pub(in crate::app) fn set(
         let (_, chest, _) = found.ok_or_else(|| {
             tr!("Chest: allowed: {words}", words = choices.map(|(word, ..)| word).join(", "))
         })?;
-        scene.chest = chest;
+        scene.set_chest(chest);
         return Ok(());
     }
     if let Some(set) = visit::set_form_field(scene, name, text) {
