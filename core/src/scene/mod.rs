@@ -282,7 +282,7 @@ const OPENING_VOLUME_ML: f64 = 300.0;
 
 impl Scene {
     /// The plan that the app opens with, a usual one: an implant of 12 cm and 300 ml in a pocket 1 cm wider all round,
-    /// pinch 2 cm, normal skin, [`OPENING_CHEST`].
+    /// pinch 2 cm, normal skin, the chest of `OPENING_CHEST`.
     ///
     /// [`Scene::default`] keeps the defaults of files.
     #[must_use]
