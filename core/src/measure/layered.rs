@@ -66,7 +66,7 @@ pub(super) fn rest_areas(problem: &Problem) -> [f64; 2] {
     let Problem { rest, patch, .. } = problem;
     let radius = patch.radius_mm;
     let flat = [PI * patch.pocket_radius_mm.powi(2), PI * radius * radius];
-    if rest.is_flat() {
+    if rest.is_even() {
         return flat;
     }
     // The grid's sums over the curved surface, relative to those over the plane.
@@ -260,8 +260,8 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
         return None;
     }
     let height = height?;
-    let is_flat = solution.problem().rest.is_flat();
-    let per_gauge = dome.least_half_axis() * if is_flat { 1.0 } else { LEAST_OF_DRAPED };
+    let is_even = solution.problem().rest.is_even();
+    let per_gauge = dome.least_half_axis() * if is_even { 1.0 } else { LEAST_OF_DRAPED };
     let mut least = (f64::INFINITY, [apex.x, apex.y]);
     for (_, point) in outer {
         // A bound without roots keeps far nodes out of the search.
@@ -280,7 +280,7 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
 fn skin_over_apex(solution: &Solution, outer: &[(usize, DVec3)]) -> Option<f64> {
     let obstacle = &solution.problem().obstacle;
     let apex = obstacle.dome.apex();
-    if solution.problem().rest.is_flat() {
+    if solution.problem().rest.is_even() {
         return height_above(solution, outer, [apex.x, apex.y], |point| point);
     }
     let up = obstacle.wall.normal(apex);

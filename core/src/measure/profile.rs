@@ -93,7 +93,7 @@ fn beside_edges(layer: Layer, axis: Axis, radius: f64, edges: &[Edge]) -> Vec<Pr
         };
         let (up, down) = (k + side, k - side);
         let across = x[up].distance(x[down]);
-        if rest.is_flat() {
+        if rest.is_even() {
             let flat = sheet.rest();
             return (difference(&|k| x[k]), across / flat[up].distance(flat[down]));
         }

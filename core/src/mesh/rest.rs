@@ -5,6 +5,7 @@
 
 use super::{Chest, Sheet, ThicknessField, coarser_nodes_per_side};
 use glam::{DMat2, DVec2, DVec3};
+use std::sync::Arc;
 
 /// The greatest number of nodes in a column.
 pub(crate) const MAX_LAYERS: usize = 9;
@@ -31,8 +32,9 @@ pub struct Rest {
     chest: Chest,
     /// Factor of all heights; `None` for even thickness.
     thickness: Option<ThicknessField>,
-    /// Positions of the nodes \[mm\], layer by layer; empty for even thickness over a flat wall.
-    nodes: Vec<DVec3>,
+    /// Foot \[mm\] and direction of each column, whose length is the factor of the thickness; empty for even thickness over a
+    /// flat wall.
+    columns: Arc<[(DVec3, DVec3)]>,
 }
 
 impl Rest {
@@ -58,7 +60,7 @@ impl Rest {
             *height += cells.height_mm;
             Some(*height)
         }));
-        Self { sheet, cells, heights, chest: Chest::Flat, thickness: None, nodes: Vec::new() }
+        Self { sheet, cells, heights, chest: Chest::Flat, thickness: None, columns: Arc::default() }
     }
 
     /// The same layers over a wall.
@@ -75,7 +77,7 @@ impl Rest {
     }
 
     fn placed(mut self) -> Self {
-        self.nodes.clear();
+        self.columns = Arc::default();
         if self.chest == Chest::Flat && self.thickness.is_none() {
             return self;
         }
@@ -86,9 +88,7 @@ impl Rest {
             let factor = self.thickness.as_ref().map(|field| field.factor(place));
             (foot, factor.map_or(normal, |factor| normal * factor))
         };
-        let columns: Vec<_> = self.sheet.rest().iter().map(column).collect();
-        let layer = |height: f64| columns.iter().map(move |(foot, up)| foot + up * height);
-        self.nodes = self.heights.iter().flat_map(|height| layer(*height)).collect();
+        self.columns = self.sheet.rest().iter().map(column).collect();
         self
     }
 
@@ -125,27 +125,28 @@ impl Rest {
             && (&self.cells, &self.heights) == (&other.cells, &other.heights)
     }
 
-    /// Is the wall the plane z = 0, under even thickness?
+    /// Are all cells of a layer alike: even thickness over the plane z = 0?
     #[inline]
-    pub(crate) fn is_flat(&self) -> bool {
-        self.nodes.is_empty()
+    pub(crate) fn is_even(&self) -> bool {
+        self.columns.is_empty()
     }
 
     /// Position of a node of a layer \[mm\].
     #[inline]
     #[must_use]
     pub fn node(&self, layer: usize, node: usize) -> DVec3 {
-        if self.is_flat() {
+        if self.is_even() {
             return self.sheet.rest()[node].extend(self.heights[layer]);
         }
-        self.nodes[layer * self.sheet.len() + node]
+        let (foot, up) = self.columns[node];
+        foot + up * self.heights[layer]
     }
 
     /// Area of a cell of the inner face with these corners \[mm²\]; a cell across the patch's border counts as one of the plane.
     pub(crate) fn area(&self, corners: [usize; 4]) -> f64 {
         let spacing = self.sheet.spacing_mm();
         let is_within = |k: usize| self.sheet.rest()[k].length() <= self.sheet.radius_mm();
-        if self.is_flat() || !corners.into_iter().all(is_within) {
+        if self.is_even() || !corners.into_iter().all(is_within) {
             return spacing * spacing;
         }
         let [a, b, c, d] = corners.map(|k| self.node(0, k));
@@ -179,9 +180,12 @@ impl Rest {
     /// The same tissue on the grid with this number of nodes a side.
     #[must_use]
     pub fn restricted(&self, nodes_per_side: usize) -> Self {
+        if nodes_per_side == self.sheet.nodes_per_side() {
+            return self.clone();
+        }
         let sheet = Sheet::new(nodes_per_side, self.sheet.radius_mm());
         let Self { cells, heights, chest, thickness, .. } = self.clone();
-        Self { sheet, cells, heights, chest, thickness, nodes: Vec::new() }.placed()
+        Self { sheet, cells, heights, chest, thickness, columns: Arc::default() }.placed()
     }
 
     /// The same tissue on the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number of
@@ -206,16 +210,16 @@ impl<'a> Surface<'a> {
         self.rest.sheet()
     }
 
-    /// Is the surface a plane?
-    pub(crate) fn is_flat(self) -> bool {
-        self.rest.is_flat()
+    /// Is the surface a plane under even thickness?
+    pub(crate) fn is_even(self) -> bool {
+        self.rest.is_even()
     }
 
     /// The corners of a triangle of nodes, laid into the plane of the grid without strain and without a turn against the grid
     /// \[mm\].
     pub(crate) fn triangle(self, nodes: [usize; 3]) -> [DVec2; 3] {
         let flat = nodes.map(|k| self.sheet().rest()[k]);
-        if self.is_flat() {
+        if self.is_even() {
             return flat;
         }
         let [a, b, c] = nodes.map(|k| self.rest.node(self.layer, k));

@@ -157,7 +157,7 @@ mod tests {
             let problem = scene.problem().unwrap();
             assert_eq!(problem.obstacle.wall.0, wall);
             assert_eq!(problem.obstacle.dome.chest, wall);
-            assert!(!problem.rest.is_flat());
+            assert!(!problem.rest.is_even());
             assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
         }
     }

@@ -3,13 +3,14 @@
 use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Variation};
+use super::cell;
 use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
 use super::modes::{Corners, Modes, modes, on_faces};
 use super::shape::Bare;
 use super::sides::{self, Oblique, Sides, Skew};
+use super::variation::Variation;
 use crate::mesh::part::Part;
 use crate::mesh::vec3::sub;
 use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
@@ -193,7 +194,7 @@ impl Exact<'_> {
     /// The rest shape of a cell of a layer.
     fn shape(&self, cell: &BorderCell, layer: usize) -> CellShape {
         let spacing = self.sheet().spacing_mm();
-        if self.rest.is_flat() {
+        if self.rest.is_even() {
             let height = self.rest.cells()[layer].height_mm;
             let slope = spacing / height;
             return CellShape {

@@ -273,11 +273,12 @@ fn polynomial<R: Real>([a, b, c, d, e]: &[f64; 5], x: R) -> (R, R) {
 mod tests {
     use super::*;
     use crate::curve::{Curve, CurveSpec};
-    use crate::model::layered::cell::{self, Variation};
+    use crate::model::layered::cell;
     use crate::model::layered::curve_law::CurveLaw;
     use crate::model::layered::modes::Modes;
     use crate::model::layered::shape::Bare;
     use crate::model::layered::sides::Upright;
+    use crate::model::layered::variation::Variation;
     use crate::springs::Material;
 
     /// Mooney and Rivlin: W = ½μ·K + ½κ ln²J. K(g) = (1−β)(λ²+2/λ−3) + β(2λ+1/λ²−3) of λ = exp √(2g/3).

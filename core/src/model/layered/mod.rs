@@ -1,7 +1,7 @@
 //! Tissue as a body: the skin, a membrane, on layers of solid tissue; one node a layer of cells and one more in a
 //! column.
 //!
-//! `law` (solid tissue, any law) | `curve_law` (of a tissue's curve) | `modes` (of a cell's displacement) | `sides`, `shape` (of a cell at rest) | `cell` (energy and forces) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
+//! `law` (solid tissue, any law) | `curve_law` (of a tissue's curve) | `modes` (of a cell's displacement) | `sides`, `variation`, `shape` (of a cell at rest) | `cell` (energy and forces) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
 //! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64) | `tangent`
 //! (second derivatives in f64).
 
@@ -17,6 +17,7 @@ mod shape;
 mod sides;
 mod stiffness;
 pub(crate) mod tangent;
+mod variation;
 
 use super::membrane::law::SheetLaw;
 use crate::springs::Material;

@@ -1,9 +1,9 @@
 //! Four cells at rest: even cells of one shape over a flat wall, cells of their own shapes over a curved wall.
 
-use super::cell::Variation;
 use super::law::Matrix;
 use super::modes::Modes;
 use super::sides::{Oblique, Sides, Skew, Upright, with_identity};
+use super::variation::Variation;
 use crate::mesh::vec3::{add, sub};
 use crate::number::Real;
 use wide::f32x4;

@@ -11,7 +11,7 @@
 
 use super::attachment::PAIRS;
 use super::border::BorderCell;
-use super::cell::{self, Variation};
+use super::cell;
 use super::exact::{CellShape, Element, Exact, Place};
 use super::law::{
     Curvature, Deformed, Matrix, SolidLaw, StressSlopes, Volume, combined, nominal_stress,
@@ -20,6 +20,7 @@ use super::law::{
 use super::modes::{Modes, modes, on_faces};
 use super::sides::{Oblique, Sides};
 use super::stiffness::CORNERS;
+use super::variation::Variation;
 use crate::mesh::stencil::outer;
 use crate::mesh::vec3::{add, dot, scale};
 use glam::{DMat3, DVec3};

@@ -126,7 +126,7 @@ fn contribution([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
 #[inline]
 pub(crate) fn is_square(surface: Surface, corners: [usize; 4]) -> bool {
     let kinds = surface.sheet().kinds();
-    surface.is_flat() && corners.iter().all(|&k| kinds[k] == NodeKind::Free)
+    surface.is_even() && corners.iter().all(|&k| kinds[k] == NodeKind::Free)
 }
 
 /// The edges of a deformed square cell over the spacing: bottom, top, left, right. The columns of F

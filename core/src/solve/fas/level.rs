@@ -79,11 +79,11 @@ impl<M: ElasticModel> Level<M> {
     pub(super) fn fit(&mut self, model: &M, spacing: f64, rest: &Rest) {
         let is_fitted = match &self.rest {
             Some(own) => own.is_alike(rest),
-            None => rest.is_flat(),
+            None => rest.is_even(),
         };
         if !is_fitted {
             let n = self.layout.nodes_per_side;
-            self.rest = (!rest.is_flat()).then(|| Arc::new(rest.restricted(n)));
+            self.rest = (!rest.is_even()).then(|| Arc::new(rest.restricted(n)));
             self.layout.set_rest(self.rest.as_deref());
         }
         model.place(&self.layout, spacing, self.rest.as_ref(), &mut self.scratch);

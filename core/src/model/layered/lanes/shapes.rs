@@ -4,10 +4,10 @@ use crate::mesh::Rest;
 use crate::mesh::lanes::{Layout, load};
 use crate::mesh::vec3::{add, scale, sub};
 use crate::model::layered::border::{Border, BorderCell, Four};
-use crate::model::layered::cell::Variation;
 use crate::model::layered::modes::{Corners, Modes, modes};
 use crate::model::layered::shape::{Even, Own, RestShape};
 use crate::model::layered::sides::{self, Oblique, Skew};
+use crate::model::layered::variation::Variation;
 use glam::DVec3;
 use wide::f32x4;
 

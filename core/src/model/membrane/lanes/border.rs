@@ -35,7 +35,7 @@ pub(super) struct Four {
 }
 
 /// Fours that are evaluated together: single ones would wait for square roots.
-const AT_ONCE: usize = 32;
+const AT_ONCE: usize = 16;
 
 /// Displacements and forces of the border's nodes, and the fours under evaluation.
 #[derive(Clone, Debug)]
