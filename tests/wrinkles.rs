@@ -104,7 +104,7 @@ fn results_of_wrinkling_skin_are_of_the_third_version() {
     let skin = Curve::scaled(&off_centre().layers[0].curve).unwrap();
     let share = third["strain"]["max_principal"].as_f64().unwrap() / skin.knee().unwrap();
     assert_eq!(third["skin_reserve_used"].as_f64(), Some(share));
-    // All fields of result/2, and four more.
+    // All fields of result/2, and seven more.
     let names = |result: &Value| -> Vec<String> {
         let all = result.as_object().unwrap().keys().cloned();
         let of_solver = result["solver"].as_object().unwrap().keys().map(|k| format!("solver.{k}"));
@@ -115,10 +115,13 @@ fn results_of_wrinkling_skin_are_of_the_third_version() {
     assert_eq!(
         added,
         [
+            "contact_resultant_n",
+            "profile_skin_y",
+            "profile_y",
             "skin_reserve_used",
             "wrinkled",
             "solver.cells_through",
-            "solver.estimated_discretisation_error"
+            "solver.estimated_discretisation_error",
         ]
     );
     assert!(known.iter().all(|name| names(&third).contains(name)));
