@@ -18,6 +18,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "Projection (cm)",
       "Pinch (cm)",
       "Skin feels",
+      "Chest",
       "Margin (cm)",
       "To the side (cm)",
       "Up (cm)",
@@ -45,6 +46,10 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     await page.keyboard.press("Enter");
     assert.equal((await harness.scene(page)).implant.base_radius_mm, 66);
     assert.match(await harness.summary(page, "13.2 cm wide"), /^300 ml implant, 13\.2 cm wide\./);
+    await field("Chest").selectOption("usual");
+    assert.deepEqual((await harness.scene(page)).chest, { radius_across_mm: 140, radius_along_mm: null });
+    await field("Chest").selectOption("flat");
+    assert.equal((await harness.scene(page)).chest, undefined);
     await field("Skin feels").selectOption("lax");
     assert.equal((await harness.scene(page)).patient.skin_class, "lax");
     await harness.screenshot(page, "form");

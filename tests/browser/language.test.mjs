@@ -22,6 +22,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Proyección (cm)",
       "Pellizco (cm)",
       "Tipo de piel",
+      "Tórax",
       "Margen (cm)",
       "Hacia el lado (cm)",
       "Hacia arriba (cm)",
