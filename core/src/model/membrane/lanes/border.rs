@@ -144,6 +144,7 @@ impl Border {
         let mut nodes: Vec<u32> = triangles.iter().flat_map(|triangle| triangle.nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();
+        nodes.shrink_to_fit();
         let place = |k: u32| nodes.partition_point(|&node| node < k) as u32;
         let fours = triangles.chunks(4).map(|four| Four::new(four, place)).collect();
         Self { nodes, fours }
