@@ -77,7 +77,7 @@ impl Dome {
     /// Distance along a ray to the surface \[lengths of `direction`\], negative behind the origin.
     #[must_use]
     pub fn ray_distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let flat = Self { chest: Chest::Flat, ..self.clone() };
+        let flat = self.clone().over(Chest::Flat);
         let (shape, center) = (flat.shape::<f64>(), self.origin());
         if self.chest == Chest::Flat {
             let from = shape.source((origin - center).to_array());

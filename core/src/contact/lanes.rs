@@ -79,14 +79,16 @@ impl LaneObstacle {
             let back = self.along_gradient(&near, d, touching);
             moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));
         }
-        let kept = |v: Vec3| {
-            let own = times(compliance, v);
-            let along_dome = times(compliance, g);
-            let part = dot(g, own) / dot(g, along_dome).fast_max(f32x4::splat(1e-30));
-            [0, 1, 2].map(|a| is_active.bitselect(own[a] - along_dome[a] * part, own[a]))
-        };
-        let limited = wall::limited(&self.wall, add(rest, at), sub(moved, at), kept);
-        let moved = if self.wall.is_flat() { moved } else { add(at, limited) };
+        if !self.wall.is_flat() {
+            let kept = |v: Vec3| {
+                let own = times(compliance, v);
+                let along_dome = times(compliance, g);
+                let part = dot(g, own) / dot(g, along_dome).fast_max(f32x4::splat(1e-30));
+                [0, 1, 2].map(|a| is_active.bitselect(own[a] - along_dome[a] * part, own[a]))
+            };
+            let step = sub(moved, at);
+            moved = add(at, wall::limited(&self.wall, add(rest, at), step, kept));
+        }
         let above = wall::projected(&self.wall, rest, moved);
         [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
     }
@@ -132,9 +134,10 @@ impl LaneObstacle {
         let Near { length, gradient: g, .. } = *nodes;
         let zero = f32x4::ZERO;
         // A curved wall and the dome meet at an angle: the wall takes its part first.
-        let force = match self.wall.is_flat() {
-            true => force,
-            false => wall::unsupported(&self.wall, point, force, |normal| normal),
+        let force = if self.wall.is_flat() {
+            force
+        } else {
+            wall::unsupported(&self.wall, point, force, |normal| normal)
         };
         let mut is_active =
             length.simd_lt(touching + TOUCH_F32 as f32) & dot(force, g).simd_lt(zero);

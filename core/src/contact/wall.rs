@@ -101,9 +101,6 @@ pub(super) fn limited(
     step: Vec3,
     compliance: impl Fn(Vec3) -> Vec3,
 ) -> Vec3 {
-    if wall.is_flat() {
-        return step;
-    }
     let ground = wall.at([point[0], point[1]]);
     let normal = upwards(&ground);
     let after = point[2] - ground.height + dot(normal, step);

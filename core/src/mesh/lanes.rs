@@ -6,7 +6,7 @@
 
 pub(crate) use super::lane_field::{Field, load, shifted_right, store, store_first};
 use super::vec3::Vec3;
-use super::{CellKind, Rest, Sheet};
+use super::{Rest, Sheet};
 use glam::DVec3;
 use wide::f32x4;
 
@@ -132,9 +132,6 @@ impl Layout {
             let (from, to) = if from < to { (from.max(ghost), to) } else { (0, 0) };
             layout.free.push((from as u32, to as u32));
         }
-        let stored = |k: usize| {
-            ((k / nodes_per_side - first[1]) * pitch + k % nodes_per_side - first[0]) as u32
-        };
         for j in 0..rows - 1 {
             let ((a, b), (c, d)) = (free(j), free(j + 1));
             let (from, to) = (a.max(c), b.min(d).saturating_sub(1));
@@ -145,12 +142,8 @@ impl Layout {
             let end = sheet_to.saturating_sub(first[0]).min(columns - 1);
             for i in (begin..from.max(begin).min(end)).chain(to.max(begin)..end) {
                 let (i, j) = (i + first[0], j + first[1]);
-                if sheet.cell(i, j) != CellKind::Outside {
-                    border.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
-                        let rest = nodes.map(|k| sheet.rest()[k].extend(0.0));
-                        BorderTriangle { nodes: nodes.map(stored), rest, weight }
-                    }));
-                }
+                let at = |k: usize| sheet.rest()[k].extend(0.0);
+                border.extend(layout.triangles_of(&sheet, (i, j), at));
             }
         }
         (layout, border)
@@ -180,11 +173,9 @@ impl Layout {
         };
         let mut inner = Field::new(self.len(), 1);
         let per_spacing = 1.0 / rest.sheet().spacing_mm();
-        let [first, first_row] = self.first();
         for j in 0..self.rows {
             for i in 0..self.columns {
-                let node = rest.node(0, (j + first_row) * self.nodes_per_side + i + first);
-                let [x, y, z] = (node * per_spacing).as_vec3().to_array();
+                let [x, y, z] = (rest.node(0, self.node(i, j)) * per_spacing).as_vec3().to_array();
                 let k = j * self.pitch + i;
                 (inner.x[k], inner.y[k], inner.z[k]) = (x, y, z);
             }
@@ -192,25 +183,41 @@ impl Layout {
         self.inner = inner;
     }
 
+    /// The node of the whole grid at a stored column and row.
+    #[inline(always)]
+    pub(crate) fn node(&self, i: usize, j: usize) -> usize {
+        let [first, first_row] = self.first();
+        (j + first_row) * self.nodes_per_side + i + first
+    }
+
+    /// Stored index in a layer of a node of the whole grid; the node is stored.
+    pub(crate) fn stored(&self, node: usize) -> usize {
+        let (n, [first, first_row]) = (self.nodes_per_side, self.first());
+        (node / n - first_row) * self.pitch + node % n - first
+    }
+
+    /// The triangles of cell (i, j) of the whole grid, whose nodes are `at` these places at rest \[spacings\].
+    fn triangles_of(
+        &self,
+        sheet: &Sheet,
+        (i, j): (usize, usize),
+        at: impl Fn(usize) -> DVec3,
+    ) -> impl Iterator<Item = BorderTriangle> {
+        sheet.cell_triangles(i, j).map(move |(nodes, weight)| BorderTriangle {
+            nodes: nodes.map(|k| (self.origin + self.stored(k)) as u32),
+            rest: nodes.map(&at),
+            weight,
+        })
+    }
+
     /// All triangles of a layer of nodes of the tissue at rest, with the stored nodes of that layer.
     pub(crate) fn own_triangles(&self, rest: &Rest, layer: usize) -> Vec<BorderTriangle> {
-        let (sheet, n, [first, first_row]) = (rest.sheet(), self.nodes_per_side, self.first());
+        let (sheet, [first, first_row]) = (rest.sheet(), self.first());
         let per_spacing = 1.0 / sheet.spacing_mm();
-        let stored =
-            |k: usize| (self.origin + (k / n - first_row) * self.pitch + k % n - first) as u32;
-        let mut triangles = Vec::new();
-        for j in first_row..n - 1 {
-            let (from, to) = sheet.cell_span(j);
-            for i in from.max(first)..to {
-                if sheet.cell(i, j) != CellKind::Outside {
-                    triangles.extend(sheet.cell_triangles(i, j).map(|(nodes, weight)| {
-                        let rest = nodes.map(|k| rest.node(layer, k) * per_spacing);
-                        BorderTriangle { nodes: nodes.map(stored), rest, weight }
-                    }));
-                }
-            }
-        }
-        triangles
+        let at = |k: usize| rest.node(layer, k) * per_spacing;
+        let rows = (first_row..self.nodes_per_side - 1).map(|j| (j, sheet.cell_span(j)));
+        let cells = rows.flat_map(|(j, (from, to))| (from.max(first)..to).map(move |i| (i, j)));
+        cells.flat_map(|cell| self.triangles_of(sheet, cell, at)).collect()
     }
 
     /// The layout with no cell that is regular.

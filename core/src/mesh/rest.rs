@@ -121,13 +121,14 @@ impl Rest {
     /// Is the tissue the same but for the grid?
     pub(crate) fn is_alike(&self, other: &Self) -> bool {
         self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
+            && self.cells == other.cells
             && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
-            && (&self.cells, &self.heights) == (&other.cells, &other.heights)
     }
 
     /// Are all cells of a layer alike: even thickness over the plane z = 0?
     #[inline]
-    pub(crate) fn is_even(&self) -> bool {
+    #[must_use]
+    pub fn is_even(&self) -> bool {
         self.columns.is_empty()
     }
 

@@ -123,8 +123,7 @@ impl Border {
     }
 
     pub(super) fn new(layout: &Layout) -> Self {
-        let (n, first) = (layout.nodes_per_side, layout.first());
-        let stored = |k: usize| ((k / n - first[1]) * layout.pitch + k % n - first[0]) as u32;
+        let stored = |k: usize| layout.stored(k) as u32;
         let cells = Self::cells(layout);
         let four = |cells: &[BorderCell]| {
             let cell = |lane: usize| cells[lane.min(cells.len() - 1)];

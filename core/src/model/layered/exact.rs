@@ -8,7 +8,7 @@ use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
 use super::modes::{Corners, Modes, modes, on_faces};
-use super::shape::Bare;
+use super::shape::Plain;
 use super::sides::{self, Oblique, Sides, Skew};
 use super::variation::Variation;
 use crate::mesh::part::Part;
@@ -284,8 +284,8 @@ impl Exact<'_> {
         let force = match element.parity {
             Some(parity) => cell::four_points(*law, modes, &shape.sides, parity, 0.0),
             None => {
-                let CellShape { sides, variation, .. } = shape;
-                cell::center(*law, modes, &Bare { sides, variation }, 0.0)
+                let &CellShape { sides, variation, .. } = shape;
+                cell::center(*law, modes, &Plain { sides, variation }, 0.0)
             }
         };
         let weight = shape.volume * self.sheet().spacing_mm();

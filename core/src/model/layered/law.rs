@@ -276,7 +276,7 @@ mod tests {
     use crate::model::layered::cell;
     use crate::model::layered::curve_law::CurveLaw;
     use crate::model::layered::modes::Modes;
-    use crate::model::layered::shape::Bare;
+    use crate::model::layered::shape::Plain;
     use crate::model::layered::sides::Upright;
     use crate::model::layered::variation::Variation;
     use crate::springs::Material;
@@ -397,12 +397,7 @@ mod tests {
         let variation = Variation::new(slope);
         let sides = Upright { slope };
         for forces in [
-            cell::center(
-                &MOONEY_RIVLIN,
-                &modes,
-                &Bare { sides: &sides, variation: &variation },
-                0.0,
-            ),
+            cell::center(&MOONEY_RIVLIN, &modes, &Plain { sides, variation }, 0.0),
             cell::four_points(&MOONEY_RIVLIN, &modes, &sides, 1.0, 0.0),
         ] {
             for (k, factor) in [1.0, 1.0, slope].into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Four cells at rest: even cells of one shape over a flat wall, cells of their own shapes over a curved wall.
+//! Cells at rest: even cells of one shape over a flat wall, cells of their own shapes over a curved wall.
 
 use super::law::Matrix;
 use super::modes::Modes;
@@ -31,34 +31,25 @@ pub(super) trait RestShape<R: Real = f32x4>: Copy {
         self.deformed(modes).1
     }
 
-    /// Forces times the weight.
-    #[inline(always)]
-    fn weighted(&self, forces: Modes<R>) -> Modes<R> {
-        forces.weighted(self.weight())
-    }
-
-    /// Forces on the modes of the cell, from those on its modes without skew.
+    /// Forces on the modes of the cell, from the derivatives of the energy per rest volume by its modes without skew.
     #[inline(always)]
     fn handed_back(&self, forces: Modes<R>) -> Modes<R> {
+        let forces = forces.weighted(self.weight());
         let linear = forces.linear;
         let all = self.forces(Matrix::default(), forces);
         Modes { linear: [0, 1, 2].map(|k| add(linear[k], all.linear[k])), ..all }
     }
 }
 
-/// Sides with what varies inside: a cell without skew.
-#[derive(Clone, Copy)]
-pub(super) struct Bare<'a, R, S> {
-    pub(super) sides: &'a S,
-    pub(super) variation: &'a Variation<R>,
+/// Cells without skew of one volume.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plain<R, S> {
+    pub(super) sides: S,
+    pub(super) variation: Variation<R>,
 }
 
 /// Upright cells of one height and spacing.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Even {
-    pub(super) sides: Upright<f32x4>,
-    pub(super) variation: Variation<f32x4>,
-}
+pub(super) type Even = Plain<f32x4, Upright<f32x4>>;
 
 /// Cells of any rest shape.
 #[derive(Clone, Copy, Debug)]
@@ -76,17 +67,17 @@ impl Even {
     }
 }
 
-impl<R: Real, S: Sides<R>> RestShape<R> for Bare<'_, R, S> {
+impl<R: Real, S: Sides<R>> RestShape<R> for Plain<R, S> {
     type Sides = S;
 
     #[inline(always)]
     fn sides(&self) -> &S {
-        self.sides
+        &self.sides
     }
 
     #[inline(always)]
     fn variation(&self) -> &Variation<R> {
-        self.variation
+        &self.variation
     }
 
     #[inline(always)]
@@ -103,43 +94,9 @@ impl<R: Real, S: Sides<R>> RestShape<R> for Bare<'_, R, S> {
     fn forces(&self, stress: Matrix<R>, forces: Modes<R>) -> Modes<R> {
         Modes { linear: self.sides.stress(stress), ..forces }
     }
-}
-
-impl RestShape for Even {
-    type Sides = Upright<f32x4>;
 
     #[inline(always)]
-    fn sides(&self) -> &Self::Sides {
-        &self.sides
-    }
-
-    #[inline(always)]
-    fn variation(&self) -> &Variation<f32x4> {
-        &self.variation
-    }
-
-    #[inline(always)]
-    fn weight(&self) -> f32x4 {
-        f32x4::ONE
-    }
-
-    #[inline(always)]
-    fn deformed(&self, modes: &Modes<f32x4>) -> (Matrix<f32x4>, Modes<f32x4>) {
-        (self.sides.gradient(modes.linear), *modes)
-    }
-
-    #[inline(always)]
-    fn forces(&self, stress: Matrix<f32x4>, forces: Modes<f32x4>) -> Modes<f32x4> {
-        Modes { linear: self.sides.stress(stress), ..forces }
-    }
-
-    #[inline(always)]
-    fn weighted(&self, forces: Modes<f32x4>) -> Modes<f32x4> {
-        forces
-    }
-
-    #[inline(always)]
-    fn handed_back(&self, forces: Modes<f32x4>) -> Modes<f32x4> {
+    fn handed_back(&self, forces: Modes<R>) -> Modes<R> {
         forces
     }
 }

@@ -308,11 +308,10 @@ impl<M: ElasticModel> Level<M> {
         let guess =
             initial_guess::taut_within(&rest, &problem.obstacle.dome, problem.patch.reach_mm());
         let per_spacing = 1.0 / rest.sheet().spacing_mm();
-        let first = layout.first();
         for layer in u.layers() {
             layout.free_rows(|j, from, to| {
                 for i in from..to {
-                    let k = (j + first[1]) * n + i + first[0];
+                    let k = layout.node(i, j);
                     let displacement = (guess[k] - rest.node(0, k)) * per_spacing;
                     let to = layer + j * layout.pitch + i;
                     u.x[to] = displacement.x as f32;

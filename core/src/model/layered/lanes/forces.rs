@@ -159,7 +159,7 @@ impl CellLayer {
         }
         let bare = shape.removed(modes);
         let four = cell::four_points(&self.law, &bare, shape.sides(), parity, augmented);
-        let four = shape.handed_back(shape.weighted(four));
+        let four = shape.handed_back(four);
         if points.all() {
             return four;
         }

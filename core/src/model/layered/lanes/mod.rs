@@ -88,15 +88,14 @@ pub(crate) struct Scratch {
     in_ring: Vec<f32>,
     /// Of the cell at each stored node: integrals of the attachment for [`super::attachment::PAIRS`], scaled.
     attachment: [Vec<f32>; 10],
-    /// What the arrays above are computed for.
+    /// What the arrays above are computed for, and the tissue over a curved wall that skin and shapes are of.
     geometry: Option<Geometry>,
+    rest: Option<Arc<Rest>>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Geometry {
     spacing: f64,
-    /// Over a curved wall.
-    rest: Option<Arc<Rest>>,
     pocket_radius: f64,
     attachment: Option<Attachment>,
     stiffness: f64,
@@ -140,6 +139,19 @@ impl Layered {
     }
 }
 
+/// Calls a function of any [`Layers`] with those of a grid.
+macro_rules! of_shapes {
+    ($all:expr, $shapes:ident => $call:expr) => {
+        match $all {
+            Shapes::Flat($shapes) => $call,
+            Shapes::Curved($shapes) => {
+                let $shapes = &**$shapes;
+                $call
+            }
+        }
+    };
+}
+
 impl ElasticModel for Layered {
     type Scratch = Scratch;
     type Stiffness = ColumnBlocks;
@@ -160,6 +172,7 @@ impl ElasticModel for Layered {
             in_ring: vec![0.0; layout.len()],
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
+            rest: None,
             outer,
         }
     }
@@ -173,7 +186,6 @@ impl ElasticModel for Layered {
     ) {
         let geometry = Geometry {
             spacing,
-            rest: rest.cloned(),
             pocket_radius: self.pocket_radius,
             attachment: self.attachment,
             stiffness: self.stiffness,
@@ -193,20 +205,24 @@ impl ElasticModel for Layered {
             let even = |cells: &CellLayer| Even::new(spacing / cells.height);
             scratch.shapes = Shapes::Flat(self.cells.iter().map(even).collect());
         }
-        if scratch.geometry.as_ref() == Some(&geometry) {
+        // A level has the same tissue as long as it fits.
+        let is_same_rest = rest.map(Arc::as_ptr) == scratch.rest.as_ref().map(Arc::as_ptr);
+        if is_same_rest && scratch.geometry == Some(geometry) {
             return;
         }
-        let was_curved = scratch.geometry.as_ref().is_some_and(|before| before.rest.is_some());
-        if let Some(rest) = rest {
-            scratch.shapes = Shapes::Curved(Box::new(CurvedLayers::new(layout, rest)));
-            self.curve_skin(layout, rest, scratch);
-        } else if was_curved {
-            let (layout, border) = Layout::new(layout.nodes_per_side, layout.mirrored);
-            (scratch.outer, scratch.skin) = self.flat_skin(&layout, &border);
+        if !is_same_rest {
+            if let Some(rest) = rest {
+                scratch.shapes = Shapes::Curved(Box::new(CurvedLayers::new(layout, rest)));
+                (scratch.outer, scratch.skin) = self.curved_skin(layout, rest);
+            } else {
+                let (layout, border) = Layout::new(layout.nodes_per_side, layout.mirrored);
+                (scratch.outer, scratch.skin) = self.flat_skin(&layout, &border);
+            }
+            scratch.rest = rest.cloned();
         }
         scratch.geometry = Some(geometry);
         let [x0, y0] = layout.center().map(|center| center as f64);
-        let (n, first) = (layout.nodes_per_side, layout.first());
+        let n = layout.nodes_per_side;
         // Forces are in units of the stiffness times the spacing.
         let unit = spacing * spacing / self.stiffness;
         for j in 0..layout.rows - 1 {
@@ -221,7 +237,7 @@ impl ElasticModel for Layered {
                     .filter(|_| layout.touches_free(i, j))
                     .and_then(|a| a.integrals(self.pocket_radius, corner, spacing));
                 let unit = rest.filter(|_| integrals.is_some()).map_or(unit, |rest| {
-                    let node = (j + first[1]) * n + i + first[0];
+                    let node = layout.node(i, j);
                     rest.area([node, node + 1, node + n + 1, node + n]) / self.stiffness
                 });
                 for (pair, values) in scratch.attachment.iter_mut().enumerate() {
@@ -233,15 +249,9 @@ impl ElasticModel for Layered {
 
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
         self.skin.forces(&scratch.outer, u, f, &mut scratch.skin);
-        match &scratch.shapes {
-            Shapes::Flat(shapes) => self.add_cells(layout, shapes, u, f, scratch),
-            Shapes::Curved(shapes) => self.add_cells(layout, &**shapes, u, f, scratch),
-        }
+        of_shapes!(&scratch.shapes, shapes => self.add_cells(layout, shapes, u, f, scratch));
         Self::add_attachment(layout, u, f, scratch);
-        match &scratch.shapes {
-            Shapes::Flat(shapes) => self.add_border(layout, shapes, u, f, scratch),
-            Shapes::Curved(shapes) => self.add_border(layout, &**shapes, u, f, scratch),
-        }
+        of_shapes!(&scratch.shapes, shapes => self.add_border(layout, shapes, u, f, scratch));
     }
 
     fn blocks(&self, layout: &Layout, u: &Field, blocks: &mut ColumnBlocks, scratch: &mut Scratch) {
@@ -251,19 +261,17 @@ impl ElasticModel for Layered {
         for (cells, limit) in self.cells.iter().zip(&mut blocks.limits) {
             *limit = (MAX_COMPRESSION * cells.height / spacing) as f32;
         }
-        match &scratch.shapes {
-            Shapes::Flat(shapes) => self.add_cell_blocks(layout, shapes, u, blocks, scratch),
-            Shapes::Curved(shapes) => self.add_cell_blocks(layout, &**shapes, u, blocks, scratch),
-        }
+        of_shapes!(&scratch.shapes, shapes => {
+            self.add_cell_blocks(layout, shapes, u, blocks, scratch);
+        });
         Self::add_attachment_blocks(layout, blocks, scratch);
     }
 
     fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Scratch) -> Tension {
         let mut tension = self.skin.tension(&scratch.outer, u, &mut scratch.skin);
-        match &scratch.shapes {
-            Shapes::Flat(shapes) => self.add_tension(layout, shapes, u, scratch, &mut tension),
-            Shapes::Curved(shapes) => self.add_tension(layout, &**shapes, u, scratch, &mut tension),
-        }
+        of_shapes!(&scratch.shapes, shapes => {
+            self.add_tension(layout, shapes, u, scratch, &mut tension);
+        });
         // Only the skin may wrinkle, and its bending is not resolved: no other method does better.
         tension.least = 0.0;
         tension
@@ -274,10 +282,7 @@ impl ElasticModel for Layered {
             return;
         }
         let shapes = std::mem::take(&mut scratch.shapes);
-        match &shapes {
-            Shapes::Flat(shapes) => self.renew_pressure(layout, shapes, u, scratch),
-            Shapes::Curved(shapes) => self.renew_pressure(layout, &**shapes, u, scratch),
-        }
+        of_shapes!(&shapes, shapes => self.renew_pressure(layout, shapes, u, scratch));
         scratch.shapes = shapes;
     }
 
@@ -323,12 +328,13 @@ impl Layered {
         (outer, skin)
     }
 
-    /// Sets up the skin over a curved wall, whose triangles all have rest shapes of their own.
-    fn curve_skin(&self, layout: &Layout, rest: &Rest, scratch: &mut Scratch) {
+    /// [`Self::flat_skin`] over a curved wall, where all triangles have rest shapes of their own.
+    fn curved_skin(&self, layout: &Layout, rest: &Rest) -> (Layout, SkinScratch) {
         let outer = layout.of_layer(self.cells.len());
         let triangles = outer.own_triangles(rest, self.cells.len());
-        scratch.outer = outer.without_regular_cells();
-        scratch.skin = self.skin.scratch(&scratch.outer, &triangles);
+        let outer = outer.without_regular_cells();
+        let skin = self.skin.scratch(&outer, &triangles);
+        (outer, skin)
     }
 
     /// Adds the forces of the cells at the border.

@@ -112,7 +112,7 @@ impl Layers for CurvedLayers {
 impl CurvedLayers {
     /// The cells of a layout, of tissue at rest on its grid.
     pub(super) fn new(layout: &Layout, rest: &Rest) -> Self {
-        let (n, first, length) = (layout.nodes_per_side, layout.first(), layout.len());
+        let (n, length) = (layout.nodes_per_side, layout.len());
         let (spacing, layers) = (rest.sheet().spacing_mm(), rest.cells().len());
         let per_spacing = 1.0 / spacing;
         let total: f64 = rest.cells().iter().map(|cells| cells.height_mm * per_spacing).sum();
@@ -138,7 +138,7 @@ impl CurvedLayers {
         let at = |layer: usize, k: usize| (rest.node(layer, k) * per_spacing).to_array();
         for (j, &(from, to)) in layout.regular.iter().enumerate() {
             for i in from as usize..to as usize {
-                let node = (j + first[1]) * n + i + first[0];
+                let node = layout.node(i, j);
                 let corners = [node, node + 1, node + n + 1, node + n];
                 let face = |layer: usize| Corners::new(corners.map(|k| at(layer, k)));
                 let (inner, outer) = (face(0), face(layers));

@@ -129,6 +129,20 @@ impl Four {
         Stretched { e1, e2, g11, g12, g22, i1, s, t: trace_of_stretch(i1, s) }
     }
 
+    /// The tension along both edges of a metric: M e, M = P G⁻¹ + Q/det G · cof g, with `q` that of Q/det G.
+    #[inline(always)]
+    fn pulls(
+        &self,
+        [e1, e2]: [Vec3; 2],
+        [g11, g12, g22]: [f32x4; 3],
+        p: f32x4,
+        q: f32x4,
+    ) -> [Vec3; 2] {
+        let [i11, i12, i22] = self.inverse_metric;
+        let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
+        [add(scale(e1, m11), scale(e2, m12)), add(scale(e1, m12), scale(e2, m22))]
+    }
+
     /// (λ₁² − λ₂²)² of a metric: of M = G⁻¹g the square of M₁₁ − M₂₂ and 4 M₁₂M₂₁.
     #[inline(always)]
     fn spread(&self, [g11, g12, g22]: [f32x4; 3]) -> f32x4 {
@@ -181,11 +195,8 @@ impl Border {
             for (four, &Stretched { e1, e2, g11, g12, g22, i1: p, s: q, .. }) in
                 fours.iter().zip(&*stretched)
             {
-                let [i11, i12, i22] = four.inverse_metric;
                 let (p, q) = (p * four.weight, q * four.weight * four.inverse_det);
-                let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
-                let p1 = add(scale(e1, m11), scale(e2, m12));
-                let p2 = add(scale(e1, m12), scale(e2, m22));
+                let [p1, p2] = four.pulls([e1, e2], [g11, g12, g22], p, q);
                 let on_corners = [add(p1, p2), p1.map(|p| -p), p2.map(|p| -p)];
                 for (corner, [x, y, z]) in four.corners.iter().zip(on_corners) {
                     let lanes = f32x4::transpose([x, y, z, f32x4::ZERO]);
@@ -211,11 +222,7 @@ impl Border {
         let squares = |four: &Four| {
             let Stretched { e1, e2, g11, g12, g22, i1, s, t } = four.stretched(&scratch.u);
             let (p, q) = law.tension(i1, s, t, || four.spread([g11, g12, g22]));
-            let [i11, i12, i22] = four.inverse_metric;
-            let q = q * four.inverse_det;
-            let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
-            let p1 = add(scale(e1, m11), scale(e2, m12));
-            let p2 = add(scale(e1, m12), scale(e2, m22));
+            let [p1, p2] = four.pulls([e1, e2], [g11, g12, g22], p, q * four.inverse_det);
             let pulls = dot(p1, p1) + dot(p2, p2);
             f64::from((four.weight.simd_gt(f32x4::ZERO) & pulls).reduce_add())
         };
