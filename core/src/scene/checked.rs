@@ -18,6 +18,13 @@ pub struct CheckedScene {
     thickness: Option<ThicknessField>,
 }
 
+/// What wall and thickness, and their limits, depend on.
+fn ground(scene: &Scene) -> impl PartialEq + '_ {
+    let Scene { schema, body, pocket_radius_mm, layers, .. } = scene;
+    let grids = (&scene.chest, &scene.chest_grid, &scene.thickness_field);
+    (schema, body, pocket_radius_mm, layers, grids)
+}
+
 impl CheckedScene {
     /// Checks a scene.
     ///
@@ -27,11 +34,15 @@ impl CheckedScene {
         Self::like(scene, None)
     }
 
-    /// Checks a scene; curves of an `earlier` scene with the same layers are shared.
+    /// Checks a scene; curves of an `earlier` scene with the same layers are shared, and wall and thickness of one with the same
+    /// grids under the same tissue.
     pub(crate) fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
         scene.check_limits()?;
-        let wall = scene.scanned_wall()?.unwrap_or_else(|| scene.wall());
-        let thickness = scene.thickness()?;
+        let same_ground = earlier.filter(|earlier| ground(&earlier.scene) == ground(&scene));
+        let (wall, thickness) = match same_ground {
+            Some(earlier) => (earlier.wall.clone(), earlier.thickness.clone()),
+            None => (scene.scanned_wall()?.unwrap_or_else(|| scene.wall()), scene.thickness()?),
+        };
         if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {
             let materials = Arc::clone(&earlier.materials);
             return Ok(Self { scene, materials, wall, thickness });

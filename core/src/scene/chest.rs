@@ -21,7 +21,7 @@ const LEAST_OF_PATCH: f64 = 0.75;
 /// most 65° of slope.
 const LEAST_OF_IMPLANT: f64 = 1.1;
 /// Least radius of a hollow \[thicknesses of the tissue\]: cells shrink outwards, to nothing where both are equal.
-const LEAST_OF_TISSUE: f64 = 2.0;
+pub(super) const LEAST_OF_TISSUE: f64 = 2.0;
 
 impl ChestShape {
     /// The usual chest: its radius across the breasts, straight along the body.
@@ -83,10 +83,8 @@ impl Scene {
     #[must_use]
     pub fn least_chest_radius_mm(&self, is_hollow: bool) -> f64 {
         let edge = self.implant.least_pocket_mm();
-        let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
-        let least = (LEAST_OF_PATCH * patch).max(LEAST_OF_IMPLANT * edge);
-        let tissue = || self.layers.iter().map(|layer| layer.thickness_mm).sum::<f64>();
-        if is_hollow { least.max(LEAST_OF_TISSUE * tissue()) } else { least }
+        let least = (LEAST_OF_PATCH * self.patch_radius()).max(LEAST_OF_IMPLANT * edge);
+        if is_hollow { least.max(LEAST_OF_TISSUE * self.tissue_mm()) } else { least }
     }
 
     /// Range of a radius of the sign of `radius_mm` \[mm\].
@@ -96,11 +94,8 @@ impl Scene {
         if is_hollow { (-most, -least) } else { (least, most) }
     }
 
-    /// Checks the chest, and that the scene may have one.
-    pub(super) fn check_chest(&self) -> Result<(), SceneError> {
-        let Some(chest) = &self.chest else {
-            return Ok(());
-        };
+    /// Checks that the scene may have a chest.
+    pub(super) fn check_may_have_chest(&self) -> Result<(), SceneError> {
         if Version::of(&self.schema) != Some(Version::Third) {
             return Err(in_third("chest", &self.schema));
         }
@@ -108,6 +103,25 @@ impl Scene {
             let allowed = "no chest with tissue_model sheet, which is flat";
             return Err(out_of_range("chest", "curved".to_owned(), allowed));
         }
+        Ok(())
+    }
+
+    /// Radius of the simulated tissue \[mm\].
+    pub(super) fn patch_radius(&self) -> f64 {
+        self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm)
+    }
+
+    /// Thickness of all layers, where the solids have their own \[mm\].
+    pub(super) fn tissue_mm(&self) -> f64 {
+        self.layers.iter().map(|layer| layer.thickness_mm).sum()
+    }
+
+    /// Checks the chest, and that the scene may have one.
+    pub(super) fn check_chest(&self) -> Result<(), SceneError> {
+        let Some(chest) = &self.chest else {
+            return Ok(());
+        };
+        self.check_may_have_chest()?;
         for (axis, field) in [field::CHEST_ACROSS, field::CHEST_ALONG].into_iter().enumerate() {
             let Some(radius) = chest.radius(axis) else {
                 continue;

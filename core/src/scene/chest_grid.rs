@@ -1,6 +1,6 @@
 //! A chest wall by a grid of heights, as a scan gives it.
 
-use super::chest::in_third;
+use super::chest::LEAST_OF_TISSUE;
 use super::{Scene, SceneError, grid, out_of_range, problem};
 use crate::curve::number;
 use crate::mesh::{Chest, HeightGrid};
@@ -42,8 +42,6 @@ const TILTS: (f64, f64) = (20.0, 1.0);
 const LEAST_UP: f64 = 0.24;
 /// Least distance of neighbouring geodesics \[distance over the plane\]: lines that meet fold the tissue.
 const LEAST_SPREAD: f64 = 0.3;
-/// Least radius of a hollow \[thicknesses of the tissue\].
-const LEAST_OF_TISSUE: f64 = 2.0;
 /// Directions and lengths of the geodesics of the check.
 const DIRECTIONS: usize = 48;
 const LENGTHS: usize = 4;
@@ -60,15 +58,7 @@ impl Scene {
     pub(super) fn scanned_wall(&self) -> Result<Option<Chest>, SceneError> {
         let Some(ChestGrid { grid }) = &self.chest_grid else { return Ok(None) };
         let HeightsGrid { spacing_mm, columns, rows, heights_mm } = grid;
-        if !self.may_have_chest() {
-            return Err(match self.is_layered() {
-                true => in_third("chest", &self.schema),
-                false => {
-                    let allowed = "no chest with tissue_model sheet, which is flat";
-                    out_of_range("chest", "curved".to_owned(), allowed)
-                }
-            });
-        }
+        self.check_may_have_chest()?;
         if self.chest.is_some() {
             return Err(problem("chest", BOTH));
         }
@@ -95,8 +85,7 @@ impl Scene {
         form: &grid::Form,
         counts: [usize; 2],
     ) -> Result<(), SceneError> {
-        let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
-        let tissue: f64 = self.layers.iter().map(|layer| layer.thickness_mm).sum();
+        let (patch, tissue) = (self.patch_radius(), self.tissue_mm());
         let at = |foot: DVec2| format!("at ({:.0}, {:.0}) mm", foot.x, foot.y);
         let mut reach = DVec2::ZERO;
         for ring in 1..=LENGTHS {

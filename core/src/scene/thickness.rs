@@ -40,10 +40,9 @@ impl Scene {
             return Err(out_of_range(PATH, "given".to_owned(), &allowed));
         }
         let ThicknessGrid { spacing_mm, columns, rows, factors } = field;
-        let patch = self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm);
         let form = grid::Form { path: PATH, values: "factors", spacing_mm: *spacing_mm };
         form.check([*columns, *rows], factors, FACTORS, "")?;
-        form.check_reach([*columns, *rows], [patch; 2])?;
+        form.check_reach([*columns, *rows], [self.patch_radius(); 2])?;
         let found = ThicknessField::new(*spacing_mm, [*columns, *rows], factors.to_vec());
         let found = found.ok_or_else(|| problem(PATH, "no grid of numbers"))?;
         let least = found.least();
