@@ -225,6 +225,10 @@ impl Measured {
         let [a, b] = places.map(|place| place.position(sheet, body));
         let ends = [a?, b?];
         let line = along_skin(body.levels.first()?, &body.triangles, ends);
+        if rest.is_even() {
+            let rest_mm = places[0].rest.distance(places[1].rest);
+            return Some(Self { ends, line, rest_mm });
+        }
         // The skin at rest, without the ring.
         let skin: Vec<Vec3> = rest.nodes(rest.layers() - 1).map(DVec3::as_vec3).collect();
         let is_on_sheet = |t: &&[u32; 3]| t.iter().all(|&k| (k as usize) < skin.len());
