@@ -106,21 +106,22 @@ struct Reference {
     cover_mm: f64,
 }
 
+const STIFFENING: Reference = Reference {
+    name: "stiffening",
+    base_radius_mm: 60.0,
+    projection_mm: 40.0,
+    pocket_radius_mm: 70.0,
+    skin_scale: 0.5,
+    fat_mm: 8.5,
+    poisson_ratio: 0.45,
+    scale_kpa: 0.6,
+    rate: 5.0,
+    chest_mm: None,
+    force_n: 15.759_94,
+    cover_mm: 6.996_07,
+};
 const REFERENCES: [Reference; 3] = [
-    Reference {
-        name: "stiffening",
-        base_radius_mm: 60.0,
-        projection_mm: 40.0,
-        pocket_radius_mm: 70.0,
-        skin_scale: 0.5,
-        fat_mm: 8.5,
-        poisson_ratio: 0.45,
-        scale_kpa: 0.6,
-        rate: 5.0,
-        chest_mm: None,
-        force_n: 15.759_94,
-        cover_mm: 6.996_07,
-    },
+    STIFFENING,
     Reference {
         name: "steep",
         base_radius_mm: 55.0,
@@ -137,17 +138,10 @@ const REFERENCES: [Reference; 3] = [
     },
     Reference {
         name: "over a sphere",
-        base_radius_mm: 60.0,
-        projection_mm: 40.0,
-        pocket_radius_mm: 70.0,
-        skin_scale: 0.5,
-        fat_mm: 8.5,
-        poisson_ratio: 0.45,
-        scale_kpa: 0.6,
-        rate: 5.0,
         chest_mm: Some(150.0),
         force_n: 38.815_91,
         cover_mm: 6.026_58,
+        ..STIFFENING
     },
 ];
 /// Width of the patch around the pocket \[mm\].
