@@ -254,11 +254,16 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         .map(|warning| format!(" {}", device.warning(&texts::shown(warning))));
     let warnings: String = warnings.collect();
     let name = device.words(tr("implant"));
+    let wide = if session.scene().implant.is_round() {
+        tr!("{width} cm wide", width)
+    } else {
+        tr!("{width} cm wide and high", width)
+    };
     tr!(
-        "{volume} ml {name}, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}",
+        "{volume} ml {name}, {wide}.{strain}{cover}{pressure} {state}{warnings}",
         volume,
         name,
-        width,
+        wide,
         strain,
         cover,
         pressure,
