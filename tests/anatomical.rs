@@ -3,6 +3,7 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
+use implant_preview::clinical::{Dimension, Size};
 use implant_preview::measure::Outcome;
 use implant_preview::scene::{Repair, Scene};
 use implant_preview::simulate::simulate;
@@ -107,6 +108,30 @@ fn sizes_keep_the_proportions_and_the_pocket_holds_the_base() {
     tall.implant.apex_shift_mm = 60.0;
     tall.repair();
     assert!(tall.validate().is_ok() && (tall.implant.apex_shift_mm - 48.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_height_keeps_all_but_the_dimension_that_follows() {
+    let size = Size::of_width_and_projection(120.0, 40.0).unwrap().with_aspect(0.9);
+    // ⅔πabp of the half-axes 60 and 54.
+    let volume = 2e-3 / 3.0 * std::f64::consts::PI * 60.0 * 54.0 * 40.0;
+    assert!((size.volume_ml() - volume).abs() < 1e-9);
+    for (follows, width, projection, expected) in [
+        (Dimension::Volume, 120.0, 40.0, volume * 150.0 / 108.0),
+        (Dimension::Projection, 120.0, 40.0 * 108.0 / 150.0, volume),
+        (Dimension::BaseWidth, 120.0 * 108.0 / 150.0, 40.0, volume),
+    ] {
+        let tall = size.with_base_height(150.0, follows).unwrap();
+        let found = [tall.base_width_mm(), tall.base_height_mm(), tall.projection_mm()];
+        for (found, expected) in found.into_iter().zip([width, 150.0, projection]) {
+            assert!((found - expected).abs() < 1e-9, "{follows:?}: {found} {expected}");
+        }
+        assert!((tall.volume_ml() - expected).abs() < 1e-9, "{follows:?}");
+    }
+    // 0.1 of the height: the projection would be 400 mm, the width 1200 mm.
+    let errors = [Dimension::Projection, Dimension::BaseWidth]
+        .map(|follows| size.with_base_height(10.8, follows).unwrap_err().to_string());
+    assert!(errors.iter().all(|error| error.contains("allowed")), "{errors:?}");
 }
 
 #[test]

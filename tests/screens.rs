@@ -19,6 +19,8 @@ use implant_preview::simulate::simulate;
 use serde_json::json;
 use window::window;
 
+#[path = "screens/anatomical.rs"]
+mod anatomical;
 #[path = "screens/chest.rs"]
 mod chest;
 #[path = "screens/device.rs"]
@@ -148,7 +150,8 @@ fn every_control_and_reading_has_its_name() {
         "Español",
         "Theme",
         "Help",
-        "implant",
+        "round",
+        "anatomical",
         "expander",
         "Let the width follow",
         "Let the volume follow",

@@ -1,9 +1,9 @@
-//! What differs between the plan and its pins beside the size: skin, pinch, thickness, chest, pocket. The table of the comparison, the
+//! What differs between the plan and its pins beside the size: shape of the implant, skin, pinch, thickness, chest, pocket. The table of the comparison, the
 //! report and the captions of the pictures side by side contain only what differs.
 //!
 //! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
 
-use super::plan::chest_in_words;
+use super::plan::{chest_in_words, shape_in_words};
 use super::texts::{fixed, tr};
 use super::widgets::quantity::format_at_most;
 use crate::scene::Scene;
@@ -20,7 +20,8 @@ struct Given {
     is_in_captions: bool,
 }
 
-const GIVEN: [Given; 6] = [
+const GIVEN: [Given; 7] = [
+    Given { name: "Shape", unit: "", value: shape_in_words, is_in_captions: false },
     Given { name: "Skin", unit: "", value: skin, is_in_captions: true },
     Given { name: "Pinch", unit: "cm", value: pinch, is_in_captions: true },
     Given { name: "Skin and fat at rest", unit: "mm", value: thickness, is_in_captions: false },
@@ -57,7 +58,7 @@ fn of_skin(scene: &Scene) -> String {
 }
 
 fn margin(scene: &Scene) -> String {
-    format_at_most(0.1 * (scene.pocket_radius_mm - scene.implant.base_radius_mm), 1, 2)
+    format_at_most(0.1 * (scene.pocket_radius_mm - scene.implant.greatest_half_axis_mm()), 1, 2)
 }
 
 /// The values that differ between the plan and its pins.
@@ -134,6 +135,12 @@ mod tests {
         );
         let words = in_words(&session)(session.pins()[0].scene());
         assert_eq!(words, format!("Skin tight, margin of the pocket {pinned} cm"));
+        // An anatomical implant has its height beside its width in the captions.
+        scene.implant.base_height_mm = Some(108.0);
+        session.apply(edit(&scene)).unwrap();
+        let shapes = ["anatomical, 10.8 cm high", "round"];
+        assert_eq!(rows(&session)[0], row("Shape", shapes));
+        scene.implant.base_height_mm = None;
         // A pinch has its thicknesses.
         scene.apply_patient(Measurements { pinch_mm: Some(30.0), ..tight }).unwrap();
         scene.pocket_radius_mm -= 5.0;

@@ -104,7 +104,7 @@ impl Filling {
         self.started = Some(scene.clone());
         let mut base = scene.clone();
         base.insertion = 1.0;
-        let axis = volumes(2.0 * scene.implant.base_radius_mm, MOST_RATIO);
+        let axis = volumes(&scene.implant, MOST_RATIO);
         let is_equal = |curve: &mut Map| curve.axes() == [axis] && curve.move_to(&base);
         if self.curve.study_mut().is_some_and(is_equal) {
             return;

@@ -8,7 +8,7 @@ use super::texts::tr;
 use super::theme;
 use super::viewport::{Viewport, labelled_box};
 use super::widgets::{arrow_keys, keep_press, set_accessible_name};
-use crate::scene::Scene;
+use crate::scene::{Implant, Scene};
 use crate::view::body::Body;
 use eframe::egui::{
     self, CursorIcon, Key, Modifiers, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, vec2,
@@ -98,7 +98,7 @@ impl Handles {
         choices: &mut Choices,
     ) {
         let Some(area) = viewport.area().filter(|_| !viewport.has_ruler()) else { return };
-        let Some(apex) = apex(viewport.body(), scene.implant.center_mm) else { return };
+        let Some(apex) = apex(viewport.body(), &scene.implant) else { return };
         let Some((at, axes)) = on_screen(viewport, apex, area) else { return };
         let finger = usize::from(ui.input(egui::InputState::has_touch_screen));
         let is_shown = finger > 0 || self.drag.is_some() || ui.rect_contains_pointer(area);
@@ -232,11 +232,12 @@ fn about_drag(scene: &Scene, kind: Kind, choices: &Choices) -> Vec<String> {
     }
 }
 
-/// The point of the skin over an implant's centre.
-fn apex(body: &Body, center_mm: [f64; 2]) -> Option<Vec3> {
-    let center = Vec2::new(center_mm[0] as f32, center_mm[1] as f32);
+/// The point of the skin over an implant's apex.
+fn apex(body: &Body, implant: &Implant) -> Option<Vec3> {
+    let [x, y] = implant.center_mm;
+    let place = Vec2::new(x as f32, (y - implant.apex_shift_mm) as f32);
     let columns = body.levels.first()?.iter().take(body.node_columns);
-    let far = |p: &Vec3| p.truncate().distance_squared(center);
+    let far = |p: &Vec3| p.truncate().distance_squared(place);
     columns.copied().min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 

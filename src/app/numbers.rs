@@ -57,9 +57,11 @@ impl Row {
 fn rows(layers: usize) -> Vec<Row> {
     let mut rows = vec![
         Row::new("Width", "cm", |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
+        Row::new("Height of the base", "cm", |scene, _| Some(0.1 * scene.implant.base_height())),
+        Row::new("Apex lower by", "cm", |scene, _| Some(0.1 * scene.implant.apex_shift_mm)),
         Row::new("Projection", "cm", |scene, _| Some(0.1 * scene.implant.projection_mm)),
         Row::new("Pocket margin", "cm", |scene, _| {
-            Some(0.1 * (scene.pocket_radius_mm - scene.implant.base_radius_mm))
+            Some(0.1 * (scene.pocket_radius_mm - scene.implant.greatest_half_axis_mm()))
         }),
         Row::new("To the side", "cm", |scene, _| Some(0.1 * scene.implant.center_mm[0])),
         Row::new("Up", "cm", |scene, _| Some(0.1 * scene.implant.center_mm[1])),

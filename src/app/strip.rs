@@ -160,7 +160,7 @@ fn hit(point: Vec2, section: &CrossSection, body: &Body, problem: &Problem) -> O
         Some(layer) => Target::Cut(layer),
         None => {
             let [x, z] = point.to_array().map(f64::from);
-            let at = DVec3::new(x, dome.center.y, z);
+            let at = DVec3::new(x, 0.0, z);
             let is_inside = problem.obstacle.wall.gap(at) >= 0.0 && dome.contains(at);
             is_inside.then_some(Target::Implant)?
         }

@@ -13,6 +13,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     const field = (name) => form.getByLabel(name, { exact: true });
     const names = await form.locator("label").allTextContents();
     assert.deepEqual(names, [
+      "Implant",
       "Width (cm)",
       "Volume (ml)",
       "Projection (cm)",
@@ -92,7 +93,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
           return error.message;
         }
       };
-      const [width] = JSON.parse(implantPreview.plan());
+      const width = JSON.parse(implantPreview.plan()).find(({ name }) => name === "width_cm");
       implantPreview.setPlan("volume_ml", "350 cc");
       return { width, refusals: [refusal("width_cm", "NaN"), refusal("height", "1"), refusal("skin", 3)] };
     });
@@ -101,7 +102,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     const expected = { name: "width_cm", label: "Width", unit: "cm", text: "12.0", range: "7 to 24 cm", least: 7, most: 24 };
     assert.deepEqual(width, expected);
     assert.equal(seen.refusals[0], "Width: “NaN” is not a number");
-    assert.match(seen.refusals[1], /^the plan has no field of this name; allowed: width_cm, /);
+    assert.match(seen.refusals[1], /^the plan has no field of this name; allowed: shape, width_cm, /);
     assert.equal(seen.refusals[2], "value is not text; allowed: a string");
     const { implant } = await harness.scene(page);
     const volume = (2 / 3) * Math.PI * implant.base_radius_mm ** 2 * implant.projection_mm * 1e-3;

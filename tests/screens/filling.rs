@@ -151,6 +151,6 @@ fn another_fill_keeps_the_curves_and_another_base_renews_them() {
     assert!(harness.query_by_label_contains(WORDS).is_none(), "the curves of another base");
     wait_for(&mut harness, "A finer computation differs by at most");
     assert_ne!(caption(&harness), before);
-    press(&mut harness, "implant");
+    press(&mut harness, "round");
     assert!(harness.query_by_label("Filling").is_none());
 }

@@ -128,6 +128,27 @@ impl Size {
         }
     }
 
+    /// The size with another height of the base \[mm\]; one of the three dimensions follows.
+    ///
+    /// # Errors
+    /// As of the constructors.
+    pub fn with_base_height(
+        self,
+        height_mm: f64,
+        follows: Dimension,
+    ) -> Result<Self, ClinicalError> {
+        let (width, volume) = (self.base_width_mm, self.volume_ml());
+        match follows {
+            Dimension::Volume => Ok(self.with_aspect(height_mm / width)),
+            Dimension::Projection => Self::with_volume(width, volume, height_mm / width),
+            Dimension::BaseWidth => {
+                let width = width * self.base_height_mm() / height_mm;
+                let size = Self::of_width_and_projection(width, self.projection_mm)?;
+                Ok(size.with_aspect(height_mm / width))
+            }
+        }
+    }
+
     /// Base width \[mm\], twice the base radius.
     #[must_use]
     pub fn base_width_mm(self) -> f64 {

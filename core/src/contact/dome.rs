@@ -110,8 +110,14 @@ impl Dome {
     /// Radius of the circle in which the dome meets the wall \[mm\]; of an ellipse its least half-axis.
     #[must_use]
     pub fn wall_radius(&self) -> f64 {
+        self.wall_axes().min_element()
+    }
+
+    /// Half-axes of the ellipse in which the dome meets the wall \[mm\].
+    #[must_use]
+    pub fn wall_axes(&self) -> DVec2 {
         let height = self.base_height / self.projection;
-        self.base_radius.min(self.base_along) * (1.0 - height * height).max(0.0).sqrt()
+        self.base_axes() * (1.0 - height * height).max(0.0).sqrt()
     }
 
     /// The length that tolerances and errors are relative to \[mm\]: the base radius, the half-axis across of any implant.

@@ -396,13 +396,19 @@ impl Scene {
 }
 
 impl Scene {
+    /// May the implant be anatomical? From `scene/3` on.
+    #[must_use]
+    pub fn may_be_anatomical(&self) -> bool {
+        Version::of(&self.schema) == Some(Version::Third)
+    }
+
     /// Checks the shape of an anatomical implant.
     fn check_shape(&self) -> Result<(), SceneError> {
         for (number, is_given) in [
             (field::BASE_HEIGHT, self.implant.base_height_mm.is_some()),
             (field::APEX_SHIFT, self.implant.apex_shift_mm != 0.0),
         ] {
-            if is_given && Version::of(&self.schema) != Some(Version::Third) {
+            if is_given && !self.may_be_anatomical() {
                 return Err(chest::in_third(number.path, &self.schema));
             }
             number.check(self, 0)?;

@@ -99,13 +99,14 @@ fn is_soft(layer: &Layer) -> bool {
     })
 }
 
-/// Volume \[ml\] and width \[cm\] of the implant of a scene, as "300" and "12".
+/// Volume \[ml\] and width \[cm\] of the implant of a scene, as "300" and "12"; of an anatomical base width and height, as "12 × 10.8".
 #[must_use]
 pub fn volume_and_width(scene: &Scene) -> [String; 2] {
     let implant = &scene.implant;
     let volume = implant.size().map_or(0.0, Size::volume_ml);
-    let width = format!("{:.1}", 0.2 * implant.base_radius_mm);
-    [format!("{volume:.0}"), width.trim_end_matches(".0").to_owned()]
+    let cm = |mm: f64| format!("{:.1}", 0.1 * mm).trim_end_matches(".0").to_owned();
+    let (width, height) = (cm(2.0 * implant.base_radius_mm), cm(implant.base_height()));
+    [format!("{volume:.0}"), if height == width { width } else { format!("{width} × {height}") }]
 }
 
 /// The implant of a scene in a few words, as "300 ml on 12 cm".

@@ -216,7 +216,7 @@ pub(super) fn headline(
         None => tr("no result.").to_owned(),
         Some(_) => answer.in_a_sentence(findings),
     };
-    format!("{volume} ml, {width} cm{part}: {words}")
+    format!("{volume} ml, {} cm{part}: {words}", texts::localized(width))
 }
 
 /// The answer of a device in a few sentences, for screen readers.
@@ -234,7 +234,7 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         Status::NotConverged => tr("Not finished: do not use these numbers."),
         Status::Converged => tr("Up to date."),
     };
-    let [volume, width] = volume_and_width(session.scene());
+    let [volume, width] = volume_and_width(session.scene()).map(texts::localized);
     let answer = Answer::new(Some(outcome), session.scene(), session.problem());
     let strain =
         answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
@@ -254,11 +254,16 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         .map(|warning| format!(" {}", device.warning(&texts::shown(warning))));
     let warnings: String = warnings.collect();
     let name = device.words(tr("implant"));
+    let wide = if session.scene().implant.is_round() {
+        tr!("{width} cm wide", width)
+    } else {
+        tr!("{width} cm wide and high", width)
+    };
     tr!(
-        "{volume} ml {name}, {width} cm wide.{strain}{cover}{pressure} {state}{warnings}",
+        "{volume} ml {name}, {wide}.{strain}{cover}{pressure} {state}{warnings}",
         volume,
         name,
-        width,
+        wide,
         strain,
         cover,
         pressure,

@@ -4,7 +4,7 @@
 use super::field::{Field, Values};
 use super::{
     Choices, Device, chest, format_at_most, implant, insertion, mm, patient, pocket, position,
-    set_insertion, visit,
+    set_insertion, shape, visit,
 };
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
@@ -15,6 +15,10 @@ use crate::scene::Scene;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Number {
     Size(Dimension),
+    /// Height of an anatomical base.
+    Height,
+    /// Way of an anatomical implant's apex towards the feet.
+    Apex,
     Pinch,
     /// Radius of the chest across (0) or along the body (1).
     Chest(usize),
@@ -24,11 +28,13 @@ enum Number {
     InPlace,
 }
 
-/// The numbers by name, in the order of the screen. The skin and the choice of the chest follow the pinch.
-const NUMBERS: [(&str, Number); 10] = [
-    ("width_cm", Number::Size(Dimension::BaseWidth)),
+/// The numbers by name, in the order of the screen. The choice of the shape is before the width, skin and choice of the chest follow the pinch.
+const NUMBERS: [(&str, Number); 12] = [
+    (WIDTH, Number::Size(Dimension::BaseWidth)),
+    ("height_cm", Number::Height),
     ("volume_ml", Number::Size(Dimension::Volume)),
     ("projection_cm", Number::Size(Dimension::Projection)),
+    ("apex_lower_cm", Number::Apex),
     (PINCH, Number::Pinch),
     ("chest_across_cm", Number::Chest(0)),
     ("chest_along_cm", Number::Chest(1)),
@@ -37,6 +43,8 @@ const NUMBERS: [(&str, Number); 10] = [
     ("up_cm", Number::Offset(1)),
     ("in_place_percent", Number::InPlace),
 ];
+const WIDTH: &str = "width_cm";
+const SHAPE: &str = "shape";
 const PINCH: &str = "pinch_cm";
 const SKIN: &str = "skin";
 const CHEST: &str = "chest";
@@ -45,6 +53,8 @@ const CHEST: &str = "chest";
 pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     let mut fields = Vec::with_capacity(NUMBERS.len() + 1);
     for (name, number) in NUMBERS {
+        let has_shape = name == WIDTH && has_shape(scene, choices);
+        fields.extend(has_shape.then(|| shape_field(scene)));
         fields.extend(number.control(scene, choices).map(|(control, value)| {
             let allowed = control.allowed();
             let (text, values) = (
@@ -73,6 +83,30 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     }
     fields.extend(visit::form_fields(scene));
     fields
+}
+
+/// Has the plan a choice between round and anatomical? An expander and older plans have none.
+fn has_shape(scene: &Scene, choices: &Choices) -> bool {
+    choices.device == Device::Implant && scene.may_be_anatomical()
+}
+
+/// The choice of the implant's shape.
+fn shape_field(scene: &Scene) -> Field {
+    Field {
+        name: SHAPE,
+        label: tr("Implant"),
+        unit: "",
+        text: shape::choice(scene).to_owned(),
+        hint: tr(
+            "Shape of the implant: round; anatomical, with a height of its own and a lower apex.",
+        )
+        .to_owned(),
+        range: String::new(),
+        values: Values::Words {
+            choices: shape::CHOICES.map(|(word, _)| word).to_vec(),
+            words: shape::CHOICES.map(|(word, _)| tr(word)).to_vec(),
+        },
+    }
 }
 
 /// The class of the skin; empty with a measured pull or with values set by hand.
@@ -130,6 +164,14 @@ pub(in crate::app) fn set(
         patient::measure(scene, measured);
         return Ok(());
     }
+    if name == SHAPE && has_shape(scene, choices) {
+        let words = shape::CHOICES.map(|(word, _)| word);
+        let is_anatomical = words.iter().position(|word| *word == text.trim());
+        let is_anatomical = is_anatomical
+            .ok_or_else(|| tr!("Implant: allowed: {words}", words = words.join(", ")))?;
+        shape::set_anatomical(scene, choices, is_anatomical == 1);
+        return Ok(());
+    }
     if name == CHEST && scene.may_have_chest() {
         let choices = chest::CHOICES;
         let found = choices.into_iter().find(|(word, ..)| *word == text.trim());
@@ -167,6 +209,9 @@ impl Number {
                 let control = implant::control_of(size, dimension, choices.follows);
                 (control, implant::value(size, dimension))
             }
+            Self::Height | Self::Apex if choices.device == Device::Expander => return None,
+            Self::Height => return shape::height(scene, choices),
+            Self::Apex => return shape::apex(scene),
             Self::Pinch => patient::pinch_control(scene, &patient::measured(scene)),
             Self::Chest(axis) => return chest::radius(scene, axis),
             Self::Margin => pocket::margin(scene),
@@ -182,9 +227,11 @@ impl Number {
                 let size = scene.implant.size().ok();
                 let size = size.and_then(|size| implant::resized(size, choices, dimension, value));
                 if let Some(size) = size {
-                    implant::set_size(scene, size);
+                    shape::set_size(scene, size);
                 }
             }
+            Self::Height => shape::set_height(scene, choices, value),
+            Self::Apex => shape::set_apex(scene, value),
             Self::Pinch => {
                 let mut measured = patient::measured(scene);
                 measured.pinch_mm = Some(mm(value));
@@ -234,6 +281,12 @@ mod tests {
         let placed = after(&[("margin_cm", "2"), ("side_cm", "1"), ("up_cm", "−0,5")]);
         assert_eq!((placed.pocket_radius_mm, placed.implant.center_mm), (80.0, [10.0, -5.0]));
         assert_eq!(after(&[("in_place_percent", "40 %")]).insertion, 0.4);
+        let shaped =
+            after(&[("shape", "anatomical"), ("apex_lower_cm", "2"), ("height_cm", "13,5")]);
+        assert_eq!(shaped.implant.base_height_mm, Some(135.0));
+        assert_eq!((shaped.implant.apex_shift_mm, shaped.pocket_radius_mm), (20.0, 77.5));
+        let round = after(&[("shape", "anatomical"), ("shape", "round")]);
+        assert!(round.implant.is_round());
         let chest =
             after(&[("chest", "round"), ("chest_along_cm", "30"), ("chest_across_cm", "13,5")]);
         let radii = ChestShape { radius_across_mm: 135.0, radius_along_mm: Some(300.0) };
@@ -249,12 +302,13 @@ mod tests {
             ("volume_ml", "NaN", "Volume: “NaN” is not a number"),
             ("pinch_cm", "", "Pinch: enter a number"),
             ("skin", "soft", "Skin feels: allowed: tight, normal, lax, very lax"),
+            ("shape", "square", "Implant: allowed: round, anatomical"),
             ("chest", "square", "Chest: allowed: flat, usual, round"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             (
                 "height",
                 "3",
-                "the plan has no field of this name; allowed: width_cm, volume_ml, projection_cm, pinch_cm, skin, \
+                "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, pinch_cm, skin, \
                  chest, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
             ),
             ("side", "up", "Side: allowed: left, right, both, not said"),
@@ -292,7 +346,7 @@ mod tests {
         let (mut scene, mut choices) = (Scene::opening(), Choices::default());
         choices.device = Device::Expander;
         let names: Vec<&str> = fields(&scene, &choices).iter().map(|field| field.name).collect();
-        assert!(!names.contains(&"projection_cm"), "{names:?}");
+        assert!(!names.contains(&"projection_cm") && !names.contains(&SHAPE), "{names:?}");
         assert!(set(&mut scene, &mut choices, "projection_cm", "4").is_err());
     }
 }

@@ -1,12 +1,12 @@
-//! Implant or expander: width, volume, projection, of which one follows the other two; profile.
+//! Round or anatomical implant, or expander: width, volume, projection, of which one follows the other two; profile.
 
-use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, title};
+use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, shape, title};
 use crate::app::texts::{localized, tr};
 use crate::app::theme;
 use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
-use crate::clinical::{Dimension, Expander, ProfileClass, Size, limits};
-use crate::scene::{self, Scene};
+use crate::clinical::{Dimension, ProfileClass, Size, limits};
+use crate::scene::Scene;
 use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, vec2};
 use std::ops::RangeInclusive;
 
@@ -23,16 +23,17 @@ pub(in crate::app) fn implant(
     marks: &VolumeMarks,
     hand: Hand,
 ) {
+    let heading = choices.device.words(tr("Implant"));
+    title(ui, &heading, |ui| device(ui, scene, choices, hand));
     // The limits of a scene are those of a size.
     let Ok(size) = scene.implant.size() else { return };
-    title(ui, &choices.device.words(tr("Implant")), |ui| device(ui, choices, hand));
     let changed = match choices.device {
-        Device::Implant => implant_rows(ui, size, choices, marks, hand),
+        Device::Implant => implant_rows(ui, scene, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),
     };
     let largest = largest_usual(ui, scene, choices.device, marks);
     if let Some(size) = largest.or(changed) {
-        set_size(scene, size);
+        shape::set_size(scene, size);
     }
 }
 
@@ -54,27 +55,35 @@ fn largest_usual(ui: &mut Ui, scene: &Scene, device: Device, marks: &VolumeMarks
     link.clicked().then(|| scene.implant.size().ok().and_then(changed))?
 }
 
-/// The switch between implant and expander.
-fn device(ui: &mut Ui, choices: &mut Choices, hand: Hand) {
+/// The switch between a round implant, an anatomical one, which older plans cannot have, and an expander.
+fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
+    let [round, anatomical] = shape::CHOICES;
+    let expander = ("expander", "A tissue expander: the fill raises a base of fixed width");
+    let is_anatomical = shape::is_anatomical(&scene.implant);
     // From right to left.
-    for (device, name, tooltip) in [
-        (
-            Device::Expander,
-            tr("expander"),
-            tr("A tissue expander: the fill raises a base of fixed width"),
-        ),
-        (Device::Implant, tr("implant"), tr("A round implant of fixed size")),
+    for (device, becomes_anatomical, (name, tooltip)) in [
+        (Device::Expander, false, expander),
+        (Device::Implant, true, anatomical),
+        (Device::Implant, false, round),
     ] {
-        if chip(ui, hand, choices.device == device, name, tooltip) {
+        if becomes_anatomical && !scene.may_be_anatomical() {
+            continue;
+        }
+        let is_shape = device == Device::Expander || is_anatomical == becomes_anatomical;
+        if chip(ui, hand, choices.device == device && is_shape, tr(name), tr(tooltip)) {
+            if choices.device != device {
+                choices.follows = Dimension::Projection;
+            }
             choices.device = device;
-            choices.follows = Dimension::Projection;
+            shape::set_anatomical(scene, choices, becomes_anatomical);
         }
     }
 }
 
-/// Shows width, volume, projection and profile; returns a changed size.
+/// Shows width, volume, projection and profile, of an anatomical implant also height and apex; returns a changed size.
 fn implant_rows(
     ui: &mut Ui,
+    scene: &mut Scene,
     size: Size,
     choices: &mut Choices,
     marks: &VolumeMarks,
@@ -109,7 +118,11 @@ fn implant_rows(
         if response.is_changed {
             changed = resized(size, choices, dimension, now).or(changed);
         }
+        if dimension == Dimension::BaseWidth {
+            shape::height_row(ui, scene, choices, hand, MARK);
+        }
     }
+    shape::apex_row(ui, scene, hand, MARK);
     chips(ui, |ui| {
         for class in ProfileClass::ALL {
             let tooltip = tr("Projection for this width, in the middle of the class");
@@ -148,8 +161,7 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
         ..control_of(size, Dimension::BaseWidth, Dimension::Projection)
     };
     if row(ui, hand, control, &mut width, (MARK, none)).is_changed {
-        let volume = size.volume_ml();
-        changed = Expander::new(mm(width)).and_then(|expander| expander.dome(volume)).ok();
+        changed = size.changed(Dimension::BaseWidth, mm(width), Dimension::Volume).ok();
     }
     let mut fill = significant(size.volume_ml());
     let control = Control {
@@ -158,8 +170,7 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
         ..control_of(size, Dimension::Volume, Dimension::Projection)
     };
     if row(ui, hand, control, &mut fill, (MARK, none)).is_changed {
-        let expander = Expander::new(size.base_width_mm());
-        changed = expander.and_then(|expander| expander.dome(fill)).ok().or(changed);
+        changed = size.changed(Dimension::Volume, fill, Dimension::BaseWidth).ok().or(changed);
     }
     remark(ui, tr!("The fill raises the dome to {height:.1} cm.", height = size.projection_cm())).on_hover_text(
         tr("The shell is a half-ellipsoid at every fill; an expander with a built-in shape differs."),
@@ -285,7 +296,7 @@ pub(in crate::app) fn set_projection(scene: &mut Scene, choices: &mut Choices, m
     let value = cm(mm.round()).clamp(*allowed.start(), *allowed.end());
     let Some(size) = resized(size, choices, dimension, value) else { return false };
     let before = scene.implant;
-    set_size(scene, size);
+    shape::set_size(scene, size);
     scene.implant != before
 }
 
@@ -354,20 +365,6 @@ fn allowed(size: Size, dimension: Dimension, held: Dimension) -> RangeInclusive<
     if dimension == Volume { least..=most } else { cm(least)..=cm(most) }
 }
 
-/// Sets the size of the implant. The pocket keeps its margin around the implant.
-pub(super) fn set_size(scene: &mut Scene, size: Size) {
-    let radius = 0.5 * size.base_width_mm();
-    let before = scene.implant;
-    scene.implant.projection_mm = size.projection_mm();
-    if radius.to_bits() != before.base_radius_mm.to_bits() {
-        scene.implant.set_base_radius(radius);
-        let (before, after) =
-            (before.greatest_half_axis_mm(), scene.implant.greatest_half_axis_mm());
-        let pocket = significant(scene.pocket_radius_mm - before + after);
-        scene.set_pocket_radius(pocket.min(scene::limits::POCKET_RADIUS_MAX_MM));
-    }
-}
-
 fn typical() -> String {
     let cm = |(least, most): (f64, f64)| localized(format!("{}–{} cm", cm(least), cm(most)));
     let (least, most) = limits::TYPICAL_VOLUME_ML;
@@ -417,19 +414,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn a_wider_implant_keeps_the_margin_of_its_pocket_and_an_equal_size_every_bit() {
-        let mut scene = Scene::opening();
-        let before = scene.clone();
-        set_size(&mut scene, size());
-        assert_eq!(scene, before);
-        set_size(
-            &mut scene,
-            size().changed(Dimension::BaseWidth, 130.0, Dimension::Volume).unwrap(),
-        );
-        assert_eq!((scene.implant.base_radius_mm, scene.pocket_radius_mm), (65.0, 75.0));
-        assert_eq!(scene.body.unwrap().patch_radius_mm, 135.0);
     }
 }

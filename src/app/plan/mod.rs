@@ -2,7 +2,7 @@
 //! turns the difference into a command.
 //!
 //! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
-//! (the implant in its pocket) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
+//! (the implant in its pocket) | `shape` (round or anatomical) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`).
 
 mod chest;
@@ -14,6 +14,7 @@ mod insertion;
 mod patient;
 mod pocket;
 mod position;
+mod shape;
 mod visit;
 
 pub(super) use chest::chest_in_words;
@@ -23,6 +24,7 @@ pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::{move_to, position, position_in_words};
+pub(super) use shape::{is_anatomical, shape_in_words};
 pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
 
 pub(super) use super::device::Device;
@@ -56,10 +58,11 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         measured.and_then(|m| m.base_width_mm).map(|base| (tr("Base width"), centimetres(base)));
     let [x, y] = implant.center_mm;
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
-    let margin = scene.pocket_radius_mm - implant.base_radius_mm;
+    let margin = scene.pocket_radius_mm - implant.greatest_half_axis_mm();
     let volume = if device == Device::Expander { tr("Fill") } else { tr("Volume") };
     [
         Some((tr("Width"), centimetres(width))),
+        (!implant.is_round()).then(|| (tr("Shape"), shape_in_words(scene))),
         size.map(|size| (volume, format!("{:.0} ml", size.volume_ml()))),
         Some((tr("Projection"), centimetres(implant.projection_mm))),
         size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),

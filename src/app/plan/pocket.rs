@@ -21,7 +21,7 @@ pub(in crate::app) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
 
 /// The control of the margin, and the margin \[cm\].
 pub(super) fn margin(scene: &Scene) -> (Control<'static>, f64) {
-    let radius = scene.implant.base_radius_mm;
+    let radius = scene.implant.greatest_half_axis_mm();
     let [x, y] = scene.implant.center_mm;
     // A displayed limit is itself allowed.
     let least = cm((10.0 * x.hypot(y) - 1e-6).ceil() / 10.0);
@@ -47,5 +47,6 @@ pub(super) fn margin(scene: &Scene) -> (Control<'static>, f64) {
 
 /// Sets the margin \[cm\].
 pub(super) fn set_margin(scene: &mut Scene, margin: f64) {
-    scene.set_pocket_radius(quantity::significant(scene.implant.base_radius_mm + mm(margin)));
+    let radius = scene.implant.greatest_half_axis_mm();
+    scene.set_pocket_radius(quantity::significant(radius + mm(margin)));
 }

@@ -9,7 +9,8 @@ use crate::app::theme;
 use crate::app::widgets::{Control, arrow_keys, keep_press, quantity, set_accessible_name};
 use crate::scene::{Scene, limits};
 use eframe::egui::{
-    self, Align2, Key, Modifiers, Pos2, Rect, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2,
+    self, Align2, Color32, Key, Modifiers, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle,
+    Ui, epaint::EllipseShape, pos2, vec2,
 };
 
 /// Size of the pad \[points\].
@@ -134,14 +135,16 @@ fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
     let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
     let [x, y] = scene.implant.center_mm.map(|v| v as f32 * points_per_mm);
     let at = centre + vec2(x, -y);
-    let radius = scene.implant.base_radius_mm as f32 * points_per_mm;
-    painter.circle(
-        at,
-        radius,
-        palette.accent.gamma_multiply(0.25),
-        Stroke::new(1.5, palette.accent),
-    );
-    painter.circle_filled(at, 2.5, palette.accent);
+    let implant = &scene.implant;
+    let half_axes = [implant.base_radius_mm, 0.5 * implant.base_height()];
+    let [across, along] = half_axes.map(|half| half as f32 * points_per_mm);
+    painter.add(Shape::Ellipse(EllipseShape {
+        fill: palette.accent.gamma_multiply(0.25),
+        stroke: Stroke::new(1.5, palette.accent),
+        ..EllipseShape::filled(at, vec2(across, along), Color32::TRANSPARENT)
+    }));
+    let apex = at + vec2(0.0, implant.apex_shift_mm as f32 * points_per_mm);
+    painter.circle_filled(apex, 2.5, palette.accent);
     let (font, color) = (TextStyle::Small.resolve(ui.style()), visuals.weak_text_color());
     let text = |at: Pos2, align, words: &str| {
         painter.text(at, align, words, font.clone(), color);
@@ -202,7 +205,7 @@ pub(super) fn offset(scene: &Scene, axis: usize) -> (Control<'static>, f64) {
 /// The offer of a pocket, in steps of 1 mm of its width, that contains the implant at the requested position \[mm\].
 fn larger_pocket(scene: &Scene, axis: usize, requested: f64) -> Option<Offer> {
     let offset = requested.hypot(scene.implant.center_mm[1 - axis]);
-    let pocket_radius_mm = (2.0 * (scene.implant.base_radius_mm + offset)).ceil() / 2.0;
+    let pocket_radius_mm = (2.0 * (scene.implant.greatest_half_axis_mm() + offset)).ceil() / 2.0;
     (pocket_radius_mm <= limits::POCKET_RADIUS_MAX_MM).then(|| {
         let mut scene = scene.clone();
         scene.set_pocket_radius(pocket_radius_mm);

@@ -1,5 +1,6 @@
 //! The numbers that the range of implants varies: a surgeon's words and units, usual ranges, numbers of values.
 
+use crate::app::plan::is_anatomical;
 use crate::app::texts::tr;
 use crate::app::widgets::Kind;
 use crate::app::widgets::quantity::{format_at_most, significant};
@@ -8,10 +9,12 @@ use crate::scene::{Implant, Scene, field, limits};
 use crate::study::{Axis, Parameter, with_values};
 
 /// The numbers on offer, the usual ones first.
-pub(super) const FIELDS: [Parameter; 14] = [
+pub(super) const FIELDS: [Parameter; 16] = [
     Parameter::BaseWidth,
     Parameter::Projection,
     Parameter::Volume,
+    Parameter::BaseHeight,
+    Parameter::ApexShift,
     Parameter::PocketMargin,
     Parameter::Pinch,
     Parameter::Thickness,
@@ -55,6 +58,8 @@ impl Words {
             Parameter::BaseWidth => cm(tr("Width")),
             Parameter::Projection => cm(tr("Projection")),
             Parameter::Volume => new(tr("Volume"), Kind::Volume, "ml", 1.0, 5.0, 0),
+            Parameter::BaseHeight => cm(tr("Height")),
+            Parameter::ApexShift => cm(tr("Apex lower")),
             Parameter::PocketMargin => cm(tr("Margin of the pocket")),
             Parameter::Pinch => cm(tr("Pinch")),
             Parameter::Thickness => cm(tr("Thickness of the cover")),
@@ -135,6 +140,11 @@ pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) 
             };
             (round(least), round(most).max(round(least) + 100.0))
         }
+        Parameter::BaseHeight => {
+            let width = Scene { implant: of, ..scene.clone() };
+            around(of.base_height(), field.row().0.range(&width))
+        }
+        Parameter::ApexShift => (0.0, 0.4 * (0.5 * of.base_height())),
         Parameter::PocketMargin => (0.0, 30.0),
         Parameter::Pinch => (10.0, 50.0),
         Parameter::Thickness => ((skin + 2.0).max(4.0), thickness.max(30.0)),
@@ -173,8 +183,12 @@ pub(super) fn allowed(field: Parameter) -> (f64, f64) {
     }
 }
 
-/// Does the number vary in this scene? A sheet has no attachment, and a pinch may have no effect.
+/// Does the number vary in this scene? A sheet has no attachment, a round implant no height, and a pinch may have no effect.
 pub(super) fn applies(field: Parameter, scene: &Scene) -> bool {
+    let is_shape = matches!(field, Parameter::BaseHeight | Parameter::ApexShift);
+    if is_shape && !is_anatomical(&scene.implant) {
+        return false;
+    }
     let (least, most) = usual(field, scene, scene.implant);
     with_values(scene, &[(field, 0.5 * (least + most))]).is_ok()
 }
@@ -204,7 +218,8 @@ mod tests {
 
     #[test]
     fn usual_axes_have_round_steps_and_maps() {
-        let scene = Scene::opening();
+        let mut scene = Scene::opening();
+        scene.implant.base_height_mm = Some(108.0);
         for target in [20, 40, 60] {
             for field in FIELDS {
                 assert!(applies(field, &scene), "{}", field.name());
@@ -216,6 +231,7 @@ mod tests {
                 Map::new(&scene, &[axis], MapSettings::default()).unwrap();
             }
         }
+        scene = Scene::opening();
         let step = |field| {
             let axis = axis(field, usual(field, &scene, middle(scene.implant)), 20);
             significant((axis.to - axis.from) / (axis.count - 1) as f64)
@@ -257,5 +273,6 @@ mod tests {
     fn a_sheet_has_no_attachment() {
         assert!(!applies(Parameter::AttachmentStiffness, &Scene::sheet()));
         assert!(applies(Parameter::BaseWidth, &Scene::sheet()));
+        assert!(!applies(Parameter::BaseHeight, &Scene::opening()));
     }
 }

@@ -178,7 +178,7 @@ struct Pictures {
 fn running_head(scene: &Scene) -> String {
     let [visit, _] = plan::visit_in_words(scene);
     let visit = if visit.is_empty() { tr("Implant preview").to_owned() } else { visit };
-    let [volume, width] = volume_and_width(scene);
+    let [volume, width] = volume_and_width(scene).map(texts::localized);
     format!("{visit} · {volume} ml, {width} cm")
 }
 

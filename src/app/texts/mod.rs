@@ -178,11 +178,9 @@ fn sentence(english: &str) -> String {
         return english.to_owned();
     };
     let value = |name: &str| values.iter().find(|(known, _)| *known == name);
-    // The values have their digits already.
-    let shown = |value: &str| match value.parse::<f64>() {
-        Ok(_) => localized(value),
-        Err(_) => sentence(value),
-    };
+    // The values have their digits already; a base has two numbers, as "12 × 10.8".
+    let is_number = |value: &str| value.split(" × ").all(|part| part.parse::<f64>().is_ok());
+    let shown = |value: &str| if is_number(value) { localized(value) } else { sentence(value) };
     let part = |part| match part {
         Part::Text(words) => words.to_owned(),
         Part::Place(name, _) => value(name).map(|(_, value)| shown(value)).unwrap_or_default(),

@@ -189,6 +189,7 @@ fn a_finished_sentence_is_recognised_with_its_values() {
             "The model has no answer for 300 ml on 12 cm.",
             "El modelo no tiene respuesta para 300 ml con 12 cm.",
         ),
+        ("300 ml on 12 × 10.8 cm", "300 ml con 12 × 10.8 cm"),
         ("Use 280 ml", "Usar 280 ml"),
         ("Stress in adipose", "Tensión: grasa"),
         ("pinch 20 mm", "pellizco 20 mm"),

@@ -407,7 +407,7 @@ impl Viewport {
             areola,
             cell_mm: problem.sheet().spacing_mm() as f32,
             grid_centre: 0.5 * picture.body.nodes_per_side.saturating_sub(1) as f32,
-            foot_radius: problem.obstacle.dome.wall_radius() as f32,
+            foot: problem.obstacle.dome.wall_axes().as_vec2().to_array(),
             pocket: pocket as f32,
         };
         let renderer = Arc::clone(renderer);

@@ -70,7 +70,7 @@ pub(crate) struct Frame {
     /// Radius of the pocket's edge, drawn as a line \[cells\]; 0: no line.
     pub(crate) pocket: f32,
     /// Radius of the circle where the implant meets the chest wall \[mm\].
-    pub(crate) foot_radius: f32,
+    pub(crate) foot: [f32; 2],
 }
 
 /// Buffers of a mesh on the graphics card.
@@ -219,7 +219,8 @@ impl Renderer {
                 gl.uniform_3_f32(self.uniform(gl, name).as_ref(), v.x, v.y, v.z);
             }
             gl.uniform_2_f32(self.uniform(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
-            gl.uniform_1_f32(self.uniform(gl, "u_foot").as_ref(), frame.foot_radius);
+            let [across, along] = frame.foot;
+            gl.uniform_2_f32(self.uniform(gl, "u_foot").as_ref(), across, along);
             let centre = frame.grid_centre;
             gl.uniform_2_f32(self.uniform(gl, "u_grid_centre").as_ref(), centre, centre);
             gl.uniform_1_f32(self.uniform(gl, "u_pocket").as_ref(), frame.pocket);

@@ -13,7 +13,7 @@ uniform vec2 u_grid_centre;
 uniform float u_cell;        // width of a cell at rest [mm]
 uniform int u_areola;        // 0 none, 1 in its own colour, 2 its edge
 uniform float u_pocket;      // radius of the pocket's edge on the grid [cells]; 0: no line
-uniform float u_foot;        // radius of the circle in which the implant meets the wall [mm]
+uniform vec2 u_foot;         // half-axes of the ellipse in which the implant meets the wall, across and along the body [mm]
 
 in vec3 v_position;
 in vec3 v_normal;
@@ -144,11 +144,13 @@ void main() {
     }
     if (u_material == 1) light = mix(light, vec3(1.0), 0.7);
     // Contact shadows: where the implant meets the wall, and in the crease of the skin around it.
-    float beside = length(from_axis.xy) - u_foot;
+    float foot = u_foot.x;
+    float from_foot = length(from_axis.xy * vec2(1.0, u_foot.x / max(u_foot.y, 1.0)));
+    float beside = from_foot - foot;
     if (u_material == 2) light *= 1.0 - 0.45 * exp(-max(v_value, 0.0) / 9.0);
     if (u_material == 3) light *= 1.0 - 0.55 * exp(-abs(beside) / 13.0);
     if (u_material == 0) {
-        float crease = (beside - 0.10 * u_foot) / (0.16 * u_foot + 1.0);
+        float crease = (beside - 0.10 * foot) / (0.16 * foot + 1.0);
         float near = 1.0 / (1.0 + crease * crease);
         light *= 1.0 - (has_value ? 0.07 : 0.14) * near * near;
     }
@@ -171,7 +173,7 @@ void main() {
     }
     // Outline of the silhouettes; not on flat skin beside the dome, where the eye looks along the skin.
     if (u_material != 1) {
-        float beyond = smoothstep(0.9, 1.2, length(from_axis.xy) / max(u_foot, 1.0));
+        float beyond = smoothstep(0.9, 1.2, from_foot / max(foot, 1.0));
         float round = 1.0 - beyond * smoothstep(0.90, 0.985, normal.z);
         float outline = 1.0 - smoothstep(0.6, 1.9, from_silhouette);
         float shade = 1.0 - smoothstep(0.0, 6.0, from_silhouette);

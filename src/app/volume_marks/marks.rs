@@ -104,7 +104,7 @@ mod tests {
         let mut scene = Scene::opening();
         scene.set_tissue_model(TissueModel::Sheet);
         let width = 2.0 * scene.implant.base_radius_mm;
-        let axis = volumes(width, MOST_RATIO);
+        let axis = volumes(&scene.implant, MOST_RATIO);
         let solved = |volume: f64, nodes: usize| {
             let mut scene = scene.clone();
             scene.solver.nodes_per_side = nodes;
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_answers_end_between_the_last_volume_with_one_and_the_next() {
-        let axis = volumes(120.0, 1.0);
+        let axis = volumes(&Scene::opening().implant, 1.0);
         let end = |count: usize| {
             let value = |quantity| if quantity == Quantity::LeastCoverMm { 10.0 } else { 0.1 };
             marks(

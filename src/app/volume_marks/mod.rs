@@ -10,9 +10,10 @@ use super::studies::Studies;
 use super::texts::tr;
 use super::volume_band::VolumeBand;
 use super::volumes::volumes;
+use super::widgets::quantity::format_at_most;
 use crate::clinical::{Shelf, ShelfSize};
 use crate::scene::Scene;
-use crate::study::{BandsSettings, Map, Parameter, volume_and_width, with_values};
+use crate::study::{BandsSettings, Map, Parameter, with_values};
 use eframe::egui;
 use marks::Mark;
 use web_time::{Duration, Instant};
@@ -95,7 +96,9 @@ impl VolumeMarks {
                 |beside: &Map| (2.0 * beside.base().implant.base_radius_mm - next).abs() < 1e-6;
             if !self.beside.any_curve().is_some_and(has_width) {
                 match with_values(curve.base(), &[(Parameter::BaseWidth, next)]) {
-                    Ok(wider) => self.beside.start(&wider, volumes(next, MOST_RATIO), studies),
+                    Ok(wider) => {
+                        self.beside.start(&wider, volumes(&wider.implant, MOST_RATIO), studies);
+                    }
                     Err(_) => self.beside.cancel(studies),
                 }
             }
@@ -120,7 +123,7 @@ impl VolumeMarks {
     fn restart(&mut self, scene: &Scene, studies: &mut Studies) {
         self.started = Some(scene.clone());
         let base = full(scene);
-        let axis = volumes(2.0 * scene.implant.base_radius_mm, MOST_RATIO);
+        let axis = volumes(&scene.implant, MOST_RATIO);
         if self.own.move_to(&base, axis) {
             return;
         }
@@ -149,13 +152,13 @@ impl VolumeMarks {
         let (Some(largest), Some(curve)) = (self.own.largest(), self.own.curve()) else {
             return String::new();
         };
-        let [_, width] = volume_and_width(curve.base());
+        let width = width_in_words(curve.base());
         let words = match largest {
             None => tr!("No volume on {width} cm stays usual", width),
             Some(volume) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
         } + &self.band.words();
         let beside = self.beside.largest().zip(self.beside.curve()).map(|(largest, beside)| {
-            let [_, width] = volume_and_width(beside.base());
+            let width = width_in_words(beside.base());
             let volume = largest.unwrap_or_else(|| tr("none").to_owned());
             tr!("; {volume} on {width} cm", volume, width)
         });
@@ -238,6 +241,11 @@ fn full(plan: &Scene) -> Scene {
     Scene { insertion: 1.0, ..plan.clone() }
 }
 
+/// Width of the implant of a scene \[cm\], as "12".
+fn width_in_words(scene: &Scene) -> String {
+    format_at_most(0.2 * scene.implant.base_radius_mm, 0, 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -257,14 +265,14 @@ mod tests {
 
     fn width(width_mm: f64, marks: Vec<Mark>, largest_ml: Option<f64>) -> Width {
         let scene = with_values(&Scene::opening(), &[(Parameter::BaseWidth, width_mm)]).unwrap();
-        Width::done(&scene, volumes(width_mm, MOST_RATIO), marks, largest_ml)
+        Width::done(&scene, volumes(&scene.implant, MOST_RATIO), marks, largest_ml)
     }
 
     #[test]
     fn the_largest_volume_stands_beside_that_of_the_next_width() {
         let words =
             |own, beside| VolumeMarks { own, beside, ..VolumeMarks::default() }.largest_usual();
-        let most = volumes(120.0, MOST_RATIO).to;
+        let most = volumes(&Scene::opening().implant, MOST_RATIO).to;
         assert_eq!(words(Width::default(), Width::default()), "");
         for (own, beside, expected) in [
             (Some(360.0), None, "Up to 360 ml stays usual on 12 cm; none on 13 cm."),

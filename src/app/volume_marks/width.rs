@@ -97,13 +97,9 @@ impl Width {
             |volume: f64| self.curve().is_some_and(|curve| volume + STEP_ML > curve.axes()[0].to);
         Some(volume.map(|volume| {
             let more = if is_last(volume) { tr(" and more") } else { "" };
-            let width =
-                self.curve().map_or(f64::INFINITY, |it| 2.0 * it.base().implant.base_radius_mm);
-            let high = if volume > volumes(width, 1.0).to {
-                tr(" (higher than a half sphere)")
-            } else {
-                ""
-            };
+            let is_high =
+                self.curve().is_some_and(|it| volume > volumes(&it.base().implant, 1.0).to);
+            let high = if is_high { tr(" (higher than a half sphere)") } else { "" };
             format!("{volume:.0} ml{more}{high}")
         }))
     }
@@ -149,7 +145,7 @@ mod tests {
 
     #[test]
     fn volumes_are_checked_from_a_little_above_the_first_mark_down_to_the_least() {
-        let axis = volumes(120.0, MOST_RATIO);
+        let axis = volumes(&Scene::opening().implant, MOST_RATIO);
         let quantity = Some(Quantity::GreatestStrain);
         let mark = |volume_ml| Mark { volume_ml, band: Some(1), quantity, word: "high" };
         let volumes = checked_volumes(&axis, &[mark(347.0)]);

@@ -298,10 +298,10 @@ impl Deformation {
         }
     }
 
-    /// Stretch at the sheet's point above the dome's apex.
+    /// Stretch at the sheet's point above the dome's apex, which an anatomical dome has beside the centre of its base.
     pub(crate) fn at_apex(&self, sheet: &Sheet, dome: &Dome, x: &[DVec3]) -> Stretch {
         let n = sheet.nodes_per_side();
-        let target = dome.center;
+        let target = dome.apex().truncate();
         let mut nearest = (f64::INFINITY, n * n / 2);
         for k in self.part.nodes().filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
             let distance = x[k].truncate().distance_squared(target);
@@ -380,5 +380,21 @@ mod tests {
         assert!((summary.area_ratio - normal.length()).abs() < 1e-12);
         let [all, none] = summary.fraction_above;
         assert!((all - 1.0).abs() < 1e-12 && none < 1e-12);
+    }
+    /// y ↦ y + cy² stretches by 1 + 2cy, in closed form √(1 + 4cy') at the deformed y'.
+    #[test]
+    fn the_stretch_at_the_apex_is_that_at_the_shifted_apex() {
+        let (sheet, rate) = (Sheet::new(33, 50.0), 0.004);
+        let bent = |p: &DVec2| DVec3::new(p.x, p.y + rate * p.y * p.y, 0.0);
+        let x: Vec<DVec3> = sheet.rest().iter().map(bent).collect();
+        let deformation =
+            Deformation::new(crate::mesh::Rest::of_sheet(sheet.clone()).membrane(), &x);
+        let round = Dome::new(DVec2::new(3.0, -2.0), 40.0, 30.0, 0.7);
+        for shift in [0.0, 18.0, -11.0] {
+            let dome = round.clone().anatomical(46.0, shift);
+            let found = deformation.at_apex(&sheet, &dome, &x).area_stretch();
+            let expected = (1.0 + 4.0 * rate * (-2.0 - shift)).sqrt();
+            assert!((found - expected).abs() < 1e-3, "{shift}: {found} {expected}");
+        }
     }
 }
