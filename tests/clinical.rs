@@ -8,7 +8,7 @@ use implant_preview::clinical::{
     ClinicalError, Dimension, Expander, Measurements, PatientValue, ProfileClass, Size, SkinClass,
     cover, limits, pull_strain_scale, strain_scale_of_class, strain_scale_of_pull, typical_sizes,
 };
-use implant_preview::scene::{self, Scene};
+use implant_preview::scene::{self, ChestShape, Scene};
 use implant_preview::simulate::simulate;
 use serde_json::{Value, json};
 
@@ -568,8 +568,9 @@ fn the_opening_plan_is_usual_and_all_its_tissue_is_derived() {
     let implant = scene.implant;
     let size =
         Size::of_width_and_projection(2.0 * implant.base_radius_mm, implant.projection_mm).unwrap();
-    assert!((size.base_width_mm() - 120.0).abs() < 1e-9 && (size.volume_ml() - 300.0).abs() < 1e-9);
+    assert!((size.base_width_mm() - 120.0).abs() < 1e-9 && (size.volume_ml() - 225.0).abs() < 1e-9);
     assert!(size.is_typical());
+    assert_eq!(scene.chest, Some(ChestShape::USUAL));
     assert!((scene.room_mm() - 10.0).abs() < 1e-12);
     let values = scene.patient_values();
     let derived: Vec<f64> = values.iter().map(|value| value.value).collect();

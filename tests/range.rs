@@ -15,7 +15,7 @@ use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, TissueModel};
 use implant_preview::study::{Axis, Case, Job, Map, MapSettings, Quantity, evaluate};
 use std::time::{Duration, Instant};
-use window::window;
+use window::{flat_plan, window};
 
 const DESKTOP: egui::Vec2 = egui::Vec2::new(1440.0, 900.0);
 const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
@@ -24,14 +24,13 @@ const CHART: &str = "Range of implants, chart";
 const POINTS: (usize, usize) = (17, 17);
 
 fn sheet() -> Scene {
-    let mut scene = Scene::opening();
+    let mut scene = flat_plan();
     scene.set_tissue_model(TissueModel::Sheet);
-    scene.solver.nodes_per_side = 33;
     scene
 }
 
 fn layered() -> Scene {
-    let mut scene = Scene::opening();
+    let mut scene = flat_plan();
     scene.solver.nodes_per_side = 17;
     scene
 }

@@ -17,7 +17,7 @@ use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
 use implant_preview::simulate::simulate;
 use serde_json::json;
-use window::window;
+use window::{flat_plan, window};
 
 #[path = "screens/anatomical.rs"]
 mod anatomical;
@@ -218,7 +218,7 @@ fn every_control_and_reading_has_its_name() {
 #[test]
 fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
     for size in [DESKTOP, egui::vec2(1280.0, 800.0), egui::vec2(1024.0, 768.0)] {
-        let mut harness = app(size, |scene| *scene = opening());
+        let mut harness = app(size, |scene| *scene = flat_plan());
         // The expander's and the pull's rows too.
         for chips in [&[][..], &["pull…"][..], &["expander"][..]] {
             for chip in chips {
@@ -237,13 +237,6 @@ fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
     }
 }
 
-/// The opening plan on a small grid.
-fn opening() -> Scene {
-    let mut scene = Scene::opening();
-    scene.solver.nodes_per_side = 33;
-    scene
-}
-
 #[test]
 fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     let mut harness = app(DESKTOP, |scene| *scene = Scene::opening());
@@ -254,8 +247,8 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     };
     for (field, text) in [
         ("Width (cm)", "12.0"),
-        ("Volume (ml)", "300"),
-        ("Projection (cm)", "4.0"),
+        ("Volume (ml)", "225"),
+        ("Projection (cm)", "3.0"),
         ("Pinch (cm)", "2.0"),
         ("Margin (cm)", "1.0"),
     ] {
@@ -265,8 +258,8 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     // Stretch and pressure have a word, the cover has none.
     assert_eq!(harness.query_all_by_label("usual").count(), 2);
     harness.get_by_label("no published limit");
-    harness.get_by_label_contains("300 ml, 12 cm: usual. Stretch 14 %, cover 8.");
-    harness.get_by_label_contains("longer: 6");
+    harness.get_by_label_contains("225 ml, 12 cm: usual. Stretch 16 %, cover 8.");
+    harness.get_by_label_contains("longer: 73");
     harness.get_by_label_contains(
         "Counted from the skin at rest; standing adds up to 60 % in places.",
     );
@@ -283,7 +276,7 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
 
 #[test]
 fn any_two_of_width_volume_and_projection_give_the_third() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     let size = |harness: &Harness<'static, App>| {
         let implant = harness.state().session().scene().implant;
         let (radius, projection) = (implant.base_radius_mm, implant.projection_mm);
@@ -317,7 +310,7 @@ fn any_two_of_width_volume_and_projection_give_the_third() {
 
 #[test]
 fn an_expander_is_filled_on_a_base_of_fixed_width() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     harness.get_by_role_and_label(Role::Button, "expander").click();
     settle(&mut harness);
     for name in ["Volume (ml)", "Projection (cm)"] {
@@ -332,7 +325,7 @@ fn an_expander_is_filled_on_a_base_of_fixed_width() {
 
 #[test]
 fn pinch_and_skin_become_thicknesses_and_a_strain_scale() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     let scene = |harness: &Harness<'static, App>| harness.state().session().scene().clone();
     let thicknesses = |harness: &Harness<'static, App>| {
         scene(harness).layers.iter().map(|layer| layer.thickness_mm).collect::<Vec<_>>()
@@ -644,7 +637,7 @@ fn the_computed_radius_follows_the_pocket_until_set() {
 
 #[test]
 fn an_idle_app_solves_nothing_and_requests_no_repaint() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     largest_usual(&mut harness);
     harness.run();
     let counters = harness.state().session().counters();
@@ -766,7 +759,7 @@ fn layers_that_stay_stable_under_the_papers_springs_are_reported() {
 
 #[test]
 fn on_a_phone_the_answer_stays_above_the_tabs_and_the_picture_keeps_half() {
-    let mut harness = app(PHONE, |scene| *scene = opening());
+    let mut harness = app(PHONE, |scene| *scene = flat_plan());
     let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
     assert!(picture.height() > 0.45 * PHONE.y, "{picture:?}");
     for (name, control) in [
@@ -801,7 +794,7 @@ fn on_a_phone_the_answer_stays_above_the_tabs_and_the_picture_keeps_half() {
 
 #[test]
 fn the_toolbar_fits_in_320_points() {
-    let harness = app(egui::vec2(320.0, 568.0), |scene| *scene = opening());
+    let harness = app(egui::vec2(320.0, 568.0), |scene| *scene = flat_plan());
     let buttons = ["File", "Undo", "Redo", "Start over", "Español", "Theme", "Help"];
     let rects = buttons.map(|name| harness.get_by_role_and_label(Role::Button, name).rect());
     for (pair, names) in rects.windows(2).zip(buttons.windows(2)) {
@@ -812,7 +805,7 @@ fn the_toolbar_fits_in_320_points() {
 
 #[test]
 fn steppers_of_a_phone_step_and_have_the_size_of_a_finger() {
-    let mut harness = app(PHONE, |scene| *scene = opening());
+    let mut harness = app(PHONE, |scene| *scene = flat_plan());
     let button = harness.get_by_role_and_label(Role::Button, "More Volume");
     assert!(button.rect().width() >= 44.0 && button.rect().height() >= 44.0);
     button.click();
@@ -827,7 +820,7 @@ fn steppers_of_a_phone_step_and_have_the_size_of_a_finger() {
 
 #[test]
 fn the_summary_describes_the_answer() {
-    let harness = app(DESKTOP, |scene| *scene = opening());
+    let harness = app(DESKTOP, |scene| *scene = flat_plan());
     let summary = harness.state().summary();
     assert!(summary.starts_with("300 ml implant, 12 cm wide. Skin stretch "), "{summary}");
     for words in [" percent, usual.", ", at rest 10.0 mm.", " mmHg, usual.", " Up to date."] {
@@ -892,7 +885,7 @@ fn the_last_point_of_a_measured_curve_can_be_entered() {
 #[test]
 fn entered_points_are_those_that_the_plan_uses() {
     let mut harness = unfolded(|scene| {
-        *scene = opening();
+        *scene = flat_plan();
         let points = vec![[0.0, 0.0], [0.4, 50.0], [1.0, 250.0]];
         let spec = CurveSpec::Points { points, interpolation: Interpolation::Line };
         scene.layers[0].curve = ScaledCurve { spec, strain_scale: 0.5, stress_scale: 2.0 };
@@ -927,7 +920,7 @@ fn entered_points_are_those_that_the_plan_uses() {
 #[test]
 fn a_turned_phone_has_the_picture_beside_the_answer() {
     let screen = egui::vec2(844.0, 390.0);
-    let harness = app(screen, |scene| *scene = opening());
+    let harness = app(screen, |scene| *scene = flat_plan());
     let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
     assert!(picture.width() > 380.0 && picture.height() > 280.0, "{picture:?}");
     let window = egui::Rect::from_min_size(egui::Pos2::ZERO, screen);
@@ -1012,8 +1005,7 @@ fn the_clipboard_is_read_by_a_button_and_a_bad_line_leaves_the_others() {
 /// Starts of the marks on the rail of the volume \[points\].
 fn volume_marks(model: TissueModel) -> Vec<f32> {
     let mut harness = app(DESKTOP, |scene| {
-        *scene = Scene::opening();
-        scene.solver.nodes_per_side = 33;
+        *scene = flat_plan();
         scene.set_tissue_model(model);
     });
     let rail = harness.get_by_role_and_label(Role::Slider, "Volume (ml)").rect();
@@ -1053,7 +1045,7 @@ fn volume_of(words: &str) -> f64 {
 #[test]
 fn the_largest_volume_that_stays_usual_is_known_without_an_edit_and_is_taken_by_a_press() {
     for size in [DESKTOP, PHONE] {
-        let mut harness = app(size, |scene| *scene = opening());
+        let mut harness = app(size, |scene| *scene = flat_plan());
         let below = if size == PHONE { "In place (%)" } else { "Pinch (cm)" };
         let place = |harness: &Harness<'static, App>| {
             harness.get_by_role_and_label(Role::SpinButton, below).rect()
@@ -1080,7 +1072,7 @@ fn the_largest_volume_that_stays_usual_is_known_without_an_edit_and_is_taken_by_
 
 #[test]
 fn the_largest_volume_that_stays_usual_is_that_of_single_solves() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     press(&mut harness, "tight");
     settle(&mut harness);
     let words = largest_usual(&mut harness);
@@ -1109,7 +1101,7 @@ fn the_largest_volume_that_stays_usual_is_that_of_single_solves() {
 
 #[test]
 fn the_sentence_of_the_answer_has_size_and_figures_of_one_plan() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     let sentence = |harness: &Harness<'static, App>| {
         let found = harness.get_by_label_contains(" ml, 12 cm: ");
         found.accesskit_node().label().or(found.accesskit_node().value()).unwrap()
@@ -1651,7 +1643,7 @@ fn pins(harness: &Harness<'static, App>) -> Vec<String> {
 
 #[test]
 fn the_comparison_of_two_pins_and_the_answer_are_whole_on_a_small_desktop() {
-    let mut harness = app(egui::vec2(1024.0, 768.0), |scene| *scene = opening());
+    let mut harness = app(egui::vec2(1024.0, 768.0), |scene| *scene = flat_plan());
     for (pin, volume) in [("Pin as A", "380"), ("Pin as B", "640")] {
         press(&mut harness, pin);
         type_into(&mut harness, "Volume (ml)", volume);
@@ -1677,7 +1669,7 @@ fn the_comparison_of_two_pins_and_the_answer_are_whole_on_a_small_desktop() {
 #[test]
 fn the_legend_of_pictures_side_by_side_is_above_all_of_them() {
     for size in [DESKTOP, egui::vec2(844.0, 390.0)] {
-        let mut harness = app(size, |scene| *scene = opening());
+        let mut harness = app(size, |scene| *scene = flat_plan());
         if size != DESKTOP {
             press(&mut harness, "More");
         }
@@ -1906,7 +1898,7 @@ fn kept_pins_are_restored_and_an_invalid_text_is_one_notice() {
 
 #[test]
 fn a_kept_plan_is_the_first_plan_of_the_next_start() {
-    let mut first = app(DESKTOP, |scene| *scene = opening());
+    let mut first = app(DESKTOP, |scene| *scene = flat_plan());
     // The plan of the start is nobody's work.
     assert!(first.state_mut().take_plan_to_store(true).is_none());
     type_into(&mut first, "Volume (ml)", "340");
@@ -1914,7 +1906,7 @@ fn a_kept_plan_is_the_first_plan_of_the_next_start() {
     let text = first.state_mut().take_plan_to_store(true).unwrap();
     assert!(first.state_mut().take_plan_to_store(true).is_none());
 
-    let mut second = app(DESKTOP, |scene| *scene = opening());
+    let mut second = app(DESKTOP, |scene| *scene = flat_plan());
     second.state_mut().restore_plan(&text);
     settle(&mut second);
     assert_eq!(second.state().session().scene(), first.state().session().scene());
@@ -1938,7 +1930,7 @@ fn a_kept_plan_is_the_first_plan_of_the_next_start() {
 
 #[test]
 fn the_profile_beyond_a_half_sphere_is_no_half_sphere() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     let is_chosen = |harness: &Harness<'static, App>| {
         let chip = harness.get_by_role_and_label(Role::Button, "Half sphere");
         chip.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
@@ -1951,7 +1943,7 @@ fn the_profile_beyond_a_half_sphere_is_no_half_sphere() {
 
 #[test]
 fn undo_and_redo_count_every_press_within_a_frame() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     let volumes = ["310", "320", "330", "340"];
     for volume in volumes {
         type_into(&mut harness, "Volume (ml)", volume);

@@ -18,7 +18,7 @@ use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use window::window;
+use window::{flat_plan, window};
 
 /// Tall enough for all folds.
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
@@ -36,8 +36,7 @@ fn alone() -> MutexGuard<'static, ()> {
 
 /// The app in a language, with a change of the opening plan on a small grid, solved and at rest.
 fn app(language: &str, size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
-    let mut scene = Scene::opening();
-    scene.solver.nodes_per_side = 33;
+    let mut scene = flat_plan();
     change(&mut scene);
     let ctx = egui::Context::default();
     let mut app = App::new(&ctx, None, scene, beside_window).unwrap();

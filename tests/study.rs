@@ -517,7 +517,7 @@ fn samples_are_equal_on_every_platform() {
 
 #[test]
 fn a_plan_whose_quick_solve_has_no_answer_has_that_of_the_full_solve_on_the_map() {
-    let mut scene = Scene::opening();
+    let mut scene = Scene { chest: None, ..Scene::opening() };
     (scene.implant.base_radius_mm, scene.pocket_radius_mm) = (52.5, 62.5);
     let axis = Axis::parse("projection_mm=74:80:4").unwrap();
     let map = || Map::new(&scene, &[axis], MapSettings::default()).unwrap();

@@ -78,7 +78,7 @@ pub(super) const COMMANDS: [Entry; 41] = [
     entry(Task::TakeHome(Purpose::Report), "Save report (HTML)…", REPORT),
     entry(Task::CopyLink, "Copy link", LINK),
     entry(Task::SaveProfile, "Save profile (CSV)…", ""),
-    entry(Task::UsualImplant, "Usual implant", "12 cm, 300 ml, pinch 2 cm, normal skin"),
+    entry(Task::UsualImplant, "Usual implant", "12 cm, 225 ml, pinch 2 cm, normal skin"),
     entry(
         Task::HalfSphere,
         "Half sphere of 11 cm",

@@ -2,9 +2,9 @@
 
 use super::*;
 
-/// The opening plan on the coarsest grid.
+/// The flat plan on the coarsest grid.
 fn coarse(scene: &mut Scene) {
-    *scene = opening();
+    *scene = flat_plan();
     scene.solver.nodes_per_side = 17;
     scene.solver.tolerance = 1e-3;
 }

@@ -3,9 +3,9 @@
 use super::*;
 use implant_preview::scene::ChestShape;
 
-/// The opening plan with a flat chest on the coarsest grid.
+/// The flat plan on the coarsest grid.
 fn flat(scene: &mut Scene) {
-    *scene = Scene { chest: None, ..Scene::opening() };
+    *scene = flat_plan();
     scene.solver.nodes_per_side = 17;
     scene.solver.tolerance = 1e-3;
 }

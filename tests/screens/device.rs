@@ -21,7 +21,7 @@ fn about_implants(harness: &Harness<'static, App>) -> Vec<String> {
 
 #[test]
 fn an_expander_is_called_an_expander_throughout() {
-    let mut harness = unfolded(|scene| *scene = opening());
+    let mut harness = unfolded(|scene| *scene = flat_plan());
     assert!(about_implants(&harness).len() > 5, "{:?}", about_implants(&harness));
     press(&mut harness, "expander");
     harness.run();
@@ -56,7 +56,7 @@ fn an_expander_is_called_an_expander_throughout() {
 
 #[test]
 fn the_tab_of_a_phone_names_the_device() {
-    let mut harness = app(PHONE, |scene| *scene = opening());
+    let mut harness = app(PHONE, |scene| *scene = flat_plan());
     press(&mut harness, "expander");
     harness.run();
     assert!(harness.query_by_role_and_label(Role::Button, "Implant").is_none());

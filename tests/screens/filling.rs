@@ -9,7 +9,7 @@ const WORDS: &str = "the greatest pressure goes from";
 /// An expander in a sheet, with its curves and their comparison with the fine grid.
 fn filled() -> Harness<'static, App> {
     let mut harness = app(WIDE, |scene| {
-        *scene = opening();
+        *scene = flat_plan();
         scene.set_tissue_model(TissueModel::Sheet);
         scene.solver.nodes_per_side = 33;
     });

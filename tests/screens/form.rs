@@ -11,7 +11,7 @@ fn text(harness: &Harness<'static, App>, name: &str) -> String {
 
 #[test]
 fn a_field_is_one_step_of_the_history_and_has_the_text_of_its_control() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     let before = harness.state().session().scene().clone();
     for (name, value, control) in [
         ("width_cm", "13", "Width (cm)"),
@@ -33,7 +33,7 @@ fn a_field_is_one_step_of_the_history_and_has_the_text_of_its_control() {
 
 #[test]
 fn a_refused_or_an_equal_field_is_no_step() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     let refusal = harness.state_mut().set_plan("in_place_percent", "101").unwrap_err();
     assert_eq!(refusal, "In place: at most 100 %");
     harness.state_mut().set_plan("width_cm", "120 mm").unwrap();
@@ -43,7 +43,7 @@ fn a_refused_or_an_equal_field_is_no_step() {
 
 #[test]
 fn playback_goes_on_with_a_field_other_than_the_insertion() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     harness.get_by_role_and_label(Role::Button, "Show insertion").click();
     harness.step();
     for (name, value, button) in

@@ -1,6 +1,6 @@
 //! Hands on the picture: cross-section in sight, values at a point, ruler, handles of the implant, commands by their names.
 
-use super::{DESKTOP, PHONE, app, focus_picture, opening, press, settle, type_into, unfold};
+use super::{DESKTOP, PHONE, app, flat_plan, focus_picture, press, settle, type_into, unfold};
 use eframe::egui::{self, Key, Modifiers, Pos2, Role, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -11,7 +11,7 @@ type Screen = Harness<'static, App>;
 
 fn desktop() -> Screen {
     app(DESKTOP, |scene| {
-        *scene = opening();
+        *scene = flat_plan();
         scene.solver.nodes_per_side = 33;
     })
 }
@@ -109,7 +109,7 @@ fn the_cross_section_is_in_sight_once_and_its_switch_is_kept() {
 #[test]
 fn without_room_the_cross_section_is_among_the_details() {
     for size in [vec2(1440.0, 700.0), PHONE] {
-        let mut harness = app(size, |scene| *scene = opening());
+        let mut harness = app(size, |scene| *scene = flat_plan());
         assert!(!has_strip(&harness), "{size}");
         if size == PHONE {
             press(&mut harness, "More");

@@ -8,9 +8,9 @@ const TITLE: &str = "No answer";
 const LOOKING: &str = "Searching for the nearest plan with an answer…";
 const FATS: [&str; 4] = ["Soft", "Usual", "Firm", "Nikolaev 2013"];
 
-/// The opening plan with very tight skin over the paper's fat, which has no shape.
+/// The flat plan with very tight skin over the paper's fat, which has no shape.
 fn without_answer(scene: &mut Scene) {
-    *scene = opening();
+    *scene = flat_plan();
     scene.layers[1].curve = CurveSpec::Adipose {}.into();
     scene.layers[1].poisson_ratio = 0.45;
     scene.layers[0].curve.strain_scale = 0.15;
@@ -77,7 +77,7 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
 #[test]
 fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     let mut harness = app(DESKTOP, |scene| {
-        *scene = opening();
+        *scene = flat_plan();
         scene.implant.projection_mm = 119.0;
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
@@ -229,7 +229,7 @@ fn chosen(harness: &Harness<'static, App>) -> Vec<&'static str> {
 
 #[test]
 fn the_fat_is_chosen_among_what_was_measured_and_the_papers() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     let opening = harness.state().session().scene().clone();
     unfold(&mut harness, "Advanced");
     assert_eq!(chosen(&harness), ["Usual"]);
@@ -264,7 +264,7 @@ fn the_fat_is_chosen_among_what_was_measured_and_the_papers() {
 
 #[test]
 fn the_curve_of_the_fat_is_plotted_measured_and_extrapolated() {
-    let mut harness = app(WIDE, |scene| *scene = opening());
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
     unfold(&mut harness, "Advanced");
     let plot = |end: u32| {
         format!("Curve of fat. Solid: measured, to {end} % strain. Dashed: extrapolated.")

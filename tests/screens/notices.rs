@@ -8,7 +8,7 @@ const OPENED: &str =
 
 /// An app with a notice of success.
 fn noticed() -> Harness<'static, App> {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     harness.state_mut().notify(OPENED);
     // The first frame of a box finds its size.
     harness.run_steps(2);
@@ -48,7 +48,7 @@ fn a_notice_under_the_pointer_stays() {
 
 #[test]
 fn an_error_stays_until_it_is_closed() {
-    let mut harness = app(DESKTOP, |scene| *scene = opening());
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     // A link that cannot be read.
     harness.state_mut().open_link("#plan=broken");
     harness.run_steps(2);

@@ -13,7 +13,7 @@ const FIGURES: [Quantity; 2] = [Quantity::GreatestStrain, Quantity::GreatestPres
 /// A sheet with few samples, all of them solved.
 fn sampled(size: egui::Vec2) -> Harness<'static, App> {
     let mut harness = app(size, |scene| {
-        *scene = opening();
+        *scene = flat_plan();
         scene.set_tissue_model(TissueModel::Sheet);
     });
     if size == PHONE {

@@ -26,7 +26,7 @@ fn visit(harness: &Harness<'static, App>) -> Visit {
 /// An app with a filled visit.
 fn filled(size: egui::Vec2) -> Harness<'static, App> {
     let mut harness = app(size, |scene| {
-        *scene = opening();
+        *scene = flat_plan();
         scene.solver.nodes_per_side = 33;
     });
     if size == PHONE {

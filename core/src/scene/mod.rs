@@ -172,6 +172,11 @@ impl Implant {
         base_height_mm.is_none() && apex_shift_mm == 0.0
     }
 
+    /// Makes the implant a solid of revolution of its width and projection.
+    pub fn make_round(&mut self) {
+        (self.base_height_mm, self.apex_shift_mm) = (None, 0.0);
+    }
+
     /// Half of the base's width or height, whichever is greater \[mm\].
     #[must_use]
     pub fn greatest_half_axis_mm(&self) -> f64 {
@@ -275,13 +280,13 @@ const OPENING: &str = r#"{
 }"#;
 
 /// The chest of the patient that the app opens with.
-const OPENING_CHEST: Option<ChestShape> = None;
+const OPENING_CHEST: ChestShape = ChestShape::USUAL;
 
 /// Volume of the implant that the app opens with \[ml\].
-const OPENING_VOLUME_ML: f64 = 300.0;
+const OPENING_VOLUME_ML: f64 = 225.0;
 
 impl Scene {
-    /// The plan that the app opens with, a usual one: an implant of 12 cm and 300 ml in a pocket 1 cm wider all round,
+    /// The plan that the app opens with, a usual one: an implant of 12 cm and 225 ml in a pocket 1 cm wider all round,
     /// pinch 2 cm, normal skin, the chest of `OPENING_CHEST`.
     ///
     /// [`Scene::default`] keeps the defaults of files.
@@ -292,7 +297,7 @@ impl Scene {
         if let Ok(size) = Size::of_width_and_volume(width_mm, OPENING_VOLUME_ML) {
             scene.implant.projection_mm = size.projection_mm();
         }
-        scene.chest = OPENING_CHEST;
+        scene.chest = Some(OPENING_CHEST);
         scene
     }
 

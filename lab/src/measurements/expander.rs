@@ -10,7 +10,7 @@ use implant_preview_core::measure::bands::FILLING_PRESSURE_MMHG;
 use implant_preview_core::measure::{Outcome, Selection, Status};
 use implant_preview_core::mesh::NodeKind;
 use implant_preview_core::scene::{
-    Body, CheckedScene, Implant, Layer, Scene, SceneError, TissueModel,
+    Body, CheckedScene, ChestShape, Implant, Layer, Scene, SceneError, TissueModel,
 };
 use implant_preview_core::simulate::{Simulation, Simulator};
 use implant_preview_core::solve::{Options, Solution, Tissue};
@@ -211,14 +211,13 @@ pub const GREATEST_PRESSURE: &str = "greatest contact pressure";
 pub const MEAN_PRESSURE: &str = "mean contact pressure";
 
 fn filling_scene(model: TissueModel, fat: Layer, nodes: usize) -> Scene {
-    let mut scene = Scene::opening();
+    // Derived values stay as they are.
+    let mut scene = Scene { chest: None, patient: None, ..Scene::opening() };
     scene.set_tissue_model(model);
     if let Some(layer) = scene.layers.get_mut(1) {
         layer.curve = fat.curve;
         layer.poisson_ratio = fat.poisson_ratio;
     }
-    // Derived values stay as they are.
-    scene.patient = None;
     scene.solver.nodes_per_side = nodes;
     scene.solver.tolerance = TOLERANCE;
     scene
@@ -248,6 +247,9 @@ pub fn filling(nodes_per_side: usize) -> Result<Comparison, SceneError> {
         skin.curve.strain_scale = TIGHT;
     }
     scenes.push(("layered fat mid under tight skin".to_owned(), tight));
+    let mut curved = filling_scene(layered, Layer::adipose(), nodes_per_side);
+    curved.chest = Some(ChestShape::USUAL);
+    scenes.push(("layered fat mid over a usual chest".to_owned(), curved));
     let (low, high) = FILLING_PRESSURE_MMHG;
     let (mut rows, mut series) = (Vec::new(), Vec::new());
     series.push(Series::band("measured right after filling", [0.0, 420.0], [low, high]));

@@ -74,8 +74,7 @@ impl Clinical {
     #[must_use]
     pub fn scene(self, seed: u64, case: u64) -> Scene {
         let rng = &mut random(seed, case);
-        let mut scene = Scene::opening();
-        scene.patient = None;
+        let mut scene = Scene { chest: None, patient: None, ..Scene::opening() };
         let (radius, projection) = loop {
             let radius = uniform(rng, BASE_RADIUS_MM);
             let volume = uniform(rng, VOLUME_ML);

@@ -391,7 +391,7 @@ mod tests {
         let mut scene = Scene::opening();
         (scene.solver.nodes_per_side, scene.solver.tolerance) = (33, 1e-3);
         // Much volume under thin cover.
-        scene.implant.projection_mm = 52.0;
+        scene.implant.projection_mm = 40.0;
         let mut session = Session::new(scene.clone()).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
         let outcome = session.result().unwrap();

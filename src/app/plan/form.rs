@@ -309,7 +309,7 @@ mod tests {
                 "height",
                 "3",
                 "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, pinch_cm, skin, \
-                 chest, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
+                 chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
             ),
             ("side", "up", "Side: allowed: left, right, both, not said"),
             (

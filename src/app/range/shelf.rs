@@ -55,7 +55,8 @@ impl Sizes {
         let is_size = |parameter| {
             [Parameter::BaseWidth, Parameter::Projection, Parameter::Volume].contains(&parameter)
         };
-        let is_over_sizes = map.axes().iter().all(|axis| is_size(axis.field));
+        let is_over_sizes =
+            map.base().implant.is_round() && map.axes().iter().all(|axis| is_size(axis.field));
         let dot = |(index, size): (usize, &ShelfSize)| {
             let at = map.place(&with_size(map.base(), size).ok()?)?;
             Some(Dot { index, at: (at[0], at[1]), words: words(size) })
@@ -121,14 +122,16 @@ fn words(size: &ShelfSize) -> String {
     tr!("{name}: width {width}, {listed}", name = size.name(), width, listed)
 }
 
-/// The scene with a size of the shelf: exactly the listed numbers. The pocket keeps its margin.
+/// The scene with a size of the shelf, a round one: exactly the listed numbers. The pocket keeps its margin.
 pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
     let listed = match size.listed() {
         Listed::Projection(projection) => (Parameter::Projection, projection),
         Listed::Volume(volume) => (Parameter::Volume, volume),
     };
     let values = [(Parameter::BaseWidth, size.width_mm()), listed];
-    with_values(scene, &values).map_err(|error| error.to_string())
+    let mut scene = scene.clone();
+    scene.implant.make_round();
+    with_values(&scene, &values).map_err(|error| error.to_string())
 }
 
 impl Range {
@@ -249,7 +252,8 @@ impl Range {
     pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, scene: &Scene, largest: String) {
         let implant = scene.implant;
         let shelf = &self.sizes.shelf;
-        if let Some(name) = shelf.name_of(2.0 * implant.base_radius_mm, implant.projection_mm) {
+        let name = shelf.name_of(2.0 * implant.base_radius_mm, implant.projection_mm);
+        if let Some(name) = name.filter(|_| implant.is_round()) {
             remark(ui, tr!("On the shelf: {name}.", name));
         }
         if !largest.is_empty() {
