@@ -2,10 +2,11 @@
 
 use super::{Hand, centimetres, chip, chips, cm, mm, row};
 use crate::app::texts::tr;
+use crate::app::theme::SPACE_SMALL;
 use crate::app::widgets::quantity::format_at_most;
-use crate::app::widgets::{self, Control, set_accessible_name};
+use crate::app::widgets::{self, Control, remark, set_accessible_name};
 use crate::scene::{ChestShape, Scene, field};
-use eframe::egui::{self, Ui};
+use eframe::egui::{self, Align, Layout, Ui};
 
 /// A choice: its word, its chest (`None`: flat) and what it means.
 type ChestChoice = (&'static str, Option<ChestShape>, &'static str);
@@ -60,11 +61,20 @@ fn own_id() -> egui::Id {
     egui::Id::unique("radii of the chest")
 }
 
-/// Shows the choices in a list; nothing for tissue without a chest: a sheet, older files.
-pub(super) fn choices(ui: &mut Ui, scene: &mut Scene) {
-    if !scene.may_have_chest() {
-        return;
+/// Shows the choice of the chest at the end of a row; nothing for tissue without one: a sheet, older files.
+pub(super) fn chest(ui: &mut Ui, scene: &mut Scene) {
+    if scene.may_have_chest() {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            // Room for the scroll bar that appears with unfolded parts.
+            ui.add_space(SPACE_SMALL);
+            choices(ui, scene);
+            remark(ui, tr("Chest"));
+        });
     }
+}
+
+/// Shows the choices in a list.
+fn choices(ui: &mut Ui, scene: &mut Scene) {
     let is_own = is_own(ui, scene);
     let present = if is_own { None } else { choice(scene) };
     let name = |word: Option<&str>| match word {

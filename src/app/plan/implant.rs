@@ -12,6 +12,8 @@ use std::ops::RangeInclusive;
 
 /// Width of the mark of the dimension that follows \[points\].
 const MARK: f32 = 24.0;
+/// Width from which on there is room for a title beside the devices \[points\].
+const DEVICES_WIDTH: f32 = 290.0;
 const VOLUME_TOOLTIP: &str =
     "Volume of the implant, of a half-ellipsoid dome. Round implants: 95–965 ml. 1 ml = 1 cc.";
 
@@ -24,7 +26,12 @@ pub(in crate::app) fn implant(
     hand: Hand,
 ) {
     let heading = choices.device.words(tr("Implant"));
-    title(ui, &heading, |ui| device(ui, scene, choices, hand));
+    if ui.available_width() < DEVICES_WIDTH {
+        ui.add_space(theme::SPACE_SMALL);
+        chips(ui, |ui| device(ui, scene, choices, hand));
+    } else {
+        title(ui, &heading, |ui| device(ui, scene, choices, hand));
+    }
     // The limits of a scene are those of a size.
     let Ok(size) = scene.implant.size() else { return };
     let changed = match choices.device {
@@ -60,12 +67,15 @@ fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
     let [round, anatomical] = shape::CHOICES;
     let expander = ("expander", "A tissue expander: the fill raises a base of fixed width");
     let is_anatomical = shape::is_anatomical(&scene.implant);
-    // From right to left.
-    for (device, becomes_anatomical, (name, tooltip)) in [
-        (Device::Expander, false, expander),
-        (Device::Implant, true, anatomical),
+    let mut devices = [
         (Device::Implant, false, round),
-    ] {
+        (Device::Implant, true, anatomical),
+        (Device::Expander, false, expander),
+    ];
+    if ui.layout().prefer_right_to_left() {
+        devices.reverse();
+    }
+    for (device, becomes_anatomical, (name, tooltip)) in devices {
         if becomes_anatomical && !scene.may_be_anatomical() {
             continue;
         }

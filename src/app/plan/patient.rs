@@ -2,12 +2,11 @@
 
 use super::{Hand, centimetres, chest, chip, chips, cm, mm, row, title, visit};
 use crate::app::texts::{self, localized, tr};
-use crate::app::theme::SPACE_SMALL;
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Scene, TissueModel};
-use eframe::egui::{Align, Id, Layout, Ui};
+use eframe::egui::{Id, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
 const USUAL_PULL_MM: f64 = 25.0;
@@ -141,11 +140,7 @@ fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand)
     );
     ui.horizontal(|ui| {
         remark(ui, tr!("Skin feels{word}", word)).on_hover_text(about);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            // Room for the scroll bar that appears with unfolded parts.
-            ui.add_space(SPACE_SMALL);
-            chest::choices(ui, scene);
-        });
+        chest::chest(ui, scene);
     });
     chips(ui, |ui| {
         for class in SkinClass::ALL {
