@@ -275,10 +275,7 @@ fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
     put("binary.json", &[0xff, 0xfe, 0, 1]);
     put("empty.json", b"");
     put("good.json", scene(55.0, "coupled").as_bytes());
-    put(
-        "lines.jsonl",
-        format!("{}\n{}\n", scene(55.0, "coupled"), scene(500.0, "coupled")).as_bytes(),
-    );
+    put("none.jsonl", b"\n");
     for (name, wanted) in [
         ("small.json", &["small.json", "implant.base_radius_mm is 5", "10 to 120 mm"][..]),
         ("unknown.json", &["unknown.json", "colour", "projection_mm"]),
@@ -286,7 +283,7 @@ fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
         ("binary.json", &["binary.json", "UTF-8"]),
         ("empty.json", &["empty.json"]),
         ("missing.json", &["missing.json"]),
-        ("lines.jsonl", &["lines.jsonl", "line 2", "implant.base_radius_mm is 500"]),
+        ("none.jsonl", &["none.jsonl", "is empty"]),
     ] {
         let outputs = ["simulate", name, "--out", "r.json", "--profile", "p.csv"];
         assert_refused(&folder, &outputs, "", wanted);

@@ -4,9 +4,9 @@
 //!
 //! Uses `scene` and all to its left. Used by `study`, `session`, the lab, `platform`.
 
-use crate::measure::{self, Fields, Outcome, Selection};
+use crate::measure::{self, Fields, Outcome, Selection, no_shape};
 use crate::scene::{CheckedScene, Scene, SceneError};
-use crate::solve::{Options, Progress, Solution, Solver};
+use crate::solve::{Invalid, Options, Progress, Solution, Solver};
 use std::sync::Arc;
 
 /// The result of a scene, with its solution.
@@ -26,6 +26,9 @@ const MAX_KEPT_NODES_PER_SIDE: usize = 257;
 #[derive(Default)]
 pub struct Simulator {
     solver: Option<Solver>,
+    /// Greatest time of a solve \[ms\], by the clock of [`Self::run`]; `None`: as long as the solve takes. A solve beyond ends
+    /// after the piece of work that runs, as not converged, with a warning.
+    pub most_ms: Option<f64>,
 }
 
 impl Simulator {
@@ -49,7 +52,16 @@ impl Simulator {
             }
             None => Solver::with_options(problem, options),
         };
-        while solver.advance(&mut || false) == Progress::Working {}
+        let end = self.most_ms.zip(start).map(|(most, start)| start + most);
+        let is_late = || clock.zip(end).is_some_and(|(clock, end)| clock() >= end);
+        let mut is_given_up = false;
+        while solver.advance(&mut || is_late()) == Progress::Working {
+            // A pause may also be a draft.
+            if is_late() {
+                solver.give_up();
+                is_given_up = true;
+            }
+        }
         let solution = Arc::new(solver.take_solution());
         let time_ms = clock.zip(start).map(|(clock, start)| clock() - start);
         if solution.problem().sheet().nodes_per_side() <= MAX_KEPT_NODES_PER_SIDE {
@@ -58,6 +70,12 @@ impl Simulator {
         let fields = Fields::new(Arc::clone(&solution));
         let mut outcome = measure_selected(scene.scene(), &fields, selection);
         outcome.solver.time_ms = time_ms;
+        if let Some(most_ms) = self.most_ms.filter(|_| is_given_up) {
+            outcome.warnings.retain(|warning| warning != no_shape(Some(Invalid::NotFound)));
+            outcome
+                .warnings
+                .insert(0, format!("The computation ended at its limit of {most_ms} ms."));
+        }
         Simulation { outcome, solution }
     }
 }
@@ -109,6 +127,9 @@ pub(crate) fn relabel(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::Status;
+    use crate::solve::Method;
+    use std::cell::Cell;
 
     #[test]
     fn a_solution_is_restored_from_json_with_the_same_result() {
@@ -127,6 +148,42 @@ mod tests {
         assert_eq!(restored.faces(), solution.faces());
         assert_eq!(restored.reactions().force, solution.reactions().force);
         assert_eq!(measure(scene.scene(), &Fields::new(restored)), outcome);
+    }
+
+    #[test]
+    fn a_solve_ends_at_its_limit_of_time_and_leaves_the_next_one_as_it_is() {
+        for (mut scene, method) in [
+            (Scene::sheet(), Method::Automatic),
+            (Scene::sheet(), Method::Newton),
+            (Scene::default(), Method::Automatic),
+        ] {
+            scene.solver.nodes_per_side = 33;
+            scene.implant.center_mm = [5.0, 3.0];
+            let scene = CheckedScene::new(scene).unwrap();
+            let options = Options { method, ..Options::default() };
+            let whole = run(&scene, options, None).outcome;
+            let mut simulator = Simulator::default();
+            // A clock that counts its readings, one for each piece of work.
+            let (mut shapes, mut limits) = (0, 0);
+            for most in (1..).map(|k| 3.0 * f64::from(k * k)) {
+                let now = Cell::new(-1.0);
+                let clock = || now.replace(now.get() + 1.0);
+                simulator.most_ms = Some(most);
+                let outcome =
+                    simulator.run(&scene, options, &Selection::all(), Some(&clock)).outcome;
+                if outcome.status == Status::Converged {
+                    assert_eq!(Outcome { solver: whole.solver.clone(), ..outcome }, whole);
+                    break;
+                }
+                limits += 1;
+                assert_eq!(outcome.status, Status::NotConverged);
+                assert!(outcome.warnings[0].contains(&format!("limit of {most} ms")));
+                let (shape, value) = (outcome.strain.is_some(), outcome.contact_force_n);
+                assert!(shape == value.is_some() && value.is_none_or(f64::is_finite));
+                shapes += usize::from(shape);
+            }
+            assert!(shapes > 0 && shapes < limits, "{method:?}: {shapes} of {limits}");
+        }
     }
 
     #[test]

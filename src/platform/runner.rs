@@ -1,8 +1,8 @@
 //! The native runner: threads. On the page `web/runner.js` runs jobs in workers.
 
+use crate::study::runner::panic_text;
 use crate::study::{Case, Evaluator, Finished, Job, JobPanic, Runner};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::any::Any;
 use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -69,7 +69,7 @@ impl<J: Send + 'static, T: Send + 'static> Threads<J, T> {
             let run = move || {
                 if is_wanted.strong_count() > 0 {
                     let result = catch_unwind(AssertUnwindSafe(|| work(job)))
-                        .map_err(|payload| JobPanic::new(index, panic_text(&*payload)));
+                        .map_err(|payload| JobPanic::caught(index, &*payload));
                     // After the drop of the runner a result has no receiver.
                     let _ = sender.send(Finished { index, result });
                 }
@@ -152,11 +152,6 @@ impl<J: Send + 'static, T: Send + 'static> Runner for Threads<J, T> {
             Place::Own { threads, .. } => *threads,
         }
     }
-}
-
-fn panic_text(payload: &(dyn Any + Send)) -> &str {
-    let text = payload.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("panic")
 }
 
 /// The runner of the jobs of studies beside a window.

@@ -62,7 +62,15 @@ impl CheckedScene {
     /// # Errors
     /// One line with the field, its value and the allowed range.
     pub fn from_json(json: &str) -> Result<Self, SceneError> {
-        read::checked_scene(json, None)
+        Self::from_json_after(json, None)
+    }
+
+    /// As [`Self::from_json`]; what the scene has in common with an `earlier` one is shared, not built again.
+    ///
+    /// # Errors
+    /// As [`Self::from_json`].
+    pub fn from_json_after(json: &str, earlier: Option<&Self>) -> Result<Self, SceneError> {
+        read::checked_scene(json, earlier)
     }
 
     /// The scene.

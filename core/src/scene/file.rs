@@ -11,6 +11,7 @@ use super::{
 use crate::curve::{List, Pair, object};
 use crate::springs::Springs;
 use schemars::JsonSchema;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer};
 
 /// A scene in a file; fields with a default are optional.
@@ -21,6 +22,10 @@ pub(super) struct SceneFile {
     /// `implant-preview/scene/1`, a sheet, `implant-preview/scene/2` or `implant-preview/scene/3`. Default: the newest.
     #[serde(default = "newest_schema")]
     pub(super) schema: String,
+    /// Any JSON value; no computation depends on it. The command line copies it to the result.
+    #[serde(default, rename = "id")]
+    #[schemars(with = "serde_json::Value")]
+    _id: IgnoredAny,
     #[serde(deserialize_with = "object")]
     pub(super) implant: ImplantFile,
     /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).

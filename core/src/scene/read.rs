@@ -3,6 +3,7 @@
 
 use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
 use crate::curve::{Curve, List, ScaledCurve};
+use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::error::Category;
 use serde_json::value::RawValue;
@@ -89,11 +90,22 @@ pub fn curve(bytes: &[u8]) -> Result<Curve, SceneError> {
     Curve::scaled(&curve).map_err(SceneError::CurveFile)
 }
 
-/// Is the first line that is not blank a whole value, and do more lines follow?
+/// Do the first two lines that are not blank begin scenes one per line? The first is a whole value, or the second a scene.
+#[must_use]
+pub fn begin_lines(first: &str, second: &str) -> bool {
+    #[derive(Deserialize)]
+    struct Part {
+        #[serde(rename = "implant")]
+        _implant: IgnoredAny,
+    }
+    serde_json::from_str::<IgnoredAny>(unmarked(first)).is_ok()
+        || second.trim_start().starts_with('{') && serde_json::from_str::<Part>(second).is_ok()
+}
+
 fn starts_with_a_value(text: &str) -> bool {
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
-    let whole = |line: &str| serde_json::from_str::<IgnoredAny>(line).is_ok();
-    lines.next().is_some_and(whole) && lines.next().is_some()
+    let pair = lines.next().zip(lines.next());
+    pair.is_some_and(|(first, second)| begin_lines(first, second))
 }
 
 /// The text without the byte-order mark that some editors put before it.
@@ -101,7 +113,11 @@ fn unmarked(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
+/// The text of bytes.
+///
+/// # Errors
+/// One line if the bytes are not UTF-8.
+pub fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
     std::str::from_utf8(bytes)
         .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
 }

@@ -440,6 +440,19 @@ impl Solver {
         self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
     }
 
+    /// Ends the solve as not converged, with the last valid shape of the finest grid; without one [`Self::invalid`] is
+    /// [`Invalid::NotFound`].
+    pub fn give_up(&mut self) {
+        if self.progress == Progress::Done {
+            return;
+        }
+        if self.stage == Stage::Multigrid && self.cycles() > 0 {
+            self.display_multigrid(Displayed::Draft);
+        }
+        self.end_with_last_shape();
+        self.verdict = Verdict::NotConverged;
+    }
+
     fn end(&mut self, verdict: Verdict) {
         self.verdict = verdict;
         if verdict == Verdict::NotConverged && self.law.layered().is_some() {

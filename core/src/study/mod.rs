@@ -4,7 +4,7 @@
 //! workers of a page. [`Cases`] holds the cases by content, so that no scene is solved twice.
 //!
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
-//! all runners) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
+//! all runners) | `many` (jobs on threads, for as long as jobs come) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
@@ -12,7 +12,7 @@
 //! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
 //! `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
-//! Uses `scene`, `simulate` and all to their left; no threads, no clock. Used by `platform` and `app`.
+//! Uses `scene`, `simulate` and all to their left; no clock, and threads in `many` only. Used by `platform` and `app`.
 
 mod axis;
 mod bands;
@@ -22,6 +22,7 @@ pub mod contour;
 mod first_usual;
 mod importance;
 mod job;
+pub mod many;
 mod map;
 mod map_border;
 mod map_check;

@@ -1,5 +1,7 @@
 //! Runners compute independent jobs: threads natively, workers on the page.
 
+use std::any::Any;
+
 /// Runs independent jobs and returns the results in the order of completion.
 ///
 /// A drop cancels all jobs that have not begun; the result of a running job is discarded.
@@ -75,6 +77,19 @@ impl JobPanic {
         let words: Vec<&str> = message.split_whitespace().collect();
         Self { index, message: words.join(" ") }
     }
+
+    /// The panic of the job of an index, from what the panic was called with.
+    #[must_use]
+    pub fn caught(index: usize, payload: &(dyn Any + Send)) -> Self {
+        Self::new(index, panic_text(payload))
+    }
+}
+
+/// The text of a panic.
+#[must_use]
+pub fn panic_text(payload: &(dyn Any + Send)) -> &str {
+    let text = payload.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("panic")
 }
 
 #[cfg(test)]

@@ -2,9 +2,11 @@
 //! Native only.
 //!
 //! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
-//! values; no file is written); 3 no converged solution (the result is written with its status).
+//! values; no file is written, of lines those of the other scenes); 3 no converged solution (the result is written with its
+//! status); 130 a signal (lines up to the signal are written).
 //!
-//! Files are written under a temporary name and renamed, so that no reader meets an incomplete file.
+//! Files are written under a temporary name and renamed, so that no reader meets an incomplete file; lines are written at their
+//! place, each at once.
 
 mod bench;
 mod charts;
@@ -12,6 +14,7 @@ mod input;
 mod output;
 mod simulate;
 mod stability;
+mod stream;
 mod stress;
 mod studies;
 mod tension;
@@ -66,6 +69,10 @@ enum Command {
 enum ExitStatus {
     Converged,
     NotConverged,
+    /// A scene ended in a defect of the program; the others have their lines.
+    Defect,
+    /// A signal has ended the run.
+    Interrupted,
 }
 
 /// Bad input or an output that cannot be written: one line, exit code 2.
@@ -85,6 +92,8 @@ where
 const DEFECT: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
+/// As of a process that SIGINT ends.
+const INTERRUPTED: u8 = 130;
 
 /// Runs the command of this process, if there is one.
 #[must_use]
@@ -130,7 +139,8 @@ fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {
     match outcome {
         Some(Ok(ExitStatus::Converged)) => ExitCode::SUCCESS,
         Some(Ok(ExitStatus::NotConverged)) => ExitCode::from(NOT_CONVERGED),
-        None => ExitCode::from(DEFECT),
+        Some(Ok(ExitStatus::Interrupted)) => ExitCode::from(INTERRUPTED),
+        Some(Ok(ExitStatus::Defect)) | None => ExitCode::from(DEFECT),
         Some(Err(error)) => {
             output::error(&error.to_string());
             ExitCode::from(BAD_INPUT)

@@ -1,9 +1,10 @@
-//! Output: files written completely or not at all, standard output, and the line on standard error.
+//! Output: files written completely or not at all, files written line by line, standard output, and the line on standard error.
 
 use super::InputError;
 use crate::springs::Springs;
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, Seek, SeekFrom, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Argument of the commands that write several files.
@@ -115,15 +116,14 @@ pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
         let temporary = folder_of(&path).join(name);
         pending.push((temporary.clone(), path));
         if let Err(error) = write_durably(&temporary, &file.content) {
-            failure = Some(input_error(&file.path, format!("cannot be written: {error}")));
+            failure = Some(cannot_be_written(&file.path, &error));
             break;
         }
     }
     for (temporary, path) in &pending {
         if failure.is_none() {
-            failure = fs::rename(temporary, path)
-                .err()
-                .map(|error| input_error(path, format!("cannot be written: {error}")));
+            failure =
+                fs::rename(temporary, path).err().map(|error| cannot_be_written(path, &error));
         }
         if failure.is_some() {
             // Removal is best effort: the first failure is the one to report.
@@ -137,7 +137,7 @@ pub(super) fn write_all(files: &[File]) -> Result<(), InputError> {
         let written = fs::OpenOptions::new().write(true).open(&file.path);
         written
             .and_then(|mut special| special.write_all(&file.content))
-            .map_err(|error| input_error(&file.path, format!("cannot be written: {error}")))?;
+            .map_err(|error| cannot_be_written(&file.path, &error))?;
     }
     files.iter().filter(|file| is_standard(&file.path)).try_for_each(|file| print(&file.content))
 }
@@ -149,14 +149,47 @@ fn write_durably(path: &Path, content: &[u8]) -> std::io::Result<()> {
 }
 
 fn print(content: &[u8]) -> Result<(), InputError> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(content).and_then(|()| out.flush()) {
-        // A reader that closes the pipe early (`| head`) is not an error.
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(InputError(format!("standard output: cannot be written: {error}")))
-        }
-        _ => Ok(()),
+    LineFile::open(Path::new(STANDARD), None)?.write(content).map(drop)
+}
+
+/// A file whose lines are written one by one, each at once.
+pub(super) struct LineFile {
+    path: PathBuf,
+    to: Box<dyn Write>,
+}
+
+impl LineFile {
+    /// Opens a file at its place; what it holds stays up to the byte `keep`, without one nothing stays.
+    pub(super) fn open(path: &Path, keep: Option<u64>) -> Result<Self, InputError> {
+        let open = || -> std::io::Result<Box<dyn Write>> {
+            if is_standard(path) {
+                return Ok(Box::new(std::io::stdout()));
+            }
+            let Some(keep) = keep else { return Ok(Box::new(fs::File::create(path)?)) };
+            let mut file = fs::OpenOptions::new().write(true).open(path)?;
+            file.set_len(keep)?;
+            file.seek(SeekFrom::End(0))?;
+            Ok(Box::new(file))
+        };
+        let to = open().map_err(|error| cannot_be_written(path, &error))?;
+        Ok(Self { path: path.to_owned(), to })
     }
+
+    /// Writes whole lines; breaks where the reader has closed the pipe early (`| head`), which is no error.
+    pub(super) fn write(&mut self, lines: &[u8]) -> Result<ControlFlow<()>, InputError> {
+        match self.to.write_all(lines).and_then(|()| self.to.flush()) {
+            Ok(()) => Ok(ControlFlow::Continue(())),
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(ControlFlow::Break(())),
+            Err(error) => Err(cannot_be_written(&self.path, &error)),
+        }
+    }
+}
+
+fn cannot_be_written(path: &Path, error: &std::io::Error) -> InputError {
+    if is_standard(path) {
+        return InputError(format!("standard output: cannot be written: {error}"));
+    }
+    input_error(path, format!("cannot be written: {error}"))
 }
 
 /// Name of a spring law in tables and arguments.

@@ -1,15 +1,17 @@
 //! `stress`: robustness runs over random scenes and sessions.
 
-use super::output::{self, File, STANDARD};
+use super::output::{self, File, LineFile, STANDARD};
+use super::stream::{self, End, Progress, ThreadCount};
 use super::{ExitStatus, InputError, in_range};
 use crate::scene::{TissueModel, field, limits};
+use crate::study::many::Many;
 use implant_preview_lab::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
 use implant_preview_lab::robustness::{
     Case, LayeredSummary, Population, Summary, panicked, run_of,
 };
-use rayon::prelude::*;
 use serde::Serialize;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -48,6 +50,8 @@ pub(super) struct Arguments {
     /// Output file for all cases, one a line (JSON lines).
     #[arg(long, value_name = "F")]
     lines: Option<PathBuf>,
+    #[command(flatten)]
+    threads: ThreadCount,
     /// Output file for the summary (JSON); `-` is standard output.
     #[arg(long, value_name = "F", default_value = STANDARD)]
     out: PathBuf,
@@ -84,28 +88,26 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Solves random patients.
 fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let &Arguments { cases, seed, nodes, fat_poisson_ratio, fat_rate, .. } = arguments;
-    let Arguments { lines, out, measure_errors, .. } = arguments;
+    let &Arguments { seed, nodes, fat_poisson_ratio, fat_rate, measure_errors, .. } = arguments;
     let clinical = Clinical {
         fat_poisson_ratio,
         fat_rate,
         has_chest: arguments.chest,
         nodes_per_side: nodes,
-        measures_errors: *measure_errors,
+        measures_errors: measure_errors,
     };
-    let run = |case: u64| {
+    let run = move |case: u64| {
         let start = Instant::now();
         let clock = || 1e3 * start.elapsed().as_secs_f64();
         clinical.run(seed, case, Some(&clock))
     };
-    let cases: Vec<ClinicalCase> = (0..cases).into_par_iter().map(run).collect();
+    let (cases, end): (Vec<ClinicalCase>, End) = run_all(arguments, run)?;
     let summary = ClinicalSummary::new(seed, clinical, &cases);
-    write(out, json(&summary, true)?, lines.as_deref(), &cases)?;
-    Ok(if summary.all_converged() { ExitStatus::Converged } else { ExitStatus::NotConverged })
+    write(arguments, json(&summary, true)?, end, cases.len(), !summary.all_converged())
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let &Arguments { cases, seed, most_nodes, tissue_model, ref lines, ref out, .. } = arguments;
+    let &Arguments { seed, most_nodes, tissue_model, ref lines, ref out, .. } = arguments;
     output::check_path(out)?;
     if let Some(lines) = lines {
         output::check_path(lines)?;
@@ -118,7 +120,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         let location = panic.location().map(ToString::to_string).unwrap_or_default();
         output::error(&format!("internal error at {location}; the case counts as failed"));
     }));
-    let run = |case: u64| {
+    let run = move |case: u64| {
         let population = if is_layered { Population::of_layered(case) } else { Population::Sheet };
         let start = Instant::now();
         let clock = || 1e3 * start.elapsed().as_secs_f64();
@@ -128,7 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         catch_unwind(AssertUnwindSafe(of_case))
             .unwrap_or_else(|_| panicked(population, seed, case, most_nodes))
     };
-    let cases: Vec<Case> = (0..cases).into_par_iter().map(run).collect();
+    let (cases, end): (Vec<Case>, End) = run_all(arguments, run)?;
     let (summary, has_failures) = if is_layered {
         let summary = LayeredSummary::new(seed, &cases);
         (json(&summary, true)?, !summary.failures.is_empty())
@@ -136,24 +138,48 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         let summary = Summary::new(seed, &cases);
         (json(&summary, true)?, !summary.failures.is_empty())
     };
-    write(out, summary, lines.as_deref(), &cases)?;
-    Ok(if has_failures { ExitStatus::NotConverged } else { ExitStatus::Converged })
+    write(arguments, summary, end, cases.len(), has_failures)
 }
 
-/// Writes the summary and, if wanted, each case in a line.
-fn write<T: Serialize>(
-    out: &Path,
+/// Runs the cases on threads; if wanted, each is written in a line at once.
+fn run_all<T: Serialize + Send + 'static>(
+    arguments: &Arguments,
+    run: impl Fn(u64) -> T + Send + Sync + 'static,
+) -> Result<(Vec<T>, End), InputError> {
+    let Arguments { cases: count, lines, threads, .. } = arguments;
+    let open = |path: &PathBuf| LineFile::open(path, None);
+    let mut lines = lines.as_ref().map(open).transpose()?;
+    let (mut cases, mut progress) = (Vec::new(), Progress::new());
+    let many = Many::new(0..*count, threads.settings(), move |(): &mut (), case| run(case));
+    let end = stream::run(many, |finished| {
+        // The hook has reported the panic.
+        let case = finished.result.unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
+        if let Some(lines) = &mut lines
+            && lines.write((json(&case, false)? + "\n").as_bytes())?.is_break()
+        {
+            return Ok(ControlFlow::Break(()));
+        }
+        cases.push(case);
+        progress.count(Some(cases.len() as f64 / *count as f64));
+        Ok(ControlFlow::Continue(()))
+    })?;
+    Ok((cases, end))
+}
+
+/// Writes the summary of the cases, of those before a signal too.
+fn write(
+    arguments: &Arguments,
     summary: String,
-    lines: Option<&Path>,
-    cases: &[T],
-) -> Result<(), InputError> {
-    let mut files = vec![File::new(out, summary + "\n")];
-    if let Some(lines) = lines {
-        let each: Vec<String> =
-            cases.iter().map(|case| json(case, false)).collect::<Result<_, _>>()?;
-        files.push(File::new(lines, each.join("\n") + "\n"));
+    end: End,
+    cases: usize,
+    has_failures: bool,
+) -> Result<ExitStatus, InputError> {
+    output::write_all(&[File::new(&arguments.out, summary + "\n")])?;
+    if end == End::Signal {
+        stream::warn_of_signal(cases as u64);
+        return Ok(ExitStatus::Interrupted);
     }
-    output::write_all(&files)
+    Ok(if has_failures { ExitStatus::NotConverged } else { ExitStatus::Converged })
 }
 
 fn json<T: Serialize>(value: &T, is_pretty: bool) -> Result<String, InputError> {

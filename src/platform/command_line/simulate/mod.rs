@@ -1,0 +1,220 @@
+//! `simulate`: solves scenes and writes their results.
+
+mod done;
+mod lines;
+
+use super::input::Source;
+use super::output::{self, File};
+use super::stream::ThreadCount;
+use super::{ExitStatus, InputError, in_range};
+use crate::export::{Format, Solid, profile};
+use crate::measure::{Selected, Selection, Status, surfaces};
+use crate::scene::{CheckedScene, read};
+use crate::simulate::{Simulation, Simulator};
+use crate::solve::Options;
+use serde::Serialize;
+use serde_json::value::RawValue;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// Scene files, JSON or JSON lines; `-` is standard input.
+    #[arg(required = true, value_name = "SCENE.json")]
+    scenes: Vec<PathBuf>,
+    /// Output file for the result; `-` is standard output. Several scenes give JSON lines.
+    #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
+    out: PathBuf,
+    /// Output file for the deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
+    #[arg(long, value_name = "M.stl|.obj|.ply|.glb")]
+    mesh: Option<PathBuf>,
+    /// Output file for the profile as a table (one scene only); `-` is standard output.
+    #[arg(long, value_name = "P.csv")]
+    profile: Option<PathBuf>,
+    /// Fields of the result by their paths, with commas between, as `contact_force_n,strain.max_principal`; `schema` and
+    /// `status` are always written. Other fields are not computed. Default: all fields.
+    #[arg(long, value_name = "FIELDS", value_delimiter = ',')]
+    fields: Option<Vec<String>>,
+    /// Leaves the profiles out of the result.
+    #[arg(long)]
+    no_profile: bool,
+    /// Reads one scene per line, also of a single or no line, and writes a line for each.
+    #[arg(long)]
+    lines: bool,
+    /// Lines of an earlier run, a file of `--out`: scenes that have a line there, by `id` or else by content, are skipped. The
+    /// same file as `--out` is continued.
+    #[arg(long, value_name = "OUT.jsonl")]
+    skip_done: Option<PathBuf>,
+    /// Greatest time of a solve in ms, 1 to 1e9; beyond, the result is `not_converged` with a warning.
+    #[arg(long, value_name = "N", value_parser = most_ms)]
+    most_ms: Option<f64>,
+    /// Writes each line as soon as it is ready; default: in the order of the input.
+    #[arg(long)]
+    unordered: bool,
+    #[command(flatten)]
+    threads: ThreadCount,
+}
+
+fn most_ms(text: &str) -> Result<f64, String> {
+    in_range(text, 1.0, 1e9)
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
+    let format = arguments.mesh.as_deref().map(mesh_format).transpose()?;
+    check_paths(arguments)?;
+    let written = selection(arguments)?;
+    let wants_one = arguments.mesh.is_some() || arguments.profile.is_some();
+    let mut sources = Vec::new();
+    for path in &arguments.scenes {
+        // JSON lines by the extension, else by the first lines.
+        let is_named = path.extension().is_some_and(|e| e == "jsonl" || e == "ndjson");
+        let is_lines = arguments.lines || is_named && !wants_one;
+        sources.push(Source::open(path, is_lines.then_some(true))?);
+    }
+    let is_stream = arguments.lines || arguments.skip_done.is_some() || arguments.unordered;
+    if let [source] = &mut sources[..]
+        && !(source.is_lines || is_stream)
+    {
+        let scene = checked(source)?;
+        let outputs = solve(arguments, format, &scene, &written)?;
+        output::write_all(&outputs.0)?;
+        return Ok(outputs.1);
+    }
+    if wants_one {
+        let line = "--mesh and --profile: at least 2 scenes, or lines; allowed: one scene";
+        return Err(InputError(line.to_owned()));
+    }
+    for source in &mut sources {
+        if source.is_lines && source.is_empty && !arguments.lines {
+            let line = "file is empty; allowed: one scene per line";
+            return Err(output::input_error(source.path(), line));
+        }
+        if !source.is_lines && source.is_file() {
+            checked(source)?;
+        }
+    }
+    lines::run(arguments, written, sources)
+}
+
+/// The scene of a file of one scene.
+fn checked(source: &mut Source) -> Result<(CheckedScene, Option<Box<RawValue>>), InputError> {
+    let bytes = source.whole()?;
+    let scene = read::utf8(&bytes)
+        .and_then(|text| Ok((CheckedScene::from_json(text)?, done::Key::of(text).id())));
+    scene.map_err(|error| output::input_error(source.path(), error))
+}
+
+/// The format of a mesh file, by its extension.
+fn mesh_format(path: &Path) -> Result<Format, InputError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    Format::of_extension(&extension).ok_or_else(|| {
+        output::input_error(
+            path,
+            "--mesh: unknown format; allowed: a file name ending in .stl, .obj, .ply or .glb",
+        )
+    })
+}
+
+/// Checks that all outputs are different files, and none of them an input.
+fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
+    let outputs: Vec<&Path> =
+        [Some(&arguments.out), arguments.mesh.as_ref(), arguments.profile.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+    for (k, path) in outputs.iter().enumerate() {
+        output::check_path(path)?;
+        if outputs[..k].iter().any(|other| output::is_same_file(other, path)) {
+            let name = if output::is_standard(path) {
+                "standard output".to_owned()
+            } else {
+                path.display().to_string()
+            };
+            return Err(InputError(format!(
+                "{name}: named for two outputs; allowed: one output per file"
+            )));
+        }
+        let is_input = |scene: &PathBuf| {
+            let same_file =
+                |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+            same_file(scene, path) == Some(true)
+        };
+        if !output::is_standard(path) && arguments.scenes.iter().any(is_input) {
+            return Err(output::input_error(path, "is an input scene; allowed: another file"));
+        }
+    }
+    Ok(())
+}
+
+/// The fields that the result contains.
+fn selection(arguments: &Arguments) -> Result<Selection, InputError> {
+    let selection = match &arguments.fields {
+        None => Selection::all(),
+        Some(paths) => {
+            Selection::of(paths).map_err(|error| InputError(format!("--fields: {error}")))?
+        }
+    };
+    if arguments.no_profile && selection.names_a_profile() {
+        let line = "--no-profile: --fields names a profile; allowed: one of the two";
+        return Err(InputError(line.to_owned()));
+    }
+    Ok(if arguments.no_profile { selection.without_profile() } else { selection })
+}
+
+/// A clock that starts at zero.
+struct Clock(Instant);
+
+impl Clock {
+    fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    fn ms(&self) -> f64 {
+        1e3 * self.0.elapsed().as_secs_f64()
+    }
+}
+
+#[derive(Serialize)]
+struct WithId<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<&'a RawValue>,
+    #[serde(flatten)]
+    result: Selected<'a>,
+}
+
+/// Solves a single scene; returns the output files. A scene without a shape has no mesh.
+fn solve(
+    arguments: &Arguments,
+    format: Option<Format>,
+    (scene, id): &(CheckedScene, Option<Box<RawValue>>),
+    written: &Selection,
+) -> Result<(Vec<File>, ExitStatus), InputError> {
+    let Arguments { out, mesh, profile: table, most_ms, .. } = arguments;
+    // A table of the profile is written from the result.
+    let all = Selection::all();
+    let measured = if table.is_some() { &all } else { written };
+    let mut simulator = Simulator::default();
+    simulator.most_ms = *most_ms;
+    let clock = Clock::start();
+    let Simulation { outcome, solution } =
+        simulator.run(scene, Options::default(), measured, Some(&|| clock.ms()));
+    let result = WithId { id: id.as_deref(), result: written.of_outcome(&outcome) };
+    let json = serde_json::to_string_pretty(&result);
+    let json = json.map_err(|error| InputError(format!("result: {error}")))? + "\n";
+    let mut files = vec![File::new(out, json)];
+    if let (Some(path), Some(format)) = (mesh, format) {
+        if outcome.status == Status::Unstable || solution.report().invalid.is_some() {
+            let why =
+                outcome.warnings.first().map_or("the scene has no stable shape", String::as_str);
+            output::warn(&format!("{}: not written: {why}", path.display()));
+        } else {
+            files.push(File::new(path, format.encode(&Solid::tissue(&surfaces(&solution)))));
+        }
+    }
+    if let Some(path) = table {
+        files.push(File::new(path, profile(&outcome)));
+    }
+    let is_converged = outcome.status == Status::Converged;
+    Ok((files, if is_converged { ExitStatus::Converged } else { ExitStatus::NotConverged }))
+}

@@ -1,0 +1,136 @@
+//! Long runs: threads, signals, and progress on a terminal.
+
+use super::{InputError, in_range, output};
+use crate::study::Finished;
+use crate::study::many::{Many, ManySettings};
+use std::env::{var, var_os};
+use std::io::{IsTerminal, Write, stderr};
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The threads of a long run.
+#[derive(clap::Args)]
+pub(super) struct ThreadCount {
+    /// Number of threads, 1 to 1024. Default: the cores; under a scheduler (Slurm, GNU parallel, OMP_NUM_THREADS) those of the
+    /// task.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<NonZeroUsize>,
+}
+
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    in_range(text, NonZeroUsize::MIN, NonZeroUsize::new(MOST_THREADS).unwrap_or(NonZeroUsize::MIN))
+}
+
+impl ThreadCount {
+    pub(super) fn settings(&self) -> ManySettings {
+        ManySettings::new(self.threads.unwrap_or_else(default_threads))
+    }
+}
+
+/// The threads of a scheduler's task, else the cores that this process may use.
+fn default_threads() -> NonZeroUsize {
+    let number = |name: &str| var(name).ok()?.parse::<NonZeroUsize>().ok();
+    let is_task = ["SLURM_JOB_ID", "PARALLEL_SEQ"].iter().any(|name| var_os(name).is_some());
+    let of_task = number("SLURM_CPUS_PER_TASK").or_else(|| number("OMP_NUM_THREADS"));
+    of_task
+        .or(is_task.then_some(NonZeroUsize::MIN))
+        .unwrap_or_else(|| std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
+}
+
+/// How a run has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// All jobs are done.
+    Done,
+    /// The reader of the output has closed the pipe.
+    Closed,
+    /// A signal has ended the run.
+    Signal,
+}
+
+/// Passes the results on until the last one, a break or a signal: SIGINT, SIGTERM or SIGHUP ends the run between two results, a
+/// second one at once.
+///
+/// # Errors
+/// The first error of `receive`; or if the system starts no thread.
+pub(super) fn run<T: Send + 'static>(
+    many: std::io::Result<Many<T>>,
+    mut receive: impl FnMut(Finished<T>) -> Result<ControlFlow<()>, InputError>,
+) -> Result<End, InputError> {
+    let many = many.map_err(|error| InputError(format!("--threads: {error}")))?;
+    let is_ended = Arc::new(AtomicBool::new(false));
+    let (cancel, flag) = (many.canceller(), Arc::clone(&is_ended));
+    let on_signal = move || {
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(super::INTERRUPTED.into());
+        }
+        cancel();
+    };
+    // Without a handler a signal ends the process as any other.
+    let _ = ctrlc::set_handler(on_signal);
+    for finished in many {
+        if receive(finished)?.is_break() {
+            return Ok(End::Closed);
+        }
+    }
+    Ok(if is_ended.load(Ordering::SeqCst) { End::Signal } else { End::Done })
+}
+
+/// Progress on standard error, where that is a terminal.
+pub(super) struct Progress {
+    is_shown: bool,
+    start: Instant,
+    last: Instant,
+    done: u64,
+}
+
+const BETWEEN: Duration = Duration::from_millis(500);
+
+impl Progress {
+    pub(super) fn new() -> Self {
+        let now = Instant::now();
+        Self { is_shown: stderr().is_terminal(), start: now, last: now, done: 0 }
+    }
+
+    /// Counts a scene; `part` of the input is read, if its length is known.
+    pub(super) fn count(&mut self, part: Option<f64>) {
+        self.done += 1;
+        if !self.is_shown || self.last.elapsed() < BETWEEN {
+            return;
+        }
+        self.last = Instant::now();
+        let seconds = self.start.elapsed().as_secs_f64();
+        let left = part.filter(|part| *part > 0.0).map(|part| seconds * (1.0 - part) / part);
+        let left = left.map(|left| format!(", {}", in_words(left))).unwrap_or_default();
+        let rate = self.done as f64 / seconds;
+        // A terminal that is gone ends no run.
+        let _ = write!(stderr(), "\r\x1b[K{} scenes, {rate:.1} a second{left}", self.done);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.is_shown && self.last > self.start {
+            let _ = write!(stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+/// A time left \[s\] in words.
+fn in_words(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.0} s left"),
+        s if s < 5400.0 => format!("{:.0} min left", s / 60.0),
+        s => format!("{:.1} h left", s / 3600.0),
+    }
+}
+
+/// Reports that a signal has ended a run.
+pub(super) fn warn_of_signal(written: u64) {
+    output::warn(&format!("ended by a signal; {written} lines are whole"));
+}

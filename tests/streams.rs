@@ -1,0 +1,331 @@
+//! Streams of scenes on the command line: a line in, a line out, through interruptions and in bounded memory.
+#![cfg(all(feature = "command-line", unix))]
+#![allow(clippy::unwrap_used)] // helpers of tests are tests
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+
+/// A separate empty folder for each test.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("streams-{test}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn spawn(folder: &Path, arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_implant-preview"));
+    command.args(arguments).current_dir(folder);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn run(folder: &Path, arguments: &[&str], input: &str) -> Output {
+    let mut child = spawn(folder, arguments);
+    let (mut stdin, input) = (child.stdin.take().unwrap(), input.to_owned());
+    // A command that ends early closes its input.
+    let writer = thread::spawn(move || _ = stdin.write_all(input.as_bytes()));
+    let output = child.wait_with_output().unwrap();
+    writer.join().unwrap();
+    output
+}
+
+/// Sends a signal to a running command.
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+}
+
+fn lines(text: &[u8]) -> Vec<Value> {
+    String::from_utf8(text.to_vec())
+        .unwrap()
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+/// A small sheet of its own radius.
+fn sheet(k: usize) -> Value {
+    json!({
+        "schema": "implant-preview/scene/1",
+        "implant": { "base_radius_mm": 30.0 + 0.001 * k as f64 },
+        "solver": { "nodes_per_side": 17 },
+    })
+}
+
+fn with_id(mut scene: Value, id: Value) -> Value {
+    scene["id"] = id;
+    scene
+}
+
+/// `count` small sheets whose ids are their numbers, a line each.
+fn numbered(count: usize) -> String {
+    (0..count).map(|k| format!("{}\n", with_id(sheet(k), json!(k)))).collect()
+}
+
+#[test]
+fn a_bad_line_among_six_has_an_error_in_its_place() {
+    let folder = folder("six");
+    let ids = [json!(7), json!("a\nb"), json!(null), json!({"x": [1, 2.5]}), json!(true)];
+    let mut scenes: Vec<Value> = (0..5).map(|k| with_id(sheet(k), ids[k].clone())).collect();
+    let mut bad = with_id(sheet(9), json!("bad"));
+    bad["implant"]["base_radius_mm"] = json!(500);
+    scenes.insert(3, bad);
+    let text = scenes.iter().map(|scene| format!("{scene}\n")).collect::<String>();
+    fs::write(folder.join("six.jsonl"), &text).unwrap();
+    for arguments in [&["simulate", "-"][..], &["simulate", "six.jsonl", "--threads", "3"]] {
+        let output = run(&folder, arguments, &text);
+        assert_eq!(output.status.code(), Some(2));
+        let complaint = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            complaint.contains("1 of 6 lines") && complaint.lines().count() == 1,
+            "{complaint}"
+        );
+        let found = lines(&output.stdout);
+        assert_eq!(found.len(), 6);
+        for (k, line) in found.iter().enumerate() {
+            if k == 3 {
+                assert_eq!((&line["id"], &line["line"]), (&json!("bad"), &json!(4)));
+                let error = line["error"].as_str().unwrap();
+                assert!(error.contains("implant.base_radius_mm is 500"), "{error}");
+                continue;
+            }
+            let wanted = &scenes[k];
+            assert_eq!(line["status"], "converged");
+            assert_eq!(line.get("id").unwrap_or(&Value::Null), &wanted["id"]);
+            // Without an id the content names the scene.
+            assert_eq!(line.get("scene_hash").is_some(), wanted["id"].is_null());
+            let radius = wanted["implant"]["base_radius_mm"].as_f64().unwrap();
+            let volume = 2.0 / 3.0 * std::f64::consts::PI * radius.powi(3) / 1000.0;
+            assert!((line["implant_volume_ml"].as_f64().unwrap() / volume - 1.0).abs() < 1e-9);
+        }
+    }
+    // The first line, in standard input and in a file without a telling name.
+    let broken = format!("{{broken\n\n{text}");
+    fs::write(folder.join("six.txt"), &broken).unwrap();
+    for file in ["-", "six.txt"] {
+        let found = lines(&run(&folder, &["simulate", file, "--fields", "status"], &broken).stdout);
+        assert_eq!(found.len(), 7, "{file}");
+        assert!(found[0]["id"].is_null() && found[0]["line"] == 1 && found[1]["id"] == 7);
+        assert_eq!(found[4]["line"], 6);
+    }
+    // Of several files an error names the file; a file of one scene is part of the stream.
+    fs::write(folder.join("one.json"), serde_json::to_string_pretty(&sheet(1)).unwrap()).unwrap();
+    let found = lines(&run(&folder, &["simulate", "one.json", "six.jsonl"], "").stdout);
+    assert_eq!(
+        (found.len(), &found[4]["file"], &found[4]["line"]),
+        (7, &json!("six.jsonl"), &json!(4))
+    );
+    // A single scene keeps its id, in a result over many lines.
+    fs::write(folder.join("id.json"), with_id(sheet(1), json!([1])).to_string()).unwrap();
+    let single = run(&folder, &["simulate", "id.json", "--no-profile"], "");
+    assert!(single.stdout.starts_with(b"{\n  \"id\": [1],\n"));
+}
+
+#[test]
+fn a_result_is_written_before_the_next_scene_comes() {
+    let mut child = spawn(&folder("dialogue"), &["simulate", "-", "--lines", "--fields", "status"]);
+    let mut stdin = child.stdin.take().unwrap();
+    let mut stdout = BufReader::new(child.stdout.take().unwrap());
+    for k in 0..3 {
+        writeln!(stdin, "{}", with_id(sheet(k), json!(k))).unwrap();
+        let mut line = String::new();
+        stdout.read_line(&mut line).unwrap();
+        assert_eq!(serde_json::from_str::<Value>(&line).unwrap()["id"], k);
+    }
+    drop(stdin);
+    assert!(child.wait().unwrap().success());
+    // No scene at all, as in an empty part of a distributed list.
+    let none = run(&folder("none"), &["simulate", "-", "--lines"], "");
+    assert!(none.status.success() && none.stdout.is_empty() && none.stderr.is_empty());
+}
+
+#[test]
+fn results_come_in_order_or_as_they_are_ready() {
+    let folder = folder("order");
+    let mut slow = json!({ "id": 0, "implant": { "base_radius_mm": 50, "center_mm": [5, 3] } });
+    slow["solver"] = json!({ "nodes_per_side": 129 });
+    let text: String = std::iter::once(slow)
+        .chain((1..9).map(|k| with_id(sheet(k), json!(k))))
+        .map(|scene| format!("{scene}\n"))
+        .collect();
+    let ids = |more: &[&str]| -> Vec<u64> {
+        let arguments = ["simulate", "-", "--fields", "status", "--threads", "2"];
+        let output = run(&folder, &[&arguments, more].concat(), &text);
+        assert!(output.status.success());
+        lines(&output.stdout).iter().map(|line| line["id"].as_u64().unwrap()).collect()
+    };
+    assert_eq!(ids(&[]), (0..9).collect::<Vec<_>>());
+    let mut unordered = ids(&["--unordered"]);
+    assert_ne!(unordered[0], 0);
+    unordered.sort_unstable();
+    assert_eq!(unordered, (0..9).collect::<Vec<_>>());
+}
+
+/// How often each id, or each hash, has a line.
+fn counts(file: &Path) -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    for line in lines(&fs::read(file).unwrap()) {
+        let name = line.get("id").filter(|id| !id.is_null()).unwrap_or(&line["scene_hash"]);
+        *counts.entry(name.to_string()).or_default() += 1;
+    }
+    counts
+}
+
+#[test]
+fn a_run_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
+    let folder = folder("kill");
+    let anonymous: String = (0..3000).map(|k| format!("{}\n", sheet(k % 2999))).collect();
+    for (name, text, distinct) in [("id", numbered(3000), 3000), ("content", anonymous, 2999)] {
+        let text = format!("{{broken\n{text}");
+        fs::write(folder.join("scenes.jsonl"), text).unwrap();
+        let out = folder.join(format!("{name}.jsonl"));
+        let out_name = out.file_name().unwrap().to_str().unwrap();
+        let arguments = ["simulate", "scenes.jsonl", "--fields", "status", "--out", out_name];
+        let mut child = spawn(&folder, &[&arguments[..], &["--unordered"]].concat());
+        while fs::metadata(&out).map_or(0, |found| found.len()) < 10_000 {
+            thread::yield_now();
+        }
+        signal(&child, "KILL");
+        child.wait().unwrap();
+        // The last line is half written.
+        let mut left = fs::read(&out).unwrap();
+        left.truncate(left.len() - 5);
+        fs::write(&out, &left).unwrap();
+        let before = left.iter().filter(|byte| **byte == b'\n').count();
+        let output = run(&folder, &[&arguments[..], &["--skip-done", out_name]].concat(), "");
+        let counts = counts(&out);
+        assert_eq!(counts.len(), distinct + 1, "{name}");
+        assert_eq!(counts.values().sum::<usize>(), 3001, "{name}");
+        assert!(counts.values().filter(|count| **count > 1).count() <= 3000 - distinct, "{name}");
+        assert!(
+            fs::read(&out)
+                .unwrap()
+                .starts_with(&left[..left.iter().rposition(|b| *b == b'\n').unwrap()])
+        );
+        assert!(before > 50, "{name}: {before} lines before");
+        // The broken line is done, too.
+        let is_again = output.status.code() == Some(2);
+        assert!(is_again || output.status.success());
+        let again = run(&folder, &[&arguments[..4], &["--skip-done", out_name]].concat(), "");
+        assert!(again.status.success() && again.stdout.is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn a_signal_leaves_whole_lines() {
+    let folder = folder("signal");
+    fs::write(folder.join("scenes.jsonl"), numbered(100_000)).unwrap();
+    for name in ["TERM", "INT"] {
+        let mut child = spawn(&folder, &["simulate", "scenes.jsonl", "--out", "out.jsonl"]);
+        let out = folder.join("out.jsonl");
+        while fs::metadata(&out).map_or(0, |found| found.len()) < 1_000_000 {
+            thread::yield_now();
+        }
+        signal(&child, name);
+        let output = child.wait().unwrap();
+        assert_eq!(output.code(), Some(130));
+        let text = fs::read(&out).unwrap();
+        let found = lines(&text);
+        assert!(text.ends_with(b"\n") && found.len() > 50 && found.len() < 100_000);
+        let ids: Vec<u64> = found.iter().map(|line| line["id"].as_u64().unwrap()).collect();
+        assert!(ids.is_sorted());
+        fs::remove_file(&out).unwrap();
+    }
+}
+
+#[test]
+fn a_signal_leaves_the_cases_of_stress_and_their_summary() {
+    let folder = folder("stress");
+    let arguments = ["stress", "--cases", "100000", "--most-nodes", "17", "--out", "s.json"];
+    let child = spawn(&folder, &[&arguments[..], &["--lines", "cases.jsonl"]].concat());
+    let out = folder.join("cases.jsonl");
+    while fs::metadata(&out).map_or(0, |found| found.len()) < 20_000 {
+        thread::yield_now();
+    }
+    signal(&child, "TERM");
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    let found = lines(&fs::read(&out).unwrap());
+    assert!(found.len() > 5 && found.is_sorted_by_key(|case| case["case"].as_u64()));
+    let summary: Value = serde_json::from_slice(&fs::read(folder.join("s.json")).unwrap()).unwrap();
+    let cases = |springs: &str| summary[springs]["cases"].as_u64().unwrap();
+    assert_eq!(cases("coupled") + cases("nikolaev"), found.len() as u64);
+}
+
+#[test]
+fn a_broken_pipe_ends_quietly() {
+    let folder = folder("pipe");
+    fs::write(folder.join("scenes.jsonl"), numbered(100_000)).unwrap();
+    let mut child = spawn(&folder, &["simulate", "scenes.jsonl"]);
+    let mut first = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
+    assert!(first.starts_with(r#"{"id":0,"#));
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty());
+}
+
+#[test]
+fn a_scene_ends_at_its_limit_of_time() {
+    let folder = folder("time");
+    let mut scene = json!({ "id": 1, "implant": { "base_radius_mm": 50, "center_mm": [5, 3] } });
+    scene["solver"] = json!({ "nodes_per_side": 257 });
+    let text = format!("{scene}\n{}\n", with_id(sheet(1), json!(2)));
+    let output = run(&folder, &["simulate", "-", "--most-ms", "50", "--threads", "1"], &text);
+    assert_eq!(output.status.code(), Some(3));
+    let found = lines(&output.stdout);
+    assert_eq!(
+        (&found[0]["status"], &found[1]["status"]),
+        (&json!("not_converged"), &json!("converged"))
+    );
+    let reason = found[0]["warnings"][0].as_str().unwrap();
+    assert_eq!(reason, "The computation ended at its limit of 50 ms.");
+    assert!(found[0]["solver"]["time_ms"].as_f64().unwrap() >= 50.0);
+    for bad in [&["--most-ms", "0"][..], &["--threads", "0"], &["--threads", "5000"]] {
+        let output = run(&folder, &[&["simulate", "-"], bad].concat(), &text);
+        assert!(output.status.code() == Some(2) && output.stdout.is_empty());
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_of_a_stream_does_not_grow_with_its_scenes() {
+    const SCENES: usize = 20_000;
+    let mut child = spawn(&folder("memory"), &["simulate", "-"]);
+    let mut stdin = child.stdin.take().unwrap();
+    let writer = thread::spawn(move || {
+        for k in 0..SCENES {
+            let mut scene = with_id(sheet(k), json!(k));
+            if k % 20 == 0 {
+                scene["schema"] = json!("implant-preview/scene/3");
+                scene["insertion"] = json!(0.5);
+                scene["implant"]["base_radius_mm"] = json!(50);
+            }
+            writeln!(stdin, "{scene}").unwrap();
+        }
+    });
+    let most_kb = |child: &Child| -> Option<u64> {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
+        let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
+        line.split_whitespace().nth(1)?.parse().ok()
+    };
+    let (mut count, mut early, mut most) = (0, 0, 0);
+    for line in BufReader::new(child.stdout.take().unwrap()).lines() {
+        assert!(line.unwrap().starts_with(&format!("{{\"id\":{count},")));
+        count += 1;
+        if count % 500 == 0 {
+            most = most_kb(&child).unwrap_or(most);
+        }
+        if count == 5000 {
+            early = most;
+        }
+    }
+    writer.join().unwrap();
+    assert!(child.wait().unwrap().code().is_some_and(|code| code == 0 || code == 3));
+    println!("{count} scenes, {early} kB after 5000, {most} kB at most");
+    assert_eq!(count, SCENES);
+    assert!(most > 0 && most <= 300_000 && most < early + 20_000, "{early} kB, then {most} kB");
+}
