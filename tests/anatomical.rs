@@ -197,6 +197,12 @@ fn an_anatomical_implant_over_a_scan_is_solved_and_an_even_field_changes_nothing
         let error = Scene::from_json(&broken.to_string()).unwrap_err().to_string();
         assert!(error.starts_with(expected) && !error.contains('\n'), "{error}");
     }
+    let mut hollow = file.clone();
+    hollow["chest"] = json!({ "radius_across_mm": -110 });
+    hollow["thickness_field"]["factors"] = json!(grid(&|_, _| 10.0));
+    let error = Scene::from_json(&hollow.to_string()).unwrap_err().to_string();
+    let expected = "thickness_field.factors is as high as 10; allowed: ";
+    assert!(error.starts_with(expected) && error.contains("in a hollow of 110 mm"), "{error}");
     file["tissue_model"] = json!("sheet");
     file.as_object_mut().unwrap().remove("chest");
     let error = Scene::from_json(&file.to_string()).unwrap_err().to_string();

@@ -688,6 +688,7 @@ fn stress_counts_equal_outcomes_on_every_run() {
     assert_refused(&folder, &["stress", "--most-nodes", "9"], "", &["--most-nodes", "17 to 513"]);
     assert_refused(&folder, &["stress", "--cases", "-1"], "", &["--cases", "1 to 1000000000"]);
     assert_refused(&folder, &["stress", "--seed", "1e3"], "", &["--seed", "0 to"]);
+    assert_refused(&folder, &["stress", "--chest"], "", &["--chest", "--tissue-model layered"]);
     assert_refused(&folder, &["stress", "--out", "no/where.json"], "", &["no/where.json", "no"]);
 }
 

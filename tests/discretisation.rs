@@ -13,7 +13,7 @@ fn ratio(scene: &Scene) -> Option<f64> {
     let mut solver = Solver::new(scene.problem().unwrap());
     solver.advance(&mut || false);
     assert_eq!(solver.verdict(), Verdict::Converged);
-    let limit = axisymmetric(scene)?;
+    let limit = axisymmetric(scene, None)?;
     let skin = solver.outer().last().unwrap();
     let (sheet, radius) = (solver.problem().sheet(), scene.implant.base_radius_mm);
     let distance = |k: usize| {

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Scenes that once failed, converged to a wrong position or converged prematurely, with their outcome.
-const ONCE_FAILED: [(&str, &str, Ending); 35] = [
+const ONCE_FAILED: [(&str, &str, Ending); 36] = [
     (
         "a grid whose rows end inside a group of lanes",
         include_str!("stress/partial-lanes-on-41-node-grid.json"),
@@ -179,6 +179,11 @@ const ONCE_FAILED: [(&str, &str, Ending); 35] = [
         include_str!("stress/layered-long-newton.json"),
         Ending::NotConverged,
     ),
+    (
+        "tight skin over a steep dome on a chest, lost after the coarsest grid",
+        include_str!("stress/lost-tight-skin-over-chest.json"),
+        Ending::Converged,
+    ),
 ];
 
 /// The cases 0 to `count` - 1, computed on all cores: their times differ a hundredfold.
@@ -220,7 +225,7 @@ fn random_scenes_and_sessions_satisfy_all_invariants() {
 
 #[test]
 fn random_layered_scenes_and_sessions_satisfy_all_invariants() {
-    let of = Population::of_layered;
+    let of = |case| Population::of_layered(case, false);
     let cases = computed(30, |case| run_of(of(case as u64), 12, case as u64, 33, None));
     let summary = LayeredSummary::new(12, &cases);
     assert_eq!(summary.failures, []);
@@ -230,6 +235,18 @@ fn random_layered_scenes_and_sessions_satisfy_all_invariants() {
     assert!(realistic.converged_share >= 0.98, "{realistic:?}");
     assert!(realistic.endings.held_both_ways >= 12, "{realistic:?}");
     assert_eq!(realistic.max_time_ms, None);
+}
+
+#[test]
+fn random_scenes_and_sessions_over_chests_satisfy_all_invariants() {
+    let of = |case| Population::of_layered(case, true);
+    let cases = computed(20, |case| run_of(of(case as u64), 13, case as u64, 33, None));
+    let summary = LayeredSummary::new(13, &cases);
+    assert_eq!(summary.failures, []);
+    assert_eq!(summary.sessions, 2);
+    let realistic = summary.realistic;
+    assert!(realistic.endings.converged >= 9, "{realistic:?}");
+    assert!(realistic.endings.held_both_ways >= 8, "{realistic:?}");
 }
 
 #[test]

@@ -75,7 +75,7 @@ pub fn measure(
     let references = if is_off_centre {
         finer(case, nodes_per_side)?.map(|reference| vec![reference])
     } else {
-        axisymmetric(&scene).map(|profile| {
+        axisymmetric(&scene, case.mound()).map(|profile| {
             let at = |face: Face, k: usize| {
                 let rest = problem.sheet().rest()[k];
                 let s_mm = rest.length();

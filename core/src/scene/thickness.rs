@@ -1,5 +1,6 @@
 //! The thickness field of a scene: factors of the thickness of the solid layers on a grid, in lengths along the wall.
 
+use super::chest::LEAST_OF_TISSUE;
 use super::{SCENE_SCHEMA_3, Scene, SceneError, grid, out_of_range, problem};
 use crate::curve::number;
 use crate::mesh::ThicknessField;
@@ -53,6 +54,28 @@ impl Scene {
             );
             return Err(out_of_range("thickness_field.factors", value, "more than 0 everywhere"));
         }
+        self.check_hollow(found.greatest())?;
         Ok(Some(found))
+    }
+
+    /// Checks that the solids, thickened by a factor at most, leave cells in a hollow.
+    fn check_hollow(&self, factor: f64) -> Result<(), SceneError> {
+        let Some(chest) = &self.chest else { return Ok(()) };
+        let radii = [0, 1].into_iter().filter_map(|axis| chest.radius(axis));
+        let least = radii.filter(|radius| *radius < 0.0).fold(f64::INFINITY, |a, b| a.min(-b));
+        let skin = self.layers[0].thickness_mm;
+        let most =
+            (least / LEAST_OF_TISSUE - skin) / (self.tissue_mm() - skin).max(f64::MIN_POSITIVE);
+        if factor <= most {
+            return Ok(());
+        }
+        let up_to = |factor: f64| number((100.0 * factor).floor() / 100.0);
+        let value = format!("as high as {}", up_to(factor));
+        let allowed = format!(
+            "{} or less in a hollow of {} mm, twice the tissue",
+            up_to(most),
+            number(least)
+        );
+        Err(out_of_range("thickness_field.factors", value, &allowed))
     }
 }

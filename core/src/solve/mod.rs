@@ -2,7 +2,7 @@
 //!
 //! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
 //! on half of the patch, for either tissue model (`multigrid`). Newton's method on nested grids in f64 is the fallback
-//! and refines solutions below the resolution of f32 (`newton_method`; of layered tissue after a second attempt of multigrid
+//! and refines solutions below the resolution of f32 (`newton_method`; of layered tissue after further attempts of multigrid
 //! with other constants). For a sheet Newton's method also resolves configurations with
 //! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
 //! saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
@@ -343,8 +343,7 @@ impl Solver {
                 self.attempts += 1;
                 let stop = self.stop();
                 if let Some(multigrid) = &mut self.multigrid
-                    && self.attempts == 2
-                    && multigrid.start_again(&self.problem, stop)
+                    && multigrid.start_again(&self.problem, stop, self.attempts)
                 {
                     return state;
                 }

@@ -2,8 +2,8 @@
 
 use super::Problem;
 use super::fas::{
-    Ending, FullMultigrid, LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE, MEMBRANE,
-    State, Stop,
+    Ending, FullMultigrid, LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE,
+    LAYERED_RISING, MEMBRANE, State, Stop,
 };
 use super::problem::Tissue;
 use super::validity::Invalid;
@@ -115,13 +115,21 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts the second attempt of layered tissue, by other constants; false for a sheet, which has one attempt.
-    pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop) -> bool {
+    /// Starts another attempt of layered tissue, by other constants; false for a sheet, which has one attempt, and after the last
+    /// attempt: the second over even tissue on a flat wall, else the third, unless one ended slowly near
+    /// its solution, as skin in folds does in a hollow.
+    pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
         let Self::Layered(scheme) = self else { return false };
-        let solids = problem.solids();
+        let (solids, is_even) = (problem.solids(), problem.rest.is_even());
         let only_stiffens = solids.iter().any(|solid| solid.curve.stiffens())
             && !solids.iter().any(|solid| solid.curve.softens());
-        let parameters = if only_stiffens { &LAYERED_FRESH } else { &LAYERED_GENTLE };
+        let parameters = match attempt {
+            _ if !is_even && scheme.is_slow() => return false,
+            2 if only_stiffens => &LAYERED_FRESH,
+            2 => &LAYERED_GENTLE,
+            3 if !is_even => &LAYERED_RISING,
+            _ => return false,
+        };
         scheme.start_again(parameters, problem, stop);
         true
     }

@@ -36,7 +36,7 @@ pub struct Mound {
 
 impl Mound {
     /// Factor of the thickness at a material radius \[mm\] of solids of a total thickness \[mm\].
-    pub(super) fn factor(self, s: f64, thickness: f64) -> f64 {
+    pub(crate) fn factor(self, s: f64, thickness: f64) -> f64 {
         1.0 + self.height_mm * (-(s / self.width_mm).powi(2)).exp() / thickness
     }
 }

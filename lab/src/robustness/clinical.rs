@@ -1,16 +1,15 @@
 //! Random patients under round implants: solved once each, without comparisons.
 //!
 //! Distributions: spread between people as in `clinical::spread`; base radius 45–75 mm and volume 120–600 ml with
-//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant. With chests: 110–250 mm of radius across,
-//! half of them straight along, the others 1 to 4 times as flat; half of the implants off centre in their pocket.
+//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant. With chests: those of `chest`.
 
 use super::{
-    Case, Ending, Endings, Population, check_layered, nodes, random, scenes::uniform, solve,
+    Case, Ending, Endings, Population, check_layered, chest, nodes, random, scenes::uniform, solve,
 };
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{ChestShape, Scene, field};
+use implant_preview_core::scene::{Scene, field};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
@@ -21,9 +20,6 @@ const BASE_RADIUS_MM: (f64, f64) = (45.0, 75.0);
 const VOLUME_ML: (f64, f64) = (120.0, 600.0);
 /// Projection relative to the base radius \[-\].
 const PROJECTION: (f64, f64) = (0.4, 1.0);
-/// Radius of a chest across \[mm\], and along \[radii across\].
-const CHEST_MM: (f64, f64) = (110.0, 250.0);
-const ALONG: (f64, f64) = (1.0, 4.0);
 /// Pinch \[mm\]; half of it is the cover.
 const PINCH_MM: (f64, f64) = (10.0, 50.0);
 /// Pocket beyond the implant: mean and standard deviation \[mm\].
@@ -49,7 +45,7 @@ pub struct Clinical {
     /// Rate of an exponential in place of the curve `fat` \[-\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fat_rate: Option<f64>,
-    /// Has every patient a curved chest?
+    /// Has every patient a curved chest, half of them another implant or a mound?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_chest: bool,
     /// Nodes per side.
@@ -110,7 +106,7 @@ impl Clinical {
         scene.solver.nodes_per_side = self.nodes_per_side;
         scene.solver.tolerance = 1e-3;
         if self.has_chest {
-            chest(rng, &mut scene);
+            chest::patient(rng, &mut scene);
         }
         scene
     }
@@ -137,22 +133,6 @@ impl Clinical {
         let error = is_measured.then(|| error(&outcome.scene, &solver)).flatten();
         ClinicalCase { case: outcome, attempts: solver.attempts(), by_newton, error }
     }
-}
-
-/// Gives a scene a chest, and half of the scenes an implant off centre. The numbers of the scene without a chest stay.
-fn chest(rng: &mut Rng, scene: &mut Scene) {
-    let across = uniform(rng, CHEST_MM);
-    let along = rng.bool().then(|| across * uniform(rng, ALONG));
-    if rng.bool() {
-        let angle = std::f64::consts::TAU * rng.f64();
-        let distance = scene.room_mm() * rng.f64();
-        scene.implant.center_mm = [distance * angle.cos(), distance * angle.sin()];
-    }
-    let least = scene.least_chest_radius_mm(false);
-    scene.chest = Some(ChestShape {
-        radius_across_mm: across.max(least),
-        radius_along_mm: along.map(|along| along.max(least)),
-    });
 }
 
 /// Greatest distance of a node from the solution of a smaller tolerance on the same grid \[base radius\]; `None` if that solve
@@ -270,16 +250,29 @@ mod tests {
                 measures_errors: false,
             };
             let flat = Clinical { has_chest: false, ..clinical };
+            let mut counts = [0; 3];
             for case in 0..500 {
                 let scene = clinical.scene(7, case);
                 assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
                 let slope = scene.implant.projection_mm / scene.implant.base_radius_mm;
                 assert!((PROJECTION.0..=PROJECTION.1).contains(&slope));
                 assert!(scene.skin_wrinkles() && scene.chest.is_some() == has_chest);
-                let mut without = scene.clone();
-                (without.chest, without.implant.center_mm) = (None, [0.0; 2]);
-                assert_eq!(without, flat.scene(7, case));
+                counts[0] += usize::from(!scene.implant.is_round());
+                counts[1] += usize::from(scene.implant.center_mm.iter().any(|at| at.abs() > 0.0));
+                counts[2] += usize::from(scene.thickness_field.is_some());
+                let (mut without, flat) = (scene, flat.scene(7, case));
+                (without.chest, without.thickness_field) = (None, None);
+                (without.implant.center_mm, without.implant.base_height_mm) = ([0.0; 2], None);
+                without.implant.apex_shift_mm = 0.0;
+                without.set_pocket_radius(flat.pocket_radius_mm);
+                assert_eq!(without, flat);
             }
+            // A third, a third and half of 500.
+            let wanted = if has_chest { [167, 167, 250] } else { [0; 3] };
+            assert!(
+                counts.iter().zip(wanted).all(|(a, b): (&usize, _)| a.abs_diff(b) < 40),
+                "{counts:?}"
+            );
         }
     }
 }

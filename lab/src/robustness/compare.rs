@@ -19,7 +19,7 @@ const SLICES_BEFORE_EDIT: u32 = 12;
 /// Another solution path.
 struct Path {
     check: &'static str,
-    /// Is the scene mirrored about the diagonal? A centred dome has the same scene.
+    /// Is the scene mirrored? A centred dome has the same scene.
     is_mirrored: bool,
     /// Had the solver interrupted solves of other scenes before?
     is_used: bool,
@@ -122,14 +122,25 @@ pub(super) fn compare_solutions(
             2.0 * (error + distance(&nodes(&confirming), &nodes(ended))) <= tolerance
         })
     };
-    // The scene mirrored about the diagonal; for a centred dome the same scene on the whole sheet.
+    // The scene mirrored about the diagonal, over a chest, whose radii differ, about the body's axis; for a centred dome the
+    // same scene on the whole sheet.
     let mut mirrored = scene.clone();
-    mirrored.implant.center_mm.reverse();
+    let has_axis = scene.chest.is_some() || !scene.implant.is_round();
+    if has_axis {
+        mirrored.implant.center_mm[0] *= -1.0;
+        if let Some(field) = &mut mirrored.thickness_field {
+            let rows = field.factors.chunks(field.columns);
+            field.factors = rows.flat_map(|row| row.iter().rev().copied()).collect();
+        }
+    } else {
+        mirrored.implant.center_mm.reverse();
+    }
     let n = solver.problem().sheet().nodes_per_side();
     let mirror = |x: &[DVec3]| -> Vec<DVec3> {
         let image = |layer: &[DVec3], k: usize| {
-            let at = layer[(k % n) * n + k / n];
-            DVec2::new(at.y, at.x).extend(at.z)
+            let (i, j) = (k % n, k / n);
+            let at = layer[if has_axis { j * n + n - 1 - i } else { i * n + j }];
+            if has_axis { at.with_x(-at.x) } else { DVec2::new(at.y, at.x).extend(at.z) }
         };
         x.chunks(n * n).flat_map(|layer| (0..n * n).map(move |k| image(layer, k))).collect()
     };

@@ -32,23 +32,24 @@ impl Population {
     fn replace_dome(self, rng: &mut Rng, scene: &mut Scene) {
         match self {
             Self::Sheet => scenes::dome_and_pocket(rng, scene),
-            Self::Realistic => layered_scenes::realistic_dome(rng, scene),
-            Self::Extreme => layered_scenes::extreme_dome(rng, scene),
+            _ if self.is_extreme() => layered_scenes::extreme_dome(rng, scene),
+            _ => layered_scenes::realistic_dome(rng, scene),
         }
+        self.put_on_chest(rng, scene);
     }
 
     fn layers(self, rng: &mut Rng) -> Vec<Layer> {
         match self {
             Self::Sheet => scenes::layers(rng),
-            Self::Realistic => layered_scenes::realistic_layers(rng),
-            Self::Extreme => layered_scenes::extreme_layers(rng),
+            _ if self.is_extreme() => layered_scenes::extreme_layers(rng),
+            _ => layered_scenes::realistic_layers(rng),
         }
     }
 
     fn insertion(self, rng: &mut Rng) -> f64 {
         match self {
-            Self::Realistic => layered_scenes::realistic_insertion(rng),
-            Self::Sheet | Self::Extreme => scenes::insertion(rng),
+            Self::Realistic | Self::RealisticChest => layered_scenes::realistic_insertion(rng),
+            Self::Sheet | Self::Extreme | Self::ExtremeChest => scenes::insertion(rng),
         }
     }
 
@@ -58,8 +59,11 @@ impl Population {
             Self::Sheet => {
                 scene.springs = if rng.bool() { Springs::Coupled } else { Springs::Nikolaev };
             }
-            Self::Extreme if rng.bool() => layered_scenes::body(rng, scene),
-            Self::Realistic | Self::Extreme => scene.set_tissue_model(if scene.is_layered() {
+            _ if self.is_extreme() && rng.bool() => {
+                layered_scenes::body(rng, scene);
+                self.put_on_chest(rng, scene);
+            }
+            _ => scene.set_tissue_model(if scene.is_layered() {
                 TissueModel::Sheet
             } else {
                 TissueModel::Layered
@@ -124,6 +128,7 @@ fn execute(
         }
         8 => {
             scene.layers = population.layers(rng);
+            population.put_on_chest(rng, &mut scene);
             edit(session, &scene, gesture, findings);
         }
         9 => {
@@ -200,7 +205,7 @@ fn slice(
     let broken = shape.iter().filter(|x| !x.is_finite()).count();
     require_at_most(findings, "displayed non-finite nodes", broken as f64, 0.0);
     // The paper's springs, and layered tissue beyond physics, may have inverted shapes.
-    if springs == Springs::Coupled && population != Population::Extreme {
+    if springs == Springs::Coupled && !population.is_extreme() {
         let reverted = session.counters().reverted - before;
         require_at_most(findings, "reverted edits", reverted as f64, 0.0);
     }

@@ -1,11 +1,12 @@
 //! Robustness tests: random scenes and edit sequences checked against invariants.
 //!
-//! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `check`, `check_layered` (invariants) |
-//! `clinical` (random patients) | `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
+//! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `chest` (chests with other implants and mounds) |
+//! `check`, `check_layered` (invariants) | `clinical` (random patients) | `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
 //! A case depends on population, seed and number alone: equal on every machine and in every order.
 
 pub mod check;
 mod check_layered;
+mod chest;
 pub mod clinical;
 mod compare;
 mod edits;
@@ -42,26 +43,49 @@ pub enum Population {
     Realistic,
     /// Layered tissue within all limits.
     Extreme,
+    /// [`Self::Realistic`] over the chests of patients.
+    RealisticChest,
+    /// [`Self::Extreme`] over chests within all limits.
+    ExtremeChest,
 }
 
 impl Population {
     /// The population of a case of layered tissue: realistic and extreme in turn, with and without a session.
     #[must_use]
-    pub fn of_layered(case: u64) -> Self {
-        let is_extreme = (case + case / CASES_PER_SESSION) % 2 == 1;
-        if is_extreme { Self::Extreme } else { Self::Realistic }
+    pub fn of_layered(case: u64, has_chest: bool) -> Self {
+        match ((case + case / CASES_PER_SESSION) % 2 == 1, has_chest) {
+            (false, false) => Self::Realistic,
+            (true, false) => Self::Extreme,
+            (false, true) => Self::RealisticChest,
+            (true, true) => Self::ExtremeChest,
+        }
     }
 
     fn is_sheet(&self) -> bool {
         *self == Self::Sheet
     }
 
+    fn is_extreme(self) -> bool {
+        matches!(self, Self::Extreme | Self::ExtremeChest)
+    }
+
     /// A random scene.
     fn scene(self, rng: &mut Rng) -> Scene {
-        match self {
+        let mut scene = match self {
             Self::Sheet => scenes::scene(rng),
-            Self::Realistic => layered_scenes::realistic(rng),
-            Self::Extreme => layered_scenes::extreme(rng),
+            Self::Realistic | Self::RealisticChest => layered_scenes::realistic(rng),
+            Self::Extreme | Self::ExtremeChest => layered_scenes::extreme(rng),
+        };
+        self.put_on_chest(rng, &mut scene);
+        scene
+    }
+
+    /// Gives layered tissue another chest, where scenes have one.
+    fn put_on_chest(self, rng: &mut Rng, scene: &mut Scene) {
+        match self {
+            Self::RealisticChest if scene.is_layered() => chest::patient(rng, scene),
+            Self::ExtremeChest if scene.is_layered() => chest::any(rng, scene),
+            _ => {}
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Numbers of cases by outcome, failures and slowest cases of a run.
 
-use super::{Case, Ending, Population};
+use super::{Case, Ending};
 use implant_preview_core::scene::Springs;
 use serde::Serialize;
 
@@ -137,9 +137,9 @@ impl PopulationSummary {
 pub struct LayeredSummary {
     /// The seed.
     pub seed: u64,
-    /// [`Population::Realistic`].
+    /// [`Population::Realistic`] or [`Population::RealisticChest`].
     pub realistic: PopulationSummary,
-    /// [`Population::Extreme`].
+    /// [`Population::Extreme`] or [`Population::ExtremeChest`].
     pub extreme: PopulationSummary,
     /// Number of sessions of random edits.
     pub sessions: u64,
@@ -154,8 +154,9 @@ impl LayeredSummary {
     /// Summarises cases in their order.
     #[must_use]
     pub fn new(seed: u64, cases: &[Case]) -> Self {
-        let of = |population: Population| {
-            let cases: Vec<&Case> = cases.iter().filter(|c| c.population == population).collect();
+        let of = |is_extreme: bool| {
+            let cases: Vec<&Case> =
+                cases.iter().filter(|c| c.population.is_extreme() == is_extreme).collect();
             PopulationSummary::new(&cases)
         };
         let cost = |case: &Case| case.time_ms.unwrap_or(case.work_units);
@@ -164,15 +165,15 @@ impl LayeredSummary {
         let is = |ending: Ending| move |case: &&Case| case.ending == ending;
         let several = cases.iter().filter(is(Ending::Several)).take(WORST_CASES);
         let is_unfinished = |case: &&Case| {
-            case.population == Population::Realistic
+            !case.population.is_extreme()
                 && matches!(case.ending, Ending::NotConverged | Ending::Unstable | Ending::Pierced)
         };
         let unfinished = cases.iter().filter(is_unfinished).take(WORST_CASES);
         let worst = by_cost.into_iter().take(WORST_CASES).chain(several).chain(unfinished);
         Self {
             seed,
-            realistic: of(Population::Realistic),
-            extreme: of(Population::Extreme),
+            realistic: of(false),
+            extreme: of(true),
             sessions: cases.iter().map(|case| u64::from(case.in_session)).sum(),
             failures: cases.iter().filter(is(Ending::Failed)).cloned().collect(),
             worst: worst.cloned().collect(),

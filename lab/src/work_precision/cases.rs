@@ -1,9 +1,10 @@
 //! Scenes of the study: centred domes with an axisymmetric reference solution.
 
+use crate::axisymmetric_layers::Mound;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, Implant, Layer, SCENE_SCHEMA, SCENE_SCHEMA_2, Scene,
-    SolverSettings, Springs, TissueModel,
+    AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, SCENE_SCHEMA,
+    SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SolverSettings, Springs, ThicknessGrid, TissueModel,
 };
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,14 @@ pub enum Case {
     LayeredLinear,
     /// Layered tissue: adipose over muscle.
     LayeredMuscle,
+    /// Stiffening fat over a flat chest.
+    BodyFlat,
+    /// The same over a spherical chest of 150 mm.
+    BodyCurved,
+    /// The same over a flat chest, with a mound of 20 mm of fat.
+    BodyMound,
+    /// The same over a spherical chest of 140 mm, with a mound of 25 mm.
+    BodyCurvedMound,
 }
 
 impl Case {
@@ -45,10 +54,30 @@ impl Case {
     pub const LAYERED: [Self; 4] =
         [Self::LayeredDefault, Self::LayeredFlat, Self::LayeredLinear, Self::LayeredMuscle];
 
+    /// All scenes with chests and mounds, and the flat one beside them: those of `tests/reference/body.json`.
+    pub const BODY: [Self; 4] =
+        [Self::BodyFlat, Self::BodyCurved, Self::BodyMound, Self::BodyCurvedMound];
+
+    /// All scenes.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().chain(Self::LAYERED).chain(Self::BODY)
+    }
+
     /// Is the tissue layered?
     #[must_use]
     pub fn is_layered(self) -> bool {
-        Self::LAYERED.contains(&self)
+        !Self::ALL.contains(&self)
+    }
+
+    /// The mound of thickness in closed form.
+    #[must_use]
+    pub fn mound(self) -> Option<Mound> {
+        let height_mm = match self {
+            Self::BodyMound => 20.0,
+            Self::BodyCurvedMound => 25.0,
+            _ => return None,
+        };
+        Some(Mound { height_mm, width_mm: 45.0 })
     }
 
     /// Name of the scene in tables and titles.
@@ -64,6 +93,10 @@ impl Case {
             Self::LayeredFlat => "layered-flat",
             Self::LayeredLinear => "layered-linear",
             Self::LayeredMuscle => "layered-muscle",
+            Self::BodyFlat => "body-flat",
+            Self::BodyCurved => "body-curved",
+            Self::BodyMound => "body-mound",
+            Self::BodyCurvedMound => "body-curved-mound",
         }
     }
 
@@ -139,8 +172,36 @@ impl Case {
                 };
                 layered([58.0, 45.0], 66.0, 3.0, vec![skin, adipose, muscle])
             }
+            Self::BodyFlat | Self::BodyCurved | Self::BodyMound | Self::BodyCurvedMound => {
+                let (mut skin, mut fat) = (Layer::skin(), Layer::adipose());
+                skin.curve.strain_scale = 0.5;
+                (fat.thickness_mm, fat.poisson_ratio) = (8.5, 0.45);
+                fat.curve = CurveSpec::Exponential { scale_kpa: 0.6, rate: 5.0 }.into();
+                let mut scene = layered([60.0, 40.0], 70.0, 2.0, vec![skin, fat]);
+                scene.schema = SCENE_SCHEMA_3.to_owned();
+                let chest_mm = match self {
+                    Self::BodyCurved => Some(150.0),
+                    Self::BodyCurvedMound => Some(140.0),
+                    _ => None,
+                };
+                scene.chest = chest_mm.map(|radius| ChestShape {
+                    radius_across_mm: radius,
+                    radius_along_mm: Some(radius),
+                });
+                scene.thickness_field = self.mound().map(|mound| factors(mound, 8.5));
+                scene
+            }
         }
     }
+}
+
+/// The factors of the thickness of solids \[mm\] under a mound, 4 mm apart.
+fn factors(mound: Mound, solids_mm: f64) -> ThicknessGrid {
+    const COUNT: usize = 69;
+    let at = |k: usize| 4.0 * (k as f64 - (COUNT / 2) as f64);
+    let factor = |k: usize| mound.factor(at(k % COUNT).hypot(at(k / COUNT)), solids_mm);
+    let factors = (0..COUNT * COUNT).map(factor).collect();
+    ThicknessGrid { spacing_mm: 4.0, columns: COUNT, rows: COUNT, factors }
 }
 
 /// Radius of the patch around a pocket in `tests/reference/layered.json` \[mm\].

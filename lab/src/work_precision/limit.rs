@@ -1,6 +1,6 @@
 //! The limit of all grids: axisymmetric references.
 
-use crate::axisymmetric_layers::{Attachment, Input, RestShape};
+use crate::axisymmetric_layers::{Attachment, Input, Mound, RestShape, Wall};
 use crate::{axisymmetric as sheet, axisymmetric_layers as layers};
 use implant_preview_core::scene::Scene;
 use implant_preview_core::solve::{Problem, Tissue};
@@ -19,23 +19,26 @@ pub enum Face {
 pub type Profile = Box<dyn Fn(Face, f64) -> (f64, f64)>;
 
 /// Computes the limit of all grids, if known.
-pub type Reference = fn(&Scene) -> Option<Profile>;
+pub type Reference = fn(&Scene, Option<Mound>) -> Option<Profile>;
 
 /// Cells of the two meshes of the layered reference, along the radius and through the solids.
 const MESHES: [[usize; 2]; 2] = [[144, 8], [216, 12]];
-/// Weight of the difference of both meshes in the limit: errors are of first order in the width of the cells.
-const EXTRAPOLATION: f64 = 2.0;
+/// Weight of the difference of both meshes in the limit: over solids that all stiffen errors are of second order in the width of
+/// the cells, over others of first order.
+const EXTRAPOLATION: [f64; 2] = [0.8, 2.0];
 
 /// The reference of a centred dome: of a sheet under coupled springs [`sheet`], of layered tissue [`layers`],
-/// extrapolated from two meshes.
+/// extrapolated from two meshes. A thickness field is that of `mound`, in closed form.
 #[must_use]
-pub fn axisymmetric(scene: &Scene) -> Option<Profile> {
+pub fn axisymmetric(scene: &Scene, mound: Option<Mound>) -> Option<Profile> {
     let problem = scene.problem().ok()?;
-    if problem.mirrored() != [true; 2] {
+    let mut even = scene.clone();
+    even.thickness_field = even.thickness_field.filter(|_| mound.is_none());
+    if !even.is_round() {
         return None;
     }
     match problem.tissue {
-        Tissue::Layered { skin_wrinkles, .. } => of_layers(scene, &problem, skin_wrinkles),
+        Tissue::Layered { skin_wrinkles, .. } => of_layers(scene, mound, &problem, skin_wrinkles),
         Tissue::Sheet if problem.springs == Springs::Coupled => of_sheet(&problem),
         Tissue::Sheet => None,
     }
@@ -49,9 +52,17 @@ fn of_sheet(Problem { patch, obstacle, materials, .. }: &Problem) -> Option<Prof
     }))
 }
 
-fn of_layers(scene: &Scene, problem: &Problem, skin_wrinkles: bool) -> Option<Profile> {
+fn of_layers(
+    scene: &Scene,
+    mound: Option<Mound>,
+    problem: &Problem,
+    skin_wrinkles: bool,
+) -> Option<Profile> {
     let Problem { patch, obstacle, materials, .. } = problem;
     let attachment = patch.attachment()?;
+    let radius_mm = scene.chest.map(|chest| chest.radius_across_mm);
+    let stiffens = problem.solids().iter().all(|solid| solid.curve.stiffens());
+    let weight = EXTRAPOLATION[usize::from(!stiffens)];
     let on = |cells: [usize; 2]| {
         layers::solve(&Input {
             base_radius_mm: obstacle.dome.base_radius,
@@ -65,7 +76,7 @@ fn of_layers(scene: &Scene, problem: &Problem, skin_wrinkles: bool) -> Option<Pr
             },
             layers: materials.clone(),
             skin_wrinkles,
-            rest: RestShape::default(),
+            rest: RestShape { wall: Wall { radius_mm }, mound },
             cells,
         })
     };
@@ -75,7 +86,7 @@ fn of_layers(scene: &Scene, problem: &Problem, skin_wrinkles: bool) -> Option<Pr
             let (inner, skin) = solution.point(s_mm);
             if face == Face::Inner { inner } else { skin }
         });
-        let limit = |k: usize| b[k] + EXTRAPOLATION * (b[k] - a[k]);
+        let limit = |k: usize| b[k] + weight * (b[k] - a[k]);
         (limit(0), limit(1))
     }))
 }

@@ -60,7 +60,7 @@ impl Ground {
         while solver.advance(&mut || false) == Progress::Working {}
         let kinds = problem.sheet().kinds();
         let free = (0..problem.sheet().len()).filter(|k| kinds[*k] == NodeKind::Free).collect();
-        let profile = reference.and_then(|reference| reference(&scene));
+        let profile = reference.and_then(|reference| reference(&scene, case.mound()));
         let of_face = |face: Face, rest: &[DVec3]| {
             profile.as_ref().map(|profile| revolved(profile, face, rest, problem.sheet()))
         };

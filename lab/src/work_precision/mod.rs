@@ -308,11 +308,10 @@ impl Study {
         let Some(name) = name else {
             return Ok(self.plan.cases.first().copied().unwrap_or(Case::Default));
         };
-        let all = || Case::ALL.into_iter().chain(Case::LAYERED);
-        all().find(|case| case.name() == name).ok_or_else(|| SceneError::OutOfRange {
+        Case::all().find(|case| case.name() == name).ok_or_else(|| SceneError::OutOfRange {
             field: "scene".to_owned(),
             value: format!("{name:?}"),
-            allowed: all().map(Case::name).collect::<Vec<_>>().join(", "),
+            allowed: Case::all().map(Case::name).collect::<Vec<_>>().join(", "),
         })
     }
 }

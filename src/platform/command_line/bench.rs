@@ -1,7 +1,7 @@
 //! `bench`: run time against error of multigrid and of Newton's method, as a table and a chart.
 
 use super::output::{self, File, OutputFolder};
-use super::stress::tissue_model;
+use super::stress::{CHEST_OF_SHEET, tissue_model};
 use super::{ExitStatus, InputError};
 use crate::scene::TissueModel;
 use implant_preview_lab::charts::work_precision::draw;
@@ -19,11 +19,17 @@ pub(super) struct Arguments {
     /// The tissue model of the scenes.
     #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
     tissue_model: TissueModel,
+    /// Layered tissue: the scenes with chests and mounds instead.
+    #[arg(long)]
+    chest: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let folder = arguments.folder.create()?;
-    let (plan, case, name) = match (arguments.tissue_model, arguments.quick) {
+    if arguments.chest && arguments.tissue_model == TissueModel::Sheet {
+        return Err(InputError(CHEST_OF_SHEET.to_owned()));
+    }
+    let (mut plan, mut case, mut name) = match (arguments.tissue_model, arguments.quick) {
         (TissueModel::Sheet, true) => (Plan::quick(), Case::Default, "work_precision"),
         (TissueModel::Sheet, false) => (Plan::full(), Case::Default, "work_precision"),
         (TissueModel::Layered, is_quick) => {
@@ -31,6 +37,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
             (plan, Case::LayeredDefault, "work_precision_layered")
         }
     };
+    if arguments.chest {
+        (case, name) = (Case::BodyCurved, "work_precision_chest");
+        plan.cases = if arguments.quick { vec![case] } else { Case::BODY.to_vec() };
+    }
     let mut study = Study::new(plan, Some(axisymmetric));
     let start = Instant::now();
     let mut clock = || 1e3 * start.elapsed().as_secs_f64();

@@ -41,8 +41,9 @@ pub(super) struct Arguments {
     /// Clinical population: rate of an exponential, 0.001 to 100, in place of the curve `fat`.
     #[arg(long, value_name = "RATE", value_parser = rate, requires = "clinical")]
     fat_rate: Option<f64>,
-    /// Clinical population: every patient has a curved chest, half of the implants are off centre.
-    #[arg(long, requires = "clinical")]
+    /// Layered tissue and clinical population: every scene has a curved chest, half of them an implant that is anatomical or off
+    /// centre, half of them a mound of thickness.
+    #[arg(long)]
     chest: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
@@ -56,6 +57,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "F", default_value = STANDARD)]
     out: PathBuf,
 }
+
+/// The error of `--chest` for sheets.
+pub(super) const CHEST_OF_SHEET: &str =
+    "--chest: sheets are flat; allowed: with --tissue-model layered";
 
 const MOST_NODES: usize = 513;
 const MOST_CASES: u64 = 1_000_000_000;
@@ -116,12 +121,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         return run_clinical(arguments);
     }
     let is_layered = tissue_model == TissueModel::Layered;
+    if arguments.chest && !is_layered {
+        return Err(InputError(CHEST_OF_SHEET.to_owned()));
+    }
     std::panic::set_hook(Box::new(|panic| {
         let location = panic.location().map(ToString::to_string).unwrap_or_default();
         output::error(&format!("internal error at {location}; the case counts as failed"));
     }));
+    let has_chest = arguments.chest;
     let run = move |case: u64| {
-        let population = if is_layered { Population::of_layered(case) } else { Population::Sheet };
+        let population = match is_layered {
+            true => Population::of_layered(case, has_chest),
+            false => Population::Sheet,
+        };
         let start = Instant::now();
         let clock = || 1e3 * start.elapsed().as_secs_f64();
         let clock: Option<&dyn Fn() -> f64> = if is_layered { Some(&clock) } else { None };

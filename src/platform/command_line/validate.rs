@@ -39,6 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         add(&Case::ALL, true, &OFF_CENTRE_GRIDS);
     }
     add(&Case::LAYERED, false, &LAYERED_GRIDS);
+    add(&Case::BODY, false, &LAYERED_GRIDS);
     let mut rows = Vec::new();
     let mut is_complete = true;
     for (case, is_off_centre, nodes) in plan {

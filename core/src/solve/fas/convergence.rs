@@ -159,7 +159,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.reference_length {
             self.mode = Mode::Robust;
         }
-        if self.is_on_finest() { self.check_solution() } else { self.check_start() }
+        match (self.is_on_finest(), self.ascent.is_empty()) {
+            (false, _) => self.check_start(),
+            (true, false) => self.check_step(),
+            (true, true) => self.check_solution(),
+        }
     }
 
     /// Ends a cycle of a coarser grid, whose solution is only a start.
@@ -179,6 +183,20 @@ impl<M: ElasticModel> FullMultigrid<M> {
             }
             self.refine();
         } else {
+            self.begin_cycle();
+        }
+        State::Working
+    }
+
+    /// Ends a cycle of the finest grid under a dome that is to rise further, whose solution is only a start.
+    fn check_step(&mut self) -> State {
+        let Self { convergence, reference_length, parameters, .. } = self;
+        if convergence.ending.error <= parameters.rising_tolerance * *reference_length {
+            self.raise();
+        } else if convergence.cycles >= parameters.max_cycles_of_step {
+            return State::Failed;
+        } else {
+            self.mix();
             self.begin_cycle();
         }
         State::Working

@@ -20,15 +20,19 @@ mod transfer;
 
 use super::Problem;
 use super::initial_guess;
+use crate::contact::{Dome, Obstacle};
 use crate::mesh::coarser_nodes_per_side;
 use crate::mesh::lanes::{Field, Mirrored};
 use crate::model::ElasticModel;
 use convergence::Convergence;
 pub(super) use convergence::Ending;
 use cycle::Step;
+use glam::DVec3;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE, MEMBRANE};
+pub(super) use parameters::{
+    LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE,
+};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -91,6 +95,17 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     /// Scratch of a row.
     row: Vec<f32>,
     work_units: f64,
+    /// The rest of the way of a rising dome, the last step first.
+    ascent: Vec<Ascent>,
+}
+
+/// A step of a rising dome.
+#[derive(Clone, Debug)]
+struct Ascent {
+    /// The obstacle after the step \[mm\].
+    obstacle: Obstacle,
+    /// Move of every column of the finest grid by the initial guesses before and after the step \[spacings\].
+    moves: Vec<DVec3>,
 }
 
 impl<M: ElasticModel> FullMultigrid<M> {
@@ -138,6 +153,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             has_coarse_solution: false,
             row: vec![0.0; nodes_per_side + 8],
             work_units: 0.0,
+            ascent: Vec::new(),
             levels,
             model,
         }
@@ -213,6 +229,12 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.work_units = work_units;
     }
 
+    /// Did the last attempt end near its solution, after all its cycles of the finest grid?
+    pub(super) fn is_slow(&self) -> bool {
+        let near = self.parameters.start_tolerance * self.reference_length;
+        self.finest_cycles() >= self.parameters.max_cycles && self.convergence.ending.error <= near
+    }
+
     /// See [`Parameters::least_tolerance`].
     pub(super) fn least_tolerance(&self) -> f64 {
         self.parameters.least_tolerance
@@ -242,20 +264,52 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.fit(&self.model, spacing, rest);
             // A failed solve may leave numbers that are not finite at clamped nodes.
             level.u.fill_zero();
-            level.place(obstacle.scaled(1.0 / spacing));
         }
         self.work_units = 0.0;
         self.has_coarse_solution = false;
         self.mode = Mode::Fast;
         let first = self.parameters.first_grid.min(finest);
+        let standing = |part: &f64| match *part {
+            1.0 => obstacle.clone(),
+            part => Obstacle { dome: obstacle.dome.lowered_to(part), ..obstacle.clone() },
+        };
+        let lowest = standing(&self.parameters.rise[0]);
+        self.place(&lowest);
         for level in &mut self.levels[..=first] {
-            level.start_from_geometry(problem);
+            level.start_from_geometry(problem, &lowest.dome);
+        }
+        self.ascent.clear();
+        for pair in self.parameters.rise.windows(2).rev() {
+            let [before, obstacle] = [&pair[0], &pair[1]].map(standing);
+            let level = self.finest();
+            let [from, to] = [&before, &obstacle].map(|at| level.guess(problem, &at.dome));
+            let moves = to.iter().zip(from).map(|(to, from)| *to - from).collect();
+            self.ascent.push(Ascent { obstacle, moves });
         }
         for level in &mut self.levels[..first] {
             // Later cycles use the blocks of the start on grids that are not solved by themselves.
             level.invert_blocks(&self.model);
         }
         self.begin_grid(first);
+    }
+
+    /// Places the obstacle on every grid.
+    fn place(&mut self, obstacle: &Obstacle) {
+        let finest = self.levels.len() - 1;
+        for (l, level) in self.levels.iter_mut().enumerate() {
+            let spacing = self.spacing * f64::from(1 << (finest - l));
+            level.place(obstacle.scaled(1.0 / spacing));
+        }
+    }
+
+    /// Raises the dome by a step on the finest grid.
+    fn raise(&mut self) {
+        let Some(Ascent { obstacle, moves }) = self.ascent.pop() else { return };
+        self.place(&obstacle);
+        self.levels[self.grid].move_columns(&moves);
+        // That of a lower dome.
+        self.has_coarse_solution = false;
+        self.begin_grid(self.grid);
     }
 
     fn begin_grid(&mut self, grid: usize) {
@@ -300,23 +354,32 @@ impl<M: ElasticModel> FullMultigrid<M> {
 }
 
 impl<M: ElasticModel> Level<M> {
-    /// Sets the state to the taut profile over the dome.
-    fn start_from_geometry(&mut self, problem: &Problem) {
-        let Self { layout, u, .. } = self;
-        let n = layout.nodes_per_side;
-        let rest = problem.rest.restricted(n);
-        let guess =
-            initial_guess::taut_within(&rest, &problem.obstacle.dome, problem.patch.reach_mm());
+    /// Displacements of the taut profile over a dome \[spacings\], one a node.
+    fn guess(&self, problem: &Problem, dome: &Dome) -> Vec<DVec3> {
+        let rest = problem.rest.restricted(self.layout.nodes_per_side);
+        let guess = initial_guess::taut_within(&rest, dome, problem.patch.reach_mm());
         let per_spacing = 1.0 / rest.sheet().spacing_mm();
+        let displacement = |(k, x): (usize, DVec3)| (x - rest.node(0, k)) * per_spacing;
+        guess.into_iter().enumerate().map(displacement).collect()
+    }
+
+    /// Sets the state to the taut profile over the dome.
+    fn start_from_geometry(&mut self, problem: &Problem, dome: &Dome) {
+        self.u.fill_zero();
+        self.move_columns(&self.guess(problem, dome));
+    }
+
+    /// Moves every column \[spacings\].
+    fn move_columns(&mut self, moves: &[DVec3]) {
+        let Self { layout, u, .. } = self;
         for layer in u.layers() {
             layout.free_rows(|j, from, to| {
                 for i in from..to {
-                    let k = layout.node(i, j);
-                    let displacement = (guess[k] - rest.node(0, k)) * per_spacing;
+                    let way = moves[layout.node(i, j)];
                     let to = layer + j * layout.pitch + i;
-                    u.x[to] = displacement.x as f32;
-                    u.y[to] = displacement.y as f32;
-                    u.z[to] = displacement.z as f32;
+                    u.x[to] += way.x as f32;
+                    u.y[to] += way.y as f32;
+                    u.z[to] += way.z as f32;
                 }
             });
         }
