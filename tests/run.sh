@@ -12,6 +12,8 @@ TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 LOGS="$TARGET_DIR/test-logs"
 WASM=(--target wasm32-unknown-unknown)
 FAILURE='^ *not ok | panicked at |^error'
+# The number before a word of a line, and the sum at the end.
+BEFORE='function before(word, i) { for (i = 2; i <= NF; i++) if ($i ~ "^" word) return $(i - 1) } END{print n + 0}'
 passed=0
 failed=0
 
@@ -24,9 +26,9 @@ check() {
 suite() {
   local ended=0 ok bad
   run_step "$@" || ended=1
-  # cargo test and wasm-bindgen: "test result: ok. 3 passed; 0 failed; …"; node: "# pass 3", "# fail 0".
-  ok=$(awk '/^test result: /{n += $4} /^# pass /{n += $3} END{print n + 0}' "$LOGS/$1.log")
-  bad=$(awk '/^test result: /{n += $6} /^# fail /{n += $3} END{print n + 0}' "$LOGS/$1.log")
+  # cargo test and wasm-bindgen: "test result: ok. 3 passed; 0 failed; …"; node: "# pass 3", "# fail 0"; pytest: "1 failed, 3 passed in …".
+  ok=$(awk '/^test result: /{n += $4} /^# pass /{n += $3} /^[0-9]+ (failed|passed)/{n += before("passed")} '"$BEFORE" "$LOGS/$1.log")
+  bad=$(awk '/^test result: /{n += $6} /^# fail /{n += $3} /^[0-9]+ (failed|passed)/{n += before("failed")} '"$BEFORE" "$LOGS/$1.log")
   # It did not build, it broke off, or it found no test: that is a failure too.
   if [ "$bad" -eq 0 ] && { [ "$ended" -ne 0 ] || [ "$ok" -eq 0 ]; }; then
     [ "$ended" -ne 0 ] || echo "  $1: no test ran"
@@ -69,12 +71,13 @@ run_step() {
   return "$ended"
 }
 
-# Both are for wasm32: beside the native steps they keep the second core busy.
-run_for_wasm() {
+# Beside the native steps these keep the second core busy.
+run_beside() {
   run page build_page
   # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
   run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" \
     --mode no-install . --locked --no-default-features --features js-api --test wasm
+  run python test_python
 }
 
 need_test_tools
@@ -83,10 +86,11 @@ rm -f "$LOGS"/*.end
 
 # Quick ones first.
 check format cargo fmt --all -- --check
+check format-python cargo fmt --manifest-path python/Cargo.toml -- --check
 check scripts bash -n web/tools.sh web/serve.sh web/name_module.sh tests/run.sh .ci/run
 rm -rf dist # so that no older page is tested
 set -m # a process group of its own, to be ended as a whole
-run_for_wasm &
+run_beside &
 BESIDE=$!
 set +m
 trap 'kill -- "-$BESIDE" 2>/dev/null || :' EXIT
@@ -94,6 +98,7 @@ check lint cargo clippy --locked --workspace --all-targets -- -D warnings
 check lint-core cargo clippy --locked --workspace --lib --no-default-features -- -D warnings
 check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -D warnings
 check lint-core-wasm cargo clippy --locked "${WASM[@]}" --workspace --lib --no-default-features -- -D warnings
+check lint-python cargo clippy --manifest-path python/Cargo.toml --locked -- -D warnings
 check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --workspace --no-deps --lib
 suite native cargo test --locked --workspace --no-fail-fast
 for example in simulate sweep; do
@@ -101,6 +106,7 @@ for example in simulate sweep; do
 done
 check page
 suite wasm
+suite python
 suite browser node --test --test-reporter=tap --test-concurrency=2 tests/browser/*.test.mjs
 
 printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))

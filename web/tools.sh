@@ -106,6 +106,18 @@ need_test_tools() {
   fi
 }
 
+# Builds the Python module's wheel, installs it in a fresh environment and tests it there.
+test_python() {
+  need_packages python3=python3
+  python3 -c 'import ensurepip' 2>/dev/null || need_packages no-ensurepip=python3-venv
+  python3 -m venv --clear "$TOOLS_DIR/python"
+  local python="$TOOLS_DIR/python/bin/python"
+  CARGO_TARGET_DIR="$TOOLS_DIR/python-target" "$python" -m pip install --quiet --disable-pip-version-check "./python[test]"
+  "$python" -m mypy --strict python/implant_preview
+  # From the folder of the tests: the installed module is tested, not the one of the checkout.
+  (cd python/tests && "$python" -m pytest -q)
+}
+
 # Builds dist/, unless it is newer than everything it is made of.
 build_page() {
   local built="$TOOLS_DIR/page-built" newer=none

@@ -1,0 +1,88 @@
+//! The native part of the Python module: scenes and results are JSON text, numbers of nodes are NumPy arrays.
+//!
+//! `implant_preview/__init__.py` has the functions that users call. Long calls hold no interpreter lock, and Ctrl+C ends them between
+//! two scenes.
+
+mod pool;
+mod shape;
+mod studies;
+
+use implant_preview_core::measure::Selection;
+use implant_preview_core::scene::{self, CheckedScene, Scene};
+use implant_preview_core::simulate::{Simulation, Simulator};
+use implant_preview_core::solve::Options;
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::time::Instant;
+
+create_exception!(
+    implant_preview,
+    SceneError,
+    PyValueError,
+    "A scene or an option that is not allowed: one line with the field, its value and what is allowed."
+);
+
+/// An error of one line.
+fn refused(error: impl ToString) -> PyErr {
+    SceneError::new_err(error.to_string())
+}
+
+/// Solves the text of a scene, with the solve's time.
+fn simulated(simulator: &mut Simulator, text: &str) -> Result<Simulation, String> {
+    let scene = CheckedScene::from_json(text).map_err(|error| error.to_string())?;
+    let start = Instant::now();
+    let clock = move || start.elapsed().as_secs_f64() * 1e3;
+    Ok(simulator.run(&scene, Options::default(), &Selection::all(), Some(&clock)))
+}
+
+/// The text of a value that is always JSON.
+fn json(value: &impl serde::Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::SceneError;
+    #[pymodule_export]
+    use super::pool::Pool;
+    #[pymodule_export]
+    use super::shape::shape;
+    #[pymodule_export]
+    use super::studies::{bands, map, matrix};
+    use super::{PyResult, Python, Scene, Simulator, json, refused, scene, simulated};
+    use implant_preview_core::study::Quantity;
+    use pyo3::pyfunction;
+
+    #[pyfunction]
+    fn solve(py: Python<'_>, scene: &str) -> PyResult<String> {
+        let found = py.detach(|| simulated(&mut Simulator::default(), scene)).map_err(refused)?;
+        Ok(json(&found.outcome))
+    }
+
+    #[pyfunction]
+    fn default_scene() -> String {
+        Scene::default().to_json()
+    }
+
+    #[pyfunction]
+    fn opening_scene() -> String {
+        Scene::opening().to_json()
+    }
+
+    #[pyfunction]
+    fn schema() -> String {
+        scene::schema()
+    }
+
+    #[pyfunction]
+    fn quantities() -> Vec<String> {
+        Quantity::ALL.iter().map(|quantity| quantity.name().to_owned()).collect()
+    }
+
+    #[pyfunction]
+    fn version() -> &'static str {
+        env!("CARGO_PKG_VERSION")
+    }
+}
