@@ -7,8 +7,10 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The fields of a layer, by name.
-const OF_LAYERS: [(&str, fn(usize) -> Field); 3] = [
+/// The name of a field of a layer, and the field by the layer's index.
+type OfLayer = (&'static str, fn(usize) -> Field);
+
+const OF_LAYERS: [OfLayer; 3] = [
     ("layer_strain", Field::LayerStrain),
     ("thickness_stretch", Field::ThicknessStretch),
     ("stress_kpa", Field::Stress),
