@@ -329,3 +329,26 @@ fn the_memory_of_a_stream_does_not_grow_with_its_scenes() {
     assert_eq!(count, SCENES);
     assert!(most > 0 && most <= 300_000 && most < early + 20_000, "{early} kB, then {most} kB");
 }
+
+#[test]
+fn gnu_parallel_gives_each_scene_one_line() {
+    let mut child = Command::new("parallel")
+        .args(["--will-cite", "--pipe", "-N", "50", "-j", "2", "--line-buffer"])
+        .arg(format!(
+            "{} simulate - --lines --fields status",
+            env!("CARGO_BIN_EXE_implant-preview")
+        ))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let writer = thread::spawn(move || stdin.write_all(numbered(400).as_bytes()).unwrap());
+    let output = child.wait_with_output().unwrap();
+    writer.join().unwrap();
+    assert!(output.status.success());
+    let mut ids: Vec<u64> =
+        lines(&output.stdout).iter().map(|line| line["id"].as_u64().unwrap()).collect();
+    ids.sort_unstable();
+    assert_eq!(ids, (0..400).collect::<Vec<_>>());
+}

@@ -92,10 +92,10 @@ need_page_tools() {
   export PATH="$TOOLS_DIR/node_modules/.bin:$PATH"
 }
 
-# What the tests need besides: a browser, its driver, wasm-pack, what drives the page.
+# What the tests need besides: a browser, its driver, GNU parallel, wasm-pack, what drives the page.
 need_test_tools() {
   need_page_tools
-  need_packages chromium=chromium chromedriver=chromium-driver
+  need_packages chromium=chromium chromedriver=chromium-driver parallel=parallel
   if ! has_version wasm-pack "$WASM_PACK_VERSION"; then
     build_tool "building wasm-pack $WASM_PACK_VERSION (about 2 minutes)" 1 --locked "wasm-pack@$WASM_PACK_VERSION"
   fi

@@ -65,6 +65,10 @@ def _object(text: str) -> dict[str, Any]:
     return value
 
 
+def _paths(fields: Sequence[str] | None) -> list[str] | None:
+    return None if fields is None else list(fields)
+
+
 def _result(text: str) -> dict[str, Any]:
     result = _object(text)
     for name in ("profile", "profile_skin", "profile_y", "profile_skin_y"):
@@ -93,8 +97,10 @@ def quantities() -> list[str]:
     return _native.quantities()
 
 
-def solve(scene: Scene) -> dict[str, Any]:
+def solve(scene: Scene, *, fields: Sequence[str] | None = None) -> dict[str, Any]:
     """Solves a scene.
+
+    ``fields``: paths of the result, as ``"strain.max_principal"``, that are computed and returned beside ``status``; default: all.
 
     Returns the result (docs/formats.md, ``result/3``): ``status``, ``contact_force_n`` [N], ``contact_pressure_mmhg``,
     ``strain`` [-], ``cover_mm`` and more. The profiles (``profile``, ``profile_skin``, over a chest ``profile_y``,
@@ -102,7 +108,7 @@ def solve(scene: Scene) -> dict[str, Any]:
 
     Raises :class:`SceneError` with one line for a scene out of its limits.
     """
-    return _result(_native.solve(_text(scene)))
+    return _result(_native.solve(_text(scene), _paths(fields)))
 
 
 def solve_many(
@@ -110,14 +116,17 @@ def solve_many(
     *,
     threads: int | None = None,
     in_order: bool = True,
+    fields: Sequence[str] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Solves scenes for as long as they come, on threads (default: one for each core), in bounded memory.
+
+    ``fields``: as of :func:`solve`; fewer are faster.
 
     Yields a result for each scene, in the order of the scenes or, with ``in_order=False``, as they are ready. A result has
     ``index``, the place of its scene from 0, and ``id`` if the scene has one; a scene out of its limits has ``{"index", "id",
     "error"}`` in its place, and the others go on.
     """
-    pool = _native.Pool(threads, in_order)
+    pool = _native.Pool(threads, in_order, _paths(fields))
     ahead = _AHEAD * (threads or os.cpu_count() or 1)
     ids: dict[int, Any] = {}
 

@@ -28,12 +28,21 @@ fn refused(error: impl ToString) -> PyErr {
     SceneError::new_err(error.to_string())
 }
 
+/// The fields of a result by their paths; without: all.
+fn selection(fields: Option<Vec<String>>) -> PyResult<Selection> {
+    fields.map_or_else(|| Ok(Selection::all()), |paths| Selection::of(&paths).map_err(refused))
+}
+
 /// Solves the text of a scene, with the solve's time.
-fn simulated(simulator: &mut Simulator, text: &str) -> Result<Simulation, String> {
+fn simulated(
+    simulator: &mut Simulator,
+    text: &str,
+    selection: &Selection,
+) -> Result<Simulation, String> {
     let scene = CheckedScene::from_json(text).map_err(|error| error.to_string())?;
     let start = Instant::now();
     let clock = move || start.elapsed().as_secs_f64() * 1e3;
-    Ok(simulator.run(&scene, Options::default(), &Selection::all(), Some(&clock)))
+    Ok(simulator.run(&scene, Options::default(), selection, Some(&clock)))
 }
 
 /// The text of a value that is always JSON.
@@ -51,14 +60,16 @@ mod _native {
     use super::shape::shape;
     #[pymodule_export]
     use super::studies::{bands, map, matrix};
-    use super::{PyResult, Python, Scene, Simulator, json, refused, scene, simulated};
+    use super::{PyResult, Python, Scene, Simulator, json, refused, scene, selection, simulated};
     use implant_preview_core::study::Quantity;
     use pyo3::pyfunction;
 
     #[pyfunction]
-    fn solve(py: Python<'_>, scene: &str) -> PyResult<String> {
-        let found = py.detach(|| simulated(&mut Simulator::default(), scene)).map_err(refused)?;
-        Ok(json(&found.outcome))
+    fn solve(py: Python<'_>, scene: &str, fields: Option<Vec<String>>) -> PyResult<String> {
+        let selection = selection(fields)?;
+        let solve = || simulated(&mut Simulator::default(), scene, &selection);
+        let found = py.detach(solve).map_err(refused)?;
+        Ok(json(&selection.of_outcome(&found.outcome)))
     }
 
     #[pyfunction]

@@ -1,6 +1,6 @@
 //! Scenes on threads, for as long as scenes come.
 
-use super::{json, simulated};
+use super::{json, selection, simulated};
 use implant_preview_core::simulate::Simulator;
 use implant_preview_core::study::many::{Many, ManySettings};
 use pyo3::exceptions::PyRuntimeError;
@@ -28,12 +28,14 @@ pub(crate) fn threads(wanted: Option<usize>) -> NonZeroUsize {
 #[pymethods]
 impl Pool {
     #[new]
-    #[pyo3(signature = (threads, in_order))]
-    fn new(threads: Option<usize>, in_order: bool) -> PyResult<Self> {
+    #[pyo3(signature = (threads, in_order, fields))]
+    fn new(threads: Option<usize>, in_order: bool, fields: Option<Vec<String>>) -> PyResult<Self> {
+        let selection = selection(fields)?;
         let (sender, receiver) = channel::<String>();
         let settings = ManySettings { in_order, ..ManySettings::new(self::threads(threads)) };
-        let solve = |simulator: &mut Simulator, scene: String| {
-            simulated(simulator, &scene).map(|found| json(&found.outcome))
+        let solve = move |simulator: &mut Simulator, scene: String| {
+            let found = simulated(simulator, &scene, &selection)?;
+            Ok(json(&selection.of_outcome(&found.outcome)))
         };
         let answers = Many::new(receiver.into_iter(), settings, solve)
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

@@ -1,7 +1,7 @@
 //! The deformed shape of a scene: faces, triangles and the fields at their vertices.
 
 use super::{json, refused, simulated};
-use implant_preview_core::measure::{Field, Fields, surfaces};
+use implant_preview_core::measure::{Field, Fields, Selection, surfaces};
 use implant_preview_core::simulate::Simulator;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -28,7 +28,8 @@ const OF_SKIN: [(&str, Field); 7] = [
 
 #[pyfunction]
 pub(crate) fn shape<'py>(py: Python<'py>, scene: &str) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| simulated(&mut Simulator::default(), scene)).map_err(refused)?;
+    let found = py.detach(|| simulated(&mut Simulator::default(), scene, &Selection::all()));
+    let found = found.map_err(refused)?;
     let all = py.detach(|| surfaces(&found.solution));
     let fields = Fields::new(found.solution);
     let answer = PyDict::new(py);

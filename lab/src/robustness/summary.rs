@@ -137,9 +137,9 @@ impl PopulationSummary {
 pub struct LayeredSummary {
     /// The seed.
     pub seed: u64,
-    /// [`Population::Realistic`] or [`Population::RealisticChest`].
+    /// `Population::Realistic` or `Population::RealisticChest`.
     pub realistic: PopulationSummary,
-    /// [`Population::Extreme`] or [`Population::ExtremeChest`].
+    /// `Population::Extreme` or `Population::ExtremeChest`.
     pub extreme: PopulationSummary,
     /// Number of sessions of random edits.
     pub sessions: u64,
