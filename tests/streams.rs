@@ -352,3 +352,49 @@ fn gnu_parallel_gives_each_scene_one_line() {
     ids.sort_unstable();
     assert_eq!(ids, (0..400).collect::<Vec<_>>());
 }
+
+#[test]
+fn an_output_destroys_neither_its_input_nor_a_foreign_file() {
+    let folder = folder("foreign");
+    let input = folder.join("in.jsonl");
+    fs::write(&input, numbered(2)).unwrap();
+    fs::hard_link(&input, folder.join("hard.jsonl")).unwrap();
+    std::os::unix::fs::symlink("in.jsonl", folder.join("soft.jsonl")).unwrap();
+    let refused = |command: &mut Command, words: &str| {
+        let output = command.current_dir(&folder).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && error.contains(words), "{error}");
+        assert_eq!(error.lines().count(), 1);
+    };
+    let simulate = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_implant-preview"));
+        command.arg("simulate").args(arguments);
+        command
+    };
+    for out in ["in.jsonl", "hard.jsonl", "soft.jsonl"] {
+        refused(&mut simulate(&["in.jsonl", "--out", out]), "is an input scene");
+        let stdin = fs::File::open(&input).unwrap();
+        refused(simulate(&["-", "--lines", "--out", out]).stdin(stdin), "is an input scene");
+    }
+    assert_eq!(fs::read_to_string(&input).unwrap(), numbered(2));
+    for (content, line) in [("my notes", 1), ("{\"id\":0,\"status\":\"converged\"}\nmy notes\n", 2)]
+    {
+        fs::write(folder.join("notes"), content).unwrap();
+        let words = format!("line {line} is no line of a result");
+        refused(&mut simulate(&["in.jsonl", "--out", "notes", "--skip-done", "notes"]), &words);
+        assert_eq!(fs::read_to_string(folder.join("notes")).unwrap(), content);
+    }
+    // Scenes are no results.
+    refused(&mut simulate(&["in.jsonl", "--skip-done", "hard.jsonl"]), "line 1 is no line");
+    // A beginning of a result goes.
+    fs::write(folder.join("out"), "{\"id\":1,\"status\":\"converged\"}\n{\"id\":0,\"sta").unwrap();
+    let output =
+        simulate(&["in.jsonl", "--out", "out", "--skip-done", "out", "--fields", "status"])
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+    assert!(output.status.success());
+    assert!(String::from_utf8(output.stderr).unwrap().contains("1 scenes have a line already"));
+    let found = lines(&fs::read(folder.join("out")).unwrap());
+    assert_eq!((found.len(), &found[0]["id"], &found[1]["id"]), (2, &json!(1), &json!(0)));
+}

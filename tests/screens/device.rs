@@ -31,7 +31,6 @@ fn an_expander_is_called_an_expander_throughout() {
         "Expander volume",
         "Position of the expander",
         "Range of expanders",
-        "Expander",
     ] {
         assert!(harness.query_all_by_label(text).count() > 0, "{text}");
     }

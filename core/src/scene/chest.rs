@@ -3,7 +3,9 @@
 use super::{SCENE_SCHEMA_3, Scene, SceneError, Version, field, out_of_range, problem};
 use crate::curve::number;
 use crate::mesh::Chest;
+use glam::DVec2;
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// The chest wall by its radii of curvature at the pocket's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -22,6 +24,8 @@ const LEAST_OF_PATCH: f64 = 0.75;
 const LEAST_OF_IMPLANT: f64 = 1.1;
 /// Least radius of a hollow \[thicknesses of the tissue\]: cells shrink outwards, to nothing where both are equal.
 pub(super) const LEAST_OF_TISSUE: f64 = 2.0;
+
+const BEYOND_POCKET: &str = "The base of the implant reaches beyond the pocket, whose radius is a length along the curved chest.";
 
 impl ChestShape {
     /// The usual chest: its radius across the breasts, straight along the body.
@@ -94,6 +98,20 @@ impl Scene {
         if is_hollow { (-most, -least) } else { (least, most) }
     }
 
+    /// What a result says about a base beyond the pocket, whose radius is a length along the wall.
+    pub(crate) fn pocket_warning(&self, wall: &Chest) -> Option<String> {
+        const DIRECTIONS: usize = 64;
+        let implant = &self.implant;
+        let half_axes = DVec2::new(implant.base_radius_mm, 0.5 * implant.base_height());
+        let is_within_base = |k: usize| {
+            let way = DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64);
+            let (edge, _) = wall.foot_and_normal(way * self.pocket_radius_mm);
+            ((edge.truncate() - DVec2::from(implant.center_mm)) / half_axes).length() < 1.0
+        };
+        let is_beyond = !matches!(wall, Chest::Flat) && (0..DIRECTIONS).any(is_within_base);
+        is_beyond.then(|| BEYOND_POCKET.to_owned())
+    }
+
     /// Checks that the scene may have a chest.
     pub(super) fn check_may_have_chest(&self) -> Result<(), SceneError> {
         if Version::of(&self.schema) != Some(Version::Third) {
@@ -154,6 +172,23 @@ mod tests {
     fn scene(chest: &str) -> Result<Scene, SceneError> {
         let implant = r#""implant": { "base_radius_mm": 60, "projection_mm": 40 }"#;
         Scene::from_json(&format!("{{ {implant}, {chest} }}"))
+    }
+
+    #[test]
+    fn a_base_beyond_the_pocket_along_the_wall_is_a_warning() {
+        // The pocket's edge is 80 sin(60/80) = 54.5 mm, then 80 sin(68/80) = 60.1 mm from the axis.
+        let warning = |pocket: f64| {
+            let chest = r#""chest": { "radius_across_mm": 80, "radius_along_mm": 80 }"#;
+            let scene =
+                scene(&format!(r#""pocket_radius_mm": {pocket}, "patch_radius_mm": 106, {chest}"#));
+            let scene = scene.unwrap();
+            scene.pocket_warning(&scene.wall())
+        };
+        assert_eq!(warning(60.0).as_deref(), Some(BEYOND_POCKET));
+        assert_eq!(warning(68.0), None);
+        let opening = Scene::opening();
+        assert_eq!(opening.pocket_warning(&opening.wall()), None);
+        assert_eq!(Scene::default().pocket_warning(&Chest::Flat), None);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::InputError;
 use crate::springs::Springs;
+use same_file::Handle;
 use std::fs;
 use std::io::{ErrorKind, Seek, SeekFrom, Write};
 use std::ops::ControlFlow;
@@ -83,13 +84,21 @@ pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Do two paths refer to the same file, or both to standard output?
+/// Do two outputs refer to the same file, by links too, or both to standard output?
 pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
+    let is_linked = || same_file::is_same_file(a, b).unwrap_or(false);
     let resolved = |path: &Path| match path.canonicalize() {
         Ok(found) => Some(found),
         Err(_) => Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?)),
     };
-    a == b || !is_standard(a) && !is_standard(b) && resolved(a) == resolved(b)
+    a == b || !is_standard(a) && !is_standard(b) && (is_linked() || resolved(a) == resolved(b))
+}
+
+/// Is an output the file of an input, by links or as standard input too?
+pub(super) fn is_input(out: &Path, input: &Path) -> bool {
+    let handle = if is_standard(input) { Handle::stdin() } else { Handle::from_path(input) };
+    !is_standard(out)
+        && handle.is_ok_and(|input| Handle::from_path(out).is_ok_and(|out| out == input))
 }
 
 fn folder_of(path: &Path) -> &Path {

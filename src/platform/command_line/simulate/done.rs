@@ -3,6 +3,7 @@
 use super::super::InputError;
 use super::super::output::input_error;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 use serde_json::value::RawValue;
 use std::collections::HashMap;
@@ -25,6 +26,9 @@ struct Names<'a> {
     #[serde(borrow)]
     id: Option<&'a RawValue>,
     scene_hash: Option<&'a str>,
+    /// Of a result, or of an error in its place.
+    status: Option<IgnoredAny>,
+    error: Option<IgnoredAny>,
 }
 
 impl Key {
@@ -67,6 +71,9 @@ fn hash(text: &str) -> u128 {
     })
 }
 
+/// How each line of a result begins.
+const BEGINNINGS: [&[u8]; 2] = [br#"{"id":"#, br#"{"scene_hash":"#];
+
 /// The scenes of an earlier run, each as often as it has a line.
 #[derive(Default)]
 pub(super) struct Done {
@@ -76,8 +83,8 @@ pub(super) struct Done {
 }
 
 impl Done {
-    /// Reads the lines of an earlier run; a last line without its end, and lines without a scene's name, hold nothing. A missing
-    /// file holds nothing.
+    /// Reads the lines of an earlier run; a last line without its end holds nothing. A missing file holds nothing. A file with
+    /// anything else is refused.
     pub(super) fn read(path: &Path) -> Result<Self, InputError> {
         let mut done = Self::default();
         let error = |error| input_error(path, format!("--skip-done: cannot be read: {error}"));
@@ -86,12 +93,23 @@ impl Done {
         }
         let mut reader = BufReader::new(File::open(path).map_err(error)?);
         let mut line = Vec::new();
-        while reader.read_until(b'\n', &mut line).map_err(error)? > 0 && line.ends_with(b"\n") {
-            done.whole_bytes += line.len() as u64;
-            if let Some(key) = key_of_result(&line) {
-                *done.lines.entry(key).or_default() += 1;
-            }
+        for number in 1.. {
             line.clear();
+            if reader.read_until(b'\n', &mut line).map_err(error)? == 0 {
+                break;
+            }
+            let other = || {
+                let words = "is no line of a result; allowed: a file that `simulate` has written";
+                input_error(path, format!("--skip-done: line {number} {words}"))
+            };
+            if !line.ends_with(b"\n") {
+                let is_begun = |start: &&[u8]| line.starts_with(start) || start.starts_with(&line);
+                return BEGINNINGS.iter().any(is_begun).then_some(done).ok_or_else(other);
+            }
+            done.whole_bytes += line.len() as u64;
+            if !line.trim_ascii().is_empty() {
+                *done.lines.entry(key_of_result(&line).ok_or_else(other)?).or_default() += 1;
+            }
         }
         Ok(done)
     }
@@ -108,10 +126,11 @@ impl Done {
 }
 
 fn key_of_result(line: &[u8]) -> Option<Key> {
-    let names: Names = serde_json::from_slice(line).ok()?;
-    match names.id {
+    let Names { id, scene_hash, status, error } = serde_json::from_slice(line).ok()?;
+    status.or(error)?;
+    match id {
         Some(id) => Some(Key::of_id(id)),
-        None => Some(Key::Hash(u128::from_str_radix(names.scene_hash?, 16).ok()?)),
+        None => Some(Key::Hash(u128::from_str_radix(scene_hash?, 16).ok()?)),
     }
 }
 

@@ -148,6 +148,7 @@ pub(super) fn run(
     let settings = ManySettings { in_order: !unordered, ..threads.settings() };
     let mut progress = Progress::new();
     let (mut written, mut errors, mut defects, mut not_converged) = (0_u64, 0_u64, 0_u64, 0_u64);
+    let mut skipped = 0_u64;
     let end = stream::run(Many::new(texts, settings, work), |finished| {
         let part = all_bytes.map(|all| bytes.load(Ordering::Relaxed) as f64 / all as f64);
         progress.count(part);
@@ -164,7 +165,10 @@ pub(super) fn run(
                 defects += 1;
                 line
             }
-            Ok(Answer::Done) => return Ok(ControlFlow::Continue(())),
+            Ok(Answer::Done) => {
+                skipped += 1;
+                return Ok(ControlFlow::Continue(()));
+            }
             // The hook has reported the panic.
             Err(panic) => resume_unwind(Box::new(panic)),
         };
@@ -172,6 +176,9 @@ pub(super) fn run(
         file.write(line.as_bytes())
     })?;
     drop(progress);
+    if skipped > 0 {
+        output::warn(&format!("--skip-done: {skipped} scenes have a line already"));
+    }
     if end == End::Signal {
         stream::warn_of_signal(written);
         return Ok(ExitStatus::Interrupted);

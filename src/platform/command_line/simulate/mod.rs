@@ -135,12 +135,7 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
                 "{name}: named for two outputs; allowed: one output per file"
             )));
         }
-        let is_input = |scene: &PathBuf| {
-            let same_file =
-                |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
-            same_file(scene, path) == Some(true)
-        };
-        if !output::is_standard(path) && arguments.scenes.iter().any(is_input) {
+        if arguments.scenes.iter().any(|scene| output::is_input(path, scene)) {
             return Err(output::input_error(path, "is an input scene; allowed: another file"));
         }
     }
