@@ -42,6 +42,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     assert.ok((await box()).width > 300);
 
     // A typed number becomes one of the scene, the answer follows.
+    await page.keyboard.press("Tab");
     await page.keyboard.press("Control+a");
     await page.keyboard.type("13,2");
     await page.keyboard.press("Enter");
