@@ -111,7 +111,7 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
     const { page, finish } = await open();
     await started(page);
     await kept(page, buildOf(first));
-    await page.evaluate(() => implantPreview.setPlan(JSON.parse(implantPreview.plan())[0].name, "12.5"));
+    await page.evaluate(() => implantPreview.setPlan("width_cm", "12.5"));
     await started(page);
     const stored = await page.evaluate(async () => {
       const [name] = await caches.keys();
