@@ -269,8 +269,7 @@ mod tests {
             for across in [110.0, -110.0] {
                 let chest = ChestShape { radius_across_mm: across, radius_along_mm: along }.wall();
                 for k in 0..24 {
-                    let place =
-                        glam::DVec2::from_angle(0.27 * f64::from(k)) * (110.0 / LEAST_OF_PATCH);
+                    let place = DVec2::from_angle(0.27 * f64::from(k)) * (110.0 / LEAST_OF_PATCH);
                     let (foot, normal) = chest.foot_and_normal(place);
                     assert!(foot.is_finite() && normal.z > 0.2, "{along:?} {place} {normal}");
                 }
