@@ -210,7 +210,7 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     const { scene, report, progress, other } = await page.evaluate(async () => {
       const { bands } = implantPreviewApi;
       // A sheet: every sample has an answer. Which state a sample without one has may depend on the last bit.
-      const scene = { ...JSON.parse(implantPreviewApi.opening_scene()), tissue_model: "sheet" };
+      const scene = { ...JSON.parse(implantPreviewApi.opening_scene()), chest: undefined, tissue_model: "sheet" };
       const progress = [];
       const run = (seed) =>
         bands(
