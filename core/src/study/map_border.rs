@@ -133,11 +133,11 @@ mod tests {
     use super::*;
     use crate::measure::Status;
     use crate::scene::Scene;
-    use crate::study::{Axis, Parameter, Study};
+    use crate::study::{Axis, Parameter, Study, flat_plan};
 
     fn map() -> Map {
         let axis = Axis { field: Parameter::Projection, from: 30.0, to: 60.0, count: 7 };
-        Map::new(&Scene::opening(), &[axis], MapSettings::default()).unwrap().with_full_border()
+        Map::new(&flat_plan(), &[axis], MapSettings::default()).unwrap().with_full_border()
     }
 
     fn case(has_answer: bool) -> Case {

@@ -108,3 +108,10 @@ pub fn run(
         }
     }
 }
+
+/// The opening patient with a flat chest and an implant of 12 cm and 300 ml.
+#[cfg(test)]
+fn flat_plan() -> crate::scene::Scene {
+    let flat = crate::scene::Scene { chest: None, ..crate::scene::Scene::opening() };
+    with_values(&flat, &[(Parameter::Volume, 300.0)]).unwrap()
+}

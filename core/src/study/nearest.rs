@@ -302,7 +302,7 @@ mod tests {
     use super::*;
     use crate::curve::CurveSpec;
     use crate::measure::Status;
-    use crate::study::{Parameter, evaluate};
+    use crate::study::{Parameter, evaluate, flat_plan};
 
     /// Runs a search with cases of a rule; returns the solved scenes.
     fn run(nearest: &mut Nearest, has_answer: impl Fn(&Scene) -> bool) -> Vec<Scene> {
@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn the_bisection_finds_the_greatest_volume_with_an_answer() {
-        let plan = Scene::opening();
+        let plan = flat_plan();
         for most in [72.0, 139.0, 221.0, 280.1, 299.0] {
             let mut nearest = Nearest::new(&plan);
             let solved = run(&mut nearest, |scene| volume(scene) < most);
@@ -355,7 +355,7 @@ mod tests {
 
     #[test]
     fn the_plans_own_grid_has_the_last_word() {
-        let mut nearest = Nearest::new(&Scene::opening());
+        let mut nearest = Nearest::new(&flat_plan());
         run(&mut nearest, |scene| {
             let most = if scene.solver.nodes_per_side == 33 { 281.0 } else { 204.0 };
             volume(scene) < most
@@ -365,7 +365,7 @@ mod tests {
 
     #[test]
     fn a_plan_that_is_not_fully_inserted_is_inserted_less() {
-        let plan = Scene { insertion: 0.9, ..Scene::opening() };
+        let plan = Scene { insertion: 0.9, ..flat_plan() };
         let mut nearest = Nearest::new(&plan);
         run(&mut nearest, |scene| scene.insertion < 0.63);
         assert_eq!(found(&nearest).words, "Insert to 60 %");
@@ -375,14 +375,14 @@ mod tests {
         run(&mut nearest, |scene| volume(scene) < 123.0);
         assert_eq!(found(&nearest).words, "Use 120 ml");
         // Where no volume has an answer, less insertion may.
-        let mut nearest = Nearest::new(&Scene::opening());
+        let mut nearest = Nearest::new(&flat_plan());
         run(&mut nearest, |scene| scene.insertion < 0.31);
         assert_eq!(found(&nearest).words, "Insert to 30 %");
     }
 
     #[test]
     fn a_wider_base_keeps_volume_and_margin() {
-        let plan = Scene::opening();
+        let plan = flat_plan();
         for (least, expected) in
             [(121.0, "Widen to 12.5 cm"), (131.0, "Widen to 13.5 cm"), (160.0, "Widen to 16 cm")]
         {
@@ -402,7 +402,7 @@ mod tests {
     #[test]
     fn no_base_is_wider_than_the_measured_breast() {
         for (breast, widest) in [(132.0, Some(130.0)), (125.0, Some(125.0)), (120.0, None)] {
-            let mut plan = Scene::opening();
+            let mut plan = flat_plan();
             plan.patient.as_mut().unwrap().measured.base_width_mm = Some(breast);
             let mut nearest = Nearest::wider(&plan);
             let solved = run(&mut nearest, |_| true);
@@ -415,7 +415,7 @@ mod tests {
     #[test]
     fn a_plan_without_any_answer_has_none() {
         for insertion in [1.0, 0.5, 0.02, 0.0] {
-            let mut nearest = Nearest::new(&Scene { insertion, ..Scene::opening() });
+            let mut nearest = Nearest::new(&Scene { insertion, ..flat_plan() });
             let solved = run(&mut nearest, |_| false);
             assert!(solved.len() <= 2);
             assert_eq!(nearest.search(), &Search::Nothing);
@@ -424,7 +424,7 @@ mod tests {
 
     #[test]
     fn stored_cases_are_taken_and_a_failed_job_ends_the_search() {
-        let plan = Scene::opening();
+        let plan = flat_plan();
         let (mut nearest, mut store) = (Nearest::new(&plan), Cases::default());
         let (index, job) = nearest.next_job(&mut store).unwrap();
         let case = Case { status: Some(Status::Unstable), ..Case::default() };
@@ -443,7 +443,7 @@ mod tests {
 
     #[test]
     fn very_tight_skin_over_the_papers_fat_gets_the_nearest_volume_with_an_answer() {
-        let mut plan = Scene::opening();
+        let mut plan = flat_plan();
         plan.layers[1].curve = CurveSpec::Adipose {}.into();
         plan.layers[1].poisson_ratio = 0.45;
         plan.layers[0].curve.strain_scale = 0.15;

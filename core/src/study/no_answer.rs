@@ -120,6 +120,7 @@ pub fn size_in_words(scene: &Scene) -> String {
 mod tests {
     use super::*;
     use crate::curve::{CurveSpec, Fat};
+    use crate::study::flat_plan;
 
     /// The reason of the opening plan after an edit.
     fn reason(edit: impl FnOnce(&mut Scene)) -> NoAnswer {
@@ -153,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_words_have_the_size_and_fit_in_two_lines() {
-        let scene = Scene::opening();
+        let scene = flat_plan();
         assert_eq!(
             NoAnswer::Unexplained.words(&scene),
             "The model has no answer for 300 ml on 12 cm."
