@@ -12,7 +12,7 @@ use implant_preview_core::scene::{self, CheckedScene, Scene};
 use implant_preview_core::simulate::{Simulation, Simulator};
 use implant_preview_core::solve::Options;
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::time::Instant;
 
@@ -26,6 +26,11 @@ create_exception!(
 /// An error of one line.
 fn refused(error: impl ToString) -> PyErr {
     SceneError::new_err(error.to_string())
+}
+
+/// An error of the machine or of the program.
+fn failed(error: impl ToString) -> PyErr {
+    PyRuntimeError::new_err(error.to_string())
 }
 
 /// The fields of a result by their paths; without: all.

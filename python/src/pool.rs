@@ -1,9 +1,8 @@
 //! Scenes on threads, for as long as scenes come.
 
-use super::{json, selection, simulated};
+use super::{failed, json, selection, simulated};
 use implant_preview_core::simulate::Simulator;
 use implant_preview_core::study::many::{Many, ManySettings};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::num::NonZeroUsize;
 use std::sync::Mutex;
@@ -37,8 +36,7 @@ impl Pool {
             let found = simulated(simulator, &scene, &selection)?;
             Ok(json(&selection.of_outcome(&found.outcome)))
         };
-        let answers = Many::new(receiver.into_iter(), settings, solve)
-            .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        let answers = Many::new(receiver.into_iter(), settings, solve).map_err(failed)?;
         Ok(Self { scenes: Mutex::new(Some(sender)), answers: Mutex::new(answers) })
     }
 
@@ -47,7 +45,7 @@ impl Pool {
         let is_sent = |sender: &Sender<String>| sender.send(scene).is_ok();
         let scenes = self.scenes.lock().ok();
         let is_open = scenes.as_ref().and_then(|scenes| scenes.as_ref()).is_some_and(is_sent);
-        if is_open { Ok(()) } else { Err(PyRuntimeError::new_err("the pool is closed")) }
+        if is_open { Ok(()) } else { Err(failed("the pool is closed")) }
     }
 
     /// No further scene comes.

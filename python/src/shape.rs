@@ -3,7 +3,7 @@
 use super::{json, refused, simulated};
 use implant_preview_core::measure::{Field, Fields, Selection, surfaces};
 use implant_preview_core::simulate::Simulator;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -39,7 +39,7 @@ pub(crate) fn shape<'py>(py: Python<'py>, scene: &str) -> PyResult<Bound<'py, Py
     answer.set_item("points", PyArray1::from_vec(py, faces).reshape(shape)?)?;
     let triangles: Vec<u32> = all.triangles.iter().flatten().copied().collect();
     let triangles = PyArray1::from_vec(py, triangles).reshape([all.triangles.len(), 3])?;
-    answer.set_item::<_, Bound<'py, PyArray2<u32>>>("triangles", triangles)?;
+    answer.set_item("triangles", triangles)?;
     let at_vertices = |field: Field| -> Option<Vec<f32>> {
         let values = fields.values(field);
         all.nodes.iter().map(|k| values.get(*k as usize).copied()).collect()

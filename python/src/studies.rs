@@ -1,17 +1,15 @@
 //! Matrices of numbers, maps and bands.
 
 use super::pool::threads;
-use super::{json, refused};
-use implant_preview_core::scene::Scene;
+use super::{failed, json, refused};
+use implant_preview_core::scene::{Scene, read};
 use implant_preview_core::study::many::{Many, ManySettings};
 use implant_preview_core::study::{
-    Axis, Bands, BandsSettings, Case, Cases, Evaluator, Finished, Job, Map, MapSettings, Parameter,
-    Quantity, Runner, Study, run, with_values,
+    Bands, BandsSettings, Case, Cases, Evaluator, Finished, Job, MapOptions, Parameter, Quantity,
+    Runner, Study, run, with_values,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use serde::Deserialize;
 use std::num::NonZeroUsize;
 use std::sync::mpsc::{Sender, channel};
 
@@ -30,8 +28,7 @@ impl Threads {
         let (jobs, receiver) = channel::<Job>();
         let settings = ManySettings { in_order: false, ..ManySettings::new(threads) };
         let work = |evaluator: &mut Evaluator, job: Job| evaluator.evaluate(&job);
-        let cases = Many::new(receiver.into_iter(), settings, work)
-            .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        let cases = Many::new(receiver.into_iter(), settings, work).map_err(failed)?;
         Ok(Self { jobs, cases, submitted: 0, taken: 0, threads, interrupt: None })
     }
 }
@@ -74,20 +71,9 @@ impl Runner for Threads {
 fn finish(py: Python<'_>, study: &mut (impl Study + Send), wanted: Option<usize>) -> PyResult<()> {
     let mut threads = Threads::new(threads(wanted))?;
     py.detach(|| {
-        run(study, &mut Cases::default(), &mut threads)
-            .map_err(|panic| PyRuntimeError::new_err(panic.to_string()))?;
+        run(study, &mut Cases::default(), &mut threads).map_err(failed)?;
         threads.interrupt.take().map_or(Ok(()), Err)
     })
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MapOptions {
-    x: Axis,
-    y: Option<Axis>,
-    #[serde(default)]
-    grid: MapSettings,
-    show: Quantity,
 }
 
 #[pyfunction]
@@ -98,9 +84,8 @@ pub(crate) fn map(
     threads: Option<usize>,
 ) -> PyResult<String> {
     let scene = Scene::from_json(scene).map_err(refused)?;
-    let options: MapOptions = serde_json::from_str(options).map_err(refused)?;
-    let axes: Vec<Axis> = [Some(options.x), options.y].into_iter().flatten().collect();
-    let mut map = Map::new(&scene, &axes, options.grid).map_err(refused)?;
+    let options: MapOptions = read::json(options, "options").map_err(refused)?;
+    let mut map = options.map(&scene).map_err(refused)?;
     finish(py, &mut map, threads)?;
     Ok(json(&map.file(options.show, None)))
 }
@@ -165,12 +150,11 @@ pub(crate) fn matrix<'py>(
             |quantity: &Quantity| case.values.get(*quantity).filter(|_| case.is_converged());
         quantities.iter().map(|quantity| value(quantity).unwrap_or(f64::NAN)).collect::<Vec<f64>>()
     };
-    let mut rows = Many::new(scenes.into_iter(), settings, work)
-        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let mut rows = Many::new(scenes.into_iter(), settings, work).map_err(failed)?;
     let mut all = Vec::with_capacity(shape[0] * shape[1]);
     while let Some(finished) = py.detach(|| rows.next()) {
         py.check_signals()?;
-        let row = finished.result.map_err(|panic| PyRuntimeError::new_err(panic.to_string()))?;
+        let row = finished.result.map_err(failed)?;
         all.extend(row);
     }
     PyArray1::from_vec(py, all).reshape(shape)

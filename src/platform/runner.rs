@@ -1,6 +1,6 @@
 //! The native runner: threads. On the page `web/runner.js` runs jobs in workers.
 
-use crate::study::runner::panic_text;
+use crate::study::runner::panic_line;
 use crate::study::{Case, Evaluator, Finished, Job, JobPanic, Runner};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::cell::Cell;
@@ -186,8 +186,7 @@ fn twice(solve: impl Fn(&mut Evaluator) -> Case) -> Case {
         })
     };
     attempt().or_else(|_| attempt()).unwrap_or_else(|payload| {
-        let words: Vec<&str> = panic_text(&*payload).split_whitespace().collect();
-        Case::invalid(format!("internal error, twice: {}", words.join(" ")))
+        Case::invalid(format!("internal error, twice: {}", panic_line(&*payload)))
     })
 }
 

@@ -5,9 +5,7 @@
 use super::text::text;
 use super::workers::{Runner, Workers, object, runner};
 use crate::scene::{Scene, read};
-use crate::study::{
-    Axis, Bands, BandsSettings, Cases, Map, MapSettings, PointFile, Quantity, Runner as _, Study,
-};
+use crate::study::{Bands, BandsSettings, Cases, Map, MapOptions, PointFile, Runner as _, Study};
 use js_sys::{Function, Promise};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -57,9 +55,8 @@ pub fn map(
     #[wasm_bindgen(unchecked_param_type = "string")] options_json: &JsValue,
     #[wasm_bindgen(unchecked_param_type = "(pointJson: string) => void")] on_point: &JsValue,
 ) -> Result<JsValue, JsError> {
-    let (scene, MapOptions { x, y, grid, show }) = options(&text(options_json, "options")?)?;
-    let axes: Vec<Axis> = [Some(x), y].into_iter().flatten().collect();
-    let map = Map::new(&scene, &axes, grid)?;
+    let (scene, options): (_, MapOptions) = options(&text(options_json, "options")?)?;
+    let map = options.map(&scene)?;
     let on_point = function(on_point, "onPoint")?.clone();
     let (columns, rows) = map.shape();
     let mut is_reported = vec![false; columns * rows];
@@ -74,7 +71,7 @@ pub fn map(
         }
         Ok(())
     };
-    Ok(start(map, report, move |map| json(&map.file(show, None))))
+    Ok(start(map, report, move |map| json(&map.file(options.show, None))))
 }
 
 /// Solves the bands of a scene in workers: how a result varies with what is unknown about a person. Options (JSON text):
@@ -100,22 +97,6 @@ pub fn bands(
         Ok(())
     };
     Ok(start(bands, report, |bands| json(&bands.report())))
-}
-
-/// The options of a map besides its scene.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MapOptions {
-    x: Axis,
-    y: Option<Axis>,
-    #[serde(default)]
-    grid: MapSettings,
-    #[serde(default = "greatest_strain")]
-    show: Quantity,
-}
-
-fn greatest_strain() -> Quantity {
-    Quantity::GreatestStrain
 }
 
 /// A point of a map, as in the map's file.

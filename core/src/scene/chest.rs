@@ -125,7 +125,8 @@ impl Scene {
     }
 
     /// Radius of the simulated tissue \[mm\].
-    pub(super) fn patch_radius(&self) -> f64 {
+    #[must_use]
+    pub fn patch_radius(&self) -> f64 {
         self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm)
     }
 

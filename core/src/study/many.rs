@@ -1,10 +1,6 @@
 //! Many jobs on threads, for as long as jobs come: an iterator of jobs in, an iterator of results out, in bounded memory.
 
 use super::runner::{Finished, JobPanic};
-use crate::measure::{Outcome, Selection};
-use crate::scene::CheckedScene;
-use crate::simulate::Simulator;
-use crate::solve::Options;
 use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
@@ -100,21 +96,6 @@ impl<T: Send + 'static> Many<T> {
     }
 }
 
-/// Solves scenes on threads; the results are those of [`Simulator::run`] without a clock.
-///
-/// # Errors
-/// If the system starts no thread.
-pub fn solve_many(
-    scenes: impl Iterator<Item = CheckedScene> + Send + 'static,
-    selection: Selection,
-    settings: ManySettings,
-) -> io::Result<Many<Outcome>> {
-    let solve = move |simulator: &mut Simulator, scene: CheckedScene| {
-        simulator.run(&scene, Options::default(), &selection, None).outcome
-    };
-    Many::new(scenes, settings, solve)
-}
-
 impl<T> Shared<T> {
     /// A panic while the state is locked leaves it whole.
     fn lock(&self) -> MutexGuard<'_, State<T>> {
@@ -196,8 +177,10 @@ impl<T> Drop for Many<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
-    use crate::simulate::simulate;
+    use crate::measure::{Outcome, Selection};
+    use crate::scene::{CheckedScene, Scene};
+    use crate::simulate::{Simulator, simulate};
+    use crate::solve::Options;
     use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
     use std::sync::mpsc::channel;
 
@@ -300,7 +283,10 @@ mod tests {
         let expected: Vec<Outcome> = scenes.iter().map(|scene| simulate(scene).unwrap()).collect();
         let checked: Vec<_> =
             scenes.into_iter().map(|scene| CheckedScene::new(scene).unwrap()).collect();
-        let many = solve_many(checked.into_iter(), Selection::all(), settings(3, true, 2));
-        assert_eq!(results(many.unwrap()), expected);
+        let solve = |simulator: &mut Simulator, scene: CheckedScene| {
+            simulator.run(&scene, Options::default(), &Selection::all(), None).outcome
+        };
+        let many = Many::new(checked.into_iter(), settings(3, true, 2), solve).unwrap();
+        assert_eq!(results(many), expected);
     }
 }

@@ -30,6 +30,37 @@ impl Default for MapSettings {
     }
 }
 
+/// The choices of a map besides its scene, as the JavaScript API and the Python module have them.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapOptions {
+    /// The first axis.
+    pub x: Axis,
+    /// The second axis, if the map has one.
+    pub y: Option<Axis>,
+    /// Grid and tolerance.
+    #[serde(default)]
+    pub grid: MapSettings,
+    /// The quantity of the contour lines. Default: the greatest strain.
+    #[serde(default = "greatest_strain")]
+    pub show: Quantity,
+}
+
+fn greatest_strain() -> Quantity {
+    Quantity::GreatestStrain
+}
+
+impl MapOptions {
+    /// The map around a scene.
+    ///
+    /// # Errors
+    /// As [`Map::new`].
+    pub fn map(&self, scene: &Scene) -> Result<Map, MapError> {
+        let axes: Vec<Axis> = [Some(self.x), self.y].into_iter().flatten().collect();
+        Map::new(scene, &axes, self.grid)
+    }
+}
+
 /// Grid and tolerance of the points that check a map.
 pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-4 };
 

@@ -49,7 +49,7 @@ pub use cache::{Cases, Key, MAX_CASES};
 pub use first_usual::FirstUsual;
 pub use importance::{Index, MIN_ROWS, Row, index};
 pub use job::{Case, Evaluator, Job, Profile, evaluate};
-pub use map::{CHECK, Map, MapSettings, PointStatus};
+pub use map::{CHECK, Map, MapOptions, MapSettings, PointStatus};
 pub use map_check::{Difference, MapCheck};
 pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};
 pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};

@@ -74,22 +74,25 @@ impl JobPanic {
     /// The panic of the job of an index; the message becomes one line.
     #[must_use]
     pub fn new(index: usize, message: &str) -> Self {
-        let words: Vec<&str> = message.split_whitespace().collect();
-        Self { index, message: words.join(" ") }
+        Self { index, message: one_line(message) }
     }
 
     /// The panic of the job of an index, from what the panic was called with.
     #[must_use]
     pub fn caught(index: usize, payload: &(dyn Any + Send)) -> Self {
-        Self::new(index, panic_text(payload))
+        Self { index, message: panic_line(payload) }
     }
 }
 
-/// The text of a panic.
+/// What a panic was called with, in one line.
 #[must_use]
-pub fn panic_text(payload: &(dyn Any + Send)) -> &str {
+pub fn panic_line(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("panic")
+    one_line(text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("panic"))
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

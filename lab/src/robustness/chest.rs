@@ -1,6 +1,7 @@
 //! Random chests, with anatomical implants, implants off centre and mounds of thickness.
 
 use super::scenes::{log_uniform, uniform};
+use crate::axisymmetric_layers::Mound;
 use fastrand::Rng;
 use implant_preview_core::scene::{ChestShape, Scene, ThicknessGrid, field, limits};
 use std::f64::consts::TAU;
@@ -86,17 +87,16 @@ pub(super) fn any(rng: &mut Rng, scene: &mut Scene) {
 /// A smooth mound of thickness under the implant's apex, where the nipple is.
 fn mound(rng: &mut Rng, scene: &Scene) -> ThicknessGrid {
     let solids: f64 = scene.layers.iter().skip(1).map(|layer| layer.thickness_mm).sum();
-    let height = uniform(rng, MOUND_MM).min((MOST_FACTOR - 1.0) * solids);
-    let width = uniform(rng, MOUND_WIDTH_MM);
+    let height_mm = uniform(rng, MOUND_MM).min((MOST_FACTOR - 1.0) * solids);
+    let mound = Mound { height_mm, width_mm: uniform(rng, MOUND_WIDTH_MM) };
     let [x, y] = scene.implant.center_mm;
     let apex = [x, y - scene.implant.apex_shift_mm];
     let half = (COLUMNS / 2) as f64;
-    let patch = scene.body.map_or(scene.pocket_radius_mm, |body| body.patch_radius_mm);
-    let spacing_mm = patch / half;
+    let spacing_mm = scene.patch_radius() / half;
     let factor = |k: usize| {
         let at = [k % COLUMNS, k / COLUMNS].map(|index| (index as f64 - half) * spacing_mm);
-        let distance = (at[0] - apex[0]).hypot(at[1] - apex[1]) / width;
-        let factor = 1.0 + height / solids.max(THINNEST_MM) * (-distance * distance).exp();
+        let distance = (at[0] - apex[0]).hypot(at[1] - apex[1]);
+        let factor = mound.factor(distance, solids.max(THINNEST_MM));
         // Few digits keep the files of a run small.
         (1e4 * factor).round() / 1e4
     };

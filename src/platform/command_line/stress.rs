@@ -130,10 +130,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     }));
     let has_chest = arguments.chest;
     let run = move |case: u64| {
-        let population = match is_layered {
-            true => Population::of_layered(case, has_chest),
-            false => Population::Sheet,
-        };
+        let population =
+            if is_layered { Population::of_layered(case, has_chest) } else { Population::Sheet };
         let start = Instant::now();
         let clock = || 1e3 * start.elapsed().as_secs_f64();
         let clock: Option<&dyn Fn() -> f64> = if is_layered { Some(&clock) } else { None };

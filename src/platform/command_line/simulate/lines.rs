@@ -11,7 +11,7 @@ use crate::scene::{CheckedScene, read};
 use crate::simulate::Simulator;
 use crate::solve::Options;
 use crate::study::many::{Many, ManySettings};
-use crate::study::runner::panic_text;
+use crate::study::runner::panic_line;
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::ops::ControlFlow;
@@ -108,10 +108,7 @@ impl Run {
                 || simulator.run(scene, Options::default(), &self.written, Some(&|| clock.ms()));
             catch_unwind(AssertUnwindSafe(run)).map(|simulation| simulation.outcome)
         };
-        attempt().or_else(|_| attempt()).map_err(|panic| {
-            let words: Vec<&str> = panic_text(&*panic).split_whitespace().collect();
-            words.join(" ")
-        })
+        attempt().or_else(|_| attempt()).map_err(|panic| panic_line(&*panic))
     }
 }
 
