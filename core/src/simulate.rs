@@ -110,7 +110,8 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
     let wall = &fields.solution().problem().obstacle.wall.0;
-    outcome.warnings.extend(scene.chest_warning(wall).or_else(|| scene.pocket_warning(wall)));
+    outcome.warnings.extend(scene.chest_warning(wall));
+    outcome.warnings.extend(scene.pocket_warning(wall));
     outcome
 }
 
