@@ -93,6 +93,15 @@ impl Field {
         }
     }
 
+    /// Adds a multiple of another field.
+    pub(crate) fn add_scaled(&mut self, other: &Self, factor: f32) {
+        for (u, other) in self.planes_mut().zip(other.planes()) {
+            for (u, other) in u.iter_mut().zip(other) {
+                *u += factor * other;
+            }
+        }
+    }
+
     /// Moves the field by a fraction of the difference to another one.
     pub(crate) fn blend(&mut self, other: &Self, fraction: f32) {
         for (u, other) in self.planes_mut().zip(other.planes()) {

@@ -459,6 +459,22 @@ impl Layout {
         a.layers().map(of_layer).fold(0.0, greater)
     }
 
+    /// ⟨a, b⟩ over the free nodes.
+    pub(crate) fn product(&self, a: &Field, b: &Field) -> f64 {
+        let mut product = 0.0;
+        for layer in a.layers() {
+            self.free_rows(|j, from, to| {
+                let mut of_row = 0.0_f32;
+                for k in layer + j * self.pitch + from..layer + j * self.pitch + to {
+                    let (p, q) = (a.at(k), b.at(k));
+                    of_row += p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+                }
+                product += f64::from(of_row);
+            });
+        }
+        product
+    }
+
     /// ⟨u − before, step⟩, ⟨step, step⟩ and ⟨u − before, u − before⟩ over the free nodes.
     pub(crate) fn products(&self, u: &Field, before: &Field, step: &Field) -> [f64; 3] {
         let (mut product, mut square, mut own) = (0.0, 0.0, 0.0);

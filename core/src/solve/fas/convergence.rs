@@ -66,6 +66,8 @@ pub(super) struct Convergence {
     pub(super) cycles: u32,
     /// Slow cycles in a row.
     slow_cycles: u32,
+    /// Was a cycle slow?
+    pub(super) was_slow: bool,
     /// Balance tests whose residual fell by less than `stagnation_factor` since the previous test.
     stagnations: u32,
     /// Relative residual of the last balance test \[-\].
@@ -93,6 +95,7 @@ impl Convergence {
         Self {
             cycles: 0,
             slow_cycles: 0,
+            was_slow: false,
             stagnations: 0,
             stagnation_residual: f64::INFINITY,
             offsets: Offsets::NotSearched,
@@ -134,6 +137,7 @@ impl Convergence {
                 .clamp(least, parameters.max_convergence_factor);
             is_slow = change > parameters.slow_factor * self.last_change;
             self.slow_cycles = if is_slow { self.slow_cycles + 1 } else { 0 };
+            self.was_slow |= is_slow;
         }
         self.last_change = change;
         self.ending.error = parameters.error_safety * change * rate / (1.0 - rate);

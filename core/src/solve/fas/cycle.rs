@@ -8,7 +8,8 @@
 //!    node is active, and keeps its gauge, where the weighted fraction of active fine nodes exceeds a threshold; the
 //!    other nodes stay one-sided.
 //! 3. Solve the coarse problem: by steps 1 to 5, on the coarsest grid by smoothing alone.
-//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes.
+//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes; in layered tissue scaled to the least energy once a cycle of
+//!    the grid being solved was slow (W. Hackbusch and A. Reusken, Numer. Math. 55, 1989).
 //! 5. Smooth as in step 1, with each ω of `smoothing.after`.
 //!
 //! After the cycle the check of convergence mixes the results of the last two cycles (`mixes`, layered tissue).
@@ -140,8 +141,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
             }
             Step::SolveCoarsest => self.solve_coarsest(),
             Step::Correct { grid } => {
-                let (coarse, fine) = self.levels.split_at_mut(grid);
-                fine[0].correct(&coarse[grid - 1], &mut self.row);
+                let contact = self.contact(grid);
+                let scale = self.parameters.correction_scale.filter(|_| self.convergence.was_slow);
+                let (coarser, finer) = self.levels.split_at_mut(grid);
+                let (coarse, fine) = (&coarser[grid - 1], &mut finer[0]);
+                let Some(bounds) = scale else { return fine.correct(coarse, &mut self.row) };
+                let evaluations =
+                    fine.correct_scaled(&self.model, contact, coarse, bounds, &mut self.row);
+                self.count(grid, evaluations);
             }
             Step::CheckConvergence => {}
         }

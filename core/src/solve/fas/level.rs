@@ -12,6 +12,9 @@ use crate::model::{ElasticModel, Tension};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
+/// Distance of the factor of a correction from one up to which the correction stays as it is \[-\].
+const NEGLECTED_SCALING: f32 = 0.1;
+
 /// A grid with its state and scratch.
 #[derive(Clone, Debug)]
 pub(super) struct Level<M: ElasticModel> {
@@ -25,6 +28,8 @@ pub(super) struct Level<M: ElasticModel> {
     pub(super) f: Field,
     /// Does `f` contain the forces at `u`?
     are_forces_current: bool,
+    /// The correction of the coarser grid that is scaled; empty in a sheet.
+    correction: Field,
     /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
     /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
@@ -63,6 +68,7 @@ impl<M: ElasticModel> Level<M> {
             u: field(),
             f: field(),
             are_forces_current: false,
+            correction: if layers > 1 { field() } else { Field::default() },
             before: field(),
             tau: (!is_finest).then(field),
             inverse: M::Stiffness::new(length, layers),
@@ -231,6 +237,37 @@ impl<M: ElasticModel> Level<M> {
                 }
             });
         }
+    }
+
+    /// [`Self::correct`] with the correction c scaled by α = ⟨r, c⟩/⟨r − r′, c⟩ within bounds, where the parabola of the energy along c
+    /// is least; r and r′ are the residuals before and after c. Coarse grids may be too soft where skin is slack on them alone. `f` is
+    /// r. Returns the number of force evaluations.
+    pub(super) fn correct_scaled(
+        &mut self,
+        model: &M,
+        contact: Contact,
+        coarse: &Self,
+        (least, most): (f32, f32),
+        row: &mut [f32],
+    ) -> f64 {
+        let Self { layout, obstacle, u, active, f, correction, contact_offset, .. } = self;
+        transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, correction, row);
+        smoother::apply_correction(layout, obstacle, correction, contact_offset, active, u);
+        let before = layout.product(f, correction);
+        self.find_forces(model);
+        let Self {
+            layout, obstacle, u, active, f, tau, correction, contact_offset, inverse, ..
+        } = self;
+        let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
+        let after = smoother::power(layout, &conditions, (u, active), f, correction);
+        let scale = (before / (before - after)) as f32;
+        let is_scaled = scale.is_finite() && (scale - 1.0).abs() > NEGLECTED_SCALING;
+        self.are_forces_current = !is_scaled;
+        if is_scaled {
+            u.add_scaled(correction, scale.clamp(least, most) - 1.0);
+            self.project_feasible();
+        }
+        1.0
     }
 
     /// Adds the interpolated correction of the coarser grid. `row` is scratch.

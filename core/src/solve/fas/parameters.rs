@@ -20,6 +20,8 @@ pub(in crate::solve) struct Parameters {
     /// Are the results of cycles mixed (D. G. Anderson, J. ACM 12, 1965, of depth one)? Otherwise oscillations alone are
     /// relaxed.
     pub(super) mixes: bool,
+    /// Bounds of the factor of a coarser grid's correction \[-\], once a cycle of the grid being solved was slow; `None`: no scaling.
+    pub(super) correction_scale: Option<(f32, f32)>,
     /// Bounds of the mixing factor θ \[-\].
     pub(super) mixing_bounds: (f64, f64),
     /// Is a step shortened by the hardening of the adjacent springs?
@@ -107,6 +109,7 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     smoothing: Smoothing { before: &[1.6, 0.5], after: &[1.6, 0.5] },
     first_smoothing: Smoothing { before: &[0.9], after: &[0.9] },
     mixes: false,
+    correction_scale: None,
     mixing_bounds: (0.0, 0.0),
     has_hardening: true,
     rise: &[1.0],
@@ -206,6 +209,7 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     smoothing: LAYERED_SMOOTHING,
     first_smoothing: LAYERED_SMOOTHING,
     mixes: true,
+    correction_scale: Some((0.1, 2.0)),
     mixing_bounds: (-4.0, 0.5),
     has_hardening: false,
     rise: &[1.0],

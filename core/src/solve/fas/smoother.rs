@@ -135,11 +135,12 @@ fn carry_column(u: &mut Field, group: &Group, shift: Vec3, correction: Option<&F
     }
 }
 
-/// Adds the correction of a coarser grid: active nodes move along the dome, no node enters the dome.
+/// Adds the correction of a coarser grid: active nodes move along the dome, no node enters the dome. `correction` becomes the
+/// move.
 pub(super) fn apply_correction(
     layout: &Layout,
     obstacle: &LaneObstacle,
-    correction: &Field,
+    correction: &mut Field,
     contact_offset: &[f32],
     active: &[f32],
     u: &mut Field,
@@ -153,9 +154,41 @@ pub(super) fn apply_correction(
         let (at, own) = (u.load(k), correction.load(k));
         let moved = obstacle.corrected(group.rest, at, own, touch);
         store_first(u, k, group.count, moved);
-        carry_column(u, &group, sub(moved, add(at, own)), Some(correction));
+        let shift = sub(moved, add(at, own));
+        carry_column(u, &group, shift, Some(correction));
+        carry_column(correction, &group, shift, None);
+        store_first(correction, k, group.count, sub(moved, at));
     });
     layout.mirror(u);
+}
+
+/// ⟨f + τ, step⟩ over the free nodes, the forces without the reactions of dome and wall.
+pub(super) fn power<S: Stiffness>(
+    layout: &Layout,
+    conditions: &Conditions<S>,
+    (u, active): (&Field, &[f32]),
+    f: &Field,
+    step: &Field,
+) -> f64 {
+    let Conditions { obstacle, tau, .. } = *conditions;
+    let mut power = 0.0_f64;
+    layout.free_groups(|group| {
+        let k = group.first;
+        let force = |k: usize| match tau {
+            Some(tau) => add(f.load(k), tau.load(k)),
+            None => f.load(k),
+        };
+        let at = u.load(k);
+        let nodes = obstacle.nodes(group.rest, at);
+        let is_active = load(active, k).simd_gt(f32x4::ZERO);
+        let inner = obstacle.unsupported(&nodes, group.rest, at, force(k), is_active);
+        let mut lanes = dot(inner, step.load(k));
+        for layer in f.layers().skip(1) {
+            lanes += dot(force(layer + k), step.load(layer + k));
+        }
+        power += lanes.to_array()[..group.count].iter().map(|&lane| f64::from(lane)).sum::<f64>();
+    });
+    power
 }
 
 /// Replaces f by the residual f + τ without the reactions of dome and wall; zero at nodes that are not free.
