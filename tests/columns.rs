@@ -212,7 +212,7 @@ fn the_rows_of_a_table_are_the_scenes_written_out() {
         lines(&run(&folder, &["-"], &scenes).stdout).into_iter().map(untimed).collect();
     assert!(wanted.len() == 4 && wanted.iter().all(|line| line["status"] == "converged"));
     // With the ends of lines, the mark and the blank lines of other programs; from a file too.
-    let other = format!("\u{feff}\r\n{}\r\n", table.replace('\n', "\r\n"));
+    let other = format!("\u{feff}{}", table.replace('\n', "\r\n\r\n"));
     fs::write(folder.join("table.csv"), table).unwrap();
     let file = ["--template", "scene.json", "--table", "table.csv", "--threads", "2"];
     for (arguments, input) in [(&TEMPLATE[..], table), (&TEMPLATE, &other), (&file, "")] {

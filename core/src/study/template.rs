@@ -18,11 +18,17 @@ pub struct Template {
 }
 
 #[derive(Clone, Debug)]
-enum Column {
+struct Column {
+    /// As it was given.
+    name: String,
+    place: Place,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Place {
     Number(Parameter),
     /// A value of the file by its JSON pointer.
     Value {
-        path: String,
         pointer: String,
         is_number: bool,
     },
@@ -44,9 +50,7 @@ pub enum TemplateError {
     #[error("{0} and {1} set the same field; allowed: one of the two")]
     Twice(String, String),
     /// Width, projection and volume are columns.
-    #[error(
-        "{0}, projection_mm and volume_ml are columns; allowed: two of them, which give the third"
-    )]
+    #[error("{0} determine each other; allowed: two of them, which give the third")]
     Overdetermined(String),
     /// The row is longer or shorter than the header.
     #[error("{found} cells; allowed: {wanted}, one for each column")]
@@ -78,22 +82,20 @@ impl Template {
         values_of(&file, "", "", &mut others);
         let mut columns: Vec<Column> = Vec::new();
         for name in names.iter().map(AsRef::as_ref) {
-            let column = match Parameter::of_name(name) {
+            let place = match Parameter::of_name(name) {
                 Ok(parameter) => {
                     parameter.check(&scene)?;
-                    Column::Number(parameter)
+                    Place::Number(parameter)
                 }
                 Err(line) => {
-                    let found = others.iter().find(|(path, ..)| path == name);
-                    let (path, pointer, is_number) =
-                        found.cloned().ok_or(TemplateError::Unknown(line))?;
-                    Column::Value { path, pointer, is_number }
+                    let found = others.iter().find(|(path, _)| path == name);
+                    found.ok_or(TemplateError::Unknown(line))?.1.clone()
                 }
             };
-            if let Some(other) = columns.iter().find(|other| other.excludes(&column, &scene)) {
-                return Err(TemplateError::Twice(other.name(), column.name()));
+            if let Some(other) = columns.iter().find(|other| other.place.excludes(&place, &scene)) {
+                return Err(TemplateError::Twice(other.name.clone(), name.to_owned()));
             }
-            columns.push(column);
+            columns.push(Column { name: name.to_owned(), place });
         }
         let template = Self { file, scene, columns };
         template.check_size()?;
@@ -101,15 +103,18 @@ impl Template {
     }
 
     fn check_size(&self) -> Result<(), TemplateError> {
-        let has = |wanted| {
-            let is_wanted = |column: &Column| matches!(column, Column::Number(p) if *p == wanted);
-            self.columns.iter().any(is_wanted)
+        let of = |wanted| {
+            let is_wanted = |column: &&Column| column.place == Place::Number(wanted);
+            self.columns.iter().find(is_wanted)
         };
-        if !(has(Parameter::Projection) && has(Parameter::Volume)) {
-            return Ok(());
+        let width = of(Parameter::BaseWidth).or_else(|| of(Parameter::BaseRadius));
+        match (width, of(Parameter::Projection), of(Parameter::Volume)) {
+            (Some(width), Some(projection), Some(volume)) => {
+                let names = [width, projection, volume].map(|column| column.name.clone());
+                Err(TemplateError::Overdetermined(names.join(", ")))
+            }
+            _ => Ok(()),
         }
-        let width = [Parameter::BaseWidth, Parameter::BaseRadius].into_iter().find(|w| has(*w));
-        width.map_or(Ok(()), |width| Err(TemplateError::Overdetermined(width.name())))
     }
 
     /// The scene of a row: a cell for each column, in their order. Numbers have a decimal point. The limits of the scene are not checked
@@ -125,12 +130,12 @@ impl Template {
         let mut file = None;
         let mut numbers = Vec::new();
         for (column, cell) in self.columns.iter().zip(cells.iter().map(AsRef::as_ref)) {
-            match column {
-                Column::Number(parameter) => {
+            match &column.place {
+                Place::Number(parameter) => {
                     let number = cell.trim().parse().ok().filter(|number: &f64| number.is_finite());
                     numbers.push((*parameter, number.ok_or_else(|| column.no_number(cell))?));
                 }
-                Column::Value { pointer, is_number, .. } => {
+                Place::Value { pointer, is_number } => {
                     let value = if *is_number {
                         let number = cell.trim().parse::<Number>();
                         Value::Number(number.map_err(|_| column.no_number(cell))?)
@@ -156,31 +161,26 @@ impl Template {
 }
 
 impl Column {
-    fn name(&self) -> String {
-        match self {
-            Self::Number(parameter) => parameter.name(),
-            Self::Value { path, .. } => path.clone(),
-        }
-    }
-
-    fn excludes(&self, other: &Self, scene: &Scene) -> bool {
-        match (self, other) {
-            (Self::Number(a), Self::Number(b)) => a.excludes(*b, scene),
-            (Self::Value { path: a, .. }, Self::Value { path: b, .. }) => a == b,
-            _ => false,
-        }
-    }
-
     fn no_number(&self, cell: &str) -> TemplateError {
-        TemplateError::Number { column: self.name(), cell: short(cell) }
+        TemplateError::Number { column: short(&self.name), cell: short(cell) }
     }
 }
 
-/// The numbers and texts in a value: path, JSON pointer, and whether it is a number.
-fn values_of(at: &Value, path: &str, pointer: &str, found: &mut Vec<(String, String, bool)>) {
+impl Place {
+    fn excludes(&self, other: &Self, scene: &Scene) -> bool {
+        match (self, other) {
+            (Self::Number(a), Self::Number(b)) => a.excludes(*b, scene),
+            _ => self == other,
+        }
+    }
+}
+
+/// The paths of the numbers and texts in a value, and their places.
+fn values_of(at: &Value, path: &str, pointer: &str, found: &mut Vec<(String, Place)>) {
     match at {
         Value::Number(_) | Value::String(_) => {
-            found.push((path.to_owned(), pointer.to_owned(), at.is_number()));
+            let place = Place::Value { pointer: pointer.to_owned(), is_number: at.is_number() };
+            found.push((path.to_owned(), place));
         }
         Value::Array(entries) => {
             for (k, value) in entries.iter().enumerate() {
