@@ -460,6 +460,13 @@ fn a_table_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
     assert_eq!(rows(&fs::read(&out).unwrap()).len(), ROWS + 1);
     fs::write(&out, "a,b").unwrap();
     assert!(refusal(&folder, &goes_on, "").contains("line 1 is no line of a result"));
+    // Rows of another table, without a scene, and of no table.
+    let header = text.split_inclusive(|byte| *byte == b'\n').next().unwrap();
+    for row in ["\"\"\n", "1,,converged\n", ",,converged,1,\n", ",x,converged,1,\n", "\"a\n"] {
+        fs::write(&out, [header, row.as_bytes()].concat()).unwrap();
+        let line = refusal(&folder, &goes_on, "");
+        assert!(line.contains("line 2 is no line of a result"), "{row}: {line}");
+    }
 }
 
 #[test]

@@ -107,9 +107,13 @@ impl LineFormat {
     pub(super) fn key(&self, line: &[u8]) -> Option<Key> {
         let Some(Table { columns, .. }) = &self.table else { return Key::of_result(line) };
         let cells = cell::split(std::str::from_utf8(line).ok()?).ok()?;
-        let id = cell::to_json(cells.get(0)?);
-        let key = id.map_or_else(|| Key::of_hash(&cells[1]), |id| Some(Key::of_id(&id)));
-        key.filter(|_| cells.len() == columns.len() + 3)
+        if cells.len() != columns.len() + 3 {
+            return None;
+        }
+        match cell::to_json(&cells[0]) {
+            Some(id) => Some(Key::of_id(&id)),
+            None => Key::of_hash(&cells[1]),
+        }
     }
 
     /// May a line without its end be one of an earlier run?

@@ -10,7 +10,7 @@ use serde_json::value::RawValue;
 pub(super) enum Key {
     /// The JSON text of the scene's `id`.
     Id(Box<str>),
-    /// Of the scene's JSON with sorted fields.
+    /// Of the scene's JSON with sorted fields; of a row of a table, of template and cells.
     Hash(u128),
 }
 

@@ -176,8 +176,7 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
 
 /// The fields that the results contain, and the form of their lines.
 fn line_format(arguments: &Arguments) -> Result<LineFormat, InputError> {
-    let in_words = |error: &dyn std::fmt::Display| InputError(format!("--fields: {error}"));
-    let of = |paths: &[String]| Selection::of(paths).map_err(|error| in_words(&error));
+    let of = |paths: &[String]| Selection::of(paths).map_err(in_fields);
     let format = match (arguments.format, &arguments.fields) {
         (OutputFormat::Json, None) => LineFormat::json(Selection::all()),
         (OutputFormat::Json, Some(paths)) => LineFormat::json(of(paths)?),
@@ -201,16 +200,20 @@ fn line_format(arguments: &Arguments) -> Result<LineFormat, InputError> {
     Ok(format.without_profile())
 }
 
+fn in_fields(error: impl std::fmt::Display) -> InputError {
+    InputError(format!("--fields: {error}"))
+}
+
 /// The columns of a table of results: the status, then the fields of the paths.
 fn columns(paths: &[String]) -> Result<Vec<Column>, InputError> {
     const STATUS: &str = "status";
     let others = paths.iter().map(String::as_str).filter(|path| *path != STATUS);
     let mut columns: Vec<Column> = Vec::new();
     for path in std::iter::once(STATUS).chain(others) {
-        let error = |error: &dyn std::fmt::Display| InputError(format!("--fields: {error}"));
-        let column = Column::of(path).map_err(|found| error(&found))?;
+        let column = Column::of(path).map_err(in_fields)?;
         if columns.contains(&column) {
-            return Err(error(&format!("{path:?} is named twice; allowed: each column once")));
+            let line = format!("{path:?} is named twice; allowed: each column once");
+            return Err(in_fields(line));
         }
         columns.push(column);
     }
