@@ -173,7 +173,8 @@ def solve_matrix(
     """Quantities of scenes in which numbers of a template vary, for SALib, OpenTURNS, emcee and the like.
 
     ``names``: the numbers, as ``base_width_mm``, ``volume_ml``, ``pinch_mm``, ``strain_scale``, ``layers[1].poisson_ratio``,
-    ``chest.radius_across_mm`` (all: docs/formats.md). ``values``: shape (scenes, names). ``outputs``: names of
+    ``chest.radius_across_mm``, or the path of any other number in the template, as ``solver.nodes_per_side`` (all:
+    docs/command-line.md, ``--table``). ``values``: shape (scenes, names). ``outputs``: names of
     :func:`quantities`. Returns shape (scenes, outputs), NaN where a scene has no answer.
 
     Raises :class:`SceneError` for an unknown name and for the first row out of its limits.

@@ -5,8 +5,8 @@ use super::{failed, json, refused};
 use implant_preview_core::scene::{Scene, read};
 use implant_preview_core::study::many::{Many, ManySettings};
 use implant_preview_core::study::{
-    Bands, BandsSettings, Case, Cases, Evaluator, Finished, Job, MapOptions, Parameter, Quantity,
-    Runner, Study, run, with_values,
+    Bands, BandsSettings, Case, Cases, Evaluator, Finished, Job, MapOptions, Quantity, Runner,
+    Study, Template, run,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -114,33 +114,25 @@ pub(crate) fn matrix<'py>(
     quantities: Vec<String>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let base = Scene::from_json(template).map_err(refused)?;
-    let parameters: Vec<Parameter> = names
-        .iter()
-        .map(|name| Parameter::of_name(name))
-        .collect::<Result<_, _>>()
-        .map_err(refused)?;
+    let template = Template::new(template, &names).map_err(refused)?;
     let quantities: Vec<Quantity> = quantities
         .iter()
         .map(|name| Quantity::of_name(name))
         .collect::<Result<_, _>>()
         .map_err(refused)?;
     let values = values.as_array();
-    if values.ncols() != parameters.len() {
+    if values.ncols() != names.len() {
         return Err(refused(format!(
             "X has {} columns; allowed: {}, one for each name",
             values.ncols(),
-            parameters.len()
+            names.len()
         )));
     }
     let mut scenes = Vec::with_capacity(values.nrows());
     for (row, numbers) in values.rows().into_iter().enumerate() {
-        let pairs: Vec<(Parameter, f64)> =
-            parameters.iter().copied().zip(numbers.iter().copied()).collect();
-        scenes.push(
-            with_values(&base, &pairs)
-                .map_err(|error| refused(format!("row {row} of X: {error}")))?,
-        );
+        let cells: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+        let scene = template.scene(&cells);
+        scenes.push(scene.map_err(|error| refused(format!("row {row} of X: {error}")))?);
     }
     let shape = [scenes.len(), quantities.len()];
     let settings = ManySettings::new(self::threads(threads));

@@ -107,6 +107,13 @@ def test_a_matrix_has_the_numbers_of_single_scenes():
         ip.solve_matrix(layered(), ["volume_ml"], [[200.0]], outputs=["colour"])
     with pytest.raises(ip.SceneError, match="dimensions"):
         ip.solve_matrix(layered(), ["volume_ml"], [200.0], outputs=["force_n"])
+    with pytest.raises(ip.SceneError, match="insertion and insertion set the same field"):
+        ip.solve_matrix(layered(), ["insertion", "insertion"], [[1.0, 0.5]], outputs=["force_n"])
+    # The path of another number in the template.
+    sheet = {"schema": "implant-preview/scene/1", "implant": {"base_radius_mm": 30}, "solver": {"nodes_per_side": 17}}
+    found = ip.solve_matrix(sheet, ["solver.nodes_per_side"], [[17], [33]], outputs=["force_n"])
+    finer = ip.solve(sheet | {"solver": {"nodes_per_side": 33}})
+    assert found[1, 0] == pytest.approx(finer["contact_force_n"], rel=1e-6) and found[0, 0] != found[1, 0]
 
 
 def test_a_map_and_bands_have_arrays():

@@ -4,11 +4,12 @@
 //! contact edge is located between nodes, from the opening gap. The only input is a [`Solution`].
 //!
 //! `outcome` (the fields of a result) | `layers` (stresses) | `contact` (pressure, edge) | `profile` | `fields` (nodal fields, computed on demand) |
-//! `selection` (the fields asked for) | `wrinkles` (state of skin that wrinkles) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
+//! `selection` (the fields asked for) | `column` (of a table of results) | `wrinkles` (state of skin that wrinkles) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
 pub mod bands;
+mod column;
 mod contact;
 mod fields;
 pub(crate) mod layered;
@@ -21,6 +22,7 @@ mod wrinkles;
 
 pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
+pub use column::{Column, ColumnError};
 pub use fields::{Field, Fields};
 pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 pub use outcome::{

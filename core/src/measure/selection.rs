@@ -95,7 +95,7 @@ fn check(schema: &Value, path: &str) -> Result<(), UnknownField> {
 }
 
 /// The schema of the object behind references, options and lists.
-fn object<'a>(root: &'a Value, mut at: &'a Value) -> &'a Value {
+pub(super) fn object<'a>(root: &'a Value, mut at: &'a Value) -> &'a Value {
     loop {
         let next = if let Some(Value::String(reference)) = at.get("$ref") {
             root.pointer(reference.trim_start_matches('#'))

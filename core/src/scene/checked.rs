@@ -36,7 +36,10 @@ impl CheckedScene {
 
     /// Checks a scene; curves of an `earlier` scene with the same layers are shared, and wall and thickness of one with the same
     /// grids under the same tissue.
-    pub(crate) fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn like(scene: Scene, earlier: Option<&Self>) -> Result<Self, SceneError> {
         scene.check_limits()?;
         let same_ground = earlier.filter(|earlier| ground(&earlier.scene) == ground(&scene));
         let (wall, thickness) = match same_ground {

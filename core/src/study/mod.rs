@@ -4,7 +4,7 @@
 //! workers of a page. [`Cases`] holds the cases by content, so that no scene is solved twice.
 //!
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
-//! all runners) | `many` (jobs on threads, for as long as jobs come) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) |
+//! all runners) | `many` (jobs on threads, for as long as jobs come) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
@@ -39,6 +39,7 @@ pub mod runner;
 mod samples;
 mod section_band;
 mod sequence;
+mod template;
 mod unknown;
 mod usual_range;
 
@@ -61,6 +62,7 @@ pub use runner::{Finished, JobPanic, Runner};
 pub use samples::{LEAST_ANSWERS, Samples};
 pub use section_band::SectionBand;
 pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
+pub use template::{Template, TemplateError};
 pub use unknown::Unknown;
 pub use usual_range::{PATIENTS, USUAL_STEP_ML, UsualRange, UsualVolumes};
 

@@ -235,6 +235,26 @@ impl Parameter {
         }
     }
 
+    /// Checks that a scene has the number.
+    ///
+    /// # Errors
+    /// The scene is a sheet, or has too few layers.
+    pub(super) fn check(self, scene: &Scene) -> Result<(), ParameterError> {
+        let layers = scene.layers.len();
+        let (field, layer) = self.row();
+        let is_chest = matches!(self, Self::ChestAcross | Self::ChestAlong);
+        if is_chest && !scene.may_have_chest() || field.part == Part::Body && !scene.is_layered() {
+            return Err(ParameterError::Sheet(self.name()));
+        }
+        if self == Self::Thickness && layers < 2 {
+            return Err(ParameterError::OneLayer(self.name()));
+        }
+        if layer >= layers {
+            return Err(ParameterError::NoLayer { name: self.name(), layers });
+        }
+        Ok(())
+    }
+
     /// The cost of a change; a volume may set the base width, too.
     pub(super) fn change(self) -> Change {
         if self == Self::Volume { Change::Grid } else { self.row().0.change }
@@ -304,9 +324,12 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
     let mut scene = base.clone();
     let base_margin = margin(base);
     let of = |wanted: Parameter| values.iter().find(|(p, _)| *p == wanted).map(|(_, value)| *value);
-    // The proportions of an anatomical implant, which its sizes keep, are set after these.
-    let is_shape = |parameter| matches!(parameter, Parameter::BaseHeight | Parameter::ApexShift);
-    for &(parameter, value) in values.iter().filter(|(parameter, _)| !is_shape(*parameter)) {
+    // The proportions of an anatomical implant, which its sizes keep, and the measurements over it are set after these.
+    let is_late = |parameter| {
+        use Parameter::{ApexShift, BaseHeight, Pinch, SkinPull};
+        matches!(parameter, BaseHeight | ApexShift | Pinch | SkinPull)
+    };
+    for &(parameter, value) in values.iter().filter(|(parameter, _)| !is_late(*parameter)) {
         set(&mut scene, parameter, value)?;
     }
     if let Some(volume) = of(Parameter::Volume) {
@@ -319,7 +342,7 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
         scene.implant.set_base_radius(0.5 * size.base_width_mm());
         scene.implant.projection_mm = size.projection_mm();
     }
-    for &(parameter, value) in values.iter().filter(|(parameter, _)| is_shape(*parameter)) {
+    for &(parameter, value) in values.iter().filter(|(parameter, _)| is_late(*parameter)) {
         set(&mut scene, parameter, value)?;
     }
     let sets_pocket = of(Parameter::PocketRadius).is_some();
@@ -343,8 +366,7 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
 
 /// Sets one parameter; volume and margin are set after the others.
 fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), ParameterError> {
-    let count = scene.layers.len();
-    let name = || parameter.name();
+    parameter.check(scene)?;
     match parameter {
         Parameter::BaseWidth => scene.implant.set_base_radius(0.5 * value),
         Parameter::BaseRadius => scene.implant.set_base_radius(value),
@@ -371,7 +393,7 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             scene.apply_patient(only)?;
             let has_effect = scene.patient.as_ref().is_some_and(|p| !p.derived.is_empty());
             if !has_effect {
-                return Err(ParameterError::NoEffect(name()));
+                return Err(ParameterError::NoEffect(parameter.name()));
             }
             if let Some(patient) = &mut scene.patient {
                 patient.measured = *measured;
@@ -380,9 +402,6 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
         Parameter::Thickness => {
             let skin = scene.layers.first().map_or(0.0, |skin| skin.thickness_mm);
             let below: f64 = scene.layers.iter().skip(1).map(|layer| layer.thickness_mm).sum();
-            if count < 2 {
-                return Err(ParameterError::OneLayer(name()));
-            }
             let factor = (value - skin) / below;
             if factor.is_nan() || factor <= 0.0 {
                 return Err(ParameterError::TooThin(value, skin));
@@ -390,9 +409,6 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             scene.layers.iter_mut().skip(1).for_each(|layer| layer.thickness_mm *= factor);
         }
         Parameter::ChestAcross | Parameter::ChestAlong => {
-            if !scene.may_have_chest() {
-                return Err(ParameterError::Sheet(name()));
-            }
             let mut chest = scene.chest.unwrap_or(ChestShape::USUAL);
             if parameter == Parameter::ChestAcross {
                 chest.radius_across_mm = value;
@@ -406,11 +422,9 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
         }
         _ => {
             let (field, layer) = parameter.row();
-            if field.part == Part::Body && !scene.is_layered() {
-                return Err(ParameterError::Sheet(name()));
+            if let Some(place) = field.place(scene, layer) {
+                *place = value;
             }
-            let place = field.place(scene, layer);
-            *place.ok_or_else(|| ParameterError::NoLayer { name: name(), layers: count })? = value;
         }
     }
     Ok(())

@@ -36,8 +36,10 @@ pub(super) struct Source {
     pub(super) is_lines: bool,
     /// Has the file a line that is not blank?
     pub(super) is_empty: bool,
-    /// What was opened and cannot be opened again, as standard input.
+    /// What was opened and is read on: it cannot be opened again, as standard input, or its first lines were taken.
     opened: Option<BufReader<Reader>>,
+    /// Number of lines that were taken; 1 after a whole text.
+    taken: usize,
 }
 
 /// Greatest length of what is read of a line or a scene \[bytes\]: one more than the parser accepts.
@@ -67,7 +69,7 @@ impl Source {
             let all: Reader = Box::new(Cursor::new(start).chain(reader));
             let opened = (!is_file(path)).then(|| BufReader::new(all));
             let path = path.to_owned();
-            Ok(Self { path, is_lines: is_lines.unwrap_or(found), is_empty, opened })
+            Ok(Self { path, is_lines: is_lines.unwrap_or(found), is_empty, opened, taken: 0 })
         };
         begin().map_err(|error| cannot_be_read(path, &error))
     }
@@ -77,6 +79,45 @@ impl Source {
         let Self { path, opened, .. } = self;
         let read = whole(opened.take(), path);
         read.map_err(|error| cannot_be_read(path, &error))
+    }
+
+    /// Takes the next line that is not blank; empty at the end.
+    pub(super) fn take_line(&mut self) -> Result<Vec<u8>, InputError> {
+        let line = self.next_line().map_err(|error| cannot_be_read(&self.path, &error))?;
+        Ok(line.unwrap_or_default())
+    }
+
+    fn next_line(&mut self) -> io::Result<Option<Vec<u8>>> {
+        if self.opened.is_none() {
+            self.opened = Some(BufReader::new(open(&self.path)?));
+        }
+        let Some(reader) = &mut self.opened else { return Ok(None) };
+        loop {
+            let mut bytes = Vec::new();
+            if reader.by_ref().take(MOST_BYTES).read_until(b'\n', &mut bytes)? == 0 {
+                return Ok(None);
+            }
+            self.taken += 1;
+            if bytes.len() as u64 == MOST_BYTES && !bytes.ends_with(b"\n") {
+                reader.skip_until(b'\n')?;
+            }
+            if !bytes.trim_ascii().is_empty() {
+                return Ok(Some(bytes));
+            }
+        }
+    }
+
+    /// The next text, a line or the whole of a file of one scene; `None` at the end.
+    fn next_text(&mut self) -> io::Result<Option<Vec<u8>>> {
+        if self.is_lines {
+            return self.next_line();
+        }
+        if self.taken > 0 {
+            return Ok(None);
+        }
+        let text = whole(self.opened.take(), &self.path)?;
+        self.taken = 1;
+        Ok(Some(text))
     }
 
     /// Can the source be read again?
@@ -116,7 +157,6 @@ pub(super) struct Text {
 pub(super) struct Texts {
     waiting: VecDeque<Source>,
     source: usize,
-    line: usize,
     /// Bytes of the texts so far, for progress.
     bytes: Arc<AtomicU64>,
 }
@@ -128,37 +168,8 @@ impl Texts {
         let length = |source: &Source| source.is_file().then(|| length(source)).flatten();
         let total = sources.iter().map(length).sum();
         let bytes = Arc::new(AtomicU64::new(0));
-        let texts = Self { waiting: sources.into(), source: 0, line: 0, bytes: Arc::clone(&bytes) };
+        let texts = Self { waiting: sources.into(), source: 0, bytes: Arc::clone(&bytes) };
         (texts, bytes, total)
-    }
-
-    /// The next text of the first source; `None` at its end.
-    fn next_of_source(source: &mut Source, line: &mut usize) -> io::Result<Option<Vec<u8>>> {
-        if !source.is_lines {
-            *line += 1;
-            return if *line == 1 {
-                whole(source.opened.take(), &source.path).map(Some)
-            } else {
-                Ok(None)
-            };
-        }
-        if source.opened.is_none() {
-            source.opened = Some(BufReader::new(open(&source.path)?));
-        }
-        let Some(reader) = &mut source.opened else { return Ok(None) };
-        loop {
-            let mut bytes = Vec::new();
-            if reader.by_ref().take(MOST_BYTES).read_until(b'\n', &mut bytes)? == 0 {
-                return Ok(None);
-            }
-            *line += 1;
-            if bytes.len() as u64 == MOST_BYTES && !bytes.ends_with(b"\n") {
-                reader.skip_until(b'\n')?;
-            }
-            if !bytes.trim_ascii().is_empty() {
-                return Ok(Some(bytes));
-            }
-        }
     }
 }
 
@@ -167,23 +178,24 @@ impl Iterator for Texts {
 
     fn next(&mut self) -> Option<Text> {
         loop {
-            let Self { source, line, .. } = *self;
-            let found = Self::next_of_source(self.waiting.front_mut()?, &mut self.line);
+            let source = self.waiting.front_mut()?;
+            let found = source.next_text();
             let ends = !matches!(found, Ok(Some(_)));
+            let (line, index) = (source.taken, self.source);
             let text = match found.transpose() {
                 Some(Ok(bytes)) => {
                     self.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-                    Some(Text { source, line: self.line, bytes: Ok(bytes) })
+                    Some(Text { source: index, line, bytes: Ok(bytes) })
                 }
                 Some(Err(error)) => {
                     let bytes = Err(format!("cannot be read: {error}"));
-                    Some(Text { source, line: line + 1, bytes })
+                    Some(Text { source: index, line: line + 1, bytes })
                 }
                 None => None,
             };
             if ends {
                 self.waiting.pop_front();
-                (self.source, self.line) = (source + 1, 0);
+                self.source += 1;
             }
             if text.is_some() {
                 return text;

@@ -4,16 +4,17 @@ use super::super::input::{Source, Text, Texts};
 use super::super::output::{self, LineFile};
 use super::super::stream::{self, End, Progress};
 use super::super::{ExitStatus, InputError};
-use super::done::{Done, Key};
+use super::done::Done;
+use super::form::{LineFormat, Place};
+use super::key::Key;
+use super::table::Table;
 use super::{Arguments, Clock};
-use crate::measure::{Outcome, Selected, Selection, Status};
-use crate::scene::{CheckedScene, read};
+use crate::measure::{Outcome, Status};
+use crate::scene::{CheckedScene, SceneError, read};
 use crate::simulate::Simulator;
 use crate::solve::Options;
 use crate::study::many::{Many, ManySettings};
 use crate::study::runner::panic_line;
-use serde::Serialize;
-use serde_json::value::RawValue;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::Ordering;
@@ -28,7 +29,9 @@ struct Worker {
 
 /// What all scenes of a run share.
 struct Run {
-    written: Selection,
+    format: LineFormat,
+    /// Of scenes from a table.
+    table: Option<Table>,
     most_ms: Option<f64>,
     done: Mutex<Done>,
     /// Names of the files, where the run has several.
@@ -46,54 +49,43 @@ enum Answer {
     Done,
 }
 
-#[derive(Serialize)]
-struct ResultLine<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<&'a RawValue>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scene_hash: Option<&'a str>,
-    #[serde(flatten)]
-    result: Selected<'a>,
-}
-
-#[derive(Serialize)]
-struct ErrorLine<'a> {
-    id: Option<&'a RawValue>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scene_hash: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    file: Option<&'a str>,
-    line: usize,
-    error: &'a str,
-}
-
 impl Run {
     fn answer(&self, worker: &mut Worker, text: Text) -> Answer {
         let Text { source, line, bytes } = text;
-        let bytes = bytes.as_deref();
-        let key = Key::of(&String::from_utf8_lossy(bytes.unwrap_or_default()));
+        let (key, scene) = self.scene(bytes, worker.scene.as_ref());
         if self.done.lock().unwrap_or_else(PoisonError::into_inner).take(&key) {
             return Answer::Done;
         }
-        let (id, scene_hash) = (key.id(), key.hash());
-        let (id, scene_hash) = (id.as_deref(), scene_hash.as_deref());
-        let error_line = |error: &str| {
-            let file = self.names.get(source).map(String::as_str);
-            json(&ErrorLine { id, scene_hash, file, line, error })
-        };
-        let scene = bytes.map_err(Clone::clone).and_then(|bytes| {
-            let scene = read::utf8(bytes)
-                .and_then(|text| CheckedScene::from_json_after(text, worker.scene.as_ref()));
-            scene.map_err(|error| error.to_string())
-        });
+        let place = Place { file: self.names.get(source).map(String::as_str), line };
         match scene.map(|scene| self.outcome(worker, scene)) {
-            Ok(Ok(outcome)) => {
-                let result = self.written.of_outcome(&outcome);
-                let line = json(&ResultLine { id, scene_hash, result });
-                Answer::Result(line, outcome.status)
+            Ok(Ok(outcome)) => Answer::Result(self.format.result(&key, &outcome), outcome.status),
+            Ok(Err(defect)) => {
+                let error = format!("internal error: {defect}");
+                Answer::Defect(self.format.error(&key, place, &error))
             }
-            Ok(Err(defect)) => Answer::Defect(error_line(&format!("internal error: {defect}"))),
-            Err(error) => Answer::Error(error_line(&error)),
+            Err(error) => Answer::Error(self.format.error(&key, place, &error)),
+        }
+    }
+
+    /// The scene of a text and what it is known by.
+    fn scene(
+        &self,
+        bytes: Result<Vec<u8>, String>,
+        earlier: Option<&CheckedScene>,
+    ) -> (Key, Result<CheckedScene, String>) {
+        let in_words = |error: SceneError| error.to_string();
+        match (bytes, &self.table) {
+            (Err(error), _) => (Key::of(""), Err(error)),
+            (Ok(bytes), Some(table)) => {
+                let (key, scene) = table.scene(&bytes);
+                let like = |scene| CheckedScene::like(scene, earlier).map_err(in_words);
+                (key, scene.and_then(like))
+            }
+            (Ok(bytes), None) => {
+                let scene = read::utf8(&bytes)
+                    .and_then(|text| CheckedScene::from_json_after(text, earlier));
+                (Key::of(&String::from_utf8_lossy(&bytes)), scene.map_err(in_words))
+            }
         }
     }
 
@@ -104,38 +96,44 @@ impl Run {
         simulator.most_ms = self.most_ms;
         let mut attempt = || {
             let clock = Clock::start();
-            let run =
-                || simulator.run(scene, Options::default(), &self.written, Some(&|| clock.ms()));
+            let run = || {
+                simulator.run(
+                    scene,
+                    Options::default(),
+                    &self.format.selection,
+                    Some(&|| clock.ms()),
+                )
+            };
             catch_unwind(AssertUnwindSafe(run)).map(|simulation| simulation.outcome)
         };
         attempt().or_else(|_| attempt()).map_err(|panic| panic_line(&*panic))
     }
 }
 
-/// A value in a line.
-fn json(value: &impl Serialize) -> String {
-    // The values of a result have names and numbers only.
-    serde_json::to_string(value).unwrap_or_default() + "\n"
-}
-
 /// Solves the scenes of the sources and writes a line for each.
 pub(super) fn run(
     arguments: &Arguments,
-    written: Selection,
+    format: LineFormat,
+    table: Option<Table>,
     sources: Vec<Source>,
 ) -> Result<ExitStatus, InputError> {
     let Arguments { out, skip_done, most_ms, unordered, threads, .. } = arguments;
-    let done = skip_done.as_deref().map(Done::read).transpose()?;
+    let done = skip_done.as_deref().map(|path| Done::read(path, &format)).transpose()?;
     // A run that goes on keeps its lines.
     let goes_on = skip_done.as_ref().is_some_and(|done| output::is_same_file(done, out));
     let keep = done.as_ref().filter(|_| goes_on && out.exists()).map(|done| done.whole_bytes);
     let mut file = LineFile::open(out, keep)?;
+    if let Some(header) = format.header().filter(|_| keep.unwrap_or_default() == 0)
+        && file.write(header.as_bytes())?.is_break()
+    {
+        return Ok(ExitStatus::Converged);
+    }
     let names = match &sources[..] {
         [_] => Vec::new(),
         sources => sources.iter().map(|source| source.path().display().to_string()).collect(),
     };
     let done = Mutex::new(done.unwrap_or_default());
-    let run = Run { written, most_ms: *most_ms, done, names };
+    let run = Run { format, table, most_ms: *most_ms, done, names };
     let (texts, bytes, all_bytes) = Texts::new(sources);
     std::panic::set_hook(Box::new(|panic| {
         let location = panic.location().map(ToString::to_string).unwrap_or_default();

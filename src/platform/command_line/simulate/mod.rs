@@ -1,27 +1,40 @@
 //! `simulate`: solves scenes and writes their results.
 
+mod cell;
 mod done;
+mod form;
+mod key;
 mod lines;
+mod table;
 
 use super::input::Source;
 use super::output::{self, File};
 use super::stream::ThreadCount;
 use super::{ExitStatus, InputError, in_range};
 use crate::export::{Format, Solid, profile};
-use crate::measure::{Selected, Selection, Status, surfaces};
+use crate::measure::{Column, Selected, Selection, Status, surfaces};
 use crate::scene::{CheckedScene, read};
 use crate::simulate::{Simulation, Simulator};
 use crate::solve::Options;
+use form::LineFormat;
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use table::Table;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// Scene files, JSON or JSON lines; `-` is standard input.
-    #[arg(required = true, value_name = "SCENE.json")]
+    #[arg(required_unless_present = "table", value_name = "SCENE.json")]
     scenes: Vec<PathBuf>,
+    /// A scene in which the rows of `--table` replace values.
+    #[arg(long, requires = "table", value_name = "SCENE.json")]
+    template: Option<PathBuf>,
+    /// Instead of scenes: a table (CSV), a scene a row. The columns are numbers of a scene, as `implant.base_radius_mm`,
+    /// `layers[0].thickness_mm`, `volume_ml`, or paths of other values in the template; `id` names the row; `-` is standard input.
+    #[arg(long, requires = "template", conflicts_with = "scenes", value_name = "TABLE.csv")]
+    table: Option<PathBuf>,
     /// Output file for the result; `-` is standard output. Several scenes give JSON lines.
     #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
     out: PathBuf,
@@ -35,6 +48,9 @@ pub(super) struct Arguments {
     /// `status` are always written. Other fields are not computed. Default: all fields.
     #[arg(long, value_name = "FIELDS", value_delimiter = ',')]
     fields: Option<Vec<String>>,
+    /// `csv`: a table with a row a scene: `id`, `scene_hash`, `status`, the fields of `--fields`, `error`.
+    #[arg(long, value_enum, default_value_t = OutputFormat::Json, value_name = "json|csv")]
+    format: OutputFormat,
     /// Leaves the profiles out of the result.
     #[arg(long)]
     no_profile: bool,
@@ -55,14 +71,20 @@ pub(super) struct Arguments {
     threads: ThreadCount,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum OutputFormat {
+    Json,
+    Csv,
+}
+
 fn most_ms(text: &str) -> Result<f64, String> {
     in_range(text, 1.0, 1e9)
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let format = arguments.mesh.as_deref().map(mesh_format).transpose()?;
+    let mesh = arguments.mesh.as_deref().map(mesh_format).transpose()?;
     check_paths(arguments)?;
-    let written = selection(arguments)?;
+    let format = line_format(arguments)?;
     let wants_one = arguments.mesh.is_some() || arguments.profile.is_some();
     let mut sources = Vec::new();
     for path in &arguments.scenes {
@@ -71,17 +93,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         let is_lines = arguments.lines || is_named && !wants_one;
         sources.push(Source::open(path, is_lines.then_some(true))?);
     }
-    let is_stream = arguments.lines || arguments.skip_done.is_some() || arguments.unordered;
+    let is_table = arguments.format == OutputFormat::Csv;
+    let is_stream =
+        arguments.lines || is_table || arguments.skip_done.is_some() || arguments.unordered;
     if let [source] = &mut sources[..]
         && !(source.is_lines || is_stream)
     {
         let scene = checked(source)?;
-        let outputs = solve(arguments, format, &scene, &written)?;
+        let outputs = solve(arguments, mesh, &scene, &format.selection)?;
         output::write_all(&outputs.0)?;
         return Ok(outputs.1);
     }
     if wants_one {
-        let line = "--mesh and --profile: at least 2 scenes, or lines; allowed: one scene";
+        let line = "--mesh and --profile: at least 2 scenes, lines or a table; allowed: one scene";
         return Err(InputError(line.to_owned()));
     }
     for source in &mut sources {
@@ -93,14 +117,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
             checked(source)?;
         }
     }
-    lines::run(arguments, written, sources)
+    let table = match (&arguments.template, &arguments.table) {
+        (Some(template), Some(path)) => {
+            sources.push(Source::open(path, Some(true))?);
+            sources.last_mut().map(|source| Table::read(template, source)).transpose()?
+        }
+        _ => None,
+    };
+    lines::run(arguments, format, table, sources)
 }
 
 /// The scene of a file of one scene.
 fn checked(source: &mut Source) -> Result<(CheckedScene, Option<Box<RawValue>>), InputError> {
     let bytes = source.whole()?;
     let scene = read::utf8(&bytes)
-        .and_then(|text| Ok((CheckedScene::from_json(text)?, done::Key::of(text).id())));
+        .and_then(|text| Ok((CheckedScene::from_json(text)?, key::Key::of(text).id())));
     scene.map_err(|error| output::input_error(source.path(), error))
 }
 
@@ -135,26 +166,58 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
                 "{name}: named for two outputs; allowed: one output per file"
             )));
         }
-        if arguments.scenes.iter().any(|scene| output::is_input(path, scene)) {
+        let mut inputs = arguments.scenes.iter().chain(&arguments.template).chain(&arguments.table);
+        if inputs.any(|input| output::is_input(path, input)) {
             return Err(output::input_error(path, "is an input scene; allowed: another file"));
         }
     }
     Ok(())
 }
 
-/// The fields that the result contains.
-fn selection(arguments: &Arguments) -> Result<Selection, InputError> {
-    let selection = match &arguments.fields {
-        None => Selection::all(),
-        Some(paths) => {
-            Selection::of(paths).map_err(|error| InputError(format!("--fields: {error}")))?
+/// The fields that the results contain, and the form of their lines.
+fn line_format(arguments: &Arguments) -> Result<LineFormat, InputError> {
+    let of = |paths: &[String]| Selection::of(paths).map_err(in_fields);
+    let format = match (arguments.format, &arguments.fields) {
+        (OutputFormat::Json, None) => LineFormat::json(Selection::all()),
+        (OutputFormat::Json, Some(paths)) => LineFormat::json(of(paths)?),
+        (OutputFormat::Csv, None) => {
+            let line = "--format csv: --fields is missing; allowed: the columns, as contact_force_n,strain.max_principal";
+            return Err(InputError(line.to_owned()));
+        }
+        (OutputFormat::Csv, Some(paths)) => {
+            let columns = columns(paths)?;
+            let fields: Vec<String> = columns.iter().map(Column::field).collect();
+            LineFormat::table(of(&fields)?, columns)
         }
     };
-    if arguments.no_profile && selection.names_a_profile() {
+    if !arguments.no_profile {
+        return Ok(format);
+    }
+    if format.selection.names_a_profile() {
         let line = "--no-profile: --fields names a profile; allowed: one of the two";
         return Err(InputError(line.to_owned()));
     }
-    Ok(if arguments.no_profile { selection.without_profile() } else { selection })
+    Ok(format.without_profile())
+}
+
+fn in_fields(error: impl std::fmt::Display) -> InputError {
+    InputError(format!("--fields: {error}"))
+}
+
+/// The columns of a table of results: the status, then the fields of the paths.
+fn columns(paths: &[String]) -> Result<Vec<Column>, InputError> {
+    const STATUS: &str = "status";
+    let others = paths.iter().map(String::as_str).filter(|path| *path != STATUS);
+    let mut columns: Vec<Column> = Vec::new();
+    for path in std::iter::once(STATUS).chain(others) {
+        let column = Column::of(path).map_err(in_fields)?;
+        if columns.contains(&column) {
+            let line = format!("{path:?} is named twice; allowed: each column once");
+            return Err(in_fields(line));
+        }
+        columns.push(column);
+    }
+    Ok(columns)
 }
 
 /// A clock that starts at zero.

@@ -1,0 +1,527 @@
+//! Tables on the command line: a row of columns in for each scene, a row of columns out.
+#![cfg(all(feature = "command-line", unix))]
+#![allow(clippy::unwrap_used)] // helpers of tests are tests
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+
+/// A separate empty folder for each test.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("columns-{test}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn spawn(folder: &Path, arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_implant-preview"));
+    command.arg("simulate").args(arguments).current_dir(folder);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Runs `simulate` with the text as standard input.
+fn run(folder: &Path, arguments: &[&str], input: &str) -> Output {
+    let mut child = spawn(folder, arguments);
+    let (mut stdin, input) = (child.stdin.take().unwrap(), input.to_owned());
+    // A command that ends early closes its input.
+    let writer = thread::spawn(move || _ = stdin.write_all(input.as_bytes()));
+    let output = child.wait_with_output().unwrap();
+    writer.join().unwrap();
+    output
+}
+
+/// The words of a run that ends with exit code 2 and writes nothing, in one line.
+fn refusal(folder: &Path, arguments: &[&str], input: &str) -> String {
+    let output = run(folder, arguments, input);
+    let line = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {line}");
+    assert!(output.stdout.is_empty() && line.lines().count() == 1, "{arguments:?}: {line}");
+    line
+}
+
+fn lines(text: &[u8]) -> Vec<Value> {
+    let text = std::str::from_utf8(text).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// The rows of a table, the cells by their columns.
+fn rows(text: &[u8]) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(text);
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+/// A small sheet as a template.
+fn sheet() -> Value {
+    json!({
+        "schema": "implant-preview/scene/1",
+        "implant": { "base_radius_mm": 30, "projection_mm": 20 },
+        "pocket_radius_mm": 45,
+        "layers": [
+            { "tissue": "skin", "thickness_mm": 1.5, "curve": { "kind": "skin" } },
+            { "tissue": "fat, deep", "thickness_mm": 8, "curve": { "kind": "adipose" } },
+        ],
+        "solver": { "nodes_per_side": 17 },
+    })
+}
+
+/// A small sheet of its own projection.
+fn numbered(k: usize) -> Value {
+    let mut scene = sheet();
+    scene["id"] = json!(k);
+    scene["implant"]["projection_mm"] = json!(10.0 + 0.001 * k as f64);
+    scene
+}
+
+const TEMPLATE: [&str; 4] = ["--template", "scene.json", "--table", "-"];
+
+/// A folder with a template.
+fn with_template(test: &str) -> PathBuf {
+    let folder = folder(test);
+    fs::write(folder.join("scene.json"), sheet().to_string()).unwrap();
+    folder
+}
+
+/// A line without the time of its computation.
+fn untimed(mut line: Value) -> Value {
+    if let Some(solver) = line.get_mut("solver") {
+        solver.as_object_mut().unwrap().remove("time_ms");
+    }
+    line
+}
+
+#[test]
+fn a_table_has_the_figures_of_the_lines_to_the_last_bit() {
+    let folder = folder("figures");
+    let ids = [
+        json!(7),
+        json!("7"),
+        json!("a, \"b\""),
+        json!("two\nlines"),
+        json!({"x": 0.10}),
+        json!(null),
+    ];
+    let text: String = ids
+        .iter()
+        .enumerate()
+        .map(|(k, id)| {
+            let mut scene = numbered(100 * k);
+            scene["id"] = id.clone();
+            format!("{scene}\n")
+        })
+        .collect();
+    let paths = [
+        "contact_force_n",
+        "strain.max_principal",
+        "strain.fraction_above[0.25]",
+        "layers[1].max_stress_kpa",
+        "layers[2].max_stress_kpa",
+        "layers.tissue",
+        "profile.z_mm",
+        "profile[40].z_mm",
+        "contact_angle_deg",
+        "solver.cycles",
+        "solver.fell_back",
+        "warnings",
+    ];
+    let fields = paths.join(",");
+    let output = run(&folder, &["-", "--format", "csv", "--fields", &fields], &text);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = String::from_utf8(output.stdout.clone()).unwrap();
+    let header = format!("id,scene_hash,status,{fields},error");
+    // A row is a line, whatever its cells.
+    assert_eq!((table.lines().next(), table.lines().count()), (Some(&*header), 7));
+    let (rows, wanted) = (rows(&output.stdout), lines(&run(&folder, &["-"], &text).stdout));
+    let mut figures = 0;
+    for ((row, line), id) in rows.iter().zip(&wanted).zip(&ids) {
+        let mut check = |column: &str, value: &Value| {
+            let expected = match value {
+                Value::Null => String::new(),
+                Value::String(text) => text.clone(),
+                value => value.to_string(),
+            };
+            assert_eq!(row[column], expected, "{column}");
+            if let Some(figure) = value.as_f64() {
+                assert_eq!(row[column].parse::<f64>().unwrap().to_bits(), figure.to_bits());
+                figures += 1;
+            }
+        };
+        check("status", &line["status"]);
+        check("contact_force_n", &line["contact_force_n"]);
+        check("strain.max_principal", &line["strain"]["max_principal"]);
+        check("strain.fraction_above[0.25]", &line["strain"]["fraction_above"]["0.25"]);
+        check("layers[1].max_stress_kpa", &line["layers"][1]["max_stress_kpa"]);
+        check("layers[2].max_stress_kpa", &Value::Null);
+        check("layers.tissue", &json!(["skin", "fat, deep"]));
+        let heights: Vec<&Value> =
+            line["profile"].as_array().unwrap().iter().map(|point| &point["z_mm"]).collect();
+        check("profile.z_mm", &json!(heights));
+        check("profile[40].z_mm", heights[40]);
+        check("contact_angle_deg", &Value::Null);
+        check("solver.cycles", &line["solver"]["cycles"]);
+        check("solver.fell_back", &line["solver"]["fell_back"]);
+        check("warnings", &line["warnings"]);
+        check("error", &Value::Null);
+        check("scene_hash", &line["scene_hash"]);
+        // A text that reads as a number has the quotation marks of JSON, and so has one with a line break.
+        let cell = match id {
+            Value::String(text) if text != "7" && !text.contains('\n') => text.clone(),
+            Value::Null => String::new(),
+            id => id.to_string(),
+        };
+        assert_eq!(row["id"], cell);
+    }
+    assert_eq!(figures, 6 * 6);
+    // A single scene has a table too.
+    fs::write(folder.join("one.json"), numbered(1).to_string()).unwrap();
+    let one = run(&folder, &["one.json", "--format", "csv", "--fields", "status"], "");
+    assert_eq!(
+        String::from_utf8(one.stdout).unwrap(),
+        "id,scene_hash,status,error\n1,,converged,\n"
+    );
+}
+
+#[test]
+fn the_rows_of_a_table_are_the_scenes_written_out() {
+    let folder = with_template("template");
+    let table = "id,implant.projection_mm, layers[1].thickness_mm ,layers[1].curve.kind,solver.nodes_per_side\n\
+        a,20,8.5,adipose,17\n\
+        \"b\",1.25e1,6,skin,33\n\
+        7,20.1, 7 ,skin,17\n\
+        \"{\"\"x\"\":1}\",15,8,skin,17\n";
+    let mut scenes = String::new();
+    for (id, projection, thickness, curve, nodes) in [
+        (json!("a"), 20.0, 8.5, "adipose", 17),
+        (json!("b"), 12.5, 6.0, "skin", 33),
+        (json!(7), 20.1, 7.0, "skin", 17),
+        (json!({"x": 1}), 15.0, 8.0, "skin", 17),
+    ] {
+        let mut scene = sheet();
+        scene["id"] = id;
+        scene["implant"]["projection_mm"] = json!(projection);
+        scene["layers"][1]["thickness_mm"] = json!(thickness);
+        scene["layers"][1]["curve"]["kind"] = json!(curve);
+        scene["solver"]["nodes_per_side"] = json!(nodes);
+        scenes += &format!("{scene}\n");
+    }
+    let wanted: Vec<Value> =
+        lines(&run(&folder, &["-"], &scenes).stdout).into_iter().map(untimed).collect();
+    assert!(wanted.len() == 4 && wanted.iter().all(|line| line["status"] == "converged"));
+    // With the ends of lines, the mark and the blank lines of other programs; from a file too.
+    let other = format!("\u{feff}{}", table.replace('\n', "\r\n\r\n"));
+    fs::write(folder.join("table.csv"), table).unwrap();
+    let file = ["--template", "scene.json", "--table", "table.csv", "--threads", "2"];
+    for (arguments, input) in [(&TEMPLATE[..], table), (&TEMPLATE, &other), (&file, "")] {
+        let output = run(&folder, arguments, input);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let found: Vec<Value> = lines(&output.stdout).into_iter().map(untimed).collect();
+        assert_eq!(found, wanted);
+    }
+    // Columns in and out.
+    let both = [&TEMPLATE[..], &["--format", "csv", "--fields", "contact_force_n"]].concat();
+    for (row, line) in rows(&run(&folder, &both, table).stdout).iter().zip(&wanted) {
+        assert_eq!(row["contact_force_n"], line["contact_force_n"].to_string());
+    }
+    // A surgeon's number: the volume changes the projection; a wider base keeps the margin of the pocket, 15 mm.
+    let text = "base_width_mm,volume_ml\n70,50\n";
+    let found = lines(&run(&folder, &TEMPLATE, text).stdout);
+    assert!((found[0]["implant_volume_ml"].as_f64().unwrap() - 50.0).abs() < 1e-9);
+    let pocket = std::f64::consts::PI * 5.0_f64.powi(2);
+    assert!((found[0]["area_before_cm2"].as_f64().unwrap() / pocket - 1.0).abs() < 1e-2);
+    // A header without rows, as in an empty part of a distributed table.
+    let none = run(&folder, &both, "insertion\n");
+    assert!(none.status.success() && none.stderr.is_empty());
+    assert_eq!(none.stdout, b"id,scene_hash,status,contact_force_n,error\n");
+}
+
+#[test]
+fn a_bad_row_has_an_error_in_its_place() {
+    let folder = with_template("rows");
+    let table = b"insertion,id,implant.projection_mm\n\
+        1,good,20\n\
+        1,limit,500\n\
+        \n\
+        1,empty,\n\
+        one,word,20\n\
+        \"0,5\",comma,20\n\
+        nan,nan,20\n\
+        1,short\n\
+        1,long,20,20\n\
+        1,open,\"20\n\
+        1,\xff,20\n\
+        ,,\n\
+        0.5,last,20\n";
+    let wanted = [
+        ("good", ""),
+        ("limit", "line 3: implant.projection_mm is 500"),
+        ("empty", "line 5: implant.projection_mm is \"\"; allowed: a number, as 12.5"),
+        ("word", "line 6: insertion is \"one\"; allowed: a number, as 12.5"),
+        ("comma", "line 7: insertion is \"0,5\"; allowed: a number, as 12.5"),
+        ("nan", "line 8: insertion is \"nan\"; allowed: a number, as 12.5"),
+        ("", "line 9: 2 cells; allowed: 3, one for each column"),
+        ("", "line 10: 4 cells; allowed: 3, one for each column"),
+        ("", "line 11: a quotation mark is not closed; allowed: one row a line"),
+        ("", "line 12: file: invalid utf-8"),
+        ("", "line 13: insertion is \"\"; allowed: a number"),
+        ("last", ""),
+    ];
+    fs::write(folder.join("table.csv"), table).unwrap();
+    let input = ["--template", "scene.json", "--table", "table.csv"];
+    let output =
+        run(&folder, &[&input[..], &["--format", "csv", "--fields", "status"]].concat(), "");
+    assert_eq!(output.status.code(), Some(2));
+    let complaint = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(complaint, "error: 10 of 12 lines of the output are errors of invalid scenes\n");
+    let found = rows(&output.stdout);
+    assert_eq!(found.len(), wanted.len());
+    for (row, (id, error)) in found.iter().zip(wanted) {
+        assert_eq!(row["id"], id);
+        assert!(row["error"].starts_with(error), "{}", row["error"]);
+        assert_eq!(row["error"].is_empty(), error.is_empty());
+        assert_eq!(row["status"], if error.is_empty() { "converged" } else { "" });
+        assert_eq!(row["scene_hash"].len(), if id.is_empty() { 32 } else { 0 });
+    }
+    // As JSON lines, with the line as a number.
+    let found = lines(&run(&folder, &input, "").stdout);
+    assert_eq!((&found[1]["id"], &found[1]["line"]), (&json!("limit"), &json!(3)));
+    assert_eq!((&found[7]["id"], &found[7]["line"]), (&json!(null), &json!(10)));
+    // Of several files of scenes an error names the file.
+    fs::write(folder.join("a.jsonl"), format!("{}\n", numbered(1))).unwrap();
+    fs::write(folder.join("b.jsonl"), format!("{}\n{{\"id\":\"x\"}}\n", numbered(2))).unwrap();
+    let several = ["a.jsonl", "b.jsonl", "--format", "csv", "--fields", "status"];
+    let found = rows(&run(&folder, &several, "").stdout);
+    assert!(found[2]["error"].starts_with("b.jsonl, line 2: ") && found[2]["id"] == "x");
+}
+
+#[test]
+fn bad_columns_are_refused_before_any_solve() {
+    let folder = with_template("refused");
+    for (header, wanted) in [
+        ("", "standard input: header: is missing; allowed: the names of the columns"),
+        (
+            "colour\n1\n",
+            "standard input: header: \"colour\" is not a field; allowed: base_width_mm, ",
+        ),
+        (
+            "insertion,insertion\n1,1\n",
+            "insertion and insertion set the same field; allowed: one of",
+        ),
+        ("id,insertion,id\n1,1,1\n", "id is the name of two columns; allowed: one"),
+        ("pinch_mm,layers[1].thickness_mm\n", "pinch_mm and layers[1].thickness_mm set the same"),
+        ("layers[2].thickness_mm\n1\n", "the scene has 2 layers; allowed: layers[0] to layers[1]"),
+        ("attachment.ramp_mm\n1\n", "attachment.ramp_mm: the scene is a sheet; allowed: layered"),
+        ("insertion;pocket_radius_mm\n1;45\n", "\"insertion;pocket_radius_mm\" is not a field"),
+        ("insertion,\"volume_ml\n1,200\n", "header: a quotation mark is not closed"),
+        ("insertion,\n1,\n", "\"\" is not a field; allowed: "),
+    ] {
+        let line = refusal(&folder, &TEMPLATE, header);
+        assert!(line.contains(wanted), "{header:?}: {line}");
+    }
+    fs::write(folder.join("bad.json"), r#"{"implant":{"base_radius_mm":500}}"#).unwrap();
+    fs::write(folder.join("table.csv"), "insertion\n1\n").unwrap();
+    let table = ["--table", "table.csv"];
+    for (arguments, wanted) in [
+        (&["--template", "bad.json"][..], "bad.json: implant.base_radius_mm is 500"),
+        (&["--template", "none.json"], "none.json: cannot be read"),
+        (&["--template", "scene.json", "--out", "table.csv"], "table.csv: is an input scene"),
+        (&["--template", "scene.json", "--out", "scene.json"], "scene.json: is an input scene"),
+        (&["--template", "scene.json", "scene.json"], "cannot be used with"),
+        (&["--template", "scene.json", "--mesh", "m.stl"], "allowed: one scene"),
+        (&[], "--template"),
+    ] {
+        let line = refusal(&folder, &[&table[..], arguments].concat(), "");
+        assert!(line.contains(wanted), "{arguments:?}: {line}");
+    }
+    assert!(refusal(&folder, &["--template", "scene.json"], "").contains("--table"));
+    assert!(refusal(&folder, &["--template", "-", "--table", "-"], "").contains("standard input"));
+    for (fields, wanted) in [
+        (&[][..], "--format csv: --fields is missing; allowed: the columns, as contact_force_n"),
+        (&["--fields", "force"], "--fields: \"force\" is not a field of a result; allowed: "),
+        (
+            &["--fields", "strain"],
+            "--fields: \"strain\" has several fields; allowed in a table: strain.fraction_above, ",
+        ),
+        (&["--fields", "layers[0]"], "layers[0].max_stress_kpa"),
+        (&["--fields", "status[0]"], "--fields: \"status[0]\" is no path of a result; allowed: "),
+        (
+            &["--fields", "wrinkled,wrinkled"],
+            "--fields: \"wrinkled\" is named twice; allowed: each",
+        ),
+        (&["--fields", "profile.z_mm", "--no-profile"], "--no-profile: --fields names a profile"),
+        (&["--fields", "status", "--profile", "p.csv"], "lines or a table; allowed: one scene"),
+        (&["--fields", "status", "--format", "parquet"], "possible values: json, csv"),
+    ] {
+        let arguments = match fields {
+            [.., "parquet"] => fields.to_vec(),
+            _ => [&["--format", "csv"][..], fields].concat(),
+        };
+        let line = refusal(&folder, &[&["scene.json"][..], &arguments].concat(), "");
+        assert!(line.contains(wanted), "{fields:?}: {line}");
+    }
+    // An output of these runs would have lost the table.
+    assert_eq!(fs::read_to_string(folder.join("table.csv")).unwrap(), "insertion\n1\n");
+}
+
+#[test]
+fn a_table_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
+    const ROWS: usize = 2000;
+    let folder = with_template("kill");
+    let projection = |k: usize| 10.0 + 0.001 * k as f64;
+    // Ids of every kind, and rows without one; one row is bad.
+    let id = |k: usize| match k % 4 {
+        0 => k.to_string(),
+        1 => format!("\"row {k}, \"\"a\"\"\""),
+        2 => format!("\"\"\"{k}\"\"\""),
+        _ => String::new(),
+    };
+    let mut table = "id,implant.projection_mm\n,\n".to_owned();
+    table.extend((0..ROWS).map(|k| format!("{},{}\n", id(k), projection(k))));
+    fs::write(folder.join("table.csv"), table).unwrap();
+    let arguments = ["--template", "scene.json", "--table", "table.csv", "--format", "csv"];
+    let arguments =
+        [&arguments[..], &["--fields", "implant_volume_ml", "--out", "out.csv"]].concat();
+    let out = folder.join("out.csv");
+    let mut child = spawn(&folder, &[&arguments[..], &["--unordered"]].concat());
+    while fs::metadata(&out).map_or(0, |found| found.len()) < 5000 {
+        thread::yield_now();
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // The last row is half written.
+    let mut left = fs::read(&out).unwrap();
+    left.truncate(left.len() - 5);
+    fs::write(&out, &left).unwrap();
+    let whole = left.iter().rposition(|byte| *byte == b'\n').unwrap();
+    let goes_on = [&arguments[..], &["--skip-done", "out.csv"]].concat();
+    let output = run(&folder, &goes_on, "");
+    assert!([Some(0), Some(2)].contains(&output.status.code()));
+    let text = fs::read(&out).unwrap();
+    assert!(text.starts_with(&left[..whole]));
+    let found = rows(&text);
+    assert_eq!(found.len(), ROWS + 1);
+    // The volume of each row is that of its projection: each is there once.
+    let mut volumes: Vec<f64> =
+        found.iter().filter_map(|row| row["implant_volume_ml"].parse().ok()).collect();
+    volumes.sort_by(f64::total_cmp);
+    assert_eq!(volumes.len(), ROWS);
+    for (k, volume) in volumes.iter().enumerate() {
+        let wanted = 2.0 / 3.0 * std::f64::consts::PI * 900.0 * projection(k) / 1000.0;
+        assert!((volume / wanted - 1.0).abs() < 1e-12);
+    }
+    // Everything is done, also for another order of the columns in.
+    let note = format!("note: --skip-done: {} scenes have a line already\n", ROWS + 1);
+    let turned = fs::read_to_string(folder.join("table.csv")).unwrap();
+    let turned: String = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(turned.as_bytes())
+        .records()
+        .map(|row| {
+            let row = row.unwrap();
+            format!("{},\"{}\"\n", &row[1], row[0].replace('"', "\"\""))
+        })
+        .collect();
+    fs::write(folder.join("turned.csv"), turned).unwrap();
+    let mut other = goes_on.clone();
+    other[3] = "turned.csv";
+    for arguments in [&goes_on, &other] {
+        let again = run(&folder, arguments, "");
+        assert!(again.status.success());
+        assert_eq!(String::from_utf8(again.stderr).unwrap(), note);
+        assert_eq!(fs::read(&out).unwrap(), text);
+    }
+    // Another template has other scenes, but for those with an id.
+    fs::write(folder.join("scene.json"), numbered(5).to_string()).unwrap();
+    let other = run(
+        &folder,
+        &[&arguments[..6], &["--fields", "implant_volume_ml", "--skip-done", "out.csv"]].concat(),
+        "",
+    );
+    assert_eq!(rows(&other.stdout).len(), ROWS / 4 + 1);
+    // A table with other columns, and JSON lines, are refused and stay.
+    let fields = ["--fields", "status", "--out", "out.csv", "--skip-done", "out.csv"];
+    let line = refusal(&folder, &[&arguments[..6], &fields].concat(), "");
+    assert!(
+        line.contains(
+            "out.csv: --skip-done: the file has other columns; allowed: id,scene_hash,status,error"
+        ),
+        "{line}"
+    );
+    assert!(
+        refusal(&folder, &[&arguments[..4], &fields].concat(), "").contains("line 1 is no line")
+    );
+    assert_eq!(fs::read(&out).unwrap(), text);
+    // A header that is half written is written again.
+    fs::write(&out, "id,scene_h").unwrap();
+    assert!(run(&folder, &goes_on, "").status.code().is_some_and(|code| code == 2));
+    assert_eq!(rows(&fs::read(&out).unwrap()).len(), ROWS + 1);
+    fs::write(&out, "a,b").unwrap();
+    assert!(refusal(&folder, &goes_on, "").contains("line 1 is no line of a result"));
+    // Rows of another table, without a scene, and of no table.
+    let header = text.split_inclusive(|byte| *byte == b'\n').next().unwrap();
+    for row in ["\"\"\n", "1,,converged\n", ",,converged,1,\n", ",x,converged,1,\n", "\"a\n"] {
+        fs::write(&out, [header, row.as_bytes()].concat()).unwrap();
+        let line = refusal(&folder, &goes_on, "");
+        assert!(line.contains("line 2 is no line of a result"), "{row}: {line}");
+    }
+}
+
+#[test]
+fn a_row_is_written_before_the_next_one_comes() {
+    let folder = with_template("dialogue");
+    let mut child =
+        spawn(&folder, &[&TEMPLATE[..], &["--format", "csv", "--fields", "status"]].concat());
+    let mut stdin = child.stdin.take().unwrap();
+    let mut stdout = BufReader::new(child.stdout.take().unwrap()).lines();
+    let mut next = || stdout.next().unwrap().unwrap();
+    writeln!(stdin, "id,insertion").unwrap();
+    assert_eq!(next(), "id,scene_hash,status,error");
+    for k in 0..3 {
+        writeln!(stdin, "{k},0.{k}").unwrap();
+        assert_eq!(next(), format!("{k},,converged,"));
+    }
+    drop(stdin);
+    assert!(child.wait().unwrap().success());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_of_a_table_does_not_grow_with_its_rows() {
+    const ROWS: usize = 6000;
+    let folder = with_template("memory");
+    // Rows of 1 kB: a program that keeps them would grow by 5 MB.
+    let note = "x".repeat(1000);
+    let arguments = ["--format", "csv", "--fields", "contact_force_n", "--threads", "2"];
+    let mut child = spawn(&folder, &[&TEMPLATE[..], &arguments].concat());
+    let mut stdin = child.stdin.take().unwrap();
+    let writer = thread::spawn(move || {
+        writeln!(stdin, "id,implant.projection_mm").unwrap();
+        for k in 0..ROWS {
+            writeln!(stdin, "{k} {note},{}", 10.0 + 0.001 * k as f64).unwrap();
+        }
+    });
+    let most_kb = |child: &Child| -> Option<u64> {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
+        let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
+        line.split_whitespace().nth(1)?.parse().ok()
+    };
+    let (mut count, mut early, mut most) = (0, 0, 0);
+    for row in BufReader::new(child.stdout.take().unwrap()).lines().skip(1) {
+        assert!(row.unwrap().starts_with(&format!("{count} x")));
+        count += 1;
+        if count % 100 == 0 {
+            most = most_kb(&child).unwrap_or(most);
+        }
+        if count == ROWS / 3 {
+            early = most;
+        }
+    }
+    writer.join().unwrap();
+    assert!(child.wait().unwrap().success());
+    println!("{count} rows, {early} kB after a third, {most} kB at most");
+    assert_eq!(count, ROWS);
+    assert!(most > 0 && most <= 100_000 && most < early + 3_000, "{early} kB, then {most} kB");
+}
