@@ -259,7 +259,7 @@ describe("a hidden tab", { timeout: 6 * harness.PATIENCE }, () => {
     await tab.open(fixture.site.address);
     await tab.waitFor("globalThis.implantPreview?.stats().converged");
     await tab.evaluate(`(() => {
-      const { chest, ...scene } = JSON.parse(implantPreview.scene());
+      const scene = JSON.parse(implantPreview.scene());
       scene.insertion = 0.1;
       implantPreview.setScene(JSON.stringify(scene));
     })()`);
