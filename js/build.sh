@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Builds the JavaScript package into js/dist: ./js/build.sh [PROGRAM]
+# Its WebAssembly is that of the page without the window and the benchmark. PROGRAM is the native program, which writes the
+# schemas; it is built if it is not given.
+set -euo pipefail
+program="${1:+$(realpath "$1")}"
+cd "$(dirname "$0")/.."
+# shellcheck source=web/tools.sh
+source web/tools.sh
+need_package_tools
+
+rm -rf js/dist
+wasm-pack --quiet build --mode no-install --no-pack --target web --profile web --out-dir js/dist/wasm . \
+  --locked --no-default-features --features js-api
+rm js/dist/wasm/.gitignore # npm would leave the folder out
+
+# Types of the formats, then the typed functions.
+if [ -z "$program" ]; then
+  cargo build --quiet --locked
+  program="${CARGO_TARGET_DIR:-target}/debug/implant-preview"
+fi
+node js/types.mjs js/dist/types "$program"
+js/node_modules/.bin/tsc --project js
+cp LICENSE-APACHE LICENSE-MIT js
