@@ -9,10 +9,15 @@ const FORMATS = ["scene", "result", "map", "map-options", "bands", "bands-option
 
 const [folder, program] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
+/** Marks a schema that allows any value: without the mark its type would be an object. */
+const marked = (name, schema) =>
+  Object.keys(schema ?? {}).join() === "description" ? { ...schema, tsType: "unknown" } : schema;
+
 const schemas = {};
 for (const format of FORMATS) {
-  const schema = (schemas[format] = JSON.parse(execFileSync(program, ["schema", "--of", format], { encoding: "utf8" })));
-  const text = await compile(schema, schema.title, {
+  const json = execFileSync(program, ["schema", "--of", format], { encoding: "utf8" });
+  schemas[format] = JSON.parse(json);
+  const text = await compile(JSON.parse(json, marked), schemas[format].title, {
     additionalProperties: false, // unless the schema allows others
     bannerComment: `// From the JSON Schema: implant-preview schema --of ${format}`,
     format: false,

@@ -21,10 +21,16 @@ import { stream } from "./stream.js";
 import type { Pool } from "./stream.js";
 
 export type * from "./types/scene.js";
-export type { Outcome as Result, LayerOutcome, ProfilePoint, Status } from "./types/result.js";
-export type { MapFile, PointFile, Quantity } from "./types/map.js";
+export type { Outcome as Result, LayerOutcome, ProfilePoint } from "./types/result.js";
+export type { MapFile, PointFile } from "./types/map.js";
 export type { BandsReport, Band } from "./types/bands.js";
 export type { Format } from "./types/schemas.js";
+
+/** How a solve ended. */
+export type Status = Outcome["status"];
+
+/** The name of a figure of a result that maps and bands have. */
+export type Quantity = MapFile["show"];
 
 /** The place of a scene in the list, from 0, and the scene's `id`, if it has one. */
 export interface Place {

@@ -3,7 +3,6 @@
 //! App and JavaScript API share the page's workers, so that a page has one worker per core less one.
 
 use super::text::text;
-use crate::scene::read;
 use crate::study::{self, Case, Evaluator, Finished, Job};
 use js_sys::{Object, Promise, Reflect};
 use std::cell::RefCell;
@@ -92,8 +91,7 @@ thread_local! {
 pub fn evaluate(
     #[wasm_bindgen(unchecked_param_type = "string")] job_json: &JsValue,
 ) -> Result<String, JsError> {
-    // The reader of scenes: another one would be a second copy of the code.
-    let job: Job = read::json(&text(job_json, "job")?, "job")?;
+    let job: Job = serde_json::from_str(&text(job_json, "job")?)?;
     let cases = EVALUATOR.with_borrow_mut(|evaluator| evaluator.evaluate(&job));
     Ok(serde_json::to_string(&cases)?)
 }

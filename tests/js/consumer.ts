@@ -58,8 +58,8 @@ export async function refused() {
   await ip.map({ scene, x: { field: "insertion", count: 3 } });
   // @ts-expect-error an unknown quantity
   await ip.map({ scene, x: { field: "insertion", from: 0, to: 1, count: 3 }, show: "colour" });
-  // @ts-expect-error an unknown unknown
-  await ip.bands({ scene, unknowns: { weather: null } });
+  // @ts-expect-error an unknown distribution
+  await ip.bands({ scene, unknowns: { projection: { normal: { mean: 0 } } } });
   for await (const line of ip.simulateMany([scene])) {
     // @ts-expect-error a line may be an error
     line.contact_force_n;

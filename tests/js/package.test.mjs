@@ -18,10 +18,10 @@ const Ajv = createRequire(join(PACKAGE, "package.json"))("ajv/dist/2020").defaul
 /** Greatest size of the WebAssembly, compressed by brotli with quality 11 [bytes]. */
 const BUDGET = 450_000;
 /**
- * Greatest difference of a number from the native program's, relative to the greatest number of the same list or object: the
- * program of the browser rounds otherwise, within the tolerance of the solver.
+ * Greatest difference of a number from the native program's, relative to the number, of a list to the greatest number of the list.
+ * Both solve in f32 and round otherwise: 1e-7 was measured.
  */
-const ACCURACY = 1e-3;
+const ACCURACY = 1e-5;
 /** The insertion of a scene that stops its worker. */
 const POISON = 0.765625;
 // (module (func (export "f") unreachable))
@@ -32,12 +32,12 @@ const TRAP = [
 const native = (options, input) =>
   execFileSync(harness.NATIVE, options, { input, encoding: "utf8", stdio: ["pipe", "pipe", "ignore"], maxBuffer: 1 << 28 });
 
-/** Lines of the native program; some scenes are invalid, which its exit code reports. */
+/** Lines of the native program, some of scenes that are invalid or have no shape, which its exit code reports. */
 function nativeLines(texts) {
   try {
     return native(["simulate", "-", "--lines"], texts.join("\n"));
   } catch (error) {
-    assert.equal(error.status, 2);
+    assert.ok([2, 3].includes(error.status), error.message);
     return error.stdout;
   }
 }
@@ -104,6 +104,7 @@ function assertFits(format, value) {
 describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
   const site = mkdtempSync(join(tmpdir(), "implant-preview-site-"));
   const installed = join(site, "node_modules/implant-preview");
+  let complaints; // of the compiler on consumer.ts
   let server;
   let browser;
 
@@ -112,6 +113,9 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     const tarball = npm("pack", PACKAGE, "--ignore-scripts").trim().split("\n").at(-1);
     npm("install", `./${tarball}`, "--offline", "--no-audit", "--no-fund");
     cpSync(join(harness.ROOT, "examples/js/index.html"), join(site, "index.html"));
+    mkdirSync(join(site, "src"));
+    cpSync(join(HERE, "consumer.ts"), join(site, "src/consumer.ts"));
+    complaints = tsc("--outDir", ".", "src/consumer.ts");
     // A page whose scripts name the package.
     const names = { imports: { "implant-preview": "./node_modules/implant-preview/dist/index.js" } };
     const page = `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
@@ -126,7 +130,17 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     rmSync(site, { recursive: true });
   });
 
-  /** An empty page of the site. `context` allows routes. */
+  /** Type-checks a file of the site; returns the complaints. */
+  function tsc(...more) {
+    const options = ["--strict", "--target", "ES2022", "--module", "ES2022", "--moduleResolution", "bundler", ...more];
+    try {
+      return execFileSync(join(PACKAGE, "node_modules/.bin/tsc"), options, { cwd: site, encoding: "utf8" });
+    } catch (error) {
+      return error.stdout;
+    }
+  }
+
+  /** An empty page of the site. */
   const open = (options) => harness.openPage(browser, `${server.address}empty.html`, options);
 
   test("has the version and the licence of the crate, and its files only", () => {
@@ -150,17 +164,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
   });
 
   test("its types accept each function, and refuse what the program refuses", () => {
-    mkdirSync(join(site, "src"), { recursive: true });
-    cpSync(join(HERE, "consumer.ts"), join(site, "src/consumer.ts"));
-    const options = ["--strict", "--target", "ES2022", "--module", "ES2022", "--moduleResolution", "bundler"];
-    const tsc = (...more) => {
-      try {
-        return execFileSync(join(PACKAGE, "node_modules/.bin/tsc"), [...options, ...more], { cwd: site, encoding: "utf8" });
-      } catch (error) {
-        return error.stdout;
-      }
-    };
-    assert.equal(tsc("--outDir", ".", "src/consumer.ts"), "");
+    assert.equal(complaints, "");
     // A mistake that nothing expects is an error: the check above can fail.
     writeFileSync(join(site, "src/wrong.ts"), 'import { simulate } from "implant-preview";\nsimulate({ implant: { radius: 5 } });\n');
     assert.match(tsc("--noEmit", "src/wrong.ts"), /^src\/wrong\.ts\(2,\d+\): error TS\d+: .*'radius'/);
@@ -172,8 +176,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     assert.equal(found.version, JSON.parse(readFileSync(join(installed, "package.json"), "utf8")).version);
     assert.equal(found.result.status, "converged");
     assert.ok(found.force > 0);
-    const { solver, ...rest } = found.fromText;
-    assert.deepEqual(rest, { ...found.result, solver: undefined, ...rest });
+    assert.deepEqual(comparable(found.fromText), comparable(found.result));
     assert.equal(found.points.length, 3);
     assert.equal(found.map.points.length, 3);
     assert.deepEqual(found.progress.at(-1), [found.bands.scenes_planned, found.bands.scenes_planned]);
@@ -229,7 +232,9 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     lines.forEach(({ index, ...line }, k) => {
       if (invalid.includes(k)) {
         assert.deepEqual(Object.keys(line).sort(), k < 47 ? ["error", "id"] : ["error"], `scene ${k}`);
-        assert.ok(expected[k].error.endsWith(line.error), `${line.error} / ${expected[k].error}`);
+        // A line that ends too early ends in the next line of a file.
+        const [error, nativeError] = [line.error, expected[k].error].map((text) => text.replace(/in line \d+/, "in line"));
+        assert.equal(error, nativeError);
         assert.ok(!line.error.includes("\n"));
         if (k < 47) assert.deepEqual(line.id, expected[k].id);
       } else {

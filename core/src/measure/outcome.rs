@@ -19,7 +19,7 @@ pub enum Status {
     Unstable,
 }
 
-/// The result of a scene. Fields that do not apply are `None`.
+/// The result of a scene. Fields that do not apply are `None`, null or absent in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Outcome {
     /// `implant-preview/result/1`, of layered tissue `implant-preview/result/2`, where its skin wrinkles `implant-preview/result/3`.
