@@ -37,7 +37,7 @@ export async function* stream<Entry, Line>(
   let next = 0; // index of the next line
   let isReading = false;
   let isEnd = false;
-  let failure: { error: unknown } | undefined; // of the source
+  let failure: { error: unknown } | undefined; // of the source or of the whole pool
   let wake = () => {};
 
   const run = async (entry: Entry, index: number) => {
@@ -47,6 +47,8 @@ export async function* stream<Entry, Line>(
       cancels.set(index, cancel);
       answer = JSON.parse(await result);
     } catch (error) {
+      // The pool was terminated.
+      if (error instanceof DOMException && error.name === "AbortError") failure ??= { error };
       answer = { error: error instanceof Error ? error.message : String(error) };
     }
     cancels.delete(index);
@@ -95,6 +97,6 @@ export async function* stream<Entry, Line>(
     signal?.removeEventListener("abort", end);
     end();
     // A source that waits for an entry would hold back the end.
-    if (!isEnd && !failure) Promise.resolve(source.return?.()).catch(() => {});
+    if (!isEnd) Promise.resolve(source.return?.()).catch(() => {});
   }
 }

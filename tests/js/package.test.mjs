@@ -253,7 +253,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
   test("a stream ends when it is aborted, left or without a source, with its workers; a source is read ahead by eight", async () => {
     const { page, finish } = await open();
     const found = await page.evaluate(async (solver) => {
-      const { init, simulateMany } = await import("implant-preview");
+      const { init, simulateMany, terminate } = await import("implant-preview");
       await init();
       const scene = { implant: { base_radius_mm: 45 }, solver };
       const ends = [];
@@ -298,6 +298,9 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
         forever: await aborted(endless()),
         waiting: await aborted(never),
         solving: await aborted([long, long, long]),
+        terminated: await message(async () => {
+          for await (const { index } of simulateMany(endless())) if (index === 3) terminate();
+        }),
         before: await message(() => simulateMany([scene], { signal: AbortSignal.abort() }).next()),
         broken: await message(async () => {
           const source = (function* () {
@@ -317,12 +320,12 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     for (const name of ["forever", "waiting", "solving"]) assert.match(found[name].end, /^AbortError: /, name);
     assert.ok(found.forever.lines > 16, `${found.forever.lines} lines`);
     assert.deepEqual([found.waiting.lines, found.solving.lines], [0, 0]);
+    assert.match(found.terminated, /^AbortError: /);
     assert.match(found.before, /^AbortError: /);
     assert.equal(found.broken, "RangeError: of the source");
     assert.equal(found.workers, "Error: workers is 0; allowed: 1 to 64");
     assert.equal(found.empty, "no error");
-    assert.deepEqual(found.ends, ["source", "source"]);
-    await page.waitForFunction(() => true);
+    assert.deepEqual(found.ends, ["source", "source", "source"]);
     for (const start = Date.now(); page.workers().length > 0; await harness.pause(50)) {
       assert.ok(Date.now() - start < 10_000, `${page.workers().length} workers are left`);
     }
