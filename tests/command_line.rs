@@ -855,3 +855,46 @@ fn bad_maps_and_bands_are_refused_in_one_line() {
     bands(&["--out", "none/b.json"], &["none"]);
     assert_refused(&folder, &["bands", "missing.json"], "", &["missing.json", "cannot be read"]);
 }
+
+#[test]
+fn the_schema_of_a_result_has_the_fields_of_results() {
+    let folder = folder("schema");
+    let schema = |of: &str| -> Value {
+        let output = run_in(&folder, &["schema", "--of", of], "");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let titles = ["Scene", "Outcome", "MapFile", "MapOptions", "BandsReport", "BandsSettings"];
+    let formats = ["scene", "result", "map", "map-options", "bands", "bands-options"];
+    for (format, title) in formats.into_iter().zip(titles) {
+        assert_eq!(schema(format)["title"], title);
+    }
+    let schema = schema("result");
+    let [layered, sheet] = ["", r#","tissue_model":"sheet""#].map(|more| {
+        let scene = format!(
+            r#"{{"implant":{{"base_radius_mm":50}},"solver":{{"nodes_per_side":17}}{more}}}"#
+        );
+        serde_json::from_str::<Value>(&text(&run_in(&folder, &["simulate", "-"], &scene).stdout))
+            .unwrap()
+    });
+    let fields = schema["properties"].as_object().unwrap();
+    for result in [&layered, &sheet] {
+        let known = |field: &String| fields.contains_key(field);
+        assert!(result.as_object().unwrap().keys().all(known));
+        for field in schema["required"].as_array().unwrap() {
+            assert!(result.get(field.as_str().unwrap()).is_some(), "{field}");
+        }
+    }
+    // Fields of layered tissue are not required.
+    assert!(layered["cover_mm"].is_object() && sheet.get("cover_mm").is_none());
+    let written = run_in(&folder, &["schema", "--out", "scene.schema.json"], "");
+    assert!(written.status.success() && written.stdout.is_empty());
+    assert!(fs::read_to_string(folder.join("scene.schema.json")).unwrap().ends_with("}\n"));
+    assert_refused(
+        &folder,
+        &["schema", "--of", "moon"],
+        "",
+        &["\"moon\" is no format; allowed: scene, result, map"],
+    );
+    assert_refused(&folder, &["schema", "--out", "none/s.json"], "", &["none"]);
+}

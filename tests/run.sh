@@ -76,7 +76,7 @@ run_beside() {
   run page build_page
   # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
   run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" \
-    --mode no-install . --locked --no-default-features --features js-api --test wasm
+    --mode no-install . --locked --no-default-features --features benchmark,schema --test wasm
   run python test_python
 }
 
@@ -87,7 +87,7 @@ rm -f "$LOGS"/*.end
 # Quick ones first.
 check format cargo fmt --all -- --check
 check format-python cargo fmt --manifest-path python/Cargo.toml -- --check
-check scripts bash -n web/tools.sh web/serve.sh web/name_module.sh tests/run.sh .ci/run
+check scripts bash -n js/build.sh web/tools.sh web/serve.sh web/name_module.sh tests/run.sh .ci/run
 rm -rf dist # so that no older page is tested
 set -m # a process group of its own, to be ended as a whole
 run_beside &
@@ -107,6 +107,7 @@ done
 check page
 suite wasm
 suite python
+suite js test_js
 suite browser node --test --test-reporter=tap --test-concurrency=2 tests/browser/*.test.mjs
 
 printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))

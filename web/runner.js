@@ -79,6 +79,11 @@ export class Runner {
     tasks.forEach(abort);
   }
 
+  /** A runner of the same program with workers of its own, at most this number. */
+  withWorkers(workers) {
+    return new Runner({ ...this.#load, workers, address: this.#address, patience: this.#patience });
+  }
+
   /**
    * Counters: `workers`, the greatest number of workers; `alive`, workers that exist. Since the creation of the
    * runner: `jobs` submitted; workers `started`; `restarted`, jobs that have stopped a worker and run again; `failed`,

@@ -1,4 +1,4 @@
-# Sets up what building and testing the page needs; sourced by web/serve.sh and tests/run.sh.
+# Sets up what building and testing the page needs; sourced by web/serve.sh, js/build.sh and tests/run.sh.
 # Everything that is already there is left alone, and then no network is used.
 # shellcheck shell=bash
 
@@ -92,18 +92,29 @@ need_page_tools() {
   export PATH="$TOOLS_DIR/node_modules/.bin:$PATH"
 }
 
-# What the tests need besides: a browser, its driver, GNU parallel, wasm-pack, what drives the page.
-need_test_tools() {
+# need_modules FOLDER WORDS: the npm packages of a folder.
+need_modules() {
+  # npm writes its own list of what it has installed.
+  if [ ! "$1/node_modules/.package-lock.json" -nt "$1/package-lock.json" ]; then
+    say "fetching $2"
+    (cd "$1" && npm ci --loglevel=error --no-audit --no-fund >/dev/null)
+  fi
+}
+
+# What the JavaScript package is built with: wasm-pack, TypeScript.
+need_package_tools() {
   need_page_tools
-  need_packages chromium=chromium chromedriver=chromium-driver parallel=parallel
   if ! has_version wasm-pack "$WASM_PACK_VERSION"; then
     build_tool "building wasm-pack $WASM_PACK_VERSION (about 2 minutes)" 1 --locked "wasm-pack@$WASM_PACK_VERSION"
   fi
-  # npm writes its own list of what it has installed.
-  if [ ! tests/browser/node_modules/.package-lock.json -nt tests/browser/package-lock.json ]; then
-    say "fetching what drives the page and reads its files"
-    (cd tests/browser && npm ci --loglevel=error --no-audit --no-fund >/dev/null)
-  fi
+  need_modules js "what makes types from schemas"
+}
+
+# What the tests need besides: a browser, its driver, GNU parallel, what drives the page.
+need_test_tools() {
+  need_package_tools
+  need_packages chromium=chromium chromedriver=chromium-driver parallel=parallel
+  need_modules tests/browser "what drives the page and reads its files"
 }
 
 # Builds the Python module's wheel, installs it in a fresh environment and tests it there.
@@ -116,6 +127,12 @@ test_python() {
   "$python" -m mypy --strict python/implant_preview
   # From the folder of the tests: the installed module is tested, not the one of the checkout.
   (cd python/tests && "$python" -m pytest -q)
+}
+
+# Builds the JavaScript package and tests its tarball. The native program writes the schemas and is compared with.
+test_js() {
+  js/build.sh "${CARGO_TARGET_DIR:-target}/debug/implant-preview" &&
+    node --test --test-reporter=tap tests/js/*.test.mjs
 }
 
 # Builds dist/, unless it is newer than everything it is made of.

@@ -2,6 +2,9 @@
 //!
 //! Only these modules depend on a platform; no other module uses them.
 
+#[cfg(all(feature = "benchmark", target_arch = "wasm32"))]
+pub mod benchmark;
+
 #[cfg(all(feature = "js-api", target_arch = "wasm32"))]
 pub mod js;
 

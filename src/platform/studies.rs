@@ -40,6 +40,14 @@ pub fn simulate_many(
     Ok(simulate_in_workers(&runner(), texts, function(on_result, "onResult")?))
 }
 
+/// The runner of the page's workers, an object of the class `Runner` of `web/runner.js`, for other ways through many scenes than
+/// [`simulate_many`].
+#[must_use]
+#[wasm_bindgen(unchecked_return_type = "unknown")]
+pub fn workers() -> JsValue {
+    runner().into()
+}
+
 /// Solves a map in workers: one or two numbers of a scene varied over a grid. Options (JSON text): `scene`, `x`, `y`
 /// (optional), each `{"field", "from", "to", "count"}`, `grid` (optional: `nodes_per_side`, `tolerance`), and `show`
 /// (optional), the quantity of the contour lines.

@@ -15,7 +15,7 @@ export const ROOT = fileURLToPath(new URL("../../", import.meta.url));
 export const DIST = join(ROOT, "dist");
 const OUT = join(ROOT, "tests/browser/out");
 const TARGET = process.env.CARGO_TARGET_DIR ?? join(ROOT, "target");
-const NATIVE = join(TARGET, "debug/implant-preview");
+export const NATIVE = join(TARGET, "debug/implant-preview");
 
 // Software rendering on a busy machine: the first frames take seconds.
 export const PATIENCE = 120_000;

@@ -19,10 +19,10 @@ pub enum Status {
     Unstable,
 }
 
-/// The result of a scene. Fields that do not apply are `None`.
+/// The result of a scene. Fields that do not apply are `None`, null or absent in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Outcome {
-    /// [`RESULT_SCHEMA`](super::RESULT_SCHEMA), of layered tissue [`RESULT_SCHEMA_2`](super::RESULT_SCHEMA_2), where its skin wrinkles [`RESULT_SCHEMA_3`](super::RESULT_SCHEMA_3).
+    /// `implant-preview/result/1`, of layered tissue `implant-preview/result/2`, where its skin wrinkles `implant-preview/result/3`.
     pub schema: String,
     /// How the solve ended.
     pub status: Status,
@@ -58,10 +58,8 @@ pub struct Outcome {
     pub area_gain_cm2: Option<f64>,
     /// Strains of the membrane.
     pub strain: Option<Strains>,
-    /// Skin that wrinkles: greatest principal strain / strain at which the skin's curve turns steep ([`Curve::knee`]) \[-\];
+    /// Skin that wrinkles: greatest principal strain / strain at which the skin's curve turns steep \[-\];
     /// absent for a curve that does not.
-    ///
-    /// [`Curve::knee`]: crate::curve::Curve::knee
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin_reserve_used: Option<f64>,
     /// One entry a layer, from the skin inwards.

@@ -10,9 +10,10 @@ use super::{
 };
 use crate::curve::{List, Pair, object};
 use crate::springs::Springs;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
 
 /// A scene in a file; fields with a default are optional.
 #[derive(Deserialize, JsonSchema)]
@@ -130,6 +131,20 @@ pub(super) fn newest_schema() -> String {
 
 pub(super) fn full_insertion() -> f64 {
     1.0
+}
+
+impl JsonSchema for Scene {
+    fn schema_name() -> Cow<'static, str> {
+        SceneFile::schema_name()
+    }
+
+    /// A scene as it is read, in files that are written too: fields with a default are optional.
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut reader = SchemaGenerator::default();
+        let schema = SceneFile::json_schema(&mut reader);
+        generator.definitions_mut().extend(reader.take_definitions(false));
+        schema
+    }
 }
 
 impl TryFrom<SceneFile> for Scene {

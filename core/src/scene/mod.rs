@@ -91,9 +91,8 @@ pub mod limits {
 }
 
 /// A scene: one implant in one pocket under a stack of tissue layers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "SceneFile")]
-#[schemars(with = "SceneFile")]
 pub struct Scene {
     /// [`SCENE_SCHEMA`], [`SCENE_SCHEMA_2`] or [`SCENE_SCHEMA_3`].
     pub schema: String,

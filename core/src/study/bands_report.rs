@@ -4,6 +4,7 @@ use super::map::MapSettings;
 use super::{Index, Quantity, Unknown};
 use crate::clinical::spread::Distribution;
 use crate::scene::Scene;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 pub const BANDS_SCHEMA: &str = "implant-preview/bands/1";
 
 /// A quantity over the samples \[unit of the quantity\].
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Band {
     /// The quantity.
     pub quantity: Quantity,
@@ -44,7 +45,7 @@ impl Band {
 }
 
 /// All stresses times a factor, all unknowns at their medians.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Scenario {
     /// Factor on all stresses \[-\].
     pub stress_factor: f64,
@@ -53,7 +54,7 @@ pub struct Scenario {
 }
 
 /// Percentiles (10, 50, 90) of the skin's outer surface at one material radius.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ProfileBand {
     /// Material radius \[mm\].
     pub s_mm: f64,
@@ -64,7 +65,7 @@ pub struct ProfileBand {
 }
 
 /// An unknown in a report.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct UnknownReport {
     /// The name.
     pub name: Unknown,
@@ -77,9 +78,9 @@ pub struct UnknownReport {
 }
 
 /// Bands in a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct BandsReport {
-    /// [`BANDS_SCHEMA`].
+    /// `implant-preview/bands/1`.
     pub schema: &'static str,
     /// Sentences that belong to every band.
     pub notes: [&'static str; 3],

@@ -31,7 +31,7 @@ impl Default for MapSettings {
 }
 
 /// The choices of a map besides its scene, as the JavaScript API and the Python module have them.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapOptions {
     /// The first axis.

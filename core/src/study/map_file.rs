@@ -3,6 +3,7 @@
 use super::{Axis, Case, Difference, Map, MapCheck, MapSettings, PointStatus, Quantity, Values};
 use crate::measure::bands::Band;
 use crate::scene::Scene;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -11,9 +12,9 @@ use std::fmt::Write;
 pub const MAP_SCHEMA: &str = "implant-preview/map/1";
 
 /// A map in a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MapFile {
-    /// [`MAP_SCHEMA`].
+    /// `implant-preview/map/1`.
     pub schema: &'static str,
     /// Sentences on pocket, tolerance and accuracy.
     pub notes: Vec<String>,
@@ -42,7 +43,7 @@ pub struct MapFile {
 }
 
 /// An axis in a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AxisFile {
     /// The axis.
     #[serde(flatten)]
@@ -56,7 +57,7 @@ pub struct AxisFile {
 }
 
 /// A point in a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PointFile {
     /// Values of the axes.
     pub at: Vec<f64>,
@@ -72,7 +73,7 @@ pub struct PointFile {
 }
 
 /// The contour lines of one level.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ContourFile {
     /// The level \[unit of the quantity\].
     pub level: f64,
@@ -83,11 +84,12 @@ pub struct ContourFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<&'static str>,
     /// Polylines of (x, y).
+    #[schemars(with = "Vec<Vec<[f64; 2]>>")]
     pub lines: Vec<Vec<(f64, f64)>>,
 }
 
 /// The check of a map in a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CheckFile {
     /// Grid and tolerance of the check.
     pub grid: MapSettings,

@@ -8,7 +8,7 @@
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
-//! `bands` | `bands_report` (in a file) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
+//! `bands` | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
 //! `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
@@ -37,6 +37,7 @@ mod quantity;
 mod queue;
 pub mod runner;
 mod samples;
+mod schema;
 mod section_band;
 mod sequence;
 mod template;
@@ -60,6 +61,7 @@ pub use percentile::percentiles;
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};
 pub use samples::{LEAST_ANSWERS, Samples};
+pub use schema::SchemaOf;
 pub use section_band::SectionBand;
 pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
 pub use template::{Template, TemplateError};

@@ -216,7 +216,8 @@ pub(super) fn short(text: &str) -> String {
 }
 
 /// All quantities of one result.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(with = "BTreeMap<Quantity, f64>")]
 #[serde(into = "BTreeMap<Quantity, f64>", from = "BTreeMap<Quantity, f64>")]
 pub struct Values([Option<f64>; Quantity::COUNT]);
 

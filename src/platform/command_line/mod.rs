@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `map`, `bands`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
+//! The command line: `simulate`, `map`, `bands`, `schema`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
 //! Native only.
 //!
 //! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
@@ -12,6 +12,7 @@ mod bench;
 mod charts;
 mod input;
 mod output;
+mod schema;
 mod simulate;
 mod stability;
 mod stream;
@@ -50,6 +51,8 @@ enum Command {
     Map(studies::MapArguments),
     /// Solve a scene over what is not known about a person and write percentiles and importance.
     Bands(studies::BandsArguments),
+    /// Write the JSON Schema of a format.
+    Schema(schema::Arguments),
     /// Simulate the paper's tension test on a square sample and write a table.
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
@@ -113,6 +116,7 @@ pub fn run() -> Next {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Map(arguments) => studies::map(&arguments),
         Command::Bands(arguments) => studies::bands(&arguments),
+        Command::Schema(arguments) => schema::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(folder) => charts::run(&folder),
         Command::Stability(folder) => stability::run(&folder),
