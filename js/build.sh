@@ -11,7 +11,7 @@ need_package_tools
 
 rm -rf js/dist
 wasm-pack --quiet build --mode no-install --no-pack --no-opt --target web --profile web --out-dir js/dist/wasm . \
-  --locked --no-default-features --features js-api
+  --locked --no-default-features --features js-package
 # More passes make the file shorter and its compressed copy longer.
 wasm=js/dist/wasm/implant_preview_bg.wasm
 wasm-opt "$wasm" --output "$wasm" -O1 --strip-debug --strip-producers --enable-bulk-memory --enable-bulk-memory-opt \

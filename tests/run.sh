@@ -76,7 +76,7 @@ run_beside() {
   run page build_page
   # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
   run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" \
-    --mode no-install . --locked --no-default-features --features benchmark,schema --test wasm
+    --mode no-install . --locked --no-default-features --features js-api --test wasm
   run python test_python
 }
 

@@ -81,20 +81,17 @@ fn the_default_scene_and_the_version_are_valid() {
     assert_eq!(js::version(), env!("CARGO_PKG_VERSION"));
 }
 
-#[cfg(feature = "schema")]
 #[wasm_bindgen_test]
 fn the_schema_is_that_of_a_scene() {
     let schema: Value = serde_json::from_str(&js::schema()).unwrap();
     assert!(schema["properties"]["implant"].is_object());
 }
 
-#[cfg(feature = "benchmark")]
 #[wasm_bindgen_test]
 fn the_benchmark_runs_piece_by_piece() {
-    use implant_preview::platform::benchmark::Benchmark;
     let options =
         r#"{"quick": true, "nodes_per_side": [17], "methods": ["newton", "multigrid_8"]}"#;
-    let mut benchmark = Benchmark::new(&options.into()).ok().unwrap();
+    let mut benchmark = js::Benchmark::new(&options.into()).ok().unwrap();
     let progress: Value = serde_json::from_str(&benchmark.progress()).unwrap();
     let next = serde_json::json!({"scene": "default", "nodes_per_side": 17, "method": "newton"});
     assert_eq!(progress, serde_json::json!({"done": 0, "all": 2, "next": next}));
@@ -110,9 +107,9 @@ fn the_benchmark_runs_piece_by_piece() {
     assert!(benchmark.svg(&JsValue::UNDEFINED).ok().unwrap().contains("17 nodes a side"));
     let text = message(benchmark.svg(&"moon".into()).err().unwrap());
     assert!(text.starts_with("scene is \"moon\"; allowed: default, "), "{text}");
-    let text = message(Benchmark::new(&"{".into()).err().unwrap());
+    let text = message(js::Benchmark::new(&"{".into()).err().unwrap());
     assert!(text.starts_with("options: ") && !text.contains('\n'), "{text}");
-    let text = message(Benchmark::new(&5.into()).err().unwrap());
+    let text = message(js::Benchmark::new(&5.into()).err().unwrap());
     assert_eq!(text, "options is not text; allowed: a string");
 }
 

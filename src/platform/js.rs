@@ -2,6 +2,8 @@
 //!
 //! Scenes and results are JSON text, as documented in `docs/formats.md`.
 
+#[cfg(feature = "js-api")]
+pub use super::benchmark::Benchmark;
 use super::text::text;
 use crate::measure::Selection;
 use crate::scene::{CheckedScene, Scene};
@@ -45,7 +47,7 @@ pub fn default_scene() -> String {
 }
 
 /// The JSON Schema of a scene (JSON text).
-#[cfg(feature = "schema")]
+#[cfg(feature = "js-api")]
 #[wasm_bindgen]
 #[must_use]
 pub fn schema() -> String {

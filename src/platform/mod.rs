@@ -2,13 +2,13 @@
 //!
 //! Only these modules depend on a platform; no other module uses them.
 
-#[cfg(all(feature = "benchmark", target_arch = "wasm32"))]
-pub mod benchmark;
-
 #[cfg(all(feature = "js-api", target_arch = "wasm32"))]
+mod benchmark;
+
+#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
 pub mod js;
 
-#[cfg(all(feature = "js-api", target_arch = "wasm32"))]
+#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
 pub mod studies;
 
 #[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
@@ -26,11 +26,11 @@ pub mod native;
 #[cfg(all(feature = "app", target_arch = "wasm32"))]
 mod page_handle;
 
-#[cfg(all(any(feature = "app", feature = "js-api"), target_arch = "wasm32"))]
+#[cfg(all(any(feature = "app", feature = "js-package"), target_arch = "wasm32"))]
 mod text;
 
 #[cfg(all(feature = "app", target_arch = "wasm32"))]
 pub mod web;
 
-#[cfg(all(any(feature = "app", feature = "js-api"), target_arch = "wasm32"))]
+#[cfg(all(any(feature = "app", feature = "js-package"), target_arch = "wasm32"))]
 pub mod workers;

@@ -8,7 +8,7 @@ pub(super) fn text(value: &JsValue, name: &str) -> Result<String, JsError> {
 }
 
 /// Returns the text of an optional value.
-#[cfg(feature = "benchmark")]
+#[cfg(feature = "js-api")]
 pub(super) fn text_or_nothing(value: &JsValue, name: &str) -> Result<Option<String>, JsError> {
     if value.is_null() || value.is_undefined() { Ok(None) } else { text(value, name).map(Some) }
 }
