@@ -9,6 +9,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
+use std::time::Duration;
 
 /// A separate empty folder for each test.
 fn folder(test: &str) -> PathBuf {
@@ -254,6 +255,57 @@ fn a_signal_leaves_the_cases_of_stress_and_their_summary() {
     let summary: Value = serde_json::from_slice(&fs::read(folder.join("s.json")).unwrap()).unwrap();
     let cases = |springs: &str| summary[springs]["cases"].as_u64().unwrap();
     assert_eq!(cases("coupled") + cases("nikolaev"), found.len() as u64);
+}
+
+/// Ends a run by a signal after a while, a longer one until the run has something to keep; returns what `kept` reads.
+fn interrupted<T>(folder: &Path, arguments: &[&str], kept: impl Fn() -> Option<T>) -> T {
+    for wait_ms in (0..8).map(|k| 250 << k) {
+        let child = spawn(folder, arguments);
+        thread::sleep(Duration::from_millis(wait_ms));
+        signal(&child, "TERM");
+        let output = child.wait_with_output().unwrap();
+        // Before the handler stands, a signal ends the process.
+        if output.status.code().is_none() {
+            continue;
+        }
+        assert_eq!(output.status.code(), Some(130), "{arguments:?}");
+        let warning = String::from_utf8(output.stderr).unwrap();
+        assert!(warning.contains("ended by a signal; "), "{arguments:?}: {warning}");
+        if let Some(kept) = kept() {
+            return kept;
+        }
+    }
+    panic!("nothing is kept: {arguments:?}");
+}
+
+#[test]
+fn a_signal_leaves_the_scenes_of_a_map_of_bands_and_of_a_benchmark() {
+    let folder = folder("studies");
+    fs::write(folder.join("scene.json"), r#"{ "implant": { "base_radius_mm": 50 } }"#).unwrap();
+    let counts = |path: &str| -> Value {
+        let text = fs::read(folder.join(path)).unwrap();
+        serde_json::from_slice::<Value>(&text).unwrap()["counts"].take()
+    };
+    let converged = |counts: &Value| counts["converged"].as_u64().filter(|count| *count > 0);
+
+    let arguments = ["map", "scene.json", "--nodes", "129", "--threads", "2", "--out-dir", "map"];
+    let of_map = || Some(counts("map/map.json")).filter(|counts| converged(counts).is_some());
+    let found = interrupted(&folder, &arguments, of_map);
+    let waiting = found["waiting"].as_u64().unwrap();
+    assert!(waiting > 0 && waiting + converged(&found).unwrap() <= 400, "{found}");
+    let table = fs::read_to_string(folder.join("map/map.csv")).unwrap();
+    assert_eq!(table.lines().count(), 401);
+
+    let choices = ["--samples", "16384", "--importance", "0", "--nodes", "129"];
+    let arguments = [&["bands", "scene.json", "--out", "bands.json"][..], &choices].concat();
+    let found = interrupted(&folder, &arguments, || converged(&counts("bands.json")));
+    assert!(found < 16384);
+
+    let of_bench = || {
+        let table = fs::read_to_string(folder.join("bench/work_precision.csv")).unwrap();
+        Some(table.lines().count()).filter(|lines| *lines > 1)
+    };
+    interrupted(&folder, &["bench", "--out-dir", "bench"], of_bench);
 }
 
 #[test]

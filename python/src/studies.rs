@@ -5,74 +5,25 @@ use super::{failed, json, refused};
 use implant_preview_core::scene::{Scene, read};
 use implant_preview_core::study::many::{Many, ManySettings};
 use implant_preview_core::study::{
-    Bands, BandsSettings, Case, Cases, Evaluator, Finished, Job, MapOptions, Quantity, Runner,
-    Study, Template, run,
+    Bands, BandsSettings, Cases, Evaluator, Job, JobThreads, MapOptions, Quantity, Study,
+    Template, run,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use std::num::NonZeroUsize;
-use std::sync::mpsc::{Sender, channel};
 
-/// Runs the jobs of studies on threads; a signal of the interpreter ends the study.
-struct Threads {
-    jobs: Sender<Job>,
-    cases: Many<Vec<Case>>,
-    submitted: usize,
-    taken: usize,
-    threads: NonZeroUsize,
-    interrupt: Option<PyErr>,
-}
-
-impl Threads {
-    fn new(threads: NonZeroUsize) -> PyResult<Self> {
-        let (jobs, receiver) = channel::<Job>();
-        let settings = ManySettings { in_order: false, ..ManySettings::new(threads) };
-        let work = |evaluator: &mut Evaluator, job: Job| evaluator.evaluate(&job);
-        let cases = Many::new(receiver.into_iter(), settings, work).map_err(failed)?;
-        Ok(Self { jobs, cases, submitted: 0, taken: 0, threads, interrupt: None })
-    }
-}
-
-impl Runner for Threads {
-    type Job = Job;
-    type Done = Vec<Case>;
-
-    fn submit(&mut self, job: Job) -> usize {
-        // The receiver lives as long as the threads.
-        let _ = self.jobs.send(job);
-        self.submitted += 1;
-        self.submitted - 1
-    }
-
-    fn cancel(&mut self, _index: usize) {}
-
-    fn poll(&mut self) -> Option<Finished<Vec<Case>>> {
-        None
-    }
-
-    fn next(&mut self) -> Option<Finished<Vec<Case>>> {
-        if self.taken == self.submitted {
-            return None;
-        }
-        if let Err(interrupt) = Python::attach(|py| py.check_signals()) {
-            self.interrupt = Some(interrupt);
-            return None;
-        }
-        self.taken += 1;
-        self.cases.next()
-    }
-
-    fn workers(&self) -> usize {
-        self.threads.get()
-    }
-}
-
-/// Runs a study to its end.
+/// Runs a study to its end; a signal of the interpreter ends it.
 fn finish(py: Python<'_>, study: &mut (impl Study + Send), wanted: Option<usize>) -> PyResult<()> {
-    let mut threads = Threads::new(threads(wanted))?;
+    let work = |evaluator: &mut Evaluator, job: &Job| evaluator.evaluate(job);
     py.detach(|| {
-        run(study, &mut Cases::default(), &mut threads).map_err(failed)?;
-        threads.interrupt.take().map_or(Ok(()), Err)
+        let mut interrupt = None;
+        let is_ended = || {
+            interrupt = Python::attach(|py| py.check_signals()).err();
+            interrupt.is_some()
+        };
+        let mut runner = JobThreads::new(threads(wanted), work, is_ended).map_err(failed)?;
+        run(study, &mut Cases::default(), &mut runner).map_err(failed)?;
+        drop(runner);
+        interrupt.map_or(Ok(()), Err)
     })
 }
 

@@ -1,4 +1,4 @@
-//! The native runner: threads. On the page `web/runner.js` runs jobs in workers.
+//! The native runner beside a window: threads. On the page `web/runner.js` runs jobs in workers.
 
 use crate::study::runner::panic_line;
 use crate::study::{Case, Evaluator, Finished, Job, JobPanic, Runner};
@@ -9,13 +9,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// Runs jobs on rayon's threads.
+/// Runs jobs on threads of its own, which start with the first job.
 ///
 /// The number of started jobs with unread results is bounded: a consumer that reads result by result
-/// holds a few results at a time. `next` blocks its thread; the thread must not be one of rayon's.
+/// holds a few results at a time. `next` blocks its thread.
 pub struct Threads<J, T> {
     work: Arc<dyn Fn(J) -> T + Send + Sync>,
-    place: Place,
+    pool: Option<ThreadPool>,
+    threads: usize,
+    /// Called after each job, by its thread.
+    wake: Arc<dyn Fn() + Send + Sync>,
     waiting: VecDeque<(usize, J)>,
     submitted: usize,
     /// Jobs with unread results. A started job has a weak reference: if the strong one is dropped, a job that does not
@@ -25,37 +28,20 @@ pub struct Threads<J, T> {
     receiver: Receiver<Finished<T>>,
 }
 
-/// The threads of a runner.
-enum Place {
-    /// The threads of the whole program, one per core.
-    Global,
-    /// Threads of the runner's own, started with the first job, and a function called after each job.
-    Own { pool: Option<ThreadPool>, threads: usize, wake: Arc<dyn Fn() + Send + Sync> },
-}
-
 /// Greatest number of started jobs with unread results, per thread: one job runs, one is ready.
 const UNREAD_PER_THREAD: usize = 2;
 
 impl<J: Send + 'static, T: Send + 'static> Threads<J, T> {
-    /// Creates a runner whose jobs are arguments of `work`, on all cores.
-    pub fn new(work: impl Fn(J) -> T + Send + Sync + 'static) -> Self {
-        Self::with_place(work, Place::Global)
-    }
-
-    /// Creates a runner on threads of its own beside a window: one per core less one, at least one. The threads start
-    /// with the first job; `wake` is called after each job, by the job's thread.
+    /// A runner whose jobs are arguments of `work`, on one thread per core less one, at least one.
     pub fn beside_window(
         work: impl Fn(J) -> T + Send + Sync + 'static,
         wake: Arc<dyn Fn() + Send + Sync>,
     ) -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Self::with_place(work, Place::Own { pool: None, threads: (cores - 1).max(1), wake })
-    }
-
-    fn with_place(work: impl Fn(J) -> T + Send + Sync + 'static, place: Place) -> Self {
         let (sender, receiver) = channel();
         let (waiting, started) = (VecDeque::new(), BTreeMap::new());
-        Self { work: Arc::new(work), place, waiting, submitted: 0, started, sender, receiver }
+        let (work, threads) = (Arc::new(work), (cores - 1).max(1));
+        Self { work, pool: None, threads, wake, waiting, submitted: 0, started, sender, receiver }
     }
 
     /// Starts waiting jobs, up to the limit of unread results.
@@ -65,7 +51,8 @@ impl<J: Send + 'static, T: Send + 'static> Threads<J, T> {
             let token = Arc::new(());
             let is_wanted = Arc::downgrade(&token);
             self.started.insert(index, token);
-            let (work, sender) = (Arc::clone(&self.work), self.sender.clone());
+            let (work, wake) = (Arc::clone(&self.work), Arc::clone(&self.wake));
+            let sender = self.sender.clone();
             let run = move || {
                 if is_wanted.strong_count() > 0 {
                     let result = catch_unwind(AssertUnwindSafe(|| work(job)))
@@ -73,8 +60,21 @@ impl<J: Send + 'static, T: Send + 'static> Threads<J, T> {
                     // After the drop of the runner a result has no receiver.
                     let _ = sender.send(Finished { index, result });
                 }
+                wake();
             };
-            self.place.spawn(run);
+            self.spawn(run);
+        }
+    }
+
+    fn spawn(&mut self, run: impl FnOnce() + Send + 'static) {
+        if self.pool.is_none() {
+            let pool = ThreadPoolBuilder::new().num_threads(self.threads);
+            self.pool = pool.thread_name(|k| format!("job {k}")).build().ok();
+        }
+        match &self.pool {
+            Some(pool) => pool.spawn(run),
+            // The system starts no further threads.
+            None => rayon::spawn(run),
         }
     }
 
@@ -83,29 +83,6 @@ impl<J: Send + 'static, T: Send + 'static> Threads<J, T> {
         self.started.remove(&finished.index)?;
         self.start();
         Some(finished)
-    }
-}
-
-impl Place {
-    fn spawn(&mut self, run: impl FnOnce() + Send + 'static) {
-        let Self::Own { pool, threads, wake } = self else { return rayon::spawn(run) };
-        if pool.is_none() {
-            *pool = ThreadPoolBuilder::new()
-                .num_threads(*threads)
-                .thread_name(|k| format!("job {k}"))
-                .build()
-                .ok();
-        }
-        let wake = Arc::clone(wake);
-        let run = move || {
-            run();
-            wake();
-        };
-        match pool {
-            Some(pool) => pool.spawn(run),
-            // The system starts no further threads.
-            None => rayon::spawn(run),
-        }
     }
 }
 
@@ -147,10 +124,7 @@ impl<J: Send + 'static, T: Send + 'static> Runner for Threads<J, T> {
     }
 
     fn workers(&self) -> usize {
-        match &self.place {
-            Place::Global => rayon::current_num_threads(),
-            Place::Own { threads, .. } => *threads,
-        }
+        self.threads
     }
 }
 
@@ -197,9 +171,15 @@ mod tests {
     use crate::study;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
+    fn runner<J: Send + 'static, T: Send + 'static>(
+        work: impl Fn(J) -> T + Send + Sync + 'static,
+    ) -> Threads<J, T> {
+        Threads::beside_window(work, Arc::new(|| ()))
+    }
+
     #[test]
     fn a_panic_is_one_line_and_leaves_the_other_jobs() {
-        let mut runner = Threads::new(|job: usize| assert_ne!(job, 1, "a defect\nin two lines"));
+        let mut runner = runner(|job: usize| assert_ne!(job, 1, "a defect\nin two lines"));
         assert_eq!([0, 1, 2].map(|job| runner.submit(job)), [0, 1, 2]);
         let mut finished: Vec<_> = std::iter::from_fn(|| runner.next()).collect();
         finished.sort_by_key(|finished| finished.index);
@@ -212,10 +192,10 @@ mod tests {
 
     #[test]
     fn unread_results_are_bounded_and_a_drop_cancels_the_rest() {
-        let most = UNREAD_PER_THREAD * rayon::current_num_threads();
+        let most = UNREAD_PER_THREAD * runner(|()| ()).workers();
         let begun = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&begun);
-        let mut runner = Threads::new(move |()| counter.fetch_add(1, Ordering::SeqCst));
+        let mut runner = runner(move |()| counter.fetch_add(1, Ordering::SeqCst));
         (0..10 * most).for_each(|_| _ = runner.submit(()));
         while begun.load(Ordering::SeqCst) < most {
             std::thread::yield_now();
@@ -231,8 +211,8 @@ mod tests {
 
     #[test]
     fn a_cancelled_job_has_no_result_and_leaves_the_others() {
-        let mut runner = Threads::new(|job: usize| job);
-        let count = 4 * UNREAD_PER_THREAD * rayon::current_num_threads();
+        let mut runner = runner(|job: usize| job);
+        let count = 4 * UNREAD_PER_THREAD * runner.workers();
         (0..count).for_each(|job| _ = runner.submit(job));
         // A job that may be running or done, and a job that has not begun.
         runner.cancel(0);
@@ -252,7 +232,7 @@ mod tests {
         });
         let mut runner = Threads::beside_window(|job: usize| 2 * job, wake);
         assert!(runner.workers() >= 1);
-        assert!(matches!(runner.place, Place::Own { pool: None, .. }));
+        assert!(runner.pool.is_none());
         (0..3).for_each(|job| _ = runner.submit(job));
         let mut results = Vec::new();
         for _ in 0..3 {
@@ -290,7 +270,7 @@ mod tests {
         let mut invalid = scene.clone();
         invalid.pocket_radius_mm = 1.0;
         let job = Job { scenes: vec![scene, invalid], profile: true, full: false };
-        let cases = Threads::new(|job| evaluate(&job)).run_all([job.clone(), job.clone()]).unwrap();
+        let cases = runner(|job| evaluate(&job)).run_all([job.clone(), job.clone()]).unwrap();
         assert!(cases.iter().all(|cases| *cases == study::evaluate(&job)));
         assert!(cases[0][0].is_converged() && cases[0][1].error.is_some());
     }

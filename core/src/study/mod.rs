@@ -4,7 +4,7 @@
 //! workers of a page. [`Cases`] holds the cases by content, so that no scene is solved twice.
 //!
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
-//! all runners) | `many` (jobs on threads, for as long as jobs come) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
+//! all runners) | `many` (jobs on threads, for as long as jobs come) | `job_threads` (the jobs of a study on them) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
@@ -22,6 +22,7 @@ pub mod contour;
 mod first_usual;
 mod importance;
 mod job;
+mod job_threads;
 pub mod many;
 mod map;
 mod map_border;
@@ -51,6 +52,7 @@ pub use cache::{Cases, Key, MAX_CASES};
 pub use first_usual::FirstUsual;
 pub use importance::{Index, MIN_ROWS, Row, index};
 pub use job::{Case, Evaluator, Job, Profile, evaluate};
+pub use job_threads::JobThreads;
 pub use map::{CHECK, Map, MapOptions, MapSettings, PointStatus};
 pub use map_check::{Difference, MapCheck};
 pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};

@@ -1,6 +1,7 @@
 //! `bench`: run time against error of multigrid and of Newton's method, as a table and a chart.
 
 use super::output::{self, File, OutputFolder};
+use super::stream::{self, Signal};
 use super::stress::{CHEST_OF_SHEET, tissue_model};
 use super::{ExitStatus, InputError};
 use crate::scene::TissueModel;
@@ -45,11 +46,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let start = Instant::now();
     let mut clock = || 1e3 * start.elapsed().as_secs_f64();
     let error = |error| output::input_error(Path::new("bench"), error);
-    while study.advance(&mut clock).map_err(error)? {}
+    let signal = Signal::default();
+    signal.calls(|| ());
+    while !signal.has_come() && study.advance(&mut clock).map_err(error)? {}
     let picture = draw(study.rows(), case).map_err(|error| output::input_error(folder, error))?;
     output::write_all(&[
         File::new(&folder.join(format!("{name}.csv")), study.csv()),
         File::new(&folder.join(format!("{name}.svg")), picture),
     ])?;
+    if signal.has_come() {
+        stream::warn_of_signal(&format!("{} rows are in the table", study.rows().len()));
+        return Ok(ExitStatus::Interrupted);
+    }
     Ok(ExitStatus::Converged)
 }

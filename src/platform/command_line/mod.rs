@@ -3,7 +3,7 @@
 //!
 //! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
 //! values; no file is written, of lines those of the other scenes); 3 no converged solution (the result is written with its
-//! status); 130 a signal (lines up to the signal are written).
+//! status); 130 a signal (what was ready is written).
 //!
 //! Files are written under a temporary name and renamed, so that no reader meets an incomplete file; lines are written at their
 //! place, each at once.

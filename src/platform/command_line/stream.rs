@@ -27,8 +27,12 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 impl ThreadCount {
+    pub(super) fn get(&self) -> NonZeroUsize {
+        self.threads.unwrap_or_else(default_threads)
+    }
+
     pub(super) fn settings(&self) -> ManySettings {
-        ManySettings::new(self.threads.unwrap_or_else(default_threads))
+        ManySettings::new(self.get())
     }
 }
 
@@ -62,23 +66,43 @@ pub(super) fn run<T: Send + 'static>(
     many: std::io::Result<Many<T>>,
     mut receive: impl FnMut(Finished<T>) -> Result<ControlFlow<()>, InputError>,
 ) -> Result<End, InputError> {
-    let many = many.map_err(|error| InputError(format!("--threads: {error}")))?;
-    let is_ended = Arc::new(AtomicBool::new(false));
-    let (cancel, flag) = (many.canceller(), Arc::clone(&is_ended));
-    let on_signal = move || {
-        if flag.swap(true, Ordering::SeqCst) {
-            std::process::exit(super::INTERRUPTED.into());
-        }
-        cancel();
-    };
-    // Without a handler a signal ends the process as any other.
-    let _ = ctrlc::set_handler(on_signal);
+    let many = many.map_err(no_threads)?;
+    let signal = Signal::default();
+    signal.calls(many.canceller());
     for finished in many {
         if receive(finished)?.is_break() {
             return Ok(End::Closed);
         }
     }
-    Ok(if is_ended.load(Ordering::SeqCst) { End::Signal } else { End::Done })
+    Ok(if signal.has_come() { End::Signal } else { End::Done })
+}
+
+/// The error of a system that starts no thread.
+pub(super) fn no_threads(error: std::io::Error) -> InputError {
+    InputError(format!("--threads: {error}"))
+}
+
+/// SIGINT, SIGTERM or SIGHUP: the first one ends a run that keeps what it has, a second one the process at once.
+#[derive(Clone, Default)]
+pub(super) struct Signal(Arc<AtomicBool>);
+
+impl Signal {
+    /// Calls a function at the first signal. Once in a process.
+    pub(super) fn calls(&self, end: impl Fn() + Send + 'static) {
+        let flag = Arc::clone(&self.0);
+        let on_signal = move || {
+            if flag.swap(true, Ordering::SeqCst) {
+                std::process::exit(super::INTERRUPTED.into());
+            }
+            end();
+        };
+        // Without a handler a signal ends the process as any other.
+        let _ = ctrlc::set_handler(on_signal);
+    }
+
+    pub(super) fn has_come(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
 }
 
 /// Progress on standard error, where that is a terminal.
@@ -130,7 +154,7 @@ fn in_words(seconds: f64) -> String {
     }
 }
 
-/// Reports that a signal has ended a run.
-pub(super) fn warn_of_signal(written: u64) {
-    output::warn(&format!("ended by a signal; {written} lines are whole"));
+/// Reports that a signal has ended a run, and what is kept.
+pub(super) fn warn_of_signal(kept: &str) {
+    output::warn(&format!("ended by a signal; {kept}"));
 }

@@ -186,7 +186,7 @@ fn write(
 ) -> Result<ExitStatus, InputError> {
     output::write_all(&[File::new(&arguments.out, summary + "\n")])?;
     if end == End::Signal {
-        stream::warn_of_signal(cases as u64);
+        stream::warn_of_signal(&format!("{cases} lines are whole"));
         return Ok(ExitStatus::Interrupted);
     }
     Ok(if has_failures { ExitStatus::NotConverged } else { ExitStatus::Converged })

@@ -1,14 +1,15 @@
 //! `map` and `bands`: studies of one scene on all threads.
 
 use super::output::{self, File, OutputFolder};
+use super::stream::{self, Signal, ThreadCount};
 use super::{ExitStatus, InputError, in_range, input};
 use crate::export::number;
-use crate::platform::runner::{Threads, evaluate};
+use crate::platform::runner::evaluate;
 use crate::scene::read::{self, Format};
 use crate::scene::{MAX_SCENE_BYTES, Scene, limits};
 use crate::study::{
-    Axis, Bands, BandsSettings, Cases, Job, Map, MapSettings, NOTES, PointStatus, Quantity,
-    SAMPLES, Study, Unknown, run as run_study,
+    Axis, Bands, BandsSettings, Cases, Job, JobThreads, Map, MapSettings, NOTES, PointStatus,
+    Quantity, SAMPLES, Study, Unknown, run as run_study,
 };
 use implant_preview_charts::scene_map;
 use std::panic::resume_unwind;
@@ -39,6 +40,8 @@ pub(super) struct MapArguments {
     #[arg(long)]
     full_border: bool,
     #[command(flatten)]
+    threads: ThreadCount,
+    #[command(flatten)]
     folder: OutputFolder,
 }
 
@@ -66,6 +69,8 @@ pub(super) struct BandsArguments {
     /// File with choices: samples, seed, importance_rows, grid, unknowns. Options of the command line replace its fields.
     #[arg(long, value_name = "CHOICES.json")]
     settings: Option<PathBuf>,
+    #[command(flatten)]
+    threads: ThreadCount,
     /// Output file; `-` is standard output.
     #[arg(long, value_name = "B.json", default_value = output::STANDARD)]
     out: PathBuf,
@@ -123,11 +128,40 @@ fn scene(path: &Path) -> Result<Scene, InputError> {
     }
 }
 
-/// Solves a study on all threads; a solver for each thread goes from job to job.
-fn solve(study: &mut dyn Study, store: &mut Cases) {
-    let mut runner = Threads::new(|job: Job| evaluate(&job));
-    // The hook has reported the panic.
-    run_study(study, store, &mut runner).unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
+/// Solves studies one after the other, until the end or a signal.
+struct Solver {
+    runner: JobThreads<Box<dyn FnMut() -> bool>>,
+    store: Cases,
+    signal: Signal,
+}
+
+impl Solver {
+    /// A solver of studies; a solver of scenes for each thread goes from job to job.
+    fn new(threads: &ThreadCount) -> Result<Self, InputError> {
+        let signal = Signal::default();
+        let flag = signal.clone();
+        let is_ended: Box<dyn FnMut() -> bool> = Box::new(move || flag.has_come());
+        let work = |(): &mut (), job: &Job| evaluate(job);
+        let runner = JobThreads::new(threads.get(), work, is_ended).map_err(stream::no_threads)?;
+        signal.calls(runner.canceller());
+        Ok(Self { runner, store: Cases::default(), signal })
+    }
+
+    fn solve(&mut self, study: &mut dyn Study) {
+        // The hook has reported the panic.
+        run_study(study, &mut self.store, &mut self.runner)
+            .unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
+    }
+
+    /// The status of a run with or without values, unless a signal has ended the run.
+    fn status(&self, study: &dyn Study, has_values: bool) -> ExitStatus {
+        if self.signal.has_come() {
+            let (done, all) = study.progress();
+            stream::warn_of_signal(&format!("{done} of {all} scenes are in the output"));
+            return ExitStatus::Interrupted;
+        }
+        if has_values { ExitStatus::Converged } else { ExitStatus::NotConverged }
+    }
 }
 
 /// `map`: writes `map.csv`, `map.json` and `map.svg`.
@@ -144,11 +178,12 @@ pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
         map = map.with_full_border();
     }
     let folder = arguments.folder.create()?;
-    let mut store = Cases::default();
-    solve(&mut map, &mut store);
-    let mut check = if arguments.no_check { None } else { map.check() };
+    let mut solver = Solver::new(&arguments.threads)?;
+    solver.solve(&mut map);
+    let has_check = !arguments.no_check && map.is_done();
+    let mut check = if has_check { map.check() } else { None };
     if let Some(check) = &mut check {
-        solve(check, &mut store);
+        solver.solve(check);
     }
     let show = arguments.show;
     let file = map.file(show, check.as_ref());
@@ -180,7 +215,7 @@ pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
     lines.iter().for_each(|line| output::warn(line));
     let is_converged = |(status, _): &(PointStatus, usize)| *status == PointStatus::Converged;
     let has_values = map.counts().iter().any(is_converged);
-    Ok(if has_values { ExitStatus::Converged } else { ExitStatus::NotConverged })
+    Ok(solver.status(&map, has_values))
 }
 
 /// `bands`: writes the bands as JSON.
@@ -213,7 +248,8 @@ pub(super) fn bands(arguments: &BandsArguments) -> Result<ExitStatus, InputError
     }
     let mut bands =
         Bands::new(&scene, settings).map_err(|error| InputError(format!("bands: {error}")))?;
-    solve(&mut bands, &mut Cases::default());
+    let mut solver = Solver::new(&arguments.threads)?;
+    solver.solve(&mut bands);
     let report = bands.report();
     let json = serde_json::to_string_pretty(&report)
         .map_err(|error| InputError(format!("bands: {error}")))?;
@@ -226,5 +262,5 @@ pub(super) fn bands(arguments: &BandsArguments) -> Result<ExitStatus, InputError
     if converged < report.samples {
         output::warn(&format!("{converged} of {} samples converged.", report.samples));
     }
-    Ok(if converged > 0 { ExitStatus::Converged } else { ExitStatus::NotConverged })
+    Ok(solver.status(&bands, converged > 0))
 }

@@ -175,7 +175,7 @@ pub(super) fn run(
         output::warn(&format!("--skip-done: {skipped} scenes have a line already"));
     }
     if end == End::Signal {
-        stream::warn_of_signal(written);
+        stream::warn_of_signal(&format!("{written} lines are whole"));
         return Ok(ExitStatus::Interrupted);
     }
     if defects > 0 {
