@@ -270,8 +270,11 @@ mod tests {
         let mut invalid = scene.clone();
         invalid.pocket_radius_mm = 1.0;
         let job = Job { scenes: vec![scene, invalid], profile: true, full: false };
-        let cases = runner(|job| evaluate(&job)).run_all([job.clone(), job.clone()]).unwrap();
-        assert!(cases.iter().all(|cases| *cases == study::evaluate(&job)));
+        let mut runner = runner(|job: Job| evaluate(&job));
+        (0..2).for_each(|_| _ = runner.submit(job.clone()));
+        let cases: Vec<_> =
+            std::iter::from_fn(|| runner.next()).map(|finished| finished.result.unwrap()).collect();
+        assert_eq!(cases.len(), 2);
         assert!(cases[0][0].is_converged() && cases[0][1].error.is_some());
     }
 }

@@ -29,28 +29,6 @@ pub trait Runner {
     fn workers(&self) -> usize {
         1
     }
-
-    /// Runs jobs; returns the results in the order of the jobs.
-    ///
-    /// # Errors
-    /// If a job panics. The other jobs are cancelled by the drop of the runner.
-    fn run_all(
-        mut self,
-        jobs: impl IntoIterator<Item = Self::Job>,
-    ) -> Result<Vec<Self::Done>, JobPanic>
-    where
-        Self: Sized,
-    {
-        let mut results = Vec::new();
-        for job in jobs {
-            let index = self.submit(job);
-            results.resize_with(index + 1, || None);
-        }
-        while let Some(Finished { index, result }) = self.next() {
-            results[index] = Some(result?);
-        }
-        Ok(results.into_iter().flatten().collect())
-    }
 }
 
 /// A finished job.
