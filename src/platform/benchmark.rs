@@ -1,6 +1,6 @@
 //! The study of run time against error in the JavaScript API.
 
-use super::js::clock;
+use super::clock::clock;
 use super::text::text_or_nothing;
 use implant_preview_lab::charts::work_precision::draw;
 use implant_preview_lab::work_precision::{Plan, Study, axisymmetric};

@@ -4,6 +4,7 @@
 
 #[cfg(feature = "js-api")]
 pub use super::benchmark::Benchmark;
+use super::clock::clock;
 use super::text::text;
 use crate::measure::Selection;
 use crate::scene::{CheckedScene, Scene};
@@ -59,12 +60,4 @@ pub fn schema() -> String {
 #[must_use]
 pub fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
-}
-
-/// A clock in milliseconds, in a window or a worker.
-pub(super) fn clock() -> impl Fn() -> f64 {
-    let performance = js_sys::Reflect::get(&js_sys::global(), &"performance".into())
-        .ok()
-        .and_then(|performance| performance.dyn_into::<web_sys::Performance>().ok());
-    move || performance.as_ref().map_or_else(js_sys::Date::now, web_sys::Performance::now)
 }

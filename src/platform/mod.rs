@@ -6,6 +6,9 @@
 mod benchmark;
 
 #[cfg(all(feature = "js-package", target_arch = "wasm32"))]
+mod clock;
+
+#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
 pub mod js;
 
 #[cfg(all(feature = "js-package", target_arch = "wasm32"))]
