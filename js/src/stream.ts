@@ -37,6 +37,7 @@ export async function* stream<Entry, Line>(
   let next = 0; // index of the next line
   let isReading = false;
   let isEnd = false;
+  let isOver = false; // no further entry becomes a job
   let failure: { error: unknown } | undefined; // of the source or of the whole pool
   let wake = () => {};
 
@@ -59,6 +60,8 @@ export async function* stream<Entry, Line>(
     isReading = true;
     try {
       const { done, value } = await source.next();
+      // A job after the end would start a worker.
+      if (isOver || failure) return;
       if (done) isEnd = true;
       else void run(value, count++);
     } catch (error) {
@@ -68,6 +71,7 @@ export async function* stream<Entry, Line>(
     wake();
   };
   const end = () => {
+    isOver = true;
     for (const cancel of cancels.values()) cancel();
     if (isOwn) pool.terminate();
     wake();
