@@ -275,6 +275,7 @@ mod tests {
         let cases: Vec<_> =
             std::iter::from_fn(|| runner.next()).map(|finished| finished.result.unwrap()).collect();
         assert_eq!(cases.len(), 2);
+        assert!(cases.iter().all(|cases| *cases == study::evaluate(&job)));
         assert!(cases[0][0].is_converged() && cases[0][1].error.is_some());
     }
 }
