@@ -5,8 +5,8 @@ use super::{failed, json, refused};
 use implant_preview_core::scene::{Scene, read};
 use implant_preview_core::study::many::{Many, ManySettings};
 use implant_preview_core::study::{
-    Bands, BandsSettings, Cases, Evaluator, Job, JobThreads, MapOptions, Quantity, Study,
-    Template, run,
+    Bands, BandsSettings, Cases, Evaluator, Job, JobThreads, MapOptions, Quantity, Study, Template,
+    run,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
