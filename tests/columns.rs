@@ -2,37 +2,25 @@
 #![cfg(all(feature = "command-line", unix))]
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
+#[path = "common/command.rs"]
+mod command;
+
+use command::{folder, lines};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output};
 use std::thread;
 
-/// A separate empty folder for each test.
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("columns-{test}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn spawn(folder: &Path, arguments: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_implant-preview"));
-    command.arg("simulate").args(arguments).current_dir(folder);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    command::spawn(folder, &[&["simulate"], arguments].concat())
 }
 
 /// Runs `simulate` with the text as standard input.
 fn run(folder: &Path, arguments: &[&str], input: &str) -> Output {
-    let mut child = spawn(folder, arguments);
-    let (mut stdin, input) = (child.stdin.take().unwrap(), input.to_owned());
-    // A command that ends early closes its input.
-    let writer = thread::spawn(move || _ = stdin.write_all(input.as_bytes()));
-    let output = child.wait_with_output().unwrap();
-    writer.join().unwrap();
-    output
+    command::run(folder, &[&["simulate"], arguments].concat(), input)
 }
 
 /// The words of a run that ends with exit code 2 and writes nothing, in one line.
@@ -42,11 +30,6 @@ fn refusal(folder: &Path, arguments: &[&str], input: &str) -> String {
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {line}");
     assert!(output.stdout.is_empty() && line.lines().count() == 1, "{arguments:?}: {line}");
     line
-}
-
-fn lines(text: &[u8]) -> Vec<Value> {
-    let text = std::str::from_utf8(text).unwrap();
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 /// The rows of a table, the cells by their columns.
