@@ -260,11 +260,11 @@ impl<M: ElasticModel> Level<M> {
         } = self;
         let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
         let after = smoother::power(layout, &conditions, (u, active), f, correction);
-        let scale = (before / (before - after)) as f32;
+        let scale = ((before / (before - after)) as f32).clamp(least, most);
         let is_scaled = scale.is_finite() && (scale - 1.0).abs() > NEGLECTED_SCALING;
         self.are_forces_current = !is_scaled;
         if is_scaled {
-            u.add_scaled(correction, scale.clamp(least, most) - 1.0);
+            u.add_scaled(correction, scale - 1.0);
             self.project_feasible();
         }
         1.0

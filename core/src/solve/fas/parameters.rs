@@ -209,7 +209,8 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     smoothing: LAYERED_SMOOTHING,
     first_smoothing: LAYERED_SMOOTHING,
     mixes: true,
-    correction_scale: Some((0.1, 2.0)),
+    // Longer corrections lose the shape of tight skin under a rising dome: 2 of 2000 random patients.
+    correction_scale: Some((0.1, 1.0)),
     mixing_bounds: (-4.0, 0.5),
     has_hardening: false,
     rise: &[1.0],
