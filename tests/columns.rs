@@ -63,8 +63,8 @@ fn numbered(k: usize) -> Value {
 const TEMPLATE: [&str; 4] = ["--template", "scene.json", "--table", "-"];
 
 /// A folder with a template.
-fn with_template(test: &str) -> PathBuf {
-    let folder = folder(test);
+fn with_template() -> PathBuf {
+    let folder = folder();
     fs::write(folder.join("scene.json"), sheet().to_string()).unwrap();
     folder
 }
@@ -79,7 +79,7 @@ fn untimed(mut line: Value) -> Value {
 
 #[test]
 fn a_table_has_the_figures_of_the_lines_to_the_last_bit() {
-    let folder = folder("figures");
+    let folder = folder();
     let ids = [
         json!(7),
         json!("7"),
@@ -170,7 +170,7 @@ fn a_table_has_the_figures_of_the_lines_to_the_last_bit() {
 
 #[test]
 fn the_rows_of_a_table_are_the_scenes_written_out() {
-    let folder = with_template("template");
+    let folder = with_template();
     let table = "id,implant.projection_mm, layers[1].thickness_mm ,layers[1].curve.kind,solver.nodes_per_side\n\
         a,20,8.5,adipose,17\n\
         \"b\",1.25e1,6,skin,33\n\
@@ -223,7 +223,7 @@ fn the_rows_of_a_table_are_the_scenes_written_out() {
 
 #[test]
 fn a_bad_row_has_an_error_in_its_place() {
-    let folder = with_template("rows");
+    let folder = with_template();
     let table = b"insertion,id,implant.projection_mm\n\
         1,good,20\n\
         1,limit,500\n\
@@ -282,7 +282,7 @@ fn a_bad_row_has_an_error_in_its_place() {
 
 #[test]
 fn bad_columns_are_refused_before_any_solve() {
-    let folder = with_template("refused");
+    let folder = with_template();
     for (header, wanted) in [
         ("", "standard input: header: is missing; allowed: the names of the columns"),
         (
@@ -352,7 +352,7 @@ fn bad_columns_are_refused_before_any_solve() {
 #[test]
 fn a_table_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
     const ROWS: usize = 2000;
-    let folder = with_template("kill");
+    let folder = with_template();
     let projection = |k: usize| 10.0 + 0.001 * k as f64;
     // Ids of every kind, and rows without one; one row is bad.
     let id = |k: usize| match k % 4 {
@@ -454,7 +454,7 @@ fn a_table_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
 
 #[test]
 fn a_row_is_written_before_the_next_one_comes() {
-    let folder = with_template("dialogue");
+    let folder = with_template();
     let mut child =
         spawn(&folder, &[&TEMPLATE[..], &["--format", "csv", "--fields", "status"]].concat());
     let mut stdin = child.stdin.take().unwrap();
@@ -474,7 +474,7 @@ fn a_row_is_written_before_the_next_one_comes() {
 #[test]
 fn the_memory_of_a_table_does_not_grow_with_its_rows() {
     const ROWS: usize = 6000;
-    let folder = with_template("memory");
+    let folder = with_template();
     // Rows of 1 kB: a program that keeps them would grow by 5 MB.
     let note = "x".repeat(1000);
     let arguments = ["--format", "csv", "--fields", "contact_force_n", "--threads", "2"];

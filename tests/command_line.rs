@@ -2,33 +2,14 @@
 #![cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
+#[path = "common/command.rs"]
+mod command;
+
+use command::{folder, lines, run};
 use serde_json::{Value, json};
 use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-/// A separate empty folder for each test.
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("command-line-{test}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("a folder for the test");
-    folder
-}
-
-fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_implant-preview"))
-        .args(arguments)
-        .current_dir(folder)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the binary runs");
-    // A command with invalid arguments closes its input early.
-    let _ = child.stdin.take().expect("standard input").write_all(input.as_bytes());
-    child.wait_with_output().expect("the binary ends")
-}
+use std::path::Path;
+use std::process::Output;
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("UTF-8")
@@ -52,7 +33,7 @@ fn scene(radius: f64, springs: &str) -> String {
 /// Checks exit code 2, one line that contains all of `wanted`, and no new file.
 fn assert_refused(folder: &Path, arguments: &[&str], input: &str, wanted: &[&str]) {
     let before = names_in(folder);
-    let output = run_in(folder, arguments, input);
+    let output = run(folder, arguments, input);
     let complaint = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {complaint}");
     assert_eq!(complaint.lines().count(), 1, "{arguments:?}: {complaint}");
@@ -65,10 +46,10 @@ fn assert_refused(folder: &Path, arguments: &[&str], input: &str, wanted: &[&str
 
 #[test]
 fn simulate_writes_result_mesh_and_profile() {
-    let folder = folder("simulate");
+    let folder = folder();
     fs::write(folder.join("scene.json"), scene(55.0, "coupled")).unwrap();
     for mesh in ["m.stl", "m.obj", "m.ply", "m.glb"] {
-        let output = run_in(
+        let output = run(
             &folder,
             &["simulate", "scene.json", "--out", "r.json", "--mesh", mesh, "--profile", "p.csv"],
             "",
@@ -124,7 +105,7 @@ fn assert_meshes_agree(folder: &Path) {
 
 #[test]
 fn the_schema_decides_about_the_tissue_model() {
-    let folder = folder("schema");
+    let folder = folder();
     // The default layers depend on the schema.
     let layers = r#"[{},{"tissue":"adipose","thickness_mm":10,"curve":{"kind":"fat"}}]"#;
     let scene = |field: &str| {
@@ -139,14 +120,13 @@ fn the_schema_decides_about_the_tissue_model() {
         r#""schema":"implant-preview/scene/1","#,
     ];
     // A byte-order mark before JSON lines, in standard input as in a file.
-    let lines = format!("\u{feff}{}\n", fields.map(scene).join("\n"));
-    fs::write(folder.join("s.jsonl"), &lines).unwrap();
-    fs::write(folder.join("s.json"), &lines).unwrap();
+    let scenes = format!("\u{feff}{}\n", fields.map(scene).join("\n"));
+    fs::write(folder.join("s.jsonl"), &scenes).unwrap();
+    fs::write(folder.join("s.json"), &scenes).unwrap();
     for file in ["-", "s.jsonl", "s.json"] {
-        let output = run_in(&folder, &["simulate", file], &lines);
+        let output = run(&folder, &["simulate", file], &scenes);
         assert_eq!(output.status.code(), Some(0), "{file}: {}", text(&output.stderr));
-        let results: Vec<Value> =
-            text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let results = lines(&output.stdout);
         let schemas: Vec<&Value> = results.iter().map(|result| &result["schema"]).collect();
         let [layered, sheet] = ["implant-preview/result/3", "implant-preview/result/1"];
         assert_eq!(schemas, [layered, layered, sheet, sheet], "{file}");
@@ -156,7 +136,7 @@ fn the_schema_decides_about_the_tissue_model() {
     }
     // One scene with the mark.
     let one = format!("\u{feff}{}", scene(""));
-    assert_eq!(run_in(&folder, &["simulate", "-"], &one).status.code(), Some(0));
+    assert_eq!(run(&folder, &["simulate", "-"], &one).status.code(), Some(0));
     let papers = scene(r#""springs":"nikolaev","#);
     let wanted = ["standard input", "springs is nikolaev", "tissue_model sheet"];
     assert_refused(&folder, &["simulate", "-"], &papers, &wanted);
@@ -164,7 +144,7 @@ fn the_schema_decides_about_the_tissue_model() {
 
 #[test]
 fn tissue_over_a_round_chest_has_force_and_skin_of_independent_elements() {
-    let folder = folder("chest");
+    let folder = folder();
     let file: Value = serde_json::from_str(include_str!("reference/body.json")).unwrap();
     let cases = file["cases"].as_array().unwrap();
     let meshes: Vec<&Value> = cases.iter().filter(|case| case["name"] == "curved").collect();
@@ -183,7 +163,7 @@ fn tissue_over_a_round_chest_has_force_and_skin_of_independent_elements() {
         "chest": { "radius_across_mm": radius, "radius_along_mm": radius },
         "solver": { "nodes_per_side": 49 },
     });
-    let output = run_in(&folder, &["simulate", "-"], &scene.to_string());
+    let output = run(&folder, &["simulate", "-"], &scene.to_string());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     for (found, name, tolerance) in [
@@ -202,11 +182,11 @@ fn tissue_over_a_round_chest_has_force_and_skin_of_independent_elements() {
 
 #[test]
 fn several_scenes_give_json_lines_in_their_order() {
-    let folder = folder("lines");
+    let folder = folder();
     let radii = [60.0, 30.0, 50.0, 40.0, 20.0];
     let lines: Vec<String> = radii.iter().map(|r| scene(*r, "coupled")).collect();
     fs::write(folder.join("a.json"), scene(25.0, "coupled")).unwrap();
-    let output = run_in(&folder, &["simulate", "a.json", "-"], &lines.join("\n"));
+    let output = run(&folder, &["simulate", "a.json", "-"], &lines.join("\n"));
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let volumes: Vec<f64> = text(&output.stdout)
         .lines()
@@ -223,10 +203,10 @@ fn several_scenes_give_json_lines_in_their_order() {
 
 #[test]
 fn simulate_writes_the_fields_asked_for() {
-    let folder = folder("fields");
+    let folder = folder();
     fs::write(folder.join("scene.json"), scene(55.0, "coupled")).unwrap();
     let result = |arguments: &[&str]| -> Value {
-        let output = run_in(&folder, &[&["simulate", "scene.json"], arguments].concat(), "");
+        let output = run(&folder, &[&["simulate", "scene.json"], arguments].concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         serde_json::from_slice(&output.stdout).unwrap()
     };
@@ -267,7 +247,7 @@ fn simulate_writes_the_fields_asked_for() {
 
 #[test]
 fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
-    let folder = folder("bad-scenes");
+    let folder = folder();
     let put = |name: &str, content: &[u8]| fs::write(folder.join(name), content).unwrap();
     put("small.json", scene(5.0, "coupled").as_bytes());
     put("unknown.json", br#"{"implant":{"base_radius_mm":55,"colour":"blue"}}"#);
@@ -295,7 +275,7 @@ fn invalid_scenes_are_rejected_in_one_line_and_nothing_is_written() {
 
 #[test]
 fn invalid_outputs_are_rejected_before_any_solve() {
-    let folder = folder("bad-outputs");
+    let folder = folder();
     fs::write(folder.join("s.json"), scene(55.0, "coupled")).unwrap();
     fs::write(folder.join("t.json"), scene(45.0, "coupled")).unwrap();
     let refused = |arguments: &[&str], wanted: &[&str]| {
@@ -315,12 +295,12 @@ fn invalid_outputs_are_rejected_before_any_solve() {
 
 #[test]
 fn springs_without_a_stable_shape_give_exit_code_3_and_a_result_with_its_status() {
-    let folder = folder("unstable");
+    let folder = folder();
     let unstable = r#"{"implant":{"base_radius_mm":55},"springs":"nikolaev","tissue_model":"sheet",
         "solver":{"nodes_per_side":33},"layers":[{"tissue":"adipose","poisson_ratio":0.49,"thickness_mm":10,"curve":{"kind":"adipose"}}]}"#;
     fs::write(folder.join("u.json"), unstable).unwrap();
     let arguments = ["simulate", "u.json", "--out", "r.json", "--mesh", "m.stl"];
-    let output = run_in(&folder, &arguments, "");
+    let output = run(&folder, &arguments, "");
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
     assert_eq!(result["status"], "unstable");
@@ -343,14 +323,14 @@ fn table(output: &Output) -> Vec<Vec<String>> {
 
 #[test]
 fn simulate_derives_absent_fields_from_the_patient_and_lists_them() {
-    let folder = folder("patient");
+    let folder = folder();
     let scene = |patient: &str| {
         format!(
             r#"{{"implant":{{"base_radius_mm":60,"projection_mm":40}},"solver":{{"nodes_per_side":33}},"patient":{patient}}}"#
         )
     };
     let measured = scene(r#"{"base_width_mm":110,"pinch_mm":20,"skin_class":"tight"}"#);
-    let output = run_in(&folder, &["simulate", "-"], &measured);
+    let output = run(&folder, &["simulate", "-"], &measured);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let result: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
     let values = result["patient_values"].as_array().unwrap();
@@ -376,7 +356,7 @@ fn simulate_derives_absent_fields_from_the_patient_and_lists_them() {
 
 #[test]
 fn tension_writes_the_papers_table() {
-    let folder = folder("tension");
+    let folder = folder();
     let arguments = [
         "tension",
         "--springs",
@@ -388,7 +368,7 @@ fn tension_writes_the_papers_table() {
         "--angle",
         "22.5",
     ];
-    let rows = table(&run_in(&folder, &arguments, ""));
+    let rows = table(&run(&folder, &arguments, ""));
     assert_eq!(rows.len(), 50);
     for (k, row) in rows.iter().enumerate() {
         assert_eq!(
@@ -406,7 +386,7 @@ fn tension_writes_the_papers_table() {
 
 #[test]
 fn tension_leaves_unstable_rows_without_measured_values() {
-    let folder = folder("tension-unstable");
+    let folder = folder();
     for protocol in ["paper", "equilibrium"] {
         let arguments = [
             "tension",
@@ -419,7 +399,7 @@ fn tension_leaves_unstable_rows_without_measured_values() {
             "--protocol",
             protocol,
         ];
-        let output = run_in(&folder, &arguments, "");
+        let output = run(&folder, &arguments, "");
         assert_eq!(output.status.code(), Some(0));
         assert!(text(&output.stderr).starts_with("note: stability is lost at strain 0.1"));
         for row in table(&output) {
@@ -435,20 +415,20 @@ fn tension_leaves_unstable_rows_without_measured_values() {
 
 #[test]
 fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
-    let folder = folder("tension-files");
+    let folder = folder();
     let curve = r#"{"kind":"points","interpolation":"spline","points":[[0,0],[0.3,2],[1,9]]}"#;
     fs::write(folder.join("my,curve.json"), curve).unwrap();
     fs::write(folder.join("bad.json"), r#"{"kind":"points","points":[[0,0],[0.3,2],[0.2,9]]}"#)
         .unwrap();
     fs::write(folder.join("odd.json"), r#"{"kind":"skin","modulus":3}"#).unwrap();
     let arguments = ["tension", "--curve", "my,curve.json", "--cells", "2", "--out", "t.csv"];
-    let output = run_in(&folder, &arguments, "");
+    let output = run(&folder, &arguments, "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let written = fs::read_to_string(folder.join("t.csv")).unwrap();
     let last = written.lines().last().unwrap();
     assert!(last.starts_with("coupled,\"my,curve.json\",0.3,9,1,1,-0.3,0.3,converged"), "{last}");
     // The preset: 0.40 kPa · (exp(5 ε) − 1) up to strain 0.3.
-    let fat = table(&run_in(&folder, &["tension", "--curve", "fat", "--cells", "2"], ""));
+    let fat = table(&run(&folder, &["tension", "--curve", "fat", "--cells", "2"], ""));
     let number = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
     let measured: Vec<_> = fat.iter().filter(|row| number(row, 5) < 0.3).collect();
     assert!(measured.len() > 2);
@@ -459,7 +439,7 @@ fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
     // The scales of a curve are part of its file: twice the strain at three times the stress.
     let scaled = curve.replace("{\"kind\"", "{\"strain_scale\":0.5,\"stress_scale\":3,\"kind\"");
     fs::write(folder.join("scaled.json"), scaled).unwrap();
-    let output = run_in(&folder, &["tension", "--curve", "scaled.json", "--cells", "2"], "");
+    let output = run(&folder, &["tension", "--curve", "scaled.json", "--cells", "2"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let table = text(&output.stdout);
     assert!(
@@ -487,8 +467,8 @@ fn tension_reads_a_curve_file_and_rejects_invalid_arguments() {
 
 #[test]
 fn charts_draws_four_charts_with_tables_for_both_laws() {
-    let folder = folder("charts");
-    let output = run_in(&folder, &["charts", "--out-dir", "made/here"], "");
+    let folder = folder();
+    let output = run(&folder, &["charts", "--out-dir", "made/here"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let made = folder.join("made/here");
     assert_eq!(
@@ -531,8 +511,8 @@ fn charts_draws_four_charts_with_tables_for_both_laws() {
 
 #[test]
 fn stability_maps_every_curve_and_distinguishes_both_laws() {
-    let folder = folder("stability");
-    let output = run_in(&folder, &["stability", "--out-dir", "made/here"], "");
+    let folder = folder();
+    let output = run(&folder, &["stability", "--out-dir", "made/here"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let made = folder.join("made/here");
     let curves = ["adipose", "exponential", "linear", "skin"];
@@ -593,8 +573,8 @@ fn stability_maps_every_curve_and_distinguishes_both_laws() {
 
 #[test]
 fn bench_writes_a_table_and_a_chart() {
-    let folder = folder("bench");
-    let output = run_in(&folder, &["bench", "--out-dir", "made/here", "--quick"], "");
+    let folder = folder();
+    let output = run(&folder, &["bench", "--out-dir", "made/here", "--quick"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let made = folder.join("made/here");
     assert_eq!(names_in(&made), ["work_precision.csv", "work_precision.svg"]);
@@ -617,8 +597,8 @@ fn bench_writes_a_table_and_a_chart() {
 
 #[test]
 fn validate_writes_errors_verification_and_a_table_and_chart_for_every_measurement() {
-    let folder = folder("validate");
-    let output = run_in(&folder, &["validate", "--quick", "--out-dir", "out"], "");
+    let folder = folder();
+    let output = run(&folder, &["validate", "--quick", "--out-dir", "out"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let out = folder.join("out");
     let measured = ["fat", "filling-pressure", "pig-expander", "skin-pull", "treloar"];
@@ -651,10 +631,10 @@ fn validate_writes_errors_verification_and_a_table_and_chart_for_every_measureme
 
 #[test]
 fn stress_writes_a_line_for_every_case_of_layered_tissue() {
-    let folder = folder("stress-layered");
+    let folder = folder();
     let arguments = ["--cases", "4", "--seed", "3", "--most-nodes", "17", "--lines", "cases.jsonl"];
     let arguments = [&["stress", "--tissue-model", "layered"][..], &arguments].concat();
-    let output = run_in(&folder, &arguments, "");
+    let output = run(&folder, &arguments, "");
     assert!(output.status.success(), "{}", text(&output.stderr));
     let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
     for population in ["realistic", "extreme"] {
@@ -674,16 +654,16 @@ fn stress_writes_a_line_for_every_case_of_layered_tissue() {
 
 #[test]
 fn stress_counts_equal_outcomes_on_every_run() {
-    let folder = folder("stress");
+    let folder = folder();
     let arguments = ["stress", "--cases", "20", "--seed", "3", "--most-nodes", "25"];
-    let first = run_in(&folder, &arguments, "");
+    let first = run(&folder, &arguments, "");
     assert!(first.status.success(), "{}", text(&first.stderr));
     let summary: Value = serde_json::from_slice(&first.stdout).unwrap();
     let cases = |springs: &str| summary[springs]["cases"].as_u64().unwrap();
     assert_eq!(cases("coupled") + cases("nikolaev"), 20);
     assert_eq!((&summary["failures"], &summary["sessions"]), (&json!([]), &json!(2)));
     let to_file = [&arguments[..], &["--out", "summary.json"]].concat();
-    assert!(run_in(&folder, &to_file, "").status.success());
+    assert!(run(&folder, &to_file, "").status.success());
     assert_eq!(fs::read(folder.join("summary.json")).unwrap(), first.stdout);
     assert_refused(&folder, &["stress", "--most-nodes", "9"], "", &["--most-nodes", "17 to 513"]);
     assert_refused(&folder, &["stress", "--cases", "-1"], "", &["--cases", "1 to 1000000000"]);
@@ -694,13 +674,13 @@ fn stress_counts_equal_outcomes_on_every_run() {
 
 #[test]
 fn help_and_version_exit_with_success() {
-    let folder = folder("help");
+    let folder = folder();
     for (arguments, wanted) in [
         (&["--help"][..], "simulate"),
         (&["tension", "--help"], "--protocol"),
         (&["--version"], env!("CARGO_PKG_VERSION")),
     ] {
-        let output = run_in(&folder, arguments, "");
+        let output = run(&folder, arguments, "");
         assert_eq!(output.status.code(), Some(0));
         assert!(text(&output.stdout).contains(wanted) && output.stderr.is_empty());
     }
@@ -708,7 +688,7 @@ fn help_and_version_exit_with_success() {
 
 #[test]
 fn a_map_is_written_as_table_json_and_chart() {
-    let folder = folder("map");
+    let folder = folder();
     fs::write(
         folder.join("scene.json"),
         scene(50.0, "coupled").replacen('{', r#"{"schema":"implant-preview/scene/1","#, 1),
@@ -717,7 +697,7 @@ fn a_map_is_written_as_table_json_and_chart() {
     let map = |out: &str, more: &[&str]| {
         let mut arguments = vec!["map", "scene.json", "--out-dir", out, "--nodes", "17"];
         arguments.extend(more);
-        let output = run_in(&folder, &arguments, "");
+        let output = run(&folder, &arguments, "");
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         assert_eq!(names_in(&folder.join(out)), ["map.csv", "map.json", "map.svg"]);
         let read = |name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
@@ -754,7 +734,7 @@ fn a_map_is_written_as_table_json_and_chart() {
 
 #[test]
 fn a_map_with_its_border_in_full_has_the_answers_of_simulate() {
-    let folder = folder("map-border");
+    let folder = folder();
     let scene = |projection: f64| {
         json!({
             "implant": { "base_radius_mm": 52.5, "projection_mm": projection },
@@ -770,7 +750,7 @@ fn a_map_with_its_border_in_full_has_the_answers_of_simulate() {
         let mut arguments = vec!["map", "scene.json", "--out-dir", out, "--no-check", "--x"];
         arguments.push("projection_mm=74:80:4");
         arguments.extend(more);
-        let output = run_in(&folder, &arguments, "");
+        let output = run(&folder, &arguments, "");
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         let json = fs::read_to_string(folder.join(out).join("map.json")).unwrap();
         serde_json::from_str::<Value>(&json).unwrap()
@@ -779,7 +759,7 @@ fn a_map_with_its_border_in_full_has_the_answers_of_simulate() {
     assert_eq!(quick["points"][2]["status"], "no_shape");
     assert_eq!(full["points"][2]["status"], "converged");
     assert!(full["notes"].to_string().contains("solved as `simulate` does"), "{}", full["notes"]);
-    let output = run_in(&folder, &["simulate", "steep.json"], "");
+    let output = run(&folder, &["simulate", "steep.json"], "");
     let result: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
     let force = |value: &Value| value.as_f64().unwrap();
     let ratio = force(&full["points"][2]["values"]["force_n"]) / force(&result["contact_force_n"]);
@@ -788,7 +768,7 @@ fn a_map_with_its_border_in_full_has_the_answers_of_simulate() {
 
 #[test]
 fn bands_are_equal_for_equal_seeds() {
-    let folder = folder("bands");
+    let folder = folder();
     let scene = scene(50.0, "coupled").replacen('{', r#"{"schema":"implant-preview/scene/1","#, 1);
     fs::write(folder.join("scene.json"), scene).unwrap();
     fs::write(
@@ -800,7 +780,7 @@ fn bands_are_equal_for_equal_seeds() {
         let mut arguments =
             vec!["bands", "scene.json", "--nodes", "17", "--samples", "32", "--importance", "16"];
         arguments.extend(more);
-        let output = run_in(&folder, &arguments, "");
+        let output = run(&folder, &arguments, "");
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         assert!(text(&output.stderr).contains("not a prediction for a person."));
         serde_json::from_str(&text(&output.stdout)).unwrap()
@@ -824,7 +804,7 @@ fn bands_are_equal_for_equal_seeds() {
 
 #[test]
 fn bad_maps_and_bands_are_refused_in_one_line() {
-    let folder = folder("bad-studies");
+    let folder = folder();
     fs::write(folder.join("scene.json"), scene(50.0, "coupled")).unwrap();
     fs::write(folder.join("choices.json"), r#"{"unknowns":{"hair":null}}"#).unwrap();
     let map = |more: &[&'static str], wanted: &[&str]| {
@@ -858,9 +838,9 @@ fn bad_maps_and_bands_are_refused_in_one_line() {
 
 #[test]
 fn the_schema_of_a_result_has_the_fields_of_results() {
-    let folder = folder("schema");
+    let folder = folder();
     let schema = |of: &str| -> Value {
-        let output = run_in(&folder, &["schema", "--of", of], "");
+        let output = run(&folder, &["schema", "--of", of], "");
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         serde_json::from_slice(&output.stdout).unwrap()
     };
@@ -874,7 +854,7 @@ fn the_schema_of_a_result_has_the_fields_of_results() {
         let scene = format!(
             r#"{{"implant":{{"base_radius_mm":50}},"solver":{{"nodes_per_side":17}}{more}}}"#
         );
-        serde_json::from_str::<Value>(&text(&run_in(&folder, &["simulate", "-"], &scene).stdout))
+        serde_json::from_str::<Value>(&text(&run(&folder, &["simulate", "-"], &scene).stdout))
             .unwrap()
     });
     let fields = schema["properties"].as_object().unwrap();
@@ -887,7 +867,7 @@ fn the_schema_of_a_result_has_the_fields_of_results() {
     }
     // Fields of layered tissue are not required.
     assert!(layered["cover_mm"].is_object() && sheet.get("cover_mm").is_none());
-    let written = run_in(&folder, &["schema", "--out", "scene.schema.json"], "");
+    let written = run(&folder, &["schema", "--out", "scene.schema.json"], "");
     assert!(written.status.success() && written.stdout.is_empty());
     assert!(fs::read_to_string(folder.join("scene.schema.json")).unwrap().ends_with("}\n"));
     assert_refused(

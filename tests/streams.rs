@@ -42,7 +42,7 @@ fn numbered(count: usize) -> String {
 
 #[test]
 fn a_bad_line_among_six_has_an_error_in_its_place() {
-    let folder = folder("six");
+    let folder = folder();
     let ids = [json!(7), json!("a\nb"), json!(null), json!({"x": [1, 2.5]}), json!(true)];
     let mut scenes: Vec<Value> = (0..5).map(|k| with_id(sheet(k), ids[k].clone())).collect();
     let mut bad = with_id(sheet(9), json!("bad"));
@@ -101,7 +101,7 @@ fn a_bad_line_among_six_has_an_error_in_its_place() {
 
 #[test]
 fn a_result_is_written_before_the_next_scene_comes() {
-    let mut child = spawn(&folder("dialogue"), &["simulate", "-", "--lines", "--fields", "status"]);
+    let mut child = spawn(&folder(), &["simulate", "-", "--lines", "--fields", "status"]);
     let mut stdin = child.stdin.take().unwrap();
     let mut stdout = BufReader::new(child.stdout.take().unwrap());
     for k in 0..3 {
@@ -113,13 +113,13 @@ fn a_result_is_written_before_the_next_scene_comes() {
     drop(stdin);
     assert!(child.wait().unwrap().success());
     // No scene at all, as in an empty part of a distributed list.
-    let none = run(&folder("none"), &["simulate", "-", "--lines"], "");
+    let none = run(&folder(), &["simulate", "-", "--lines"], "");
     assert!(none.status.success() && none.stdout.is_empty() && none.stderr.is_empty());
 }
 
 #[test]
 fn results_come_in_order_or_as_they_are_ready() {
-    let folder = folder("order");
+    let folder = folder();
     let mut slow = json!({ "id": 0, "implant": { "base_radius_mm": 50, "center_mm": [5, 3] } });
     slow["solver"] = json!({ "nodes_per_side": 129 });
     let text: String = std::iter::once(slow)
@@ -151,7 +151,7 @@ fn counts(file: &Path) -> BTreeMap<String, usize> {
 
 #[test]
 fn a_run_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
-    let folder = folder("kill");
+    let folder = folder();
     let anonymous: String = (0..3000).map(|k| format!("{}\n", sheet(k % 2999))).collect();
     for (name, text, distinct) in [("id", numbered(3000), 3000), ("content", anonymous, 2999)] {
         let text = format!("{{broken\n{text}");
@@ -191,7 +191,7 @@ fn a_run_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
 
 #[test]
 fn a_signal_leaves_whole_lines() {
-    let folder = folder("signal");
+    let folder = folder();
     fs::write(folder.join("scenes.jsonl"), numbered(100_000)).unwrap();
     for name in ["TERM", "INT"] {
         let mut child = spawn(&folder, &["simulate", "scenes.jsonl", "--out", "out.jsonl"]);
@@ -213,7 +213,7 @@ fn a_signal_leaves_whole_lines() {
 
 #[test]
 fn a_signal_leaves_the_cases_of_stress_and_their_summary() {
-    let folder = folder("stress");
+    let folder = folder();
     let arguments = ["stress", "--cases", "100000", "--most-nodes", "17", "--out", "s.json"];
     let child = spawn(&folder, &[&arguments[..], &["--lines", "cases.jsonl"]].concat());
     let out = folder.join("cases.jsonl");
@@ -252,7 +252,7 @@ fn interrupted<T>(folder: &Path, arguments: &[&str], kept: impl Fn() -> Option<T
 
 #[test]
 fn a_signal_leaves_the_scenes_of_a_map_of_bands_and_of_a_benchmark() {
-    let folder = folder("studies");
+    let folder = folder();
     fs::write(folder.join("scene.json"), r#"{ "implant": { "base_radius_mm": 50 } }"#).unwrap();
     let counts = |path: &str| -> Value {
         let text = fs::read(folder.join(path)).unwrap();
@@ -282,7 +282,7 @@ fn a_signal_leaves_the_scenes_of_a_map_of_bands_and_of_a_benchmark() {
 
 #[test]
 fn a_broken_pipe_ends_quietly() {
-    let folder = folder("pipe");
+    let folder = folder();
     fs::write(folder.join("scenes.jsonl"), numbered(100_000)).unwrap();
     let mut child = spawn(&folder, &["simulate", "scenes.jsonl"]);
     let mut first = String::new();
@@ -294,7 +294,7 @@ fn a_broken_pipe_ends_quietly() {
 
 #[test]
 fn a_scene_ends_at_its_limit_of_time() {
-    let folder = folder("time");
+    let folder = folder();
     let mut scene = json!({ "id": 1, "implant": { "base_radius_mm": 50, "center_mm": [5, 3] } });
     scene["solver"] = json!({ "nodes_per_side": 257 });
     let text = format!("{scene}\n{}\n", with_id(sheet(1), json!(2)));
@@ -318,7 +318,7 @@ fn a_scene_ends_at_its_limit_of_time() {
 #[test]
 fn the_memory_of_a_stream_does_not_grow_with_its_scenes() {
     const SCENES: usize = 20_000;
-    let mut child = spawn(&folder("memory"), &["simulate", "-"]);
+    let mut child = spawn(&folder(), &["simulate", "-"]);
     let mut stdin = child.stdin.take().unwrap();
     let writer = thread::spawn(move || {
         for k in 0..SCENES {
@@ -379,7 +379,7 @@ fn gnu_parallel_gives_each_scene_one_line() {
 
 #[test]
 fn an_output_destroys_neither_its_input_nor_a_foreign_file() {
-    let folder = folder("foreign");
+    let folder = folder();
     let input = folder.join("in.jsonl");
     fs::write(&input, numbered(2)).unwrap();
     fs::hard_link(&input, folder.join("hard.jsonl")).unwrap();

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 
-/// A separate empty folder for each test.
-pub(crate) fn folder(test: &str) -> PathBuf {
+/// An empty folder of the running test, whose thread has the test's name.
+pub(crate) fn folder() -> PathBuf {
+    let test = thread::current().name().unwrap().replace("::", "-");
     let name = format!("{}-{test}", env!("CARGO_CRATE_NAME"));
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&folder);
