@@ -3,6 +3,7 @@
 //! App and JavaScript API share the page's workers, so that a page has one worker per core less one.
 
 use super::text::text;
+use crate::scene::read;
 use crate::study::{self, Case, Evaluator, Finished, Job};
 use js_sys::{Object, Promise, Reflect};
 use std::cell::RefCell;
@@ -91,7 +92,7 @@ thread_local! {
 pub fn evaluate(
     #[wasm_bindgen(unchecked_param_type = "string")] job_json: &JsValue,
 ) -> Result<String, JsError> {
-    let job: Job = serde_json::from_str(&text(job_json, "job")?)?;
+    let job: Job = read::of_any_size(&text(job_json, "job")?, "job")?;
     let cases = EVALUATOR.with_borrow_mut(|evaluator| evaluator.evaluate(&job));
     Ok(serde_json::to_string(&cases)?)
 }
@@ -193,7 +194,7 @@ fn submit(runner: &Runner, job: &Job, name: &str) -> Submitted {
 /// The case of one scene; a job without a result is a case with an error.
 fn case(result: Result<JsValue, JsValue>) -> Case {
     let read = |json: JsValue| {
-        let cases = serde_json::from_str::<Vec<Case>>(&json.as_string().unwrap_or_default());
+        let cases = read::of_any_size::<Vec<Case>>(&json.as_string().unwrap_or_default(), "cases");
         let case = cases.map_err(|error| error.to_string())?.pop();
         case.ok_or_else(|| "the worker returned no case".to_owned())
     };

@@ -141,6 +141,14 @@ pub fn json<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneErro
     if text.trim_start().starts_with('[') {
         return Err(problem(whole, "is a list; allowed: one JSON object"));
     }
+    of_any_size(text, whole)
+}
+
+/// Reads JSON of any length, as workers exchange it; messages name the value `whole`.
+///
+/// # Errors
+/// One line with the place and what is allowed.
+pub fn of_any_size<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, SceneError> {
     let mut reader = serde_json::Deserializer::from_str(text);
     let read = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let path = error.path().to_string();

@@ -172,6 +172,7 @@ fn profile(solution: &Solution) -> Profile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::read;
     use crate::simulate;
     use crate::study::Quantity;
 
@@ -243,11 +244,11 @@ mod tests {
         let mut job = mixed();
         job.scenes.remove(2);
         let text = serde_json::to_string(&job).unwrap();
-        let read: Job = serde_json::from_str(&text).unwrap();
+        let read: Job = read::of_any_size(&text, "job").unwrap();
         assert_eq!(read, job);
         let cases = evaluate(&job);
         let text = serde_json::to_string(&cases).unwrap();
-        assert_eq!(serde_json::from_str::<Vec<Case>>(&text).unwrap(), cases);
+        assert_eq!(read::of_any_size::<Vec<Case>>(&text, "cases").unwrap(), cases);
     }
 
     #[test]
