@@ -14,7 +14,7 @@ const ORDER: [&str; 19] = [
 ];
 
 /// The sources of the crates, from left to right.
-const CRATES: [&str; 4] = ["core/src", "charts/src", "lab/src", "src"];
+const CRATES: [&str; 5] = ["solver/src", "core/src", "charts/src", "lab/src", "src"];
 
 /// All files of all crates.
 fn all_files() -> Vec<PathBuf> {
@@ -31,7 +31,7 @@ fn inside(path: &Path) -> PathBuf {
     let source = CRATES.into_iter().find(|source| root.starts_with(source)).unwrap();
     let inside = root.strip_prefix(source).unwrap();
     match source {
-        "core/src" | "src" => inside.to_owned(),
+        "solver/src" | "core/src" | "src" => inside.to_owned(),
         _ => Path::new(source).parent().unwrap().join(inside),
     }
 }
@@ -62,6 +62,7 @@ fn code_of(module: &str, text: &str) -> String {
         _ => "crate::".to_owned(),
     };
     code.replace("crate::", &own)
+        .replace("implant_preview_solver::", "crate::")
         .replace("implant_preview_core::", "crate::")
         .replace("implant_preview_", "crate::")
 }

@@ -129,8 +129,9 @@ pub(crate) fn relabel(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::Status;
+    use crate::measure::{Column, Status, surfaces};
     use crate::solve::Method;
+    use serde_json::Value;
     use std::cell::Cell;
 
     #[test]
@@ -238,8 +239,7 @@ mod tests {
         }
     }
 
-    fn assert_close(a: &serde_json::Value, b: &serde_json::Value, path: &str) {
-        use serde_json::Value;
+    fn assert_close(a: &Value, b: &Value, path: &str) {
         match (a, b) {
             (Value::Object(a), Value::Object(b)) => {
                 assert_eq!(a.len(), b.len());
@@ -257,6 +257,92 @@ mod tests {
             }
             _ => assert_eq!(a, b, "{path}"),
         }
+    }
+
+    #[test]
+    fn a_column_has_the_value_of_its_path() {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 17;
+        let outcome = simulate(&scene).unwrap();
+        let result = serde_json::to_value(&outcome).unwrap();
+        let of = |path: &str| Column::of(path).unwrap().value(&result);
+        assert_eq!(of("status"), "converged");
+        assert_eq!(of("strain.max_principal"), outcome.strain.as_ref().unwrap().max_principal);
+        assert_eq!(of("strain.fraction_above[0.25]"), result["strain"]["fraction_above"]["0.25"]);
+        assert_eq!(of("strain.fraction_above[0.26]"), Value::Null);
+        assert_eq!(of("layers[1].max_stress_kpa"), outcome.layers[1].max_stress_kpa.unwrap());
+        assert_eq!(
+            of("layers[1].thickness_mm.least"),
+            outcome.layers[1].thickness_mm.unwrap().least
+        );
+        assert_eq!(of("layers[7].max_stress_kpa"), Value::Null);
+        assert_eq!(of("layers.tissue").as_array().unwrap().len(), outcome.layers.len());
+        assert_eq!(of("profile[40].r_mm"), outcome.profile[40].r_mm);
+        assert_eq!(of("contact_resultant_n[2]"), outcome.contact_resultant_n.unwrap()[2]);
+        assert_eq!(of("contact_angle_deg"), Value::Null);
+        assert_eq!(
+            Column::of("layers[1].thickness_mm.least").unwrap().field(),
+            "layers.thickness_mm.least"
+        );
+    }
+
+    #[test]
+    fn a_selection_contains_the_values_of_the_whole_result_and_no_others() {
+        for mut scene in [Scene::sheet(), Scene::default()] {
+            scene.solver.nodes_per_side = 33;
+            let scene = CheckedScene::new(scene).unwrap();
+            let mut simulator = Simulator::default();
+            let mut run = |selection: &Selection| {
+                let simulation = simulator.run(&scene, Options::default(), selection, None);
+                serde_json::to_value(selection.of_outcome(&simulation.outcome)).unwrap()
+            };
+            let whole = run(&Selection::all());
+            let fields: Vec<String> = whole.as_object().unwrap().keys().cloned().collect();
+            for field in &fields {
+                let one = run(&Selection::of(std::slice::from_ref(field)).unwrap());
+                assert_eq!(one[field], whole[field], "{field}");
+                let expected = [field.as_str(), "schema", "status"];
+                assert!(one.as_object().unwrap().keys().all(|k| expected.contains(&k.as_str())));
+            }
+            let some = ["strain.max_principal", "layers.tissue", "layers.max_stress_kpa"];
+            let some = run(&Selection::of(&some.map(str::to_owned)).unwrap());
+            assert_eq!(some["strain"].as_object().unwrap().len(), 1);
+            assert_eq!(some["strain"]["max_principal"], whole["strain"]["max_principal"]);
+            assert_eq!(some["layers"][1].as_object().unwrap().len(), 2);
+            assert_eq!(some["layers"][1]["tissue"], whole["layers"][1]["tissue"]);
+            let short = run(&Selection::all().without_profile());
+            let left_out = fields.iter().filter(|field| short.get(field).is_none());
+            assert!(left_out.eq(fields.iter().filter(|field| field.starts_with("profile"))));
+        }
+    }
+
+    #[test]
+    fn the_skin_lies_the_layers_thickness_outside_of_the_inner_face() {
+        let mut scene = Scene::sheet();
+        scene.solver.nodes_per_side = 33;
+        let mut solver = Solver::new(scene.problem().unwrap());
+        solver.advance(&mut || false);
+        let solution = Arc::new(solver.solution());
+        let surfaces = surfaces(&solution);
+        assert_eq!(surfaces.positions.len(), 3);
+        // Euler's formula for a disc without holes: V − E + T = 1.
+        let mut edges: Vec<(u32, u32)> = surfaces
+            .triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let used =
+            surfaces.triangles.as_flattened().iter().collect::<std::collections::BTreeSet<_>>();
+        assert_eq!(used.len() + surfaces.triangles.len(), edges.len() + 1);
+        let apex = surfaces.nodes.iter().position(|&k| k == 33 * 33 / 2).unwrap();
+        let height = |face: usize| f64::from(surfaces.positions[face][apex][2]);
+        let outcome = measure(&scene, &Fields::new(solution));
+        assert!((height(0) - 55.0).abs() < 1e-3);
+        assert!((height(2) - outcome.skin_projection_mm.unwrap()).abs() < 1e-2);
+        assert!(height(1) > height(0) && height(2) > height(1));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! axisymmetric reference solutions of the sheet and of layered tissue, errors of all nodes, the study of run time against
 //! error, the comparisons with measurements, verification, robustness tests, and charts.
 //!
-//! Uses the core (`curve` … `session`) and the charts' page and panels. No files, no clocks, no toolkit. Used by the
+//! Uses the core and its solver (`curve` … `session`) and the charts' page and panels. No files, no clocks, no toolkit. Used by the
 //! command line, the JavaScript API and the tests.
 
 pub mod accuracy;

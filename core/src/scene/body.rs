@@ -5,8 +5,7 @@ use super::{
     out_of_range, problem,
 };
 use crate::curve::Curve;
-use crate::mesh::rest::{automatic_cells, balanced_cells};
-use crate::mesh::{Attachment, Edge, Patch};
+use crate::mesh::{Attachment, Edge, Patch, automatic_cells, balanced_cells};
 use crate::springs::Springs;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -112,7 +112,7 @@ impl Scene {
                 if spread < LEAST_SPREAD * TAU * length / DIRECTIONS as f64 {
                     return refused("too uneven".to_owned(), place, "a smooth wall");
                 }
-                let [xx, xy, yy] = wall.heights::<f64>().curvature(place.to_array());
+                let [xx, xy, yy] = wall.curvature(place);
                 let bend = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
                 if bend * LEAST_OF_TISSUE * tissue > 1.0 {
                     let value = format!("hollow with a radius of {:.0} mm", 1.0 / bend);

@@ -20,7 +20,7 @@ mod scale;
 mod spec;
 
 pub use read::number;
-pub(crate) use read::{GivenCurve, List, Pair, object};
+pub use read::{GivenCurve, List, Pair, object};
 pub use scale::{SCALES, ScaledCurve};
 pub use spec::{CurveError, CurveSpec, Fat, Interpolation, Section};
 

@@ -27,10 +27,13 @@ struct CurveFile {
 
 /// A curve of a file; a scale that the file does not contain is `None`.
 #[derive(Clone)]
-pub(crate) struct GivenCurve {
-    pub(crate) spec: CurveSpec,
-    pub(crate) strain_scale: Option<f64>,
-    pub(crate) stress_scale: Option<f64>,
+pub struct GivenCurve {
+    /// The curve before its scaling.
+    pub spec: CurveSpec,
+    /// Factor of the strains \[-\].
+    pub strain_scale: Option<f64>,
+    /// Factor of the stresses \[-\].
+    pub stress_scale: Option<f64>,
 }
 
 #[derive(Clone, Copy, serde::Deserialize)]
@@ -206,9 +209,7 @@ fn reject_others<E: Error>(fields: &[(&str, bool)]) -> Result<(), E> {
 }
 
 /// Reads a structure from a JSON object only; serde also accepts a list of the fields in their order.
-pub(crate) fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
-    reader: D,
-) -> Result<T, D::Error> {
+pub fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
     struct Reader<T>(PhantomData<T>);
     impl<'de, T: Deserialize<'de>> Visitor<'de> for Reader<T> {
         type Value = T;
@@ -225,7 +226,7 @@ pub(crate) fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 }
 
 /// A list of at most `MAX` entries; reading stops at the first surplus entry.
-pub(crate) struct List<T, const MAX: usize>(pub(crate) Vec<T>);
+pub struct List<T, const MAX: usize>(pub Vec<T>);
 
 impl<'de, T: Deserialize<'de>, const MAX: usize> Deserialize<'de> for List<T, MAX> {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
@@ -257,7 +258,7 @@ impl<'de, T: Deserialize<'de>, const MAX: usize> Deserialize<'de> for List<T, MA
 
 /// A pair of numbers.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Pair(pub(crate) [f64; 2]);
+pub struct Pair(pub [f64; 2]);
 
 impl<'de> Deserialize<'de> for Pair {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {

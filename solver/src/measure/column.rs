@@ -131,35 +131,6 @@ fn steps(path: &str) -> Option<Vec<Step>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
-    use crate::simulate::simulate;
-
-    #[test]
-    fn a_column_has_the_value_of_its_path() {
-        let mut scene = Scene::default();
-        scene.solver.nodes_per_side = 17;
-        let outcome = simulate(&scene).unwrap();
-        let result = serde_json::to_value(&outcome).unwrap();
-        let of = |path: &str| Column::of(path).unwrap().value(&result);
-        assert_eq!(of("status"), "converged");
-        assert_eq!(of("strain.max_principal"), outcome.strain.as_ref().unwrap().max_principal);
-        assert_eq!(of("strain.fraction_above[0.25]"), result["strain"]["fraction_above"]["0.25"]);
-        assert_eq!(of("strain.fraction_above[0.26]"), Value::Null);
-        assert_eq!(of("layers[1].max_stress_kpa"), outcome.layers[1].max_stress_kpa.unwrap());
-        assert_eq!(
-            of("layers[1].thickness_mm.least"),
-            outcome.layers[1].thickness_mm.unwrap().least
-        );
-        assert_eq!(of("layers[7].max_stress_kpa"), Value::Null);
-        assert_eq!(of("layers.tissue").as_array().unwrap().len(), outcome.layers.len());
-        assert_eq!(of("profile[40].r_mm"), outcome.profile[40].r_mm);
-        assert_eq!(of("contact_resultant_n[2]"), outcome.contact_resultant_n.unwrap()[2]);
-        assert_eq!(of("contact_angle_deg"), Value::Null);
-        assert_eq!(
-            Column::of("layers[1].thickness_mm.least").unwrap().field(),
-            "layers.thickness_mm.least"
-        );
-    }
 
     #[test]
     fn a_path_of_no_single_value_is_rejected_with_what_is_allowed() {

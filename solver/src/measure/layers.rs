@@ -169,15 +169,12 @@ impl SortedStrains {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Layer, Scene};
-    use crate::solve::Solver;
+    use crate::curve::CurveSpec;
+    use crate::solve::{Problem, Solver, samples};
     use std::cell::Cell;
 
-    fn solved(change: impl FnOnce(&mut Scene)) -> Solver {
-        let mut scene = Scene::sheet();
-        scene.solver.nodes_per_side = 33;
-        change(&mut scene);
-        let mut solver = Solver::new(scene.problem().unwrap());
+    fn solved(problem: Problem) -> Solver {
+        let mut solver = Solver::new(problem);
         solver.advance(&mut || false);
         solver
     }
@@ -185,10 +182,9 @@ mod tests {
     #[test]
     fn the_greatest_stress_is_that_of_a_search_over_all_nodes() {
         for (insertion, center) in [(1.0, 0.0), (0.4, 6.0), (0.0, 0.0)] {
-            let solver = solved(|scene| {
-                (scene.insertion, scene.implant.center_mm[0]) = (insertion, center);
-                scene.layers.push(Layer { poisson_ratio: 0.2, ..Layer::skin() });
-            });
+            let mut problem = samples::sheet(33, [center, 0.0], insertion);
+            problem.materials.push(samples::layer(&CurveSpec::Skin {}, 0.2));
+            let solver = solved(problem);
             let materials = &solver.problem().materials;
             let deformation =
                 Deformation::new(solver.problem().rest.membrane(), solver.positions());
@@ -208,7 +204,7 @@ mod tests {
 
     #[test]
     fn the_search_for_the_greatest_stress_visits_few_nodes() {
-        let solver = solved(|_| {});
+        let solver = solved(samples::sheet(33, [0.0; 2], 1.0));
         let material = &solver.problem().materials[0];
         let deformation = Deformation::new(solver.problem().rest.membrane(), solver.positions());
         let count = Cell::new(0);

@@ -179,42 +179,9 @@ impl Serialize for Part<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{CheckedScene, Scene};
-    use crate::simulate::Simulator;
-    use crate::solve::Options;
 
     fn paths(paths: &[&str]) -> Vec<String> {
         paths.iter().map(|&path| path.to_owned()).collect()
-    }
-
-    #[test]
-    fn a_selection_contains_the_values_of_the_whole_result_and_no_others() {
-        for mut scene in [Scene::sheet(), Scene::default()] {
-            scene.solver.nodes_per_side = 33;
-            let scene = CheckedScene::new(scene).unwrap();
-            let mut simulator = Simulator::default();
-            let mut run = |selection: &Selection| {
-                let simulation = simulator.run(&scene, Options::default(), selection, None);
-                serde_json::to_value(selection.of_outcome(&simulation.outcome)).unwrap()
-            };
-            let whole = run(&Selection::all());
-            let fields: Vec<String> = whole.as_object().unwrap().keys().cloned().collect();
-            for field in &fields {
-                let one = run(&Selection::of(std::slice::from_ref(field)).unwrap());
-                assert_eq!(one[field], whole[field], "{field}");
-                let expected = [field.as_str(), "schema", "status"];
-                assert!(one.as_object().unwrap().keys().all(|k| expected.contains(&k.as_str())));
-            }
-            let some = ["strain.max_principal", "layers.tissue", "layers.max_stress_kpa"];
-            let some = run(&Selection::of(&paths(&some)).unwrap());
-            assert_eq!(some["strain"].as_object().unwrap().len(), 1);
-            assert_eq!(some["strain"]["max_principal"], whole["strain"]["max_principal"]);
-            assert_eq!(some["layers"][1].as_object().unwrap().len(), 2);
-            assert_eq!(some["layers"][1]["tissue"], whole["layers"][1]["tissue"]);
-            let short = run(&Selection::all().without_profile());
-            let left_out = fields.iter().filter(|field| short.get(field).is_none());
-            assert!(left_out.eq(fields.iter().filter(|field| field.starts_with("profile"))));
-        }
     }
 
     #[test]

@@ -126,9 +126,7 @@ mod tests {
     use super::*;
     use crate::measure::{Field, Fields, layers};
     use crate::mesh::NodeKind;
-    use crate::scene::{CheckedScene, Scene};
-    use crate::simulate::run;
-    use crate::solve::{Options, Record};
+    use crate::solve::{Record, Solver, samples};
     use glam::{DVec3, Vec2};
     use std::sync::Arc;
 
@@ -144,38 +142,36 @@ mod tests {
     }
 
     /// A solution whose skin is at these places, in the plane at rest.
-    fn with_skin(schema: &str, mirrored: bool, place: impl Fn(DVec2) -> DVec2) -> Solution {
-        let scene = Scene::from_json(&format!(
-            r#"{{ "schema": "implant-preview/scene/{schema}", "implant": {{ "base_radius_mm": 50 }},
-                  "insertion": 0, "solver": {{ "nodes_per_side": 17, "tolerance": 1e-3 }} }}"#
-        ));
-        let scene = CheckedScene::new(scene.unwrap()).unwrap();
-        let solution = run(&scene, Options::default(), None).solution;
+    fn with_skin(skin_wrinkles: bool, mirrored: bool, place: impl Fn(DVec2) -> DVec2) -> Solution {
+        let problem = samples::layered_at_rest(17, skin_wrinkles);
+        let mut solver = Solver::new(problem.clone());
+        solver.advance(&mut || false);
+        let solution = solver.solution();
         let rest = solution.problem().sheet().rest().to_vec();
         let mut record: Record = solution.record();
         record.mirrored = [mirrored; 2];
         for (x, rest) in record.outer.last_mut().unwrap().iter_mut().zip(&rest) {
             *x = place(*rest).extend(DVec3::from(*x).z).to_array();
         }
-        Solution::restore(scene.problem(), record).unwrap()
+        Solution::restore(problem, record).unwrap()
     }
 
     /// A strip pulled along an angle \[degrees\]: stretches along and across.
-    fn pulled(schema: &str, degrees: f64, along: f64, across: f64) -> Solution {
+    fn pulled(skin_wrinkles: bool, degrees: f64, along: f64, across: f64) -> Solution {
         let axis = DVec2::from_angle(degrees.to_radians());
         let place = move |p: DVec2| {
             axis * (along * axis.dot(p)) + axis.perp() * (across * axis.perp().dot(p))
         };
-        with_skin(schema, false, place)
+        with_skin(skin_wrinkles, false, place)
     }
 
     #[test]
     fn a_strip_pulled_one_way_wrinkles_along_the_pull() {
         for degrees in [0.0, 30.0, 90.0, 135.0] {
             // Wider than 1 − ν · 0.2 = 0.91 there are no wrinkles.
-            let taut = pulled("3", degrees, 1.2, 0.92);
+            let taut = pulled(true, degrees, 1.2, 0.92);
             assert_eq!(Shares::new(&taut), Some(Shares::default()));
-            let wrinkled = pulled("3", degrees, 1.2, 0.88);
+            let wrinkled = pulled(true, degrees, 1.2, 0.88);
             let shares = Shares::new(&wrinkled).unwrap();
             assert!((shares.wrinkled - 1.0).abs() < 1e-12, "{shares:?}");
             assert!((shares.visible_over_pocket - 1.0).abs() < 1e-12, "{shares:?}");
@@ -202,7 +198,7 @@ mod tests {
         // The circles of the skin shrink by more than the radii.
         let place = |p: DVec2| p * (0.7 + 0.15 * p.length() / 100.0);
         for mirrored in [true, false] {
-            let fields = Fields::new(Arc::new(with_skin("3", mirrored, |p| place(p) * 1.15)));
+            let fields = Fields::new(Arc::new(with_skin(true, mirrored, |p| place(p) * 1.15)));
             let solution = fields.solution();
             let rest = solution.problem().sheet().rest();
             let mut count = 0;
@@ -220,7 +216,7 @@ mod tests {
 
     #[test]
     fn slack_skin_has_no_stress_and_no_direction() {
-        let slack = pulled("3", 20.0, 0.97, 0.8);
+        let slack = pulled(true, 20.0, 0.97, 0.8);
         assert!((Shares::new(&slack).unwrap().wrinkled - 1.0).abs() < 1e-12);
         let loads = layers::loads(slack.problem().membrane(), slack.deformation(), true);
         assert!(loads[0].max_stress == 0.0 && !loads[0].is_beyond_data);
@@ -229,14 +225,14 @@ mod tests {
         assert!(slack.values(Field::WrinkleState).contains(&2.0));
         assert!(slack.wrinkle_directions().iter().all(|crest| *crest == Vec2::ZERO));
         // Wrinkled skin: that of uniaxial tension, 100 kPa · 0.2.
-        let wrinkled = Fields::new(Arc::new(pulled("3", 20.0, 1.2, 0.7)));
+        let wrinkled = Fields::new(Arc::new(pulled(true, 20.0, 1.2, 0.7)));
         let greatest = wrinkled.values(Field::Stress(0)).iter().copied().fold(0.0, f32::max);
         assert!((greatest - 20.0).abs() < 1e-3, "{greatest}");
     }
 
     #[test]
     fn compressed_skin_of_older_scenes_keeps_its_stress_and_has_no_state() {
-        let compressed = pulled("2", 20.0, 1.2, 0.7);
+        let compressed = pulled(false, 20.0, 1.2, 0.7);
         assert_eq!((Shares::new(&compressed), state(&compressed, 40)), (None, None));
         assert!(layers::compression(&compressed).is_some());
         let fields = Fields::new(Arc::new(compressed));
@@ -249,6 +245,6 @@ mod tests {
 
     #[test]
     fn tissue_at_rest_is_taut() {
-        assert_eq!(Shares::new(&with_skin("3", false, |p| p)), Some(Shares::default()));
+        assert_eq!(Shares::new(&with_skin(true, false, |p| p)), Some(Shares::default()));
     }
 }

@@ -116,6 +116,12 @@ impl Chest {
         self.heights::<f64>().at(at.to_array()).slope.into()
     }
 
+    /// ∂²w/∂x², ∂²w/∂x∂y and ∂²w/∂y² \[1/mm\].
+    #[must_use]
+    pub fn curvature(&self, at: DVec2) -> [f64; 3] {
+        self.heights::<f64>().curvature(at.to_array())
+    }
+
     /// The height field in numbers of one precision.
     pub(crate) fn heights<R: Real>(&self) -> HeightField<R> {
         match self {

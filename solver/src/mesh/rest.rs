@@ -268,7 +268,7 @@ const MOST_BALANCED_CELLS: f64 = 6.0;
 ///
 /// The error through the thickness is then about half of the error along the tissue, and below it up to a height of 1.4
 /// spacings, whatever the patient (`solve/discretisation`).
-pub(crate) fn balanced_cells(solids_mm: &[f64], spacing_mm: f64) -> usize {
+pub fn balanced_cells(solids_mm: &[f64], spacing_mm: f64) -> usize {
     let thickness: f64 = solids_mm.iter().rev().sum();
     let least = if thickness > ONE_OR_FOUR_MM.0 { 2.0 } else { 1.0 };
     let cells = (thickness / spacing_mm).round().clamp(least, MOST_BALANCED_CELLS) as usize;
@@ -276,7 +276,7 @@ pub(crate) fn balanced_cells(solids_mm: &[f64], spacing_mm: f64) -> usize {
 }
 
 /// Cells through solids of `scene/2` of these thicknesses \[mm\], whatever the grid.
-pub(crate) fn automatic_cells(solids_mm: &[f64]) -> usize {
+pub fn automatic_cells(solids_mm: &[f64]) -> usize {
     let thickness: f64 = solids_mm.iter().rev().sum();
     let (one, four) = ONE_OR_FOUR_MM;
     let cells = if thickness > four {

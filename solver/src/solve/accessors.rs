@@ -40,7 +40,7 @@ impl Solver {
     }
 
     /// The current state as a solution; leaves a solver without a shape, for another start.
-    pub(crate) fn take_solution(&mut self) -> Solution {
+    pub fn take_solution(&mut self) -> Solution {
         let report = self.report();
         let shape = Shape {
             inner: std::mem::take(&mut self.x),

@@ -23,6 +23,8 @@ mod newton;
 mod newton_method;
 mod problem;
 pub(crate) mod reactions;
+#[cfg(test)]
+pub(crate) mod samples;
 mod solution;
 pub mod validity;
 
@@ -156,7 +158,7 @@ impl Solver {
     }
 
     /// Starts another problem as a new solver with these options does, with the tables and grids that both problems share.
-    pub(crate) fn start_anew(&mut self, problem: Problem, options: Options) {
+    pub fn start_anew(&mut self, problem: Problem, options: Options) {
         if !self.has_law_of(&problem) {
             self.law = Law::new(&problem);
             self.tables_built += 1;
@@ -467,9 +469,9 @@ impl Solver {
         &self.outer
     }
 
-    /// Ends the solve as if the last shape were invalid.
-    #[cfg(test)]
-    pub(crate) fn end_with(&mut self, invalid: Invalid) {
+    /// Ends the solve as if the last shape were invalid, for tests of what follows.
+    #[doc(hidden)]
+    pub fn end_with(&mut self, invalid: Invalid) {
         self.invalid = Some(invalid);
         self.end(Verdict::NotConverged);
     }
