@@ -111,10 +111,6 @@ const MARGIN_MM: f64 = 60.0;
 /// The least width of the patch around the pocket \[mm\].
 const LEAST_MARGIN_MM: f64 = 20.0;
 
-/// The numbers of a body.
-const NUMBERS: [&field::Field; 3] =
-    [field::PATCH_RADIUS, field::ATTACHMENT_STIFFNESS, field::ATTACHMENT_RAMP];
-
 impl Body {
     /// The default body around a pocket.
     #[must_use]
@@ -185,7 +181,7 @@ impl Scene {
             (self.chest, self.chest_grid, self.thickness_field) = (None, None, None);
         }
         if tissue_model == TissueModel::Layered {
-            for number in NUMBERS {
+            for number in field::of_body() {
                 number.set(self, 0, number.value(self, 0).unwrap_or_default());
             }
             if let Some(CellsThrough::Count(count)) = &mut self.solver.cells_through {
@@ -227,7 +223,7 @@ impl Scene {
         if is_first {
             return Err(in_first("tissue_model"));
         }
-        for number in NUMBERS {
+        for number in field::of_body() {
             number.check(self, 0)?;
         }
         if !self.is_layered() {

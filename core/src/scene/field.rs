@@ -130,6 +130,11 @@ fields! {
     TOLERANCE: "solver.tolerance", "tolerance", "", (1e-7, 1e-2), Dome, Scene[solver.tolerance];
 }
 
+/// The numbers of a [`Body`](super::Body).
+pub(super) fn of_body() -> impl Iterator<Item = &'static Field> {
+    ALL.iter().copied().filter(|field| field.part == Part::Body)
+}
+
 impl Field {
     /// The path of the number of a layer, from the skin from 0; other numbers have one path.
     #[must_use]

@@ -41,8 +41,9 @@ impl Cases {
         let mut words = Vec::with_capacity(32);
         words.extend(choices.into_iter().chain(counts));
         for field in field::ALL {
-            let values = (0..field.count(scene)).filter_map(|layer| field.value(scene, layer));
-            words.extend(values.map(bits));
+            // An absent number has its place, too.
+            let values = (0..field.count(scene)).map(|layer| field.value(scene, layer));
+            words.extend(values.map(|value| value.map_or(u64::MAX, bits)));
         }
         words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         words.push(self.grids(scene));

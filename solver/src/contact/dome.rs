@@ -57,7 +57,7 @@ impl Dome {
         Self { base_along, apex_shift, ..self }
     }
 
-    /// Is it a solid of revolution?
+    /// Is the dome half of an ellipsoid of revolution?
     #[must_use]
     pub fn is_round(&self) -> bool {
         let apart = (self.base_radius - self.base_along).abs().max(self.apex_shift.abs());

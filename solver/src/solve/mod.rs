@@ -180,11 +180,14 @@ impl Solver {
 
     /// Is the law of the problem the present one? The thickness of solids is no part of the law.
     fn has_law_of(&self, problem: &Problem) -> bool {
-        let of_solid = |solid: &Material| (solid.curve.clone(), solid.poisson_ratio);
         problem.springs == self.problem.springs
             && problem.tissue == self.problem.tissue
             && problem.membrane() == self.problem.membrane()
-            && problem.solids().iter().map(of_solid).eq(self.problem.solids().iter().map(of_solid))
+            && problem.solids().iter().map(Material::law).eq(self
+                .problem
+                .solids()
+                .iter()
+                .map(Material::law))
     }
 
     fn start(&mut self) {

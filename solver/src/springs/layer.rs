@@ -12,3 +12,11 @@ pub struct Material {
     /// Thickness \[mm\].
     pub thickness_mm: f64,
 }
+
+impl Material {
+    /// What determines the law of a solid: all but the thickness.
+    pub(crate) fn law(&self) -> (&Curve, f64) {
+        let Self { curve, poisson_ratio, thickness_mm: _ } = self;
+        (curve, *poisson_ratio)
+    }
+}
