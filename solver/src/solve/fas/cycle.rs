@@ -142,13 +142,12 @@ impl<M: ElasticModel> FullMultigrid<M> {
             Step::SolveCoarsest => self.solve_coarsest(),
             Step::Correct { grid } => {
                 let contact = self.contact(grid);
-                let scale = self.parameters.correction_scale.filter(|_| self.convergence.was_slow);
+                let least = self.parameters.correction_scale.filter(|_| self.convergence.was_slow);
                 let (coarser, finer) = self.levels.split_at_mut(grid);
                 let (coarse, fine) = (&coarser[grid - 1], &mut finer[0]);
-                let Some(bounds) = scale else { return fine.correct(coarse, &mut self.row) };
-                let evaluations =
-                    fine.correct_scaled(&self.model, contact, coarse, bounds, &mut self.row);
-                self.count(grid, evaluations);
+                let Some(least) = least else { return fine.correct(coarse, &mut self.row) };
+                fine.correct_scaled(&self.model, contact, coarse, least, &mut self.row);
+                self.count(grid, 1.0);
             }
             Step::CheckConvergence => {}
         }

@@ -239,20 +239,20 @@ impl<M: ElasticModel> Level<M> {
         }
     }
 
-    /// [`Self::correct`] with the correction c scaled by α = ⟨r, c⟩/⟨r − r′, c⟩ within bounds, where the parabola of the energy along c
+    /// [`Self::correct`] with the correction c scaled by α = ⟨r, c⟩/⟨r − r′, c⟩, at least `least` and at most 1, where the parabola of the energy along c
     /// is least; r and r′ are the residuals before and after c. Coarse grids may be too soft where skin is slack on them alone. `f` is
-    /// r. Returns the number of force evaluations.
+    /// r; one force evaluation.
     pub(super) fn correct_scaled(
         &mut self,
         model: &M,
         contact: Contact,
         coarse: &Self,
-        (least, most): (f32, f32),
+        least: f32,
         row: &mut [f32],
-    ) -> f64 {
+    ) {
         let Self { layout, obstacle, u, active, f, correction, contact_offset, .. } = self;
         transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, correction, row);
-        smoother::apply_correction(layout, obstacle, correction, contact_offset, active, u);
+        smoother::apply_correction(layout, obstacle, correction, contact_offset, active, u, true);
         let before = layout.product(f, correction);
         self.find_forces(model);
         let Self {
@@ -260,21 +260,20 @@ impl<M: ElasticModel> Level<M> {
         } = self;
         let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
         let after = smoother::power(layout, &conditions, (u, active), f, correction);
-        let scale = ((before / (before - after)) as f32).clamp(least, most);
+        let scale = ((before / (before - after)) as f32).clamp(least, 1.0);
         let is_scaled = scale.is_finite() && (scale - 1.0).abs() > NEGLECTED_SCALING;
         self.are_forces_current = !is_scaled;
         if is_scaled {
             u.add_scaled(correction, scale - 1.0);
             self.project_feasible();
         }
-        1.0
     }
 
     /// Adds the interpolated correction of the coarser grid. `row` is scratch.
     pub(super) fn correct(&mut self, coarse: &Self, row: &mut [f32]) {
         let Self { layout, obstacle, u, active, f, contact_offset, .. } = self;
         transfer::correction(&coarse.layout, layout, &coarse.u, &coarse.before, f, row);
-        smoother::apply_correction(layout, obstacle, f, contact_offset, active, u);
+        smoother::apply_correction(layout, obstacle, f, contact_offset, active, u, false);
         self.are_forces_current = false;
     }
 

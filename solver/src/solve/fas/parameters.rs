@@ -20,8 +20,8 @@ pub(in crate::solve) struct Parameters {
     /// Are the results of cycles mixed (D. G. Anderson, J. ACM 12, 1965, of depth one)? Otherwise oscillations alone are
     /// relaxed.
     pub(super) mixes: bool,
-    /// Bounds of the factor of a coarser grid's correction \[-\], once a cycle of the grid being solved was slow; `None`: no scaling.
-    pub(super) correction_scale: Option<(f32, f32)>,
+    /// Least factor of a coarser grid's correction \[-\], once a cycle of the grid being solved was slow; `None`: no scaling.
+    pub(super) correction_scale: Option<f32>,
     /// Bounds of the mixing factor θ \[-\].
     pub(super) mixing_bounds: (f64, f64),
     /// Is a step shortened by the hardening of the adjacent springs?
@@ -210,7 +210,7 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     first_smoothing: LAYERED_SMOOTHING,
     mixes: true,
     // Longer corrections lose the shape of tight skin under a rising dome: 2 of 2000 random patients.
-    correction_scale: Some((0.1, 1.0)),
+    correction_scale: Some(0.1),
     mixing_bounds: (-4.0, 0.5),
     has_hardening: false,
     rise: &[1.0],

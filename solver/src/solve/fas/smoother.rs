@@ -135,8 +135,8 @@ fn carry_column(u: &mut Field, group: &Group, shift: Vec3, correction: Option<&F
     }
 }
 
-/// Adds the correction of a coarser grid: active nodes move along the dome, no node enters the dome. `correction` becomes the
-/// move.
+/// Adds the correction of a coarser grid: active nodes move along the dome, no node enters the dome. With `keeps_move` the
+/// correction becomes the move.
 pub(super) fn apply_correction(
     layout: &Layout,
     obstacle: &LaneObstacle,
@@ -144,6 +144,7 @@ pub(super) fn apply_correction(
     contact_offset: &[f32],
     active: &[f32],
     u: &mut Field,
+    keeps_move: bool,
 ) {
     layout.free_groups(|group| {
         let k = group.first;
@@ -156,8 +157,10 @@ pub(super) fn apply_correction(
         store_first(u, k, group.count, moved);
         let shift = sub(moved, add(at, own));
         carry_column(u, &group, shift, Some(correction));
-        carry_column(correction, &group, shift, None);
-        store_first(correction, k, group.count, sub(moved, at));
+        if keeps_move {
+            carry_column(correction, &group, shift, None);
+            store_first(correction, k, group.count, sub(moved, at));
+        }
     });
     layout.mirror(u);
 }
