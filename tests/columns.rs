@@ -336,10 +336,10 @@ fn bad_columns_are_refused_before_any_solve() {
         ),
         (&["--fields", "profile.z_mm", "--no-profile"], "--no-profile: --fields names a profile"),
         (&["--fields", "status", "--profile", "p.csv"], "lines or a table; allowed: one scene"),
-        (&["--fields", "status", "--format", "parquet"], "possible values: json, csv"),
+        (&["--fields", "status", "--format", "avro"], "possible values: json, csv, parquet"),
     ] {
         let arguments = match fields {
-            [.., "parquet"] => fields.to_vec(),
+            [.., "avro"] => fields.to_vec(),
             _ => [&["--format", "csv"][..], fields].concat(),
         };
         let line = refusal(&folder, &[&["scene.json"][..], &arguments].concat(), "");

@@ -31,6 +31,18 @@ pub enum ColumnError {
 pub struct Column {
     name: String,
     steps: Vec<Step>,
+    kind: Kind,
+}
+
+/// The values of a column; each may be absent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Numbers.
+    Number,
+    /// True or false.
+    Flag,
+    /// Texts; a list is its JSON.
+    Text,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,13 +59,17 @@ impl Column {
     /// No result contains the path, or it names several fields.
     pub fn of(path: &str) -> Result<Self, ColumnError> {
         let no_path = || ColumnError::Path(path.to_owned());
-        let column = Self { name: path.to_owned(), steps: steps(path).ok_or_else(no_path)? };
+        let steps = steps(path).ok_or_else(no_path)?;
+        let mut column = Self { name: path.to_owned(), steps, kind: Kind::Text };
         Selection::of(&[column.field()])?;
         let schema = schemars::schema_for!(Outcome).to_value();
-        let mut at = &schema;
+        let (mut at, mut is_list) = (&schema, false);
         for step in &column.steps {
             let next = match step {
-                Step::Field(name) => &object(&schema, at)["properties"][name],
+                Step::Field(name) => {
+                    is_list |= at.get("items").is_some();
+                    &object(&schema, at)["properties"][name]
+                }
                 // A list of lists or a map in a list does not occur in a result.
                 Step::Entry(key) => {
                     let index = key.parse::<usize>().ok();
@@ -69,7 +85,16 @@ impl Column {
             let allowed = allowed.collect::<Vec<_>>().join(", ");
             return Err(ColumnError::Several { path, allowed });
         }
+        if !is_list {
+            column.kind = kind(at);
+        }
         Ok(column)
+    }
+
+    /// What the values are.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        self.kind
     }
 
     /// The path as it was given.
@@ -92,6 +117,21 @@ impl Column {
     #[must_use]
     pub fn value(&self, result: &Value) -> Value {
         value(result, &self.steps)
+    }
+}
+
+/// What a schema of one type or null allows.
+fn kind(schema: &Value) -> Kind {
+    let mut types = match &schema["type"] {
+        Value::Array(types) => {
+            types.iter().filter_map(Value::as_str).filter(|name| *name != "null").collect()
+        }
+        name => Vec::from_iter(name.as_str()),
+    };
+    match (types.pop(), types.is_empty()) {
+        (Some("number" | "integer"), true) => Kind::Number,
+        (Some("boolean"), true) => Kind::Flag,
+        _ => Kind::Text,
     }
 }
 

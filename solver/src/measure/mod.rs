@@ -22,7 +22,7 @@ mod wrinkles;
 
 pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
-pub use column::{Column, ColumnError};
+pub use column::{Column, ColumnError, Kind};
 pub use fields::{Field, Fields};
 pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 pub use outcome::{

@@ -1,7 +1,7 @@
 //! Input: whole files up to a size, and scenes one per line for as long as lines come.
 
-use super::InputError;
 use super::output::{input_error, is_standard};
+use super::{InputError, parquet};
 use crate::scene::{MAX_SCENE_BYTES, read};
 use std::collections::VecDeque;
 use std::fs::{File, metadata};
@@ -40,6 +40,8 @@ pub(super) struct Source {
     opened: Option<BufReader<Reader>>,
     /// Number of lines that were taken; 1 after a whole text.
     taken: usize,
+    /// Length of the text, of a file of text \[bytes\].
+    length: Option<u64>,
 }
 
 /// Greatest length of what is read of a line or a scene \[bytes\]: one more than the parser accepts.
@@ -68,10 +70,22 @@ impl Source {
             let is_empty = wanted > 0 && lines.is_empty();
             let all: Reader = Box::new(Cursor::new(start).chain(reader));
             let opened = (!is_file(path)).then(|| BufReader::new(all));
-            let path = path.to_owned();
-            Ok(Self { path, is_lines: is_lines.unwrap_or(found), is_empty, opened, taken: 0 })
+            let length = if is_file(path) { Some(metadata(path)?.len()) } else { None };
+            let (path, is_lines) = (path.to_owned(), is_lines.unwrap_or(found));
+            Ok(Self { path, is_lines, is_empty, opened, taken: 0, length })
         };
         begin().map_err(|error| cannot_be_read(path, &error))
+    }
+
+    /// Opens a table, CSV or a Parquet file, as lines.
+    pub(super) fn of_table(path: &Path) -> Result<Self, InputError> {
+        if !parquet::is_parquet(path) {
+            return Self::open(path, Some(true));
+        }
+        let lines: Reader = Box::new(parquet::Lines::open(path)?);
+        let opened = Some(BufReader::new(lines));
+        let path = path.to_owned();
+        Ok(Self { path, is_lines: true, is_empty: false, opened, taken: 0, length: None })
     }
 
     /// The whole text, of a file of one scene.
@@ -164,9 +178,7 @@ pub(super) struct Texts {
 impl Texts {
     /// The texts, the number of bytes that were read so far, and of all where the sources are files.
     pub(super) fn new(sources: Vec<Source>) -> (Self, Arc<AtomicU64>, Option<u64>) {
-        let length = |source: &Source| Some(metadata(&source.path).ok()?.len());
-        let length = |source: &Source| source.is_file().then(|| length(source)).flatten();
-        let total = sources.iter().map(length).sum();
+        let total = sources.iter().map(|source| source.length).sum();
         let bytes = Arc::new(AtomicU64::new(0));
         let texts = Self { waiting: sources.into(), source: 0, bytes: Arc::clone(&bytes) };
         (texts, bytes, total)

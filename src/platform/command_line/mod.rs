@@ -9,9 +9,11 @@
 //! place, each at once.
 
 mod bench;
+mod cell;
 mod charts;
 mod input;
 mod output;
+mod parquet;
 mod schema;
 mod simulate;
 mod stability;
@@ -130,13 +132,20 @@ pub fn run() -> Next {
 fn catch_panic(
     command: impl FnOnce() -> Result<ExitStatus, InputError>,
 ) -> Option<Result<ExitStatus, InputError>> {
-    std::panic::set_hook(Box::new(|panic| {
-        let location = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::error(&format!("internal error at {location}; no file was written"));
-    }));
+    report_panics("; no file was written");
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(command)).ok();
     drop(std::panic::take_hook());
     outcome
+}
+
+/// Reports panics in one line with this end; those while a damaged file is read are errors of the file.
+fn report_panics(end: &'static str) {
+    std::panic::set_hook(Box::new(move |panic| {
+        if !parquet::is_reading() {
+            let location = panic.location().map(ToString::to_string).unwrap_or_default();
+            output::error(&format!("internal error at {location}{end}"));
+        }
+    }));
 }
 
 fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {

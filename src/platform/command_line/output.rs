@@ -164,13 +164,13 @@ fn print(content: &[u8]) -> Result<(), InputError> {
 /// A file whose lines are written one by one, each at once.
 pub(super) struct LineFile {
     path: PathBuf,
-    to: Box<dyn Write>,
+    to: Box<dyn Write + Send>,
 }
 
 impl LineFile {
     /// Opens a file at its place; what it holds stays up to the byte `keep`, without one nothing stays.
     pub(super) fn open(path: &Path, keep: Option<u64>) -> Result<Self, InputError> {
-        let open = || -> std::io::Result<Box<dyn Write>> {
+        let open = || -> std::io::Result<Box<dyn Write + Send>> {
             if is_standard(path) {
                 return Ok(Box::new(std::io::stdout()));
             }
@@ -191,6 +191,17 @@ impl LineFile {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(ControlFlow::Break(())),
             Err(error) => Err(cannot_be_written(&self.path, &error)),
         }
+    }
+}
+
+/// Bytes of a file that is no text.
+impl Write for LineFile {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.to.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.to.flush()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::output::{self, File, LineFile, STANDARD};
 use super::stream::{self, End, Progress, ThreadCount};
-use super::{ExitStatus, InputError, in_range};
+use super::{ExitStatus, InputError, in_range, report_panics};
 use crate::scene::{TissueModel, field, limits};
 use crate::study::many::Many;
 use implant_preview_lab::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
@@ -124,10 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     if arguments.chest && !is_layered {
         return Err(InputError(CHEST_OF_SHEET.to_owned()));
     }
-    std::panic::set_hook(Box::new(|panic| {
-        let location = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::error(&format!("internal error at {location}; the case counts as failed"));
-    }));
+    report_panics("; the case counts as failed");
     let has_chest = arguments.chest;
     let run = move |case: u64| {
         let population =

@@ -1,8 +1,8 @@
 //! The form of the lines of a stream: JSON lines, or a table with a header.
 
-use super::cell;
+use super::super::cell;
 use super::key::Key;
-use crate::measure::{Column, Outcome, Selected, Selection};
+use crate::measure::{Column, Kind, Outcome, Selected, Selection};
 use serde::Serialize;
 use serde_json::Value;
 use serde_json::value::RawValue;
@@ -74,6 +74,13 @@ impl LineFormat {
     /// The first line of the file, of a table.
     pub(super) fn header(&self) -> Option<&str> {
         self.table.as_ref().map(|table| table.header.as_str())
+    }
+
+    /// What the columns of a table hold.
+    pub(super) fn kinds(&self) -> Vec<Kind> {
+        let columns = self.table.iter().flat_map(|table| &table.columns).map(Column::kind);
+        let ids = [Kind::Text; 2];
+        ids.into_iter().chain(columns).chain([Kind::Text]).collect()
     }
 
     /// The line of a result.

@@ -2,13 +2,14 @@
 
 use super::super::input::{Source, Text, Texts};
 use super::super::output::{self, LineFile};
+use super::super::parquet::ParquetFile;
 use super::super::stream::{self, End, Progress};
-use super::super::{ExitStatus, InputError};
+use super::super::{ExitStatus, InputError, report_panics};
 use super::done::Done;
 use super::form::{LineFormat, Place};
 use super::key::Key;
 use super::table::Table;
-use super::{Arguments, Clock};
+use super::{Arguments, Clock, OutputFormat};
 use crate::measure::{Outcome, Status};
 use crate::scene::{CheckedScene, SceneError, read};
 use crate::simulate::Simulator;
@@ -36,6 +37,43 @@ struct Run {
     done: Mutex<Done>,
     /// Names of the files, where the run has several.
     names: Vec<String>,
+}
+
+/// Where the lines go.
+enum Results {
+    Lines(LineFile),
+    Parquet(Box<ParquetFile>),
+}
+
+impl Results {
+    fn new(file: LineFile, form: OutputFormat, format: &LineFormat) -> Result<Self, InputError> {
+        let Some(header) = format.header().filter(|_| form == OutputFormat::Parquet) else {
+            return Ok(Self::Lines(file));
+        };
+        Ok(Self::Parquet(Box::new(ParquetFile::new(file, header, format.kinds())?)))
+    }
+
+    /// Writes the header of a table; a Parquet file has its own.
+    fn begin(&mut self, header: &str) -> Result<ControlFlow<()>, InputError> {
+        match self {
+            Self::Lines(file) => file.write(header.as_bytes()),
+            Self::Parquet(_) => Ok(ControlFlow::Continue(())),
+        }
+    }
+
+    fn write(&mut self, line: &str) -> Result<ControlFlow<()>, InputError> {
+        match self {
+            Self::Lines(file) => file.write(line.as_bytes()),
+            Self::Parquet(file) => file.write(line).map(ControlFlow::Continue),
+        }
+    }
+
+    fn finish(self) -> Result<(), InputError> {
+        match self {
+            Self::Lines(_) => Ok(()),
+            Self::Parquet(file) => file.finish(),
+        }
+    }
 }
 
 /// The line of a scene.
@@ -122,9 +160,9 @@ pub(super) fn run(
     // A run that goes on keeps its lines.
     let goes_on = skip_done.as_ref().is_some_and(|done| output::is_same_file(done, out));
     let keep = done.as_ref().filter(|_| goes_on && out.exists()).map(|done| done.whole_bytes);
-    let mut file = LineFile::open(out, keep)?;
+    let mut file = Results::new(LineFile::open(out, keep)?, arguments.format, &format)?;
     if let Some(header) = format.header().filter(|_| keep.unwrap_or_default() == 0)
-        && file.write(header.as_bytes())?.is_break()
+        && file.begin(header)?.is_break()
     {
         return Ok(ExitStatus::Converged);
     }
@@ -135,10 +173,7 @@ pub(super) fn run(
     let done = Mutex::new(done.unwrap_or_default());
     let run = Run { format, table, most_ms: *most_ms, done, names };
     let (texts, bytes, all_bytes) = Texts::new(sources);
-    std::panic::set_hook(Box::new(|panic| {
-        let location = panic.location().map(ToString::to_string).unwrap_or_default();
-        output::error(&format!("internal error at {location}"));
-    }));
+    report_panics("");
     let work = move |worker: &mut Worker, text| run.answer(worker, text);
     let settings = ManySettings { in_order: !unordered, ..threads.settings() };
     let mut progress = Progress::new();
@@ -168,9 +203,10 @@ pub(super) fn run(
             Err(panic) => resume_unwind(Box::new(panic)),
         };
         written += 1;
-        file.write(line.as_bytes())
+        file.write(&line)
     })?;
     drop(progress);
+    file.finish()?;
     if skipped > 0 {
         output::warn(&format!("--skip-done: {skipped} scenes have a line already"));
     }

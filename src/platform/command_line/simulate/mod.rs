@@ -1,6 +1,5 @@
 //! `simulate`: solves scenes and writes their results.
 
-mod cell;
 mod done;
 mod form;
 mod key;
@@ -31,9 +30,14 @@ pub(super) struct Arguments {
     /// A scene in which the rows of `--table` replace values.
     #[arg(long, requires = "table", value_name = "SCENE.json")]
     template: Option<PathBuf>,
-    /// Instead of scenes: a table (CSV), a scene a row. The columns are numbers of a scene, as `implant.base_radius_mm`,
+    /// Instead of scenes: a table (CSV, or Parquet by its name `….parquet`), a scene a row. The columns are numbers of a scene, as `implant.base_radius_mm`,
     /// `layers[0].thickness_mm`, `volume_ml`, or paths of other values in the template; `id` names the row; `-` is standard input.
-    #[arg(long, requires = "template", conflicts_with = "scenes", value_name = "TABLE.csv")]
+    #[arg(
+        long,
+        requires = "template",
+        conflicts_with = "scenes",
+        value_name = "TABLE.csv|.parquet"
+    )]
     table: Option<PathBuf>,
     /// Output file for the result; `-` is standard output. Several scenes give JSON lines.
     #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
@@ -48,8 +52,9 @@ pub(super) struct Arguments {
     /// `status` are always written. Other fields are not computed. Default: all fields.
     #[arg(long, value_name = "FIELDS", value_delimiter = ',')]
     fields: Option<Vec<String>>,
-    /// `csv`: a table with a row a scene: `id`, `scene_hash`, `status`, the fields of `--fields`, `error`.
-    #[arg(long, value_enum, default_value_t = OutputFormat::Json, value_name = "json|csv")]
+    /// `csv`: a table with a row a scene: `id`, `scene_hash`, `status`, the fields of `--fields`, `error`. `parquet`: the same table, written
+    /// in groups of 10 000 rows and readable after the end of the run, by a signal too.
+    #[arg(long, value_enum, default_value_t = OutputFormat::Json, value_name = "json|csv|parquet")]
     format: OutputFormat,
     /// Leaves the profiles out of the result.
     #[arg(long)]
@@ -75,6 +80,7 @@ pub(super) struct Arguments {
 enum OutputFormat {
     Json,
     Csv,
+    Parquet,
 }
 
 fn most_ms(text: &str) -> Result<f64, String> {
@@ -93,7 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         let is_lines = arguments.lines || is_named && !wants_one;
         sources.push(Source::open(path, is_lines.then_some(true))?);
     }
-    let is_table = arguments.format == OutputFormat::Csv;
+    let is_table = arguments.format != OutputFormat::Json;
     let is_stream =
         arguments.lines || is_table || arguments.skip_done.is_some() || arguments.unordered;
     if let [source] = &mut sources[..]
@@ -119,7 +125,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     }
     let table = match (&arguments.template, &arguments.table) {
         (Some(template), Some(path)) => {
-            sources.push(Source::open(path, Some(true))?);
+            sources.push(Source::of_table(path)?);
             sources.last_mut().map(|source| Table::read(template, source)).transpose()?
         }
         _ => None,
@@ -180,11 +186,17 @@ fn line_format(arguments: &Arguments) -> Result<LineFormat, InputError> {
     let format = match (arguments.format, &arguments.fields) {
         (OutputFormat::Json, None) => LineFormat::json(Selection::all()),
         (OutputFormat::Json, Some(paths)) => LineFormat::json(of(paths)?),
-        (OutputFormat::Csv, None) => {
-            let line = "--format csv: --fields is missing; allowed: the columns, as contact_force_n,strain.max_principal";
+        (OutputFormat::Csv | OutputFormat::Parquet, None) => {
+            let name = if arguments.format == OutputFormat::Csv { "csv" } else { "parquet" };
+            let words = "--fields is missing; allowed: the columns, as contact_force_n,strain.max_principal";
+            return Err(InputError(format!("--format {name}: {words}")));
+        }
+        (OutputFormat::Parquet, _) if arguments.skip_done.is_some() => {
+            let line =
+                "--skip-done: a Parquet file is not continued; allowed: --format csv or json";
             return Err(InputError(line.to_owned()));
         }
-        (OutputFormat::Csv, Some(paths)) => {
+        (OutputFormat::Csv | OutputFormat::Parquet, Some(paths)) => {
             let columns = columns(paths)?;
             let fields: Vec<String> = columns.iter().map(Column::field).collect();
             LineFormat::table(of(&fields)?, columns)

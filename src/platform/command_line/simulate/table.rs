@@ -1,9 +1,9 @@
 //! Scenes from a table: a template, and a line of values for each scene.
 
 use super::super::InputError;
+use super::super::cell;
 use super::super::input::{self, Source};
 use super::super::output::input_error;
-use super::cell;
 use super::key::Key;
 use crate::scene::{MAX_SCENE_BYTES, Scene, read};
 use crate::study::Template;
