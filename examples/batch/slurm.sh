@@ -5,6 +5,7 @@
 #SBATCH --cpus-per-task=4
 #SBATCH --requeue
 set -euo pipefail
+mkdir -p "$2"
 out="$2/$SLURM_ARRAY_TASK_ID.jsonl"
 awk -v k="$SLURM_ARRAY_TASK_ID" -v n="$SLURM_ARRAY_TASK_COUNT" '(NR - 1) % n == k' "$1" |
   implant-preview simulate - --lines --unordered --fields status,contact_force_n,strain.max_principal \
