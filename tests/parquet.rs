@@ -193,10 +193,10 @@ fn what_is_no_table_of_numbers_is_one_line() {
     fs::write(&path, "insertion\n1\n").unwrap();
     assert!(refused(&TEMPLATE).contains("table.parquet: cannot be read as Parquet: "));
     write(&path, "REQUIRED INT32 insertion (DATE);", &[Column::Date(&[1])]);
-    let output = run(&folder, &TEMPLATE);
-    let error = lines(&output.stdout)[0]["error"].as_str().unwrap().to_owned();
-    let wanted = "cannot be read: column insertion: a value of another kind; allowed: numbers, texts and truth values";
-    assert_eq!((output.status.code(), error.as_str()), (Some(2), wanted));
+    let date = refused(&TEMPLATE);
+    let wanted =
+        "column insertion has values of another kind; allowed: numbers, texts and truth values";
+    assert!(date.contains(wanted), "{date}");
     let done = [&TEMPLATE[..], &PARQUET, &["--skip-done", "out.parquet"]].concat();
     assert!(
         refused(&done).contains("a Parquet file is not continued; allowed: --format csv or json")

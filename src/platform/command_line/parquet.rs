@@ -6,7 +6,7 @@ use super::output::{LineFile, input_error};
 use super::{InputError, cell};
 use crate::measure::Kind;
 use csv::StringRecord;
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
@@ -78,6 +78,9 @@ impl Lines {
                 return Err(ParquetError::General(words.to_owned()));
             }
             let columns = reader.metadata().file_metadata().schema().get_fields();
+            if let Some(column) = columns.iter().find(|column| !is_read(column)) {
+                return Err(ParquetError::General(of_another_kind(column.name())));
+            }
             let line = cell::row(columns.iter().map(|column| column.name().to_owned()));
             Ok(Self { rows: Some(reader.into_iter()), line: io::Cursor::new(line) })
         };
@@ -108,6 +111,32 @@ fn line_of(row: Row) -> io::Result<String> {
     Ok(cell::row(cells?))
 }
 
+/// Has a column values that a cell can have?
+fn is_read(column: &Type) -> bool {
+    let kind = column.get_basic_info().converted_type();
+    let is_whole = !matches!(
+        kind,
+        ConvertedType::DECIMAL
+            | ConvertedType::DATE
+            | ConvertedType::TIME_MILLIS
+            | ConvertedType::TIME_MICROS
+            | ConvertedType::TIMESTAMP_MILLIS
+            | ConvertedType::TIMESTAMP_MICROS
+    );
+    column.is_primitive()
+        && column.get_basic_info().repetition() != Repetition::REPEATED
+        && match column.get_physical_type() {
+            Physical::BOOLEAN | Physical::FLOAT | Physical::DOUBLE => true,
+            Physical::INT32 | Physical::INT64 => is_whole,
+            Physical::BYTE_ARRAY => kind == ConvertedType::UTF8,
+            _ => false,
+        }
+}
+
+fn of_another_kind(name: &str) -> String {
+    format!("column {name} has values of another kind; allowed: numbers, texts and truth values")
+}
+
 /// The cell of a value; a number has the digits that read as the same number.
 fn cell_of((name, field): (String, Field)) -> io::Result<String> {
     Ok(match field {
@@ -124,12 +153,7 @@ fn cell_of((name, field): (String, Field)) -> io::Result<String> {
         Field::Float(value) => value.to_string(),
         Field::Double(value) => value.to_string(),
         Field::Str(value) => cell::of_value(&Value::from(value)),
-        _ => {
-            let allowed = "numbers, texts and truth values";
-            return Err(io::Error::other(format!(
-                "column {name}: a value of another kind; allowed: {allowed}"
-            )));
-        }
+        _ => return Err(io::Error::other(of_another_kind(&name))),
     })
 }
 
