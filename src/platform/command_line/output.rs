@@ -192,16 +192,10 @@ impl LineFile {
             Err(error) => Err(cannot_be_written(&self.path, &error)),
         }
     }
-}
 
-/// Bytes of a file that is no text.
-impl Write for LineFile {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.to.write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.to.flush()
+    /// The writer of the file, for content that is no text.
+    pub(super) fn into_writer(self) -> Box<dyn Write + Send> {
+        self.to
     }
 }
 

@@ -19,7 +19,7 @@ use parquet::schema::types::{Type, TypePtr};
 use serde_json::Value;
 use std::cell::Cell;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
@@ -105,9 +105,7 @@ impl Read for Lines {
 }
 
 fn line_of(row: Row) -> io::Result<String> {
-    let columns = row.into_columns();
-    // A row without a value is a row, not a blank line.
-    let cells: io::Result<Vec<String>> = columns.into_iter().map(cell_of).collect();
+    let cells: io::Result<Vec<String>> = row.into_columns().into_iter().map(cell_of).collect();
     Ok(cell::row(cells?))
 }
 
@@ -157,9 +155,11 @@ fn cell_of((name, field): (String, Field)) -> io::Result<String> {
     })
 }
 
+type Writer = Box<dyn Write + Send>;
+
 /// A table of results that is written in groups of rows.
 pub(super) struct ParquetFile {
-    writer: SerializedFileWriter<LineFile>,
+    writer: SerializedFileWriter<Writer>,
     kinds: Vec<Kind>,
     rows: Vec<StringRecord>,
 }
@@ -181,7 +181,11 @@ impl ParquetFile {
         let begin = || {
             let schema = Type::group_type_builder("results").with_fields(columns?).build()?;
             let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
-            SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build()))
+            SerializedFileWriter::new(
+                file.into_writer(),
+                Arc::new(schema),
+                Arc::new(properties.build()),
+            )
         };
         let writer = begin().map_err(|error| refused(&error))?;
         Ok(Self { writer, kinds, rows: Vec::new() })
@@ -228,7 +232,7 @@ impl ParquetFile {
 
 /// Writes the next column of a group; a cell without a value is null.
 fn write_column<'a, T: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, LineFile>,
+    group: &mut SerializedRowGroupWriter<'_, Writer>,
     cells: impl Iterator<Item = &'a str>,
     value: impl Fn(&str) -> Option<T::T>,
 ) -> Result<(), ParquetError> {
