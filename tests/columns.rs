@@ -4,9 +4,12 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/signal.rs"]
+mod signal;
 
 use command::{folder, lines};
 use serde_json::{Value, json};
+use signal::signal_after;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -369,10 +372,7 @@ fn a_table_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
         [&arguments[..], &["--fields", "implant_volume_ml", "--out", "out.csv"]].concat();
     let out = folder.join("out.csv");
     let mut child = spawn(&folder, &[&arguments[..], &["--unordered"]].concat());
-    while fs::metadata(&out).map_or(0, |found| found.len()) < 5000 {
-        thread::yield_now();
-    }
-    child.kill().unwrap();
+    signal_after(&child, "KILL", &out, 5000);
     child.wait().unwrap();
     // The last row is half written.
     let mut left = fs::read(&out).unwrap();

@@ -4,6 +4,8 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/signal.rs"]
+mod signal;
 
 use command::{folder, lines};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type};
@@ -14,10 +16,10 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::record::Field;
 use parquet::schema::parser::parse_message_type;
 use serde_json::{Value, json};
+use signal::signal_after;
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::Arc;
 
 const TEMPLATE: [&str; 4] = ["--template", "scene.json", "--table", "table.parquet"];
@@ -144,20 +146,14 @@ fn a_signal_leaves_a_whole_file() {
     write(&folder.join("table.parquet"), "OPTIONAL DOUBLE insertion;", &column);
     let arguments =
         [&["simulate"], &TEMPLATE[..], &PARQUET, &["--out", "out.parquet", "--threads", "1"]];
-    let mut child = command::spawn(&folder, &arguments.concat());
-    // The first bytes of the file are there once it is begun.
-    while fs::metadata(folder.join("out.parquet")).map_or(0, |found| found.len()) == 0 {
-        std::thread::yield_now();
-    }
-    Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
-    let words = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    let words: Vec<String> = words.collect();
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{words:?}");
-    let whole = rows(&folder.join("out.parquet")).0.len();
-    assert!(
-        whole < insertions.len() && words[0].contains(&format!("{whole} ")),
-        "{whole}: {words:?}"
-    );
+    let child = command::spawn(&folder, &arguments.concat());
+    let out = folder.join("out.parquet");
+    signal_after(&child, "TERM", &out, 1);
+    let output = child.wait_with_output().unwrap();
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{words}");
+    let whole = rows(&out).0.len();
+    assert!(whole < insertions.len() && words.contains(&format!("{whole} ")), "{whole}: {words}");
 }
 
 #[test]

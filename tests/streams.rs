@@ -4,9 +4,12 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/signal.rs"]
+mod signal;
 
 use command::{folder, lines, run, spawn};
 use serde_json::{Value, json};
+use signal::{signal, signal_after};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -14,12 +17,6 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
-
-/// Sends a signal to a running command.
-fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
-    assert!(sent.unwrap().success());
-}
 
 /// A small sheet of its own radius.
 fn sheet(k: usize) -> Value {
@@ -160,10 +157,7 @@ fn a_run_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
         let out_name = out.file_name().unwrap().to_str().unwrap();
         let arguments = ["simulate", "scenes.jsonl", "--fields", "status", "--out", out_name];
         let mut child = spawn(&folder, &[&arguments[..], &["--unordered"]].concat());
-        while fs::metadata(&out).map_or(0, |found| found.len()) < 10_000 {
-            thread::yield_now();
-        }
-        signal(&child, "KILL");
+        signal_after(&child, "KILL", &out, 10_000);
         child.wait().unwrap();
         // The last line is half written.
         let mut left = fs::read(&out).unwrap();
@@ -196,10 +190,7 @@ fn a_signal_leaves_whole_lines() {
     for name in ["TERM", "INT"] {
         let mut child = spawn(&folder, &["simulate", "scenes.jsonl", "--out", "out.jsonl"]);
         let out = folder.join("out.jsonl");
-        while fs::metadata(&out).map_or(0, |found| found.len()) < 1_000_000 {
-            thread::yield_now();
-        }
-        signal(&child, name);
+        signal_after(&child, name, &out, 1_000_000);
         let output = child.wait().unwrap();
         assert_eq!(output.code(), Some(130));
         let text = fs::read(&out).unwrap();
@@ -217,10 +208,7 @@ fn a_signal_leaves_the_cases_of_stress_and_their_summary() {
     let arguments = ["stress", "--cases", "100000", "--most-nodes", "17", "--out", "s.json"];
     let child = spawn(&folder, &[&arguments[..], &["--lines", "cases.jsonl"]].concat());
     let out = folder.join("cases.jsonl");
-    while fs::metadata(&out).map_or(0, |found| found.len()) < 20_000 {
-        thread::yield_now();
-    }
-    signal(&child, "TERM");
+    signal_after(&child, "TERM", &out, 20_000);
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
     let found = lines(&fs::read(&out).unwrap());
     assert!(found.len() > 5 && found.is_sorted_by_key(|case| case["case"].as_u64()));
