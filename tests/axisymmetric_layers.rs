@@ -2,14 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::curve::{Curve, CurveSpec};
 use implant_preview::springs::Material;
-use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution};
-use serde_json::{Value, json};
+use implant_preview_lab::axisymmetric_layers::{self, Input, Solution};
+use serde_json::Value;
 
-fn number(of: &Value, name: &str) -> f64 {
-    of[name].as_f64().unwrap()
-}
+#[path = "common/reference_case.rs"]
+mod reference_case;
+use reference_case::{input, number};
 
 fn points(of: &Value, name: &str) -> Vec<[f64; 2]> {
     serde_json::from_value(of[name].clone()).unwrap()
@@ -19,38 +18,6 @@ fn points(of: &Value, name: &str) -> Vec<[f64; 2]> {
 fn cases() -> Vec<Value> {
     let file: Value = serde_json::from_str(include_str!("reference/layered.json")).unwrap();
     file["cases"].as_array().unwrap().clone()
-}
-
-fn material(layer: &Value) -> Material {
-    let curve = match &layer["curve"] {
-        Value::String(kind) => json!({ "kind": kind }),
-        curve => curve.clone(),
-    };
-    let spec: CurveSpec = serde_json::from_value(curve).unwrap();
-    Material {
-        curve: Curve::new(&spec).unwrap(),
-        poisson_ratio: number(layer, "poisson_ratio"),
-        thickness_mm: number(layer, "thickness_mm"),
-    }
-}
-
-fn input(case: &Value) -> Input {
-    let count = |name: &str| usize::try_from(case["result"][name].as_u64().unwrap()).unwrap();
-    Input {
-        base_radius_mm: number(case, "base_radius_mm"),
-        projection_mm: number(case, "projection_mm"),
-        insertion: number(case, "insertion"),
-        pocket_radius_mm: number(case, "pocket_radius_mm"),
-        patch_radius_mm: number(case, "patch_radius_mm"),
-        attachment: Attachment {
-            stiffness_kpa_per_mm: number(case, "attachment_kpa_per_mm"),
-            ramp_mm: number(case, "attachment_ramp_mm"),
-        },
-        layers: case["layers"].as_array().unwrap().iter().map(material).collect(),
-        skin_wrinkles: false,
-        rest: RestShape::default(),
-        cells: [count("nr"), count("nz")],
-    }
 }
 
 /// Greatest distance of two profiles \[mm\].

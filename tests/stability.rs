@@ -12,6 +12,10 @@ use implant_preview_lab::sample::{STABILITY_THRESHOLD, Sample};
 use implant_preview_lab::stability::row;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
+#[path = "common/unstable_strains.rs"]
+mod unstable_strains;
+use unstable_strains::{UNSTABLE, are_close};
+
 const LAWS: [Springs; 2] = [Springs::Nikolaev, Springs::Coupled];
 const CURVES: [&str; 4] = ["skin", "adipose", "linear", "exponential"];
 
@@ -212,33 +216,9 @@ fn the_least_stiffness_bounds_the_stiffness_of_all_waves() {
 
 #[test]
 fn the_papers_springs_lose_stability_at_the_known_strains() {
-    // Limits of the finite sheet, in strain steps of 0.02.
-    let end = 1.0;
-    let table: [(&str, f64, &[[f64; 2]]); 15] = [
-        ("linear", 0.05, &[]),
-        ("linear", 0.1, &[]),
-        ("linear", 0.2, &[[0.90, end]]),
-        ("linear", 0.3, &[[0.52, end]]),
-        ("linear", 0.4, &[[0.34, end]]),
-        ("linear", 0.49, &[[0.24, end]]),
-        ("skin", 0.3, &[]),
-        ("skin", 0.35, &[]),
-        ("skin", 0.4, &[[0.34, 0.40]]),
-        ("skin", 0.45, &[[0.28, 0.40]]),
-        ("skin", 0.49, &[[0.24, 0.42], [0.98, end]]),
-        ("adipose", 0.05, &[[0.40, end]]),
-        ("adipose", 0.1, &[[0.28, end]]),
-        ("adipose", 0.3, &[[0.16, end]]),
-        ("adipose", 0.49, &[[0.12, end]]),
-    ];
-    for (name, nu, wanted) in table {
+    for (name, nu, wanted) in UNSTABLE {
         let found = Limits::new(Springs::Nikolaev, &[layer(name, nu, 1.0)]).uniaxial;
-        let close =
-            |a: &[f64; 2], b: &[f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.0205);
-        assert!(
-            found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| close(a, b)),
-            "{name} {nu}: {found:?} instead of {wanted:?}"
-        );
+        assert!(are_close(&found, wanted, 0.0205), "{name} {nu}: {found:?} instead of {wanted:?}");
     }
 }
 

@@ -6,6 +6,10 @@ use implant_preview::springs::Springs;
 use implant_preview_lab::sample::Sample;
 use implant_preview_lab::tension::{LOADS, Protocol, Report, Status, Test, run};
 
+#[path = "common/unstable_strains.rs"]
+mod unstable_strains;
+use unstable_strains::{UNSTABLE, are_close};
+
 /// The Poisson ratios of the paper's charts.
 const POISSON_RATIOS: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.45, 0.49];
 const LAWS: [Springs; 2] = [Springs::Coupled, Springs::Nikolaev];
@@ -192,33 +196,10 @@ fn unstable_stretches(report: &Report) -> Vec<[f64; 2]> {
 
 #[test]
 fn papers_springs_lose_stability_where_the_hessian_of_the_homogeneous_state_says() {
-    let end = 1.0;
-    let table: [(&str, f64, &[[f64; 2]]); 15] = [
-        ("linear", 0.05, &[]),
-        ("linear", 0.1, &[]),
-        ("linear", 0.2, &[[0.90, end]]),
-        ("linear", 0.3, &[[0.52, end]]),
-        ("linear", 0.4, &[[0.34, end]]),
-        ("linear", 0.49, &[[0.24, end]]),
-        ("skin", 0.3, &[]),
-        ("skin", 0.35, &[]),
-        ("skin", 0.4, &[[0.34, 0.40]]),
-        ("skin", 0.45, &[[0.28, 0.40]]),
-        // The second stretch: the part of Ef read at −νε has reached the stiffening section.
-        ("skin", 0.49, &[[0.24, 0.42], [0.98, end]]),
-        ("adipose", 0.05, &[[0.40, end]]),
-        ("adipose", 0.1, &[[0.28, end]]),
-        ("adipose", 0.3, &[[0.16, end]]),
-        ("adipose", 0.49, &[[0.12, end]]),
-    ];
-    for (name, nu, wanted) in table {
+    for (name, nu, wanted) in UNSTABLE {
         let report = pull(Springs::Nikolaev, name, nu, 0.0, Protocol::Equilibrium);
         let found = unstable_stretches(&report);
-        let close = |a: &[f64; 2], b: &[f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-        assert!(
-            found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| close(a, b)),
-            "{name} {nu}: {found:?} instead of {wanted:?}"
-        );
+        assert!(are_close(&found, wanted, 1e-9), "{name} {nu}: {found:?} instead of {wanted:?}");
         let first = wanted.first().map(|stretch| stretch[0]);
         assert_eq!(report.stability_lost_at.is_some(), first.is_some());
         if let (Some(lost), Some(first)) = (report.stability_lost_at, first) {

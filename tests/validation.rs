@@ -2,35 +2,22 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::curve::{Curve, ScaledCurve};
 use implant_preview::scene::{CheckedScene, Scene};
 use implant_preview::simulate::{self, simulate};
 use implant_preview::solve::{Options, Verdict};
-use implant_preview::springs::Material;
-use implant_preview_lab::axisymmetric_layers::{
-    self, Attachment, Input, Mound, RestShape, Solution, Wall,
-};
+use implant_preview_lab::axisymmetric_layers::{self, Input, Mound, RestShape, Solution, Wall};
 use implant_preview_lab::measurements::{Comparison, Row, expander, fat, skin_pull, treloar};
 use implant_preview_lab::verification;
 use serde_json::{Value, json};
 
-fn number(of: &Value, name: &str) -> f64 {
-    of[name].as_f64().unwrap()
-}
+#[path = "common/reference_case.rs"]
+mod reference_case;
+use reference_case::{input, number};
 
 /// The cases of `tests/reference/stiffening.json`, one for each mesh.
 fn cases() -> Vec<Value> {
     let file: Value = serde_json::from_str(include_str!("reference/stiffening.json")).unwrap();
     file["cases"].as_array().unwrap().clone()
-}
-
-fn material(layer: &Value) -> Material {
-    let curve: ScaledCurve = serde_json::from_value(layer["curve"].clone()).unwrap();
-    Material {
-        curve: Curve::scaled(&curve).unwrap(),
-        poisson_ratio: number(layer, "poisson_ratio"),
-        thickness_mm: number(layer, "thickness_mm"),
-    }
 }
 
 fn rest_shape(case: &Value) -> RestShape {
@@ -42,23 +29,8 @@ fn rest_shape(case: &Value) -> RestShape {
 }
 
 fn solve(case: &Value, skin_wrinkles: bool) -> Solution {
-    let count = |name: &str| usize::try_from(case["result"][name].as_u64().unwrap()).unwrap();
-    axisymmetric_layers::solve(&Input {
-        base_radius_mm: number(case, "base_radius_mm"),
-        projection_mm: number(case, "projection_mm"),
-        insertion: number(case, "insertion"),
-        pocket_radius_mm: number(case, "pocket_radius_mm"),
-        patch_radius_mm: number(case, "patch_radius_mm"),
-        attachment: Attachment {
-            stiffness_kpa_per_mm: number(case, "attachment_kpa_per_mm"),
-            ramp_mm: number(case, "attachment_ramp_mm"),
-        },
-        layers: case["layers"].as_array().unwrap().iter().map(material).collect(),
-        skin_wrinkles,
-        rest: rest_shape(case),
-        cells: [count("nr"), count("nz")],
-    })
-    .unwrap()
+    let rest = rest_shape(case);
+    axisymmetric_layers::solve(&Input { skin_wrinkles, rest, ..input(case) }).unwrap()
 }
 
 /// Greatest distance of the skin from that of the file \[mm\].

@@ -1,0 +1,43 @@
+//! A case of the references of layered tissue as the input of the axisymmetric solver.
+
+use implant_preview::curve::{Curve, ScaledCurve};
+use implant_preview::springs::Material;
+use implant_preview_lab::axisymmetric_layers::{Attachment, Input, RestShape};
+use serde_json::{Value, json};
+
+pub(crate) fn number(of: &Value, name: &str) -> f64 {
+    of[name].as_f64().unwrap()
+}
+
+fn material(layer: &Value) -> Material {
+    let curve = match &layer["curve"] {
+        Value::String(kind) => json!({ "kind": kind }),
+        curve => curve.clone(),
+    };
+    let curve: ScaledCurve = serde_json::from_value(curve).unwrap();
+    Material {
+        curve: Curve::scaled(&curve).unwrap(),
+        poisson_ratio: number(layer, "poisson_ratio"),
+        thickness_mm: number(layer, "thickness_mm"),
+    }
+}
+
+/// The input on the mesh of the case, without wrinkles and flat.
+pub(crate) fn input(case: &Value) -> Input {
+    let count = |name: &str| usize::try_from(case["result"][name].as_u64().unwrap()).unwrap();
+    Input {
+        base_radius_mm: number(case, "base_radius_mm"),
+        projection_mm: number(case, "projection_mm"),
+        insertion: number(case, "insertion"),
+        pocket_radius_mm: number(case, "pocket_radius_mm"),
+        patch_radius_mm: number(case, "patch_radius_mm"),
+        attachment: Attachment {
+            stiffness_kpa_per_mm: number(case, "attachment_kpa_per_mm"),
+            ramp_mm: number(case, "attachment_ramp_mm"),
+        },
+        layers: case["layers"].as_array().unwrap().iter().map(material).collect(),
+        skin_wrinkles: false,
+        rest: RestShape::default(),
+        cells: [count("nr"), count("nz")],
+    }
+}
