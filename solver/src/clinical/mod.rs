@@ -20,7 +20,7 @@ pub use measures::{
 };
 pub use pull::{GRIP_FORCE_N, GRIP_RADIUS_MM, pull_strain_scale};
 pub use shelf::{Listed, MAX_SIZES, Shelf, ShelfSize};
-pub use sizes::{Dimension, Expander, ProfileClass, Size, typical_sizes};
+pub use sizes::{Dimension, Expander, ProfileClass, Size, dome_volume, typical_sizes};
 
 use crate::curve::number;
 

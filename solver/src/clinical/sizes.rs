@@ -1,7 +1,7 @@
 //! Sizes of implants and expanders: base width, projection, volume, profile class.
 //!
-//! The shape is a half-ellipsoid dome: volume = ⅔ π R² p, R half the base width, p the projection; of an anatomical implant times the aspect,
-//! height by width of its base.
+//! The shape is a half-ellipsoid dome: volume = ⅔ π a b p ([`dome_volume`]) of half-axes a and b of the base and projection p; b = a times the aspect,
+//! height by width of the base.
 
 use super::{ClinicalError, checked, limits, rounded};
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,12 @@ const VOLUME_ML: (f64, f64) = (0.4, 3620.0);
 /// Ratio projection / half base width above which a dome is no half sphere any more: as far from 1 as the lower limit of
 /// the class.
 const BEYOND_HALF_SPHERE: f64 = 1.05;
+
+/// Volume of a dome, half of an ellipsoid, of half-axes of its base and projection \[mm\], in mm³. Linear in each of the three.
+#[must_use]
+pub fn dome_volume([a, b, p]: [f64; 3]) -> f64 {
+    2.0 / 3.0 * PI * (a * b) * p
+}
 
 /// Base width, projection and volume of a half-ellipsoid dome; with the aspect of the base any two give the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +66,7 @@ impl Size {
         Self { aspect, ..self }
     }
 
-    /// The round size of a base width \[mm\] and a volume \[ml\]: projection = 3 V / (2 π R²).
+    /// The round size of a base width \[mm\] and a volume \[ml\].
     ///
     /// # Errors
     /// A base width out of its range, or a volume that gives a projection outside of 2–120 mm.
@@ -70,14 +76,14 @@ impl Size {
 
     fn with_volume(base_width_mm: f64, volume_ml: f64, aspect: f64) -> Result<Self, ClinicalError> {
         let width = checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?;
-        let projection = 1.5 * MM3_PER_ML * volume_ml / (PI * (0.5 * width).powi(2) * aspect);
+        let projection = volume_ml / ml_of([width, aspect, 1.0]);
         let given = || format!("{} ml on a base of {} mm", rounded(volume_ml), rounded(width));
         let allowed = limits::PROJECTION_MM;
         let projection_mm = derived("projection", projection, allowed, volume_ml, given)?;
         Ok(Self { base_width_mm: width, projection_mm, aspect })
     }
 
-    /// The round size of a projection \[mm\] and a volume \[ml\]: R = √(3 V / (2 π p)).
+    /// The round size of a projection \[mm\] and a volume \[ml\].
     ///
     /// # Errors
     /// A projection out of its range, or a volume that gives a base width outside of 20–240 mm.
@@ -94,7 +100,7 @@ impl Size {
         aspect: f64,
     ) -> Result<Self, ClinicalError> {
         let projection = checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?;
-        let width = 2.0 * (1.5 * MM3_PER_ML * volume_ml / (PI * projection * aspect)).sqrt();
+        let width = (volume_ml / ml_of([1.0, aspect, projection])).sqrt();
         let given =
             || format!("{} ml at a projection of {} mm", rounded(volume_ml), rounded(projection));
         let base_width_mm = derived("base width", width, limits::BASE_WIDTH_MM, volume_ml, given)?;
@@ -173,11 +179,10 @@ impl Size {
         self.projection_mm
     }
 
-    /// Volume \[ml\], ⅔ π R² p times the aspect.
+    /// Volume \[ml\].
     #[must_use]
     pub fn volume_ml(self) -> f64 {
-        let square = (0.5 * self.base_width_mm).powi(2) * self.aspect;
-        2.0 / 3.0 * PI * square * self.projection_mm / MM3_PER_ML
+        ml_of([self.base_width_mm, self.aspect, self.projection_mm])
     }
 
     /// Projection \[cm\].
@@ -220,6 +225,11 @@ impl Size {
             && is_in(self.volume_ml(), limits::TYPICAL_VOLUME_ML)
             && is_in(self.ratio(), limits::TYPICAL_RATIO)
     }
+}
+
+/// Volume \[ml\] of a base width \[mm\], an aspect and a projection \[mm\].
+fn ml_of([width, aspect, projection]: [f64; 3]) -> f64 {
+    dome_volume([0.5 * width, 0.5 * width * aspect, projection]) / MM3_PER_ML
 }
 
 /// Checks a volume and the dimension that the volume gives.
@@ -335,7 +345,7 @@ impl Expander {
         self.base_width_mm
     }
 
-    /// The dome at a fill volume \[ml\]: projection = 3 V / (2 π R²).
+    /// The dome at a fill volume \[ml\].
     ///
     /// # Errors
     /// A fill that gives a projection outside of 2–120 mm.

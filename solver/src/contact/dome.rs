@@ -6,10 +6,11 @@
 //! apex at t·p. The gauge is the square root of the left side less one: negative inside and zero on the surface.
 
 use super::half_ball::{HalfBall, Near};
+use crate::clinical::dome_volume;
 use crate::mesh::Chest;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// A dome in place. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,10 +102,10 @@ impl Dome {
         self.is_round() && (self.base_radius - self.projection).abs() <= 1e-9 * self.base_radius
     }
 
-    /// Volume of the whole implant \[mm³\], ⅔πabp.
+    /// Volume of the whole implant \[mm³\] ([`dome_volume`]).
     #[must_use]
     pub fn volume(&self) -> f64 {
-        2.0 / 3.0 * PI * (self.base_radius * self.base_along) * self.projection
+        dome_volume([self.base_radius, self.base_along, self.projection])
     }
 
     /// Radius of the circle in which the dome meets the wall \[mm\]; of an ellipse its least half-axis.
@@ -331,6 +332,7 @@ impl Dome {
 pub(super) mod tests {
     use super::*;
     use crate::mesh::HeightGrid;
+    use std::f64::consts::PI;
 
     pub(in crate::contact) fn domes() -> [Dome; 3] {
         [
