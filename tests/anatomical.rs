@@ -5,7 +5,7 @@
 
 use implant_preview::clinical::{Dimension, Size};
 use implant_preview::measure::Outcome;
-use implant_preview::scene::{Repair, Scene};
+use implant_preview::scene::{Field, Repair, Scene};
 use implant_preview::simulate::simulate;
 use implant_preview::study::{Parameter, with_values};
 use serde_json::{Value, json};
@@ -92,14 +92,14 @@ fn sizes_keep_the_proportions_and_the_pocket_holds_the_base() {
     assert!((wide.implant.base_height() - 144.0).abs() < 1e-12);
     assert!((wide.implant.apex_shift_mm - 12.0).abs() < 1e-12);
     assert!((wide.pocket_radius_mm - 72.0 - (75.0 - 66.0)).abs() < 1e-9);
-    for more in [vec![], vec![(Parameter::Projection, 45.0)]] {
+    for more in [vec![], vec![(Parameter::of(Field::Projection), 45.0)]] {
         let values: Vec<_> = more.into_iter().chain([(Parameter::Volume, 300.0)]).collect();
         let found = with_values(&base, &values).unwrap();
         assert!((found.implant.size().unwrap().volume_ml() - 300.0).abs() < 1e-9);
         let aspect = found.implant.base_height() / found.implant.base_radius_mm;
         assert!((aspect - 2.4).abs() < 1e-12);
     }
-    let values = [(Parameter::BaseHeight, 150.0), (Parameter::BaseWidth, 130.0)];
+    let values = [(Parameter::of(Field::BaseHeight), 150.0), (Parameter::BaseWidth, 130.0)];
     let set = with_values(&base, &values).unwrap();
     assert!((set.implant.base_height() - 150.0).abs() < 1e-12);
     let mut tall = base;

@@ -254,9 +254,9 @@ fn the_table_of_typical_sizes_covers_the_range_of_round_implants() {
     let order = |size: &Size| (size.base_width_mm(), size.projection_mm());
     assert!(sizes.windows(2).all(|pair| order(&pair[0]) < order(&pair[1])));
     // The limits of a scene are those of a size.
-    let (least, most) = scene::field::BASE_RADIUS.limits;
+    let (least, most) = scene::Field::BaseRadius.limits;
     assert_eq!(limits::BASE_WIDTH_MM, (2.0 * least, 2.0 * most));
-    assert_eq!(limits::PROJECTION_MM, scene::field::PROJECTION.limits);
+    assert_eq!(limits::PROJECTION_MM, scene::Field::Projection.limits);
 }
 
 #[test]

@@ -9,7 +9,7 @@ mod samples;
 use implant_preview::clinical::Measurements;
 use implant_preview::clinical::spread::Distribution;
 use implant_preview::measure::Status;
-use implant_preview::scene::{Scene, TissueModel};
+use implant_preview::scene::{Field, Scene, TissueModel};
 use implant_preview::simulate::simulate;
 use implant_preview::study::{
     Axis, Bands, BandsError, BandsSettings, Case, Cases, Job, Map, MapError, MapSettings,
@@ -534,7 +534,8 @@ fn a_plan_whose_quick_solve_has_no_answer_has_that_of_the_full_solve_on_the_map(
         (0..4).filter(|i| has_answer(&full, *i) && !has_answer(&quick, *i)).collect();
     assert!(!gained.is_empty(), "{:?}", quick.counts());
     // The answer is that of the plan.
-    let mut plan = with_values(&scene, &[(Parameter::Projection, axis.value(gained[0]))]).unwrap();
+    let mut plan =
+        with_values(&scene, &[(Parameter::of(Field::Projection), axis.value(gained[0]))]).unwrap();
     plan.solver.nodes_per_side = 65;
     let outcome = simulate(&plan).unwrap();
     assert_eq!(outcome.status, Status::Converged);

@@ -6,9 +6,8 @@ use super::plan::{Hand, chip, chips};
 use super::stability;
 use super::texts::{self, tr};
 use super::theme::{SPACE, SPACE_SMALL};
-use super::widgets::{Control, Kind, button_if, choice, group, labelled_box};
-use crate::scene::field::{self, Field};
-use crate::scene::{AttachmentSettings, Body, Layer, Scene, Springs, TissueModel, limits};
+use super::widgets::{Control, button_if, choice, group, labelled_box};
+use crate::scene::{AttachmentSettings, Body, Field, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
@@ -59,15 +58,8 @@ fn accuracy(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
             }
         });
         resolution(ui, &mut scene.solver.nodes_per_side);
-        tolerance(ui, &mut scene.solver.tolerance);
+        tolerance(ui, scene);
     });
-}
-
-/// The control of a number of the scene, within its limits.
-fn control<'a>(field: &Field, label: &'a str, reset: f64) -> Control<'a> {
-    let kind = if field.unit == "mm" { Kind::Length } else { Kind::Plain };
-    let (least, most) = field.limits;
-    Control { label, unit: field.unit, kind, range: least..=most, reset, ..Control::default() }
 }
 
 /// Shows the layers, from the skin inwards. Returns the layer whose points are to be edited.
@@ -164,21 +156,10 @@ fn one_layer(ui: &mut Ui, layer: &mut Layer) -> bool {
         }
         response.on_hover_text(tr("Any name; “skin”, “fat” and “muscle” have their own colours"));
     });
-    Control {
-        step: 0.1,
-        logarithmic: true,
-        tooltip: tr("Unstretched thickness. Breast skin is about 1–3 mm thick, the fat 5–40 mm."),
-        ..control(field::THICKNESS, tr("Thickness"), usual.thickness_mm)
-    }
-    .show(ui, &mut layer.thickness_mm);
-    Control {
-        decimals: 2,
-        step: 0.01,
-        tooltip: tr("How little the volume changes when pulled: transverse contraction relative to the stretch. Soft \
-                  tissue: 0.35–0.50."),
-        ..control(field::POISSON_RATIO, tr("Poisson ratio"), usual.poisson_ratio)
-    }
-    .show(ui, &mut layer.poisson_ratio);
+    Control { logarithmic: true, reset: usual.thickness_mm, ..Control::of(Field::Thickness) }
+        .show(ui, &mut layer.thickness_mm);
+    Control { reset: usual.poisson_ratio, ..Control::of(Field::PoissonRatio) }
+        .show(ui, &mut layer.poisson_ratio);
     ui.small(tr("How little the volume changes when pulled (0.5 = not at all)"));
     curve_editor::show(ui, &mut layer.curve, &layer.tissue)
 }
@@ -228,23 +209,16 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
     Control {
         range: least..=most,
         limit_reason: tr!("{least:.0} to {most:.0} mm around this pocket", least, most),
-        tooltip: tr("Radius of the computed tissue around the pocket's centre; the tissue is held at its edge."),
-        ..control(field::PATCH_RADIUS, tr("Computed radius"), usual.patch_radius_mm)
+        reset: usual.patch_radius_mm,
+        ..Control::of(Field::PatchRadius)
     }
     .show(ui, &mut body.patch_radius_mm);
     let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = usual.attachment;
-    Control {
-        step: 0.1,
-        logarithmic: true,
-        tooltip: tr("How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm."),
-        ..control(field::ATTACHMENT_STIFFNESS, tr("Attachment stiffness"), stiffness_kpa_per_mm)
-    }
-    .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
-    Control {
-        tooltip: tr("Width over which the hold rises from zero at the pocket's edge."),
-        ..control(field::ATTACHMENT_RAMP, tr("Attachment ramp"), ramp_mm)
-    }
-    .show(ui, &mut body.attachment.ramp_mm);
+    let stiffness = Control::of(Field::AttachmentStiffness);
+    Control { logarithmic: true, reset: stiffness_kpa_per_mm, ..stiffness }
+        .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
+    Control { reset: ramp_mm, ..Control::of(Field::AttachmentRamp) }
+        .show(ui, &mut body.attachment.ramp_mm);
 }
 
 /// The choice of the springs; the paper's springs make layered tissue a sheet.
@@ -285,24 +259,14 @@ fn resolution(ui: &mut Ui, nodes_per_side: &mut usize) {
     );
 }
 
-fn tolerance(ui: &mut Ui, tolerance: &mut f64) {
-    let (least, most) = field::TOLERANCE.limits;
-    let mut percent = 100.0 * *tolerance;
-    let change = Control {
-        label: tr("Tolerance"),
-        unit: tr("% of the base radius"),
-        kind: Kind::Percent,
-        range: 100.0 * least.max(1e-6)..=100.0 * most,
-        allowed: Some(100.0 * least..=100.0 * most),
-        reset: 0.01,
-        decimals: 2,
-        step: 0.0,
-        logarithmic: true,
-        tooltip: tr("Largest position error of a node that the solver accepts."),
-        ..Control::default()
-    }
-    .show(ui, &mut percent);
+fn tolerance(ui: &mut Ui, scene: &mut Scene) {
+    let mut percent = Field::Tolerance.shown(scene).unwrap_or_default();
+    let control = Control::of(Field::Tolerance);
+    // A tolerance below this one is typed.
+    let rail = 1e-4..=*control.range.end();
+    let control = Control { reset: 0.01, logarithmic: true, ..control.with_rail(rail) };
+    let change = control.show(ui, &mut percent);
     if change.is_changed {
-        *tolerance = (percent / 100.0).clamp(least, most);
+        Field::Tolerance.set(scene, 0, percent / 100.0);
     }
 }

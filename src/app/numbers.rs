@@ -1,10 +1,9 @@
 //! All numbers of the plan as a table: a row for each quantity, columns for the plan and for each pin, with percentiles
 //! where bands are known.
 
-use super::range::quantity_name;
 use crate::export;
 use crate::measure::{Outcome, Status};
-use crate::scene::{Scene, field};
+use crate::scene::{Field, Scene};
 use crate::session::Session;
 use crate::study::{Quantity, Samples};
 
@@ -29,17 +28,17 @@ impl Row {
         Self { name: name.into(), unit, quantity: None, value: Box::new(value) }
     }
 
+    /// The row of a number of the plan.
+    fn of_plan(name: &str, number: Field) -> Self {
+        Self::new(name, number.scale.unit, move |scene, _| number.shown(scene))
+    }
+
     /// The row of a quantity of studies.
     fn of(quantity: Quantity) -> Self {
-        let named = match quantity {
-            Quantity::MeanPressureKpa => Quantity::MeanPressureMmhg,
-            Quantity::GreatestPressureKpa => Quantity::GreatestPressureMmhg,
-            other => other,
-        };
         let (factor, unit) = quantity.display();
         let unit = if unit == "cm²" { "cm2" } else { unit };
         let value = move |_: &Scene, outcome: &Outcome| Some(factor * quantity.of(outcome)?);
-        Self { quantity: Some(quantity), ..Self::new(quantity_name(named), unit, value) }
+        Self { quantity: Some(quantity), ..Self::new(quantity.title(), unit, value) }
     }
 
     /// 10th and 90th percentile of a sampled scene, in the unit of the row.
@@ -56,23 +55,19 @@ impl Row {
 /// The rows of scenes with so many layers: the plan, then the results. Units are those of ASCII.
 fn rows(layers: usize) -> Vec<Row> {
     let mut rows = vec![
-        Row::new("Width", "cm", |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
-        Row::new("Height of the base", "cm", |scene, _| Some(0.1 * scene.implant.base_height())),
-        Row::new("Apex lower by", "cm", |scene, _| Some(0.1 * scene.implant.apex_shift_mm)),
-        Row::new("Projection", "cm", |scene, _| Some(0.1 * scene.implant.projection_mm)),
+        Row::of_plan("Width", Field::BaseRadius),
+        Row::of_plan("Height of the base", Field::BaseHeight),
+        Row::of_plan("Apex lower by", Field::ApexShift),
+        Row::of_plan("Projection", Field::Projection),
         Row::new("Pocket margin", "cm", |scene, _| {
             Some(0.1 * (scene.pocket_radius_mm - scene.implant.greatest_half_axis_mm()))
         }),
-        Row::new("To the side", "cm", |scene, _| Some(0.1 * scene.implant.center_mm[0])),
-        Row::new("Up", "cm", |scene, _| Some(0.1 * scene.implant.center_mm[1])),
-        Row::new("In place", "%", |scene, _| Some(100.0 * scene.insertion)),
-        Row::new("Pinch", "cm", |scene, _| Some(0.1 * scene.patient.as_ref()?.measured.pinch_mm?)),
-        Row::new("Radius of the chest across", "cm", |scene, _| {
-            Some(0.1 * field::CHEST_ACROSS.value(scene, 0)?)
-        }),
-        Row::new("Radius of the chest along", "cm", |scene, _| {
-            Some(0.1 * field::CHEST_ALONG.value(scene, 0)?)
-        }),
+        Row::of_plan("To the side", Field::CenterX),
+        Row::of_plan("Up", Field::CenterY),
+        Row::of_plan("In place", Field::Insertion),
+        Row::of_plan("Pinch", Field::Pinch),
+        Row::of_plan("Radius of the chest across", Field::ChestAcross),
+        Row::of_plan("Radius of the chest along", Field::ChestAlong),
     ];
     for k in 0..layers {
         rows.push(Row::new(

@@ -1,7 +1,7 @@
 //! The section "Filling" of an expander: curves over the fill, kept while the fill changes.
 
 use super::*;
-use implant_preview::scene::field;
+use implant_preview::scene::Field;
 use implant_preview::simulate::simulate;
 
 const WORDS: &str = "the greatest pressure goes from";
@@ -43,7 +43,7 @@ fn the_ends_of_the_curves_are_single_solves() {
     let [least, most, low, high] = numbers[..4] else { panic!("{text}") };
     // A tenth and the whole of a half sphere of 12 cm.
     assert_eq!((least, most), (70.0, 450.0));
-    assert!(field::PROJECTION.limits.1 > 60.0);
+    assert!(Field::Projection.limits.1 > 60.0);
     for (fill, shown) in [(least, low), (most, high)] {
         let computed = pressure(fill);
         assert!((shown - computed).abs() <= 0.5 + 0.03 * computed, "{fill} ml: {shown} {computed}");

@@ -223,9 +223,6 @@ impl Scene {
         if is_first {
             return Err(in_first("tissue_model"));
         }
-        for number in field::of_body() {
-            number.check(self, 0)?;
-        }
         if !self.is_layered() {
             return Ok(());
         }

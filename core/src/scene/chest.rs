@@ -1,6 +1,6 @@
 //! The chest wall of a scene: flat where the scene has none, otherwise curved by two radii.
 
-use super::{SCENE_SCHEMA_3, Scene, SceneError, Version, field, out_of_range, problem};
+use super::{Field, SCENE_SCHEMA_3, Scene, SceneError, Version, field, out_of_range, problem};
 use crate::curve::number;
 use crate::mesh::Chest;
 use glam::DVec2;
@@ -94,7 +94,7 @@ impl Scene {
     /// Range of a radius of the sign of `radius_mm` \[mm\].
     pub(super) fn chest_range(&self, radius_mm: f64) -> (f64, f64) {
         let is_hollow = radius_mm < 0.0;
-        let (least, most) = (self.least_chest_radius_mm(is_hollow), field::CHEST_ACROSS.limits.1);
+        let (least, most) = (self.least_chest_radius_mm(is_hollow), Field::ChestAcross.limits.1);
         if is_hollow { (-most, -least) } else { (least, most) }
     }
 
@@ -137,12 +137,12 @@ impl Scene {
 
     /// Checks the chest, and that the scene may have one.
     pub(super) fn check_chest(&self) -> Result<(), SceneError> {
-        let Some(chest) = &self.chest else {
+        if self.chest.is_none() {
             return Ok(());
-        };
+        }
         self.check_may_have_chest()?;
-        for (axis, field) in [field::CHEST_ACROSS, field::CHEST_ALONG].into_iter().enumerate() {
-            let Some(radius) = chest.radius(axis) else {
+        for field in field::CHEST {
+            let Some(radius) = field.value(self, 0) else {
                 continue;
             };
             let (least, most) = self.chest_range(radius);

@@ -1,12 +1,13 @@
-//! The numbers that a scene stores, a row each: path, words, unit, limits, the cost of a change, place.
+//! The numbers that a scene stores, a row each: path, words, unit, limits, the cost of a change, place, and how a screen shows the number.
 //!
-//! Check and key of a scene, the patient's values, `study::Parameter`, `study::Unknown` and the controls of the app read
-//! the rows. Numbers of nodes and cells are whole, see [`super::limits`].
+//! Check and key of a scene, the patient's values, `study::Parameter`, `study::Unknown` and the controls, axes and tables of the app
+//! read the rows. Numbers of nodes and cells are whole, see [`super::limits`].
 
 use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
 use super::{ASPECTS, Body, MAX_APEX_SHIFT, Scene, SceneError, error::out_of_range};
 use crate::clinical::limits::{BASE_WIDTH_MM, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM};
 use crate::curve::{SCALES, number};
+use std::ops::Deref;
 
 /// Greatest way of the apex \[mm\].
 const MOST_APEX_SHIFT_MM: f64 = 0.5 * MAX_APEX_SHIFT * BASE_WIDTH_MM.1;
@@ -37,9 +38,33 @@ pub enum Part {
     Patient,
 }
 
-/// A number that a scene stores.
+/// The scale of a number on a screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// The unit.
+    pub unit: &'static str,
+    /// The shown number by the stored one.
+    pub factor: f64,
+    /// The step of a control \[`unit`\]; 0: three significant digits.
+    pub step: f64,
+    /// The least number of decimals.
+    pub decimals: usize,
+}
+
+/// Lengths in cm.
+pub const CM: Scale = Scale { unit: "cm", factor: 0.1, step: 0.1, decimals: 1 };
+/// Half-axes in mm as widths in cm.
+const WIDTH: Scale = Scale { factor: 0.2, ..CM };
+const MM: Scale = Scale { unit: "mm", factor: 1.0, step: 0.5, decimals: 1 };
+const THIN: Scale = Scale { step: 0.1, ..MM };
+const PERCENT: Scale = Scale { unit: "%", factor: 100.0, step: 1.0, decimals: 0 };
+const OF_RADIUS: Scale = Scale { unit: "% of the base radius", step: 0.0, decimals: 2, ..PERCENT };
+const PLAIN: Scale = Scale { unit: "", factor: 1.0, step: 0.01, decimals: 2 };
+const STIFFNESS: Scale = Scale { unit: "kPa/mm", factor: 1.0, step: 0.1, decimals: 1 };
+
+/// What is common to a number of all scenes.
 #[derive(Debug)]
-pub struct Field {
+pub struct Row {
     /// The path in a file; `[]` stands for the index of a layer.
     pub path: &'static str,
     /// The number in words; of a layer's number those of the skin.
@@ -52,15 +77,14 @@ pub struct Field {
     pub change: Change,
     /// What contains the number.
     pub part: Part,
+    /// The name of its control.
+    pub label: &'static str,
+    /// The scale of its control.
+    pub scale: Scale,
+    /// The meaning in a sentence or two; empty for a number without a control.
+    pub help: &'static str,
     value: fn(&Scene, usize) -> Option<f64>,
     place: fn(&mut Scene, usize) -> Option<&mut f64>,
-}
-
-impl PartialEq for Field {
-    /// A path has one row.
-    fn eq(&self, other: &Self) -> bool {
-        self.path == other.path
-    }
 }
 
 macro_rules! value {
@@ -87,70 +111,127 @@ macro_rules! place {
 }
 
 macro_rules! fields {
-    ($($name:ident: $path:literal, $words:literal, $unit:literal, $limits:expr, $change:ident, $part:ident[$($at:tt)+];)+) => {
-        /// All rows, in the order of a file.
-        pub const ALL: &[&Field] = &[$($name),+];
-        $(
-            #[doc = concat!("`", $path, "`")]
-            pub const $name: &Field = &Field {
+    ($($name:ident: $path:literal, $part:ident[$($at:tt)+], $words:literal, $unit:literal, $limits:expr, $change:ident;
+        $label:literal, $scale:expr, $help:literal;)+) => {
+        /// A number that a scene stores; it reads as its [`Row`].
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Field {
+            $(
+                #[doc = concat!("`", $path, "`")]
+                $name,
+            )+
+        }
+
+        impl Field {
+            /// All numbers, in the order of a file.
+            pub const ALL: &[Self] = &[$(Self::$name),+];
+        }
+
+        static ROWS: &[Row] = &[
+            $(Row {
                 path: $path,
                 words: $words,
                 unit: $unit,
                 limits: $limits,
                 change: Change::$change,
                 part: Part::$part,
+                label: $label,
+                scale: $scale,
+                help: $help,
                 value: value!($part $($at)+),
                 place: place!($part $($at)+),
-            };
-        )+
+            }),+
+        ];
     };
 }
 
-fields! {
-    BASE_RADIUS: "implant.base_radius_mm", "base radius", "mm", (0.5 * BASE_WIDTH_MM.0, 0.5 * BASE_WIDTH_MM.1), Grid, Scene[implant.base_radius_mm];
-    PROJECTION: "implant.projection_mm", "projection", "mm", PROJECTION_MM, Dome, Scene[implant.projection_mm];
-    CENTER_X: "implant.center_mm[0]", "centre of the implant, x", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid, Scene[implant.center_mm[0]];
-    CENTER_Y: "implant.center_mm[1]", "centre of the implant, y", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid, Scene[implant.center_mm[1]];
-    BASE_HEIGHT: "implant.base_height_mm", "height of the base", "mm", BASE_WIDTH_MM, Grid, Scene[implant.base_height_mm];
-    APEX_SHIFT: "implant.apex_shift_mm", "way of the apex towards the feet", "mm", (-MOST_APEX_SHIFT_MM, MOST_APEX_SHIFT_MM), Dome, Scene[implant.apex_shift_mm];
-    POCKET_RADIUS: "pocket_radius_mm", "radius of the pocket", "mm", (10.0, POCKET_RADIUS_MAX_MM), Grid, Scene[pocket_radius_mm];
-    PATCH_RADIUS: "patch_radius_mm", "radius of the simulated tissue", "mm", (30.0, PATCH_RADIUS_MAX_MM), Grid, Body[patch_radius_mm];
-    ATTACHMENT_STIFFNESS: "attachment.stiffness_kpa_per_mm", "stiffness of the attachment", "kPa/mm", (0.1, 50.0), Dome, Body[attachment.stiffness_kpa_per_mm];
-    ATTACHMENT_RAMP: "attachment.ramp_mm", "ramp of the attachment", "mm", (1.0, 40.0), Grid, Body[attachment.ramp_mm];
-    CHEST_ACROSS: "chest.radius_across_mm", "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid, Chest[0];
-    CHEST_ALONG: "chest.radius_along_mm", "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid, Chest[1];
-    INSERTION: "insertion", "insertion", "", (0.0, 1.0), Dome, Scene[insertion];
-    THICKNESS: "layers[].thickness_mm", "thickness of the skin", "mm", (0.2, 60.0), Tables, Layer[thickness_mm];
-    POISSON_RATIO: "layers[].poisson_ratio", "Poisson ratio", "", (0.0, 0.5), Tables, Layer[poisson_ratio];
-    STRAIN_SCALE: "layers[].curve.strain_scale", "strain scale of the skin", "", SCALES, Tables, Layer[curve.strain_scale];
-    STRESS_SCALE: "layers[].curve.stress_scale", "stress scale of the skin", "", SCALES, Tables, Layer[curve.stress_scale];
-    BREAST_WIDTH: "patient.base_width_mm", "base width of the breast", "mm", MEASURED_WIDTH_MM, Tables, Patient[base_width_mm];
-    PINCH: "patient.pinch_mm", "pinch", "mm", PINCH_MM, Tables, Patient[pinch_mm];
-    SKIN_PULL: "patient.skin_pull_mm", "pull of the skin", "mm", PULL_MM, Tables, Patient[skin_pull_mm];
-    TOLERANCE: "solver.tolerance", "tolerance", "", (1e-7, 1e-2), Dome, Scene[solver.tolerance];
+impl Deref for Field {
+    type Target = Row;
+
+    fn deref(&self) -> &Row {
+        self.row()
+    }
 }
 
+fields! {
+    BaseRadius: "implant.base_radius_mm", Scene[implant.base_radius_mm], "base radius", "mm", (0.5 * BASE_WIDTH_MM.0, 0.5 * BASE_WIDTH_MM.1), Grid;
+        "Width", WIDTH, "Width of the implant's base. Round implants are 7.8–18 cm wide.";
+    Projection: "implant.projection_mm", Scene[implant.projection_mm], "projection", "mm", PROJECTION_MM, Dome;
+        "Projection", CM, "Height of the implant above the chest. Round implants: 2–7.5 cm.";
+    CenterX: "implant.center_mm[0]", Scene[implant.center_mm[0]], "centre of the implant, x", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid;
+        "To the side", CM, "Offset of the implant from the pocket's centre towards the patient's side (−: the midline).";
+    CenterY: "implant.center_mm[1]", Scene[implant.center_mm[1]], "centre of the implant, y", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid;
+        "Up", CM, "Offset of the implant from the pocket's centre towards the head (−: the feet).";
+    BaseHeight: "implant.base_height_mm", Scene[implant.base_height_mm], "height of the base", "mm", BASE_WIDTH_MM, Grid;
+        "Height", CM, "Height of the implant's base along the body, from its lower to its upper edge. The value that follows changes with it.";
+    ApexShift: "implant.apex_shift_mm", Scene[implant.apex_shift_mm], "way of the apex towards the feet", "mm", (-MOST_APEX_SHIFT_MM, MOST_APEX_SHIFT_MM), Dome;
+        "Apex lower", CM, "How far the implant's highest point is below the middle of its base, towards the feet (−: above it).";
+    PocketRadius: "pocket_radius_mm", Scene[pocket_radius_mm], "radius of the pocket", "mm", (10.0, POCKET_RADIUS_MAX_MM), Grid;
+        "Pocket", CM, "";
+    PatchRadius: "patch_radius_mm", Body[patch_radius_mm], "radius of the simulated tissue", "mm", (30.0, PATCH_RADIUS_MAX_MM), Grid;
+        "Computed radius", MM, "Radius of the computed tissue around the pocket's centre; the tissue is held at its edge.";
+    AttachmentStiffness: "attachment.stiffness_kpa_per_mm", Body[attachment.stiffness_kpa_per_mm], "stiffness of the attachment", "kPa/mm", (0.1, 50.0), Dome;
+        "Attachment stiffness", STIFFNESS, "How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm.";
+    AttachmentRamp: "attachment.ramp_mm", Body[attachment.ramp_mm], "ramp of the attachment", "mm", (1.0, 40.0), Grid;
+        "Attachment ramp", MM, "Width over which the hold rises from zero at the pocket's edge.";
+    ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
+        "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
+    ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;
+        "Radius along", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
+    Insertion: "insertion", Scene[insertion], "insertion", "", (0.0, 1.0), Dome;
+        "In place", PERCENT, "Height of the implant under the tissue, from flat (0 %) to full (100 %).";
+    Thickness: "layers[].thickness_mm", Layer[thickness_mm], "thickness of the skin", "mm", (0.2, 60.0), Tables;
+        "Thickness", THIN, "Unstretched thickness. Breast skin is about 1–3 mm thick, the fat 5–40 mm.";
+    PoissonRatio: "layers[].poisson_ratio", Layer[poisson_ratio], "Poisson ratio", "", (0.0, 0.5), Tables;
+        "Poisson ratio", PLAIN, "How little the volume changes when pulled: transverse contraction relative to the stretch. Soft tissue: 0.35–0.50.";
+    StrainScale: "layers[].curve.strain_scale", Layer[curve.strain_scale], "strain scale of the skin", "", SCALES, Tables;
+        "Laxity of the skin", PLAIN, "";
+    StressScale: "layers[].curve.stress_scale", Layer[curve.stress_scale], "stress scale of the skin", "", SCALES, Tables;
+        "Stiffness of the skin", PLAIN, "";
+    BreastWidth: "patient.base_width_mm", Patient[base_width_mm], "base width of the breast", "mm", MEASURED_WIDTH_MM, Tables;
+        "Base width", CM, "Measured base width of the breast; the pull depends on it.";
+    Pinch: "patient.pinch_mm", Patient[pinch_mm], "pinch", "mm", PINCH_MM, Tables;
+        "Pinch", CM, "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.";
+    SkinPull: "patient.skin_pull_mm", Patient[skin_pull_mm], "pull of the skin", "mm", PULL_MM, Tables;
+        "Pull", CM, "How far a grip of the fingertips lifts the skin in front of the areola.";
+    Tolerance: "solver.tolerance", Scene[solver.tolerance], "tolerance", "", (1e-7, 1e-2), Dome;
+        "Tolerance", OF_RADIUS, "Largest position error of a node that the solver accepts.";
+}
+
+/// Radii of the chest across and along the body.
+pub const CHEST: [Field; 2] = [Field::ChestAcross, Field::ChestAlong];
+
 /// The numbers of a [`Body`](super::Body).
-pub(super) fn of_body() -> impl Iterator<Item = &'static Field> {
-    ALL.iter().copied().filter(|field| field.part == Part::Body)
+pub(super) fn of_body() -> impl Iterator<Item = Field> {
+    Field::ALL.iter().copied().filter(|field| field.part == Part::Body)
 }
 
 impl Field {
+    fn row(self) -> &'static Row {
+        &ROWS[self as usize]
+    }
+
     /// The path of the number of a layer, from the skin from 0; other numbers have one path.
     #[must_use]
-    pub fn path(&self, layer: usize) -> String {
-        self.path.replacen("[]", &format!("[{layer}]"), 1)
+    pub fn path(self, layer: usize) -> String {
+        self.row().path.replacen("[]", &format!("[{layer}]"), 1)
     }
 
     /// The value in a scene, of a layer's number in that layer; `None` if the scene has no such number.
     #[must_use]
-    pub fn value(&self, scene: &Scene, layer: usize) -> Option<f64> {
-        (self.value)(scene, layer)
+    pub fn value(self, scene: &Scene, layer: usize) -> Option<f64> {
+        (self.row().value)(scene, layer)
+    }
+
+    /// The value as a screen shows it \[`scale.unit`\]; `None` if the scene has no such number.
+    #[must_use]
+    pub fn shown(self, scene: &Scene) -> Option<f64> {
+        Some(self.row().scale.factor * self.value(scene, 0)?)
     }
 
     /// How many of these numbers the equilibrium of a scene depends on; patch and attachment belong to layered tissue.
-    pub(crate) fn count(&self, scene: &Scene) -> usize {
-        match self.part {
+    pub(crate) fn count(self, scene: &Scene) -> usize {
+        match self.row().part {
             Part::Scene | Part::Chest => 1,
             Part::Body => usize::from(scene.is_layered()),
             Part::Layer => scene.layers.len(),
@@ -159,32 +240,33 @@ impl Field {
     }
 
     /// The place of the value in a scene.
-    pub fn place<'a>(&self, scene: &'a mut Scene, layer: usize) -> Option<&'a mut f64> {
-        (self.place)(scene, layer)
+    pub fn place(self, scene: &mut Scene, layer: usize) -> Option<&mut f64> {
+        (self.row().place)(scene, layer)
     }
 
     /// The limits in a scene: the patch depends on the pocket, height and apex of an anatomical implant on its base, the chest on
     /// patch and implant, and a sheet ignores the numbers of a body.
     #[must_use]
-    pub fn range(&self, scene: &Scene) -> (f64, f64) {
-        match self.part {
+    pub fn range(self, scene: &Scene) -> (f64, f64) {
+        match self.row().part {
             Part::Body if !scene.is_layered() => (0.0, f64::MAX),
-            Part::Body if self == PATCH_RADIUS => Body::patch_range(scene.pocket_radius_mm),
-            _ if self == BASE_HEIGHT => {
-                let (width, (least, most)) = (2.0 * scene.implant.base_radius_mm, self.limits);
+            Part::Body if self == Self::PatchRadius => Body::patch_range(scene.pocket_radius_mm),
+            _ if self == Self::BaseHeight => {
+                let (width, (least, most)) =
+                    (2.0 * scene.implant.base_radius_mm, self.row().limits);
                 ((width * ASPECTS.0).max(least), (width * ASPECTS.1).min(most))
             }
-            _ if self == APEX_SHIFT => {
+            _ if self == Self::ApexShift => {
                 let most = 0.5 * MAX_APEX_SHIFT * scene.implant.base_height();
                 (-most, most)
             }
             Part::Chest => scene.chest_range(self.value(scene, 0).unwrap_or_default()),
-            _ => self.limits,
+            _ => self.row().limits,
         }
     }
 
     /// Sets the value, of a number beyond its range the limit.
-    pub fn set(&self, scene: &mut Scene, layer: usize, value: f64) {
+    pub fn set(self, scene: &mut Scene, layer: usize, value: f64) {
         let (least, most) = self.range(scene);
         if let Some(place) = self.place(scene, layer) {
             *place = value.clamp(least, most);
@@ -192,12 +274,12 @@ impl Field {
     }
 
     /// Checks the value in a scene.
-    pub(super) fn check(&self, scene: &Scene, layer: usize) -> Result<(), SceneError> {
+    pub(super) fn check(self, scene: &Scene, layer: usize) -> Result<(), SceneError> {
         let (least, most) = self.range(scene);
         match self.value(scene, layer) {
             Some(value) if !(least..=most).contains(&value) => {
                 let with_unit =
-                    |end| format!("{} {}", number(end), self.unit).trim_end().to_owned();
+                    |end| format!("{} {}", number(end), self.row().unit).trim_end().to_owned();
                 let allowed = match most {
                     f64::MAX => format!("{} or more", with_unit(least)),
                     _ => format!("{} to {}", number(least), with_unit(most)),
@@ -248,7 +330,7 @@ mod tests {
         let json = serde_json::to_value(&scene).unwrap();
         let (mut wanted, mut found) = (Vec::new(), vec!["solver.nodes_per_side".to_owned()]);
         paths(&json, "", &mut wanted);
-        for field in ALL {
+        for field in Field::ALL {
             let layers = if field.part == Part::Layer { scene.layers.len() } else { 1 };
             for layer in 0..layers {
                 let value = field.value(&scene, layer).unwrap();
@@ -267,12 +349,12 @@ mod tests {
     #[test]
     fn each_row_stands_in_the_document_of_the_formats_with_its_limits_and_unit() {
         let document = include_str!("../../../docs/formats.md");
-        for field in ALL {
+        for field in Field::ALL {
             let (least, most) = field.limits;
-            let range = if [POCKET_RADIUS, PATCH_RADIUS].contains(field) {
+            let range = if [Field::PocketRadius, Field::PatchRadius].contains(field) {
                 // Other numbers narrow the least value.
                 format!("to {most}")
-            } else if *field == TOLERANCE {
+            } else if *field == Field::Tolerance {
                 format!("{least:e}–{most:e}")
             } else {
                 format!("{least}–{most}").replace('-', "−")

@@ -36,6 +36,8 @@ pub use chest::ChestShape;
 pub use chest_grid::{ChestGrid, HeightsGrid};
 pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem};
+pub use field::Field;
+use field::Part;
 use file::{SceneFile, full_insertion, newest_schema};
 use layer::default_layers;
 pub use layer::{Layer, tissue_in_words};
@@ -343,10 +345,8 @@ impl Scene {
                 &format!("{SCENE_SCHEMA}, {SCENE_SCHEMA_2} or {SCENE_SCHEMA_3}"),
             ));
         }
-        for number in [field::BASE_RADIUS, field::PROJECTION, field::CENTER_X, field::CENTER_Y] {
-            number.check(self, 0)?;
-        }
-        self.check_shape()?;
+        self.check_may_be_anatomical()?;
+        self.check_numbers(Part::Scene)?;
         let (implant, most) = (&self.implant, limits::POCKET_RADIUS_MAX_MM);
         let half = if implant.is_round() { "base radius" } else { "half of the base" };
         let [x, y] = implant.center_mm;
@@ -370,9 +370,9 @@ impl Scene {
             ));
         }
         self.check_body()?;
+        self.check_numbers(Part::Body)?;
         self.check_patient()?;
         self.check_visit()?;
-        field::INSERTION.check(self, 0)?;
         let (least, most) = limits::LAYERS;
         if !(least..=most).contains(&self.layers.len()) {
             return Err(out_of_range(
@@ -381,9 +381,8 @@ impl Scene {
                 &format!("{least} to {most} layers"),
             ));
         }
+        self.check_numbers(Part::Layer)?;
         for (k, layer) in self.layers.iter().enumerate() {
-            field::THICKNESS.check(self, k)?;
-            field::POISSON_RATIO.check(self, k)?;
             check_words(&format!("layers[{k}].tissue"), &layer.tissue, 100)?;
         }
         let (least, most) = limits::NODES_PER_SIDE;
@@ -394,8 +393,15 @@ impl Scene {
                 &format!("{least} to {most}"),
             ));
         }
-        field::TOLERANCE.check(self, 0)?;
         self.check_chest()
+    }
+
+    /// Checks the numbers of a part; the pocket has a check of its own.
+    fn check_numbers(&self, part: Part) -> Result<(), SceneError> {
+        let is_meant = |field: &&Field| field.part == part && **field != Field::PocketRadius;
+        let layers = if part == Part::Layer { self.layers.len() } else { 1 };
+        let mut numbers = Field::ALL.iter().filter(is_meant);
+        numbers.try_for_each(|field| (0..layers).try_for_each(|k| field.check(self, k)))
     }
 }
 
@@ -406,16 +412,15 @@ impl Scene {
         Version::of(&self.schema) == Some(Version::Third)
     }
 
-    /// Checks the shape of an anatomical implant.
-    fn check_shape(&self) -> Result<(), SceneError> {
+    /// Checks that an anatomical implant has the schema for one.
+    fn check_may_be_anatomical(&self) -> Result<(), SceneError> {
         for (number, is_given) in [
-            (field::BASE_HEIGHT, self.implant.base_height_mm.is_some()),
-            (field::APEX_SHIFT, self.implant.apex_shift_mm != 0.0),
+            (Field::BaseHeight, self.implant.base_height_mm.is_some()),
+            (Field::ApexShift, self.implant.apex_shift_mm != 0.0),
         ] {
             if is_given && !self.may_be_anatomical() {
                 return Err(chest::in_third(number.path, &self.schema));
             }
-            number.check(self, 0)?;
         }
         Ok(())
     }

@@ -7,7 +7,7 @@
 //! changes a number that the file contains.
 
 use super::body::in_first;
-use super::field::{self, Field};
+use super::field::Field;
 use super::layer::{ADIPOSE, LayerFile, given};
 use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
@@ -73,16 +73,16 @@ impl Given {
 }
 
 /// A number that a measurement may determine, with its layer: the thickness of a layer, the strain scale of the skin.
-type Number = (&'static Field, usize);
+type Number = (Field, usize);
 
 fn of_path(path: &str) -> Option<Number> {
-    let thicknesses = (0..limits::LAYERS.1).map(|layer| (field::THICKNESS, layer));
-    let mut numbers = thicknesses.chain([(field::STRAIN_SCALE, 0)]);
+    let thicknesses = (0..limits::LAYERS.1).map(|layer| (Field::Thickness, layer));
+    let mut numbers = thicknesses.chain([(Field::StrainScale, 0)]);
     numbers.find(|(field, layer)| field.path(*layer) == path)
 }
 
 fn is_given((field, layer): Number, given: &[Given]) -> bool {
-    let is_thickness = field == field::THICKNESS;
+    let is_thickness = field == Field::Thickness;
     given.get(layer).is_some_and(|of| if is_thickness { of.thickness } else { of.strain_scale })
 }
 
@@ -214,7 +214,7 @@ impl Scene {
         let fields = self.patient_fields();
         let errors = fields.iter().filter_map(|field| derivation(measured, *field).err());
         warnings.extend(errors.map(|error| format!("{error}.")));
-        let has_fat = fields.iter().any(|(field, layer)| *field == field::THICKNESS && *layer > 0);
+        let has_fat = fields.iter().any(|(field, layer)| *field == Field::Thickness && *layer > 0);
         if measured.pinch_mm.is_some() && !has_fat {
             warnings.push(
                 "The pinch determines no thickness of fat: the scene has no layer named adipose below the skin."
@@ -257,8 +257,8 @@ impl Scene {
         let is_fat = |k: &usize| self.layers[*k].tissue == ADIPOSE;
         let skin = (!self.layers.is_empty()).then_some(0);
         let fat = (1..self.layers.len()).find(is_fat);
-        let strain_scale = self.has_preset_skin().then_some((field::STRAIN_SCALE, 0));
-        let thicknesses = skin.into_iter().chain(fat).map(|layer| (field::THICKNESS, layer));
+        let strain_scale = self.has_preset_skin().then_some((Field::StrainScale, 0));
+        let thicknesses = skin.into_iter().chain(fat).map(|layer| (Field::Thickness, layer));
         thicknesses.chain(strain_scale).collect()
     }
 }
@@ -269,7 +269,7 @@ fn derivation(
     (field, layer): Number,
 ) -> Result<Option<Derived>, SceneError> {
     let invalid = |name| move |source| error((name, source));
-    if field == field::THICKNESS {
+    if field == Field::Thickness {
         let cover = measured.cover().map_err(invalid("pinch_mm"))?;
         Ok(cover.map(|cover| if layer == 0 { cover.skin } else { cover.fat }))
     } else {

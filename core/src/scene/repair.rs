@@ -1,7 +1,7 @@
 //! Repairs a scene whose implant does not fit into its pocket, or whose tissue does not fit onto its chest, after an edit, and
 //! reports the change.
 
-use super::{Body, Scene, field, limits};
+use super::{Body, Field, Scene, field, limits};
 
 /// The change that made the scene valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +68,7 @@ impl Scene {
     pub fn repair(&mut self) -> Option<Repair> {
         let mut repair = None;
         if !self.implant.is_round() {
-            for number in [field::BASE_HEIGHT, field::APEX_SHIFT] {
+            for number in [Field::BaseHeight, Field::ApexShift] {
                 number.set(self, 0, number.value(self, 0).unwrap_or_default());
             }
         }
@@ -90,7 +90,7 @@ impl Scene {
             let (least, _) = Body::patch_range(self.pocket_radius_mm);
             body.patch_radius_mm = body.patch_radius_mm.max(least);
         }
-        for field in [field::CHEST_ACROSS, field::CHEST_ALONG] {
+        for field in field::CHEST {
             let Some(radius) = field.value(self, 0) else {
                 continue;
             };

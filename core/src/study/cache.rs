@@ -2,7 +2,7 @@
 
 use super::Case;
 use crate::curve::CurveSpec;
-use crate::scene::{CellsThrough, ChestGrid, Scene, ThicknessGrid, field};
+use crate::scene::{CellsThrough, ChestGrid, Field, Scene, ThicknessGrid};
 use std::collections::{HashMap, VecDeque};
 
 /// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
@@ -40,7 +40,7 @@ impl Cases {
         let counts = [layers.len() as u64, solver.nodes_per_side as u64, cells];
         let mut words = Vec::with_capacity(32);
         words.extend(choices.into_iter().chain(counts));
-        for field in field::ALL {
+        for field in Field::ALL {
             // An absent number has its place, too.
             let values = (0..field.count(scene)).map(|layer| field.value(scene, layer));
             words.extend(values.map(|value| value.map_or(u64::MAX, bits)));
@@ -170,7 +170,7 @@ mod tests {
             |scene| scene.chest = Some(ChestShape::ROUND),
             |scene| scene.chest = Some(ChestShape { radius_across_mm: 150.0, ..ChestShape::USUAL }),
         ];
-        let of_row = |field: &field::Field| {
+        let of_row = |field: &Field| {
             let mut scene = base.clone();
             *field.place(&mut scene, 0)? += 0.001;
             Some(scene)
@@ -183,7 +183,7 @@ mod tests {
                 edit(&mut scene);
                 scene
             })
-            .chain(field::ALL.iter().filter_map(|field| of_row(field)))
+            .chain(Field::ALL.iter().filter_map(of_row))
             .chain([Scene::sheet()])
             .collect();
         for a in &scenes {

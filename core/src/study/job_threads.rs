@@ -75,12 +75,12 @@ impl<E: FnMut() -> bool> Runner for JobThreads<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{Field, Scene};
     use crate::study::{Axis, Cases, Evaluator, Map, MapSettings, Parameter, Study, run};
 
     #[test]
     fn a_study_that_ends_early_keeps_its_cases() {
-        let axis = Axis { field: Parameter::Insertion, from: 0.1, to: 1.0, count: 40 };
+        let axis = Axis { field: Parameter::of(Field::Insertion), from: 0.1, to: 1.0, count: 40 };
         let settings = MapSettings { nodes_per_side: 17, tolerance: 1e-2 };
         let map = |most: usize| {
             let mut map = Map::new(&Scene::sheet(), &[axis], settings).unwrap();

@@ -9,7 +9,7 @@ use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::number;
 use crate::measure::Status;
-use crate::scene::{Scene, TissueModel, field, limits};
+use crate::scene::{Field, Scene, TissueModel, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -89,7 +89,7 @@ impl MapSettings {
                 self.nodes_per_side
             ));
         }
-        let (least, most) = field::TOLERANCE.limits;
+        let (least, most) = Field::Tolerance.limits;
         if !(least..=most).contains(&self.tolerance) {
             let tolerance = number(self.tolerance);
             return Err(format!("tolerance is {tolerance}; allowed: {least} to {most}"));
@@ -384,8 +384,7 @@ impl Map {
     /// Does the pocket follow the implant on this map?
     #[must_use]
     pub fn pocket_follows(&self) -> bool {
-        let sets =
-            |axis: &Axis| matches!(axis.field, Parameter::PocketRadius | Parameter::PocketMargin);
+        let sets = |axis: &Axis| axis.field.row().0 == Field::PocketRadius;
         self.axes.iter().any(|axis| axis.field.moves_implant()) && !self.axes.iter().any(sets)
     }
 
@@ -452,7 +451,8 @@ mod tests {
         let mut map = Map::new(&scene, &axes, MapSettings::default()).unwrap();
         // Another implant of the map, on its grid or not, with the same margin of the pocket.
         for (width, projection) in [(120.0, 40.0), (111.1, 33.3)] {
-            let values = [(Parameter::BaseWidth, width), (Parameter::Projection, projection)];
+            let values =
+                [(Parameter::BaseWidth, width), (Parameter::of(Field::Projection), projection)];
             let other = with_values(&scene, &values).unwrap();
             assert!(map.move_to(&other));
             assert_eq!(map.present(), Some([width, projection]));

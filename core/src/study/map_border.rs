@@ -132,11 +132,11 @@ impl Map {
 mod tests {
     use super::*;
     use crate::measure::Status;
-    use crate::scene::Scene;
+    use crate::scene::{Field, Scene};
     use crate::study::{Axis, Parameter, Study, flat_plan};
 
     fn map() -> Map {
-        let axis = Axis { field: Parameter::Projection, from: 30.0, to: 60.0, count: 7 };
+        let axis = Axis { field: Parameter::of(Field::Projection), from: 30.0, to: 60.0, count: 7 };
         Map::new(&flat_plan(), &[axis], MapSettings::default()).unwrap().with_full_border()
     }
 

@@ -5,6 +5,7 @@ use super::map::{Map, PointStatus};
 use super::map_levels::round_levels;
 use super::{Parameter, Quantity};
 use crate::clinical::{Size, typical_sizes};
+use crate::scene::Field;
 
 impl Map {
     /// The value to display at a point, and whether the value is solved. The value of a waiting point is interpolated
@@ -68,9 +69,9 @@ impl Map {
     /// On a map over width and projection: the factor from x to the base width, else `None`.
     fn widths(&self) -> Option<f64> {
         match &self.axes[..] {
-            [x, y] if y.field == Parameter::Projection => match x.field {
+            [x, y] if y.field == Parameter::of(Field::Projection) => match x.field {
                 Parameter::BaseWidth => Some(1.0),
-                Parameter::BaseRadius => Some(2.0),
+                Parameter::Number(Field::BaseRadius, _) => Some(2.0),
                 _ => None,
             },
             _ => None,

@@ -6,7 +6,7 @@
 
 use super::{Case, Cases, Job, MapSettings, Parameter, Study, with_values};
 use crate::clinical::{Dimension, Size};
-use crate::scene::{Implant, Scene, field};
+use crate::scene::{Field, Implant, Scene};
 
 /// Grid and tolerance of the bisection.
 const COARSE: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -219,7 +219,7 @@ impl Bracket {
                 let projection = LEAST_RATIO * plan.implant.base_radius_mm;
                 let volume = |projection: f64| {
                     let projection =
-                        projection.clamp(field::PROJECTION.limits.0, field::PROJECTION.limits.1);
+                        projection.clamp(Field::Projection.limits.0, Field::Projection.limits.1);
                     let implant = Implant { projection_mm: projection, ..plan.implant };
                     implant.size().map_or(0.0, Size::volume_ml)
                 };

@@ -1,10 +1,10 @@
 //! The numbers of a scene that a map varies: paths of the scene and a surgeon's names.
 
-use super::quantity::short;
+use super::quantity;
 use crate::clinical::{ClinicalError, Dimension, Measurements};
 use crate::curve::number;
-use crate::scene::field::{self, Change, Field, Part};
-use crate::scene::{Body, ChestShape, Scene, SceneError, limits};
+use crate::scene::field::{Change, Part};
+use crate::scene::{Body, ChestShape, Field, Scene, SceneError, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,158 +15,97 @@ use serde::{Deserialize, Serialize};
 pub enum Parameter {
     /// `base_width_mm`: twice the base radius \[mm\].
     BaseWidth,
-    /// `implant.base_radius_mm`.
-    BaseRadius,
-    /// `projection_mm`, `implant.projection_mm`.
-    Projection,
     /// `volume_ml`: changes the projection; on a map over projection and volume the base width \[ml\].
     Volume,
-    /// `implant.base_height_mm`.
-    BaseHeight,
-    /// `implant.apex_shift_mm`.
-    ApexShift,
-    /// `implant.center_mm[0]`.
-    CenterX,
-    /// `implant.center_mm[1]`.
-    CenterY,
     /// `pocket_margin_mm`: pocket radius less base radius and distance of the implant's centre \[mm\].
     PocketMargin,
-    /// `pocket_radius_mm`.
-    PocketRadius,
-    /// `insertion`.
-    Insertion,
-    /// `patch_radius_mm`.
-    PatchRadius,
-    /// `attachment.stiffness_kpa_per_mm`.
-    AttachmentStiffness,
-    /// `attachment.ramp_mm`.
-    AttachmentRamp,
-    /// `pinch_mm`: determines the thickness of skin and fat \[mm\].
-    Pinch,
-    /// `skin_pull_mm`: determines the strain scale of the skin \[mm\].
-    SkinPull,
     /// `thickness_mm`, `thickness`: of all layers; the layers below the skin change in proportion \[mm\].
     Thickness,
     /// `poisson_ratio`: of all layers \[-\].
     PoissonRatio,
-    /// `strain_scale`: of the skin; `layers[k].curve.strain_scale` \[-\].
-    StrainScale(u8),
-    /// `stress_scale`: of the skin; `layers[k].curve.stress_scale` \[-\].
-    StressScale(u8),
-    /// `chest.radius_across_mm`; a flat chest becomes a curved one, straight along the body.
-    ChestAcross,
-    /// `chest.radius_along_mm`; a flat chest becomes the usual one.
-    ChestAlong,
-    /// `layers[k].thickness_mm`.
-    LayerThickness(u8),
-    /// `layers[k].poisson_ratio`.
-    LayerPoissonRatio(u8),
+    /// A number that the scene stores, by its path, and its layer, from the skin from 0. A chest's radius makes a flat chest a curved
+    /// one; a measurement determines the thickness of skin and fat, or the strain scale of the skin.
+    Number(Field, u8),
 }
 
-/// Names without an index, in the order of help and messages.
-const NAMES: [(&str, Parameter); 27] = [
+/// Short names, in the order of help and messages.
+const SHORT: [(&str, Parameter); 10] = [
     ("base_width_mm", Parameter::BaseWidth),
-    ("projection_mm", Parameter::Projection),
+    ("projection_mm", Parameter::of(Field::Projection)),
     ("volume_ml", Parameter::Volume),
     ("pocket_margin_mm", Parameter::PocketMargin),
-    (field::POCKET_RADIUS.path, Parameter::PocketRadius),
-    (field::INSERTION.path, Parameter::Insertion),
-    ("pinch_mm", Parameter::Pinch),
-    ("skin_pull_mm", Parameter::SkinPull),
+    ("pinch_mm", Parameter::of(Field::Pinch)),
+    ("skin_pull_mm", Parameter::of(Field::SkinPull)),
     ("thickness_mm", Parameter::Thickness),
-    ("strain_scale", Parameter::StrainScale(0)),
-    ("stress_scale", Parameter::StressScale(0)),
+    ("strain_scale", Parameter::of(Field::StrainScale)),
+    ("stress_scale", Parameter::of(Field::StressScale)),
     ("poisson_ratio", Parameter::PoissonRatio),
-    (field::BASE_RADIUS.path, Parameter::BaseRadius),
-    (field::PROJECTION.path, Parameter::Projection),
-    (field::BASE_HEIGHT.path, Parameter::BaseHeight),
-    (field::APEX_SHIFT.path, Parameter::ApexShift),
-    (field::CENTER_X.path, Parameter::CenterX),
-    (field::CENTER_Y.path, Parameter::CenterY),
-    (field::PATCH_RADIUS.path, Parameter::PatchRadius),
-    (field::ATTACHMENT_STIFFNESS.path, Parameter::AttachmentStiffness),
-    (field::ATTACHMENT_RAMP.path, Parameter::AttachmentRamp),
-    (field::CHEST_ACROSS.path, Parameter::ChestAcross),
-    (field::CHEST_ALONG.path, Parameter::ChestAlong),
-    ("thickness", Parameter::Thickness),
-    (field::PINCH.path, Parameter::Pinch),
-    (field::SKIN_PULL.path, Parameter::SkinPull),
-    ("implant.base_width_mm", Parameter::BaseWidth),
 ];
+/// Names that are accepted and not listed.
+const OTHERS: [(&str, Parameter); 2] =
+    [("thickness", Parameter::Thickness), ("implant.base_width_mm", Parameter::BaseWidth)];
 
-/// The numbers of a layer, by the index of the layer.
-const OF_LAYER: [fn(u8) -> Parameter; 4] = [
-    Parameter::LayerThickness,
-    Parameter::LayerPoissonRatio,
-    Parameter::StrainScale,
-    Parameter::StressScale,
-];
+/// Numbers that no study varies: the measured width acts through the pull, and a study has a tolerance of its own.
+const FIXED: [Field; 2] = [Field::BreastWidth, Field::Tolerance];
+
+fn varied() -> impl Iterator<Item = Field> {
+    Field::ALL.iter().copied().filter(|field| !FIXED.contains(field))
+}
 
 impl Parameter {
+    /// A number that the scene stores, of a layer's number that of the skin.
+    #[must_use]
+    pub const fn of(field: Field) -> Self {
+        Self::Number(field, 0)
+    }
+
     /// The parameter of a name.
     ///
     /// # Errors
     /// One line with the allowed names.
     pub fn of_name(name: &str) -> Result<Self, String> {
-        if let Some((_, parameter)) = NAMES.into_iter().find(|(known, _)| *known == name) {
-            return Ok(parameter);
-        }
-        let of_layer = || {
-            let (index, field) = name.strip_prefix("layers[")?.split_once("].")?;
-            let layer = index.parse().ok().filter(|k| usize::from(*k) < limits::LAYERS.1)?;
-            let is_named =
-                |known: &Self| known.row().0.path.strip_prefix("layers[].") == Some(field);
-            OF_LAYER.map(|of| of(layer)).into_iter().find(is_named)
-        };
-        of_layer().ok_or_else(|| {
-            let names: Vec<&str> = NAMES[..23].iter().map(|(name, _)| *name).collect();
-            let layers = OF_LAYER.map(|of| of(0).row().0.path.replace("[]", "[k]"));
-            format!(
-                "{:?} is not a field; allowed: {}, {}",
-                short(name),
-                names.join(", "),
-                layers.join(", ")
-            )
+        let named = SHORT.into_iter().chain(OTHERS).find(|(known, _)| *known == name);
+        let found = named.map(|(_, parameter)| parameter).or_else(|| Self::of_path(name));
+        found.ok_or_else(|| {
+            let short = SHORT.map(|(name, _)| name.to_owned());
+            let is_listed = |field: &Field| !SHORT.contains(&(field.path, Self::of(*field)));
+            let paths = varied().filter(|field| field.part != Part::Patient && is_listed(field));
+            let paths = paths.map(|field| field.path.replace("[]", "[k]"));
+            let names: Vec<String> = short.into_iter().chain(paths).collect();
+            format!("{:?} is not a field; allowed: {}", quantity::short(name), names.join(", "))
         })
+    }
+
+    /// The number of a path, of a layer's number with the index of the layer.
+    fn of_path(path: &str) -> Option<Self> {
+        let layer = path.strip_prefix("layers[").and_then(|rest| rest.split_once("]."));
+        let (path, layer) = match layer {
+            Some((index, rest)) => (format!("layers[].{rest}"), index.parse().ok()?),
+            None => (path.to_owned(), 0),
+        };
+        let field = varied().find(|field| field.path == path)?;
+        (usize::from(layer) < limits::LAYERS.1).then_some(Self::Number(field, layer))
     }
 
     /// The shortest name.
     #[must_use]
     pub fn name(self) -> String {
-        if let Some((name, _)) = NAMES.into_iter().find(|(_, parameter)| *parameter == self) {
-            return name.to_owned();
-        }
         let (field, layer) = self.row();
-        field.path(layer)
+        let short = SHORT.into_iter().find(|(_, parameter)| *parameter == self);
+        short.map_or_else(|| field.path(layer), |(name, _)| name.to_owned())
     }
 
-    /// The row of the number that the parameter sets, and its layer; of several layers the first.
+    /// The number that the parameter sets, and its layer; of several layers the first.
     #[must_use]
-    pub fn row(self) -> (&'static Field, usize) {
-        let (field, layer) = match self {
-            Self::BaseWidth | Self::BaseRadius => (field::BASE_RADIUS, 0),
-            Self::Projection | Self::Volume => (field::PROJECTION, 0),
-            Self::BaseHeight => (field::BASE_HEIGHT, 0),
-            Self::ApexShift => (field::APEX_SHIFT, 0),
-            Self::CenterX => (field::CENTER_X, 0),
-            Self::CenterY => (field::CENTER_Y, 0),
-            Self::PocketMargin | Self::PocketRadius => (field::POCKET_RADIUS, 0),
-            Self::Insertion => (field::INSERTION, 0),
-            Self::PatchRadius => (field::PATCH_RADIUS, 0),
-            Self::AttachmentStiffness => (field::ATTACHMENT_STIFFNESS, 0),
-            Self::AttachmentRamp => (field::ATTACHMENT_RAMP, 0),
-            Self::ChestAcross => (field::CHEST_ACROSS, 0),
-            Self::ChestAlong => (field::CHEST_ALONG, 0),
-            Self::Pinch => (field::PINCH, 0),
-            Self::SkinPull => (field::SKIN_PULL, 0),
-            Self::Thickness => (field::THICKNESS, 0),
-            Self::PoissonRatio => (field::POISSON_RATIO, 0),
-            Self::StrainScale(k) => (field::STRAIN_SCALE, k),
-            Self::StressScale(k) => (field::STRESS_SCALE, k),
-            Self::LayerThickness(k) => (field::THICKNESS, k),
-            Self::LayerPoissonRatio(k) => (field::POISSON_RATIO, k),
-        };
-        (field, usize::from(layer))
+    pub fn row(self) -> (Field, usize) {
+        match self {
+            Self::BaseWidth => (Field::BaseRadius, 0),
+            Self::Volume => (Field::Projection, 0),
+            Self::PocketMargin => (Field::PocketRadius, 0),
+            Self::Thickness => (Field::Thickness, 0),
+            Self::PoissonRatio => (Field::PoissonRatio, 0),
+            Self::Number(field, layer) => (field, usize::from(layer)),
+        }
     }
 
     /// The parameter in words and its unit.
@@ -178,7 +117,7 @@ impl Parameter {
             Self::Volume => return ("volume".to_owned(), "ml"),
             Self::PocketMargin => "margin of the pocket",
             Self::Thickness => "thickness of the cover",
-            Self::LayerPoissonRatio(_) => return (self.name(), field.unit),
+            Self::Number(Field::PoissonRatio, _) => return (self.name(), field.unit),
             _ if layer > 0 => return (self.name(), field.unit),
             _ => field.words,
         };
@@ -199,25 +138,23 @@ impl Parameter {
                 let is_common = scene.layers.iter().all(|layer| is_first(layer.poisson_ratio));
                 is_common.then_some(first)?
             }
-            _ => {
-                let (field, layer) = self.row();
-                field.value(scene, layer)?
-            }
+            Self::Number(field, layer) => field.value(scene, usize::from(layer))?,
         })
     }
 
     /// Does the pocket follow the implant when this parameter changes?
     #[must_use]
     pub fn moves_implant(self) -> bool {
-        let sizes = [Self::BaseWidth, Self::BaseRadius, Self::BaseHeight, Self::Volume];
-        sizes.contains(&self) || matches!(self, Self::CenterX | Self::CenterY)
+        use Field::{BaseHeight, BaseRadius, CenterX, CenterY};
+        let of_implant = [BaseRadius, BaseHeight, CenterX, CenterY].map(Self::of);
+        matches!(self, Self::BaseWidth | Self::Volume) || of_implant.contains(&self)
     }
 
     /// Do two parameters set the same field? Projection and volume do not: together they set the base width.
     #[must_use]
     pub fn excludes(self, other: Self, scene: &Scene) -> bool {
-        let pair = (self, other);
-        if matches!(pair, (Self::Projection, Self::Volume) | (Self::Volume, Self::Projection)) {
+        const SIZE: [Parameter; 2] = [Parameter::of(Field::Projection), Parameter::Volume];
+        if self != other && SIZE.contains(&self) && SIZE.contains(&other) {
             return false;
         }
         let others = other.fields(scene);
@@ -225,12 +162,12 @@ impl Parameter {
     }
 
     /// The numbers of a scene that the parameter sets; two axes that set the same number exclude each other.
-    fn fields(self, scene: &Scene) -> Vec<(&'static Field, usize)> {
+    fn fields(self, scene: &Scene) -> Vec<(Field, usize)> {
         let of_all = |field| (0..scene.layers.len()).map(|layer| (field, layer)).collect();
         match self {
-            Self::Pinch | Self::Thickness => of_all(field::THICKNESS),
-            Self::SkinPull => vec![(field::STRAIN_SCALE, 0)],
-            Self::PoissonRatio => of_all(field::POISSON_RATIO),
+            Self::Number(Field::Pinch, _) | Self::Thickness => of_all(Field::Thickness),
+            Self::Number(Field::SkinPull, _) => vec![(Field::StrainScale, 0)],
+            Self::PoissonRatio => of_all(Field::PoissonRatio),
             _ => vec![self.row()],
         }
     }
@@ -242,8 +179,12 @@ impl Parameter {
     pub(super) fn check(self, scene: &Scene) -> Result<(), ParameterError> {
         let layers = scene.layers.len();
         let (field, layer) = self.row();
-        let is_chest = matches!(self, Self::ChestAcross | Self::ChestAlong);
-        if is_chest && !scene.may_have_chest() || field.part == Part::Body && !scene.is_layered() {
+        let is_missing = match field.part {
+            Part::Chest => !scene.may_have_chest(),
+            Part::Body => !scene.is_layered(),
+            _ => false,
+        };
+        if is_missing {
             return Err(ParameterError::Sheet(self.name()));
         }
         if self == Self::Thickness && layers < 2 {
@@ -325,15 +266,13 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
     let base_margin = margin(base);
     let of = |wanted: Parameter| values.iter().find(|(p, _)| *p == wanted).map(|(_, value)| *value);
     // The proportions of an anatomical implant, which its sizes keep, and the measurements over it are set after these.
-    let is_late = |parameter| {
-        use Parameter::{ApexShift, BaseHeight, Pinch, SkinPull};
-        matches!(parameter, BaseHeight | ApexShift | Pinch | SkinPull)
-    };
+    let late = [Field::BaseHeight, Field::ApexShift, Field::Pinch, Field::SkinPull];
+    let is_late = |parameter| late.map(Parameter::of).contains(&parameter);
     for &(parameter, value) in values.iter().filter(|(parameter, _)| !is_late(*parameter)) {
         set(&mut scene, parameter, value)?;
     }
     if let Some(volume) = of(Parameter::Volume) {
-        let locked = if of(Parameter::Projection).is_some() {
+        let locked = if of(Parameter::of(Field::Projection)).is_some() {
             Dimension::Projection
         } else {
             Dimension::BaseWidth
@@ -345,7 +284,7 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
     for &(parameter, value) in values.iter().filter(|(parameter, _)| is_late(*parameter)) {
         set(&mut scene, parameter, value)?;
     }
-    let sets_pocket = of(Parameter::PocketRadius).is_some();
+    let sets_pocket = of(Parameter::of(Field::PocketRadius)).is_some();
     let moves_implant = values.iter().any(|(parameter, _)| parameter.moves_implant());
     let margin = of(Parameter::PocketMargin).or_else(|| moves_implant.then_some(base_margin));
     if let Some(margin) = margin.filter(|_| !sets_pocket) {
@@ -355,7 +294,7 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
         let most = if is_wanted { f64::INFINITY } else { limits::POCKET_RADIUS_MAX_MM };
         scene.set_pocket_radius(radius.min(most));
     }
-    if let (Some(radius), Some(body)) = (of(Parameter::PatchRadius), &mut scene.body) {
+    if let (Some(radius), Some(body)) = (of(Parameter::of(Field::PatchRadius)), &mut scene.body) {
         body.patch_radius_mm = radius;
     } else if let Some(body) = &mut scene.body {
         let (least, _) = Body::patch_range(scene.pocket_radius_mm);
@@ -369,13 +308,13 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
     parameter.check(scene)?;
     match parameter {
         Parameter::BaseWidth => scene.implant.set_base_radius(0.5 * value),
-        Parameter::BaseRadius => scene.implant.set_base_radius(value),
-        Parameter::PocketRadius => scene.set_pocket_radius(value),
         Parameter::Volume | Parameter::PocketMargin => {}
-        Parameter::Pinch | Parameter::SkinPull => {
+        Parameter::Number(Field::BaseRadius, _) => scene.implant.set_base_radius(value),
+        Parameter::Number(Field::PocketRadius, _) => scene.set_pocket_radius(value),
+        Parameter::Number(field @ (Field::Pinch | Field::SkinPull), _) => {
             let mut measured = scene.patient.take().map(|patient| patient.measured);
             let measured = measured.get_or_insert_with(Measurements::default);
-            if parameter == Parameter::Pinch {
+            if field == Field::Pinch {
                 measured.pinch_mm = Some(value);
             } else {
                 measured.skin_pull_mm = Some(value);
@@ -385,8 +324,8 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
                 measured.base_width_mm = measured.base_width_mm.or(Some(width));
             }
             let only = Measurements {
-                pinch_mm: measured.pinch_mm.filter(|_| parameter == Parameter::Pinch),
-                skin_pull_mm: measured.skin_pull_mm.filter(|_| parameter == Parameter::SkinPull),
+                pinch_mm: measured.pinch_mm.filter(|_| field == Field::Pinch),
+                skin_pull_mm: measured.skin_pull_mm.filter(|_| field == Field::SkinPull),
                 base_width_mm: measured.base_width_mm,
                 skin_class: None,
             };
@@ -408,9 +347,9 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             }
             scene.layers.iter_mut().skip(1).for_each(|layer| layer.thickness_mm *= factor);
         }
-        Parameter::ChestAcross | Parameter::ChestAlong => {
+        Parameter::Number(field @ (Field::ChestAcross | Field::ChestAlong), _) => {
             let mut chest = scene.chest.unwrap_or(ChestShape::USUAL);
-            if parameter == Parameter::ChestAcross {
+            if field == Field::ChestAcross {
                 chest.radius_across_mm = value;
             } else {
                 chest.radius_along_mm = Some(value);
@@ -420,9 +359,8 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
         Parameter::PoissonRatio => {
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);
         }
-        _ => {
-            let (field, layer) = parameter.row();
-            if let Some(place) = field.place(scene, layer) {
+        Parameter::Number(field, layer) => {
+            if let Some(place) = field.place(scene, usize::from(layer)) {
                 *place = value;
             }
         }

@@ -6,136 +6,91 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A figure of a result. Names in files: snake case, with the unit at the end.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Greatest principal strain of the skin \[-\].
-    GreatestStrain,
-    /// Fraction of the skin over the pocket whose strain is above 0.25 \[-\].
-    #[serde(rename = "area_over_25")]
-    AreaOver25,
-    /// Fraction of the skin over the pocket whose strain is above 0.50 \[-\].
-    #[serde(rename = "area_over_50")]
-    AreaOver50,
-    /// Mean contact pressure \[mmHg\].
-    MeanPressureMmhg,
-    /// Greatest contact pressure \[mmHg\].
-    GreatestPressureMmhg,
-    /// Mean contact pressure \[kPa\].
-    MeanPressureKpa,
-    /// Greatest contact pressure \[kPa\].
-    GreatestPressureKpa,
-    /// Vertical force between implant and tissue \[N\].
-    ForceN,
-    /// Greatest principal stress of the skin \[kPa\].
-    SkinStressKpa,
-    /// Layered tissue: least thickness of the tissue over the implant \[mm\].
-    LeastCoverMm,
-    /// Layered tissue: thickness of the tissue over the implant's highest point \[mm\].
-    ApexCoverMm,
-    /// Height of the outer skin surface above the wall \[mm\].
-    SkinProjectionMm,
-    /// Area gained by the skin over the pocket, relative to its area at rest \[-\].
-    SkinAreaGain,
-    /// Area gained by the skin over the pocket \[cm²\].
-    SkinAreaGainCm2,
-    /// Layered tissue: greatest pull of the attachment around the pocket \[kPa\].
-    AttachmentTractionKpa,
-    /// Volume of the implant \[ml\].
-    ImplantVolumeMl,
-    /// Skin that wrinkles: greatest strain / strain at which the skin's curve turns steep \[-\].
-    SkinReserveUsed,
+/// What is common to a quantity of all results.
+struct Row {
+    name: &'static str,
+    words: &'static str,
+    /// The name on a screen, in a surgeon's words.
+    title: &'static str,
+    /// The unit in files; empty for fractions.
+    unit: &'static str,
+    value: fn(&Outcome) -> Option<f64>,
 }
 
-/// Name, label, unit in files, factor and unit on display.
-struct Words(&'static str, &'static str, &'static str, f64, &'static str);
+macro_rules! quantities {
+    ($($(#[$about:meta])+ $quantity:ident: $name:literal, $words:literal, $title:literal, $unit:literal, $value:expr;)+) => {
+        /// A figure of a result. Names in files: snake case, with the unit at the end.
+        #[derive(
+            Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+        )]
+        pub enum Quantity {
+            $($(#[$about])+ #[serde(rename = $name)] $quantity,)+
+        }
+
+        impl Quantity {
+            /// All quantities.
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$quantity),+];
+            /// Number of quantities.
+            pub const COUNT: usize = [$($name),+].len();
+        }
+
+        static ROWS: [Row; Quantity::COUNT] = [
+            $(Row { name: $name, words: $words, title: $title, unit: $unit, value: $value }),+
+        ];
+    };
+}
+
+quantities! {
+    /// Greatest principal strain of the skin \[-\].
+    GreatestStrain: "greatest_strain", "greatest stretch of the skin", "Skin stretch", "", |of| Some(of.strain.as_ref()?.max_principal);
+    /// Fraction of the skin over the pocket whose strain is above 0.25 \[-\].
+    AreaOver25: "area_over_25", "skin stretched by more than 25 %", "Skin stretched above 25 %", "", |of| strained(of, "0.25");
+    /// Fraction of the skin over the pocket whose strain is above 0.50 \[-\].
+    AreaOver50: "area_over_50", "skin stretched by more than 50 %", "Skin stretched above 50 %", "", |of| strained(of, "0.50");
+    /// Mean contact pressure \[mmHg\].
+    MeanPressureMmhg: "mean_pressure_mmhg", "mean contact pressure", "Pressure, mean", "mmHg", |of| Some(of.contact_pressure_mmhg?.mean);
+    /// Greatest contact pressure \[mmHg\].
+    GreatestPressureMmhg: "greatest_pressure_mmhg", "greatest contact pressure", "Pressure, greatest", "mmHg", |of| Some(of.contact_pressure_mmhg?.max);
+    /// Mean contact pressure \[kPa\].
+    MeanPressureKpa: "mean_pressure_kpa", "mean contact pressure", "Pressure, mean", "kPa", |of| Some(of.contact_pressure_kpa?.mean);
+    /// Greatest contact pressure \[kPa\].
+    GreatestPressureKpa: "greatest_pressure_kpa", "greatest contact pressure", "Pressure, greatest", "kPa", |of| Some(of.contact_pressure_kpa?.max);
+    /// Vertical force between implant and tissue \[N\].
+    ForceN: "force_n", "contact force", "Force, vertical", "N", |of| of.contact_force_n;
+    /// Greatest principal stress of the skin \[kPa\].
+    SkinStressKpa: "skin_stress_kpa", "greatest stress of the skin", "Greatest stress, skin", "kPa", |of| of.layers.first()?.max_stress_kpa;
+    /// Layered tissue: least thickness of the tissue over the implant \[mm\].
+    LeastCoverMm: "least_cover_mm", "least cover", "Least cover", "mm", |of| Some(of.cover_mm?.least);
+    /// Layered tissue: thickness of the tissue over the implant's highest point \[mm\].
+    ApexCoverMm: "apex_cover_mm", "cover at the apex", "Cover over the apex", "mm", |of| Some(of.cover_mm?.apex);
+    /// Height of the outer skin surface above the wall \[mm\].
+    SkinProjectionMm: "skin_projection_mm", "projection of the skin", "Height of the breast mound", "mm", |of| of.skin_projection_mm;
+    /// Area gained by the skin over the pocket, relative to its area at rest \[-\].
+    SkinAreaGain: "skin_area_gain", "area gained by the skin", "Skin area gained, of the pocket", "", |of| Some(of.area_ratio? - 1.0);
+    /// Area gained by the skin over the pocket \[cm²\].
+    SkinAreaGainCm2: "skin_area_gain_cm2", "area gained by the skin", "Skin area gained", "cm²", |of| of.area_gain_cm2;
+    /// Layered tissue: greatest pull of the attachment around the pocket \[kPa\].
+    AttachmentTractionKpa: "attachment_traction_kpa", "greatest pull of the attachment", "Pull at the pocket's edge", "kPa", |of| Some(of.attachment_traction_kpa?.max);
+    /// Volume of the implant \[ml\].
+    ImplantVolumeMl: "implant_volume_ml", "volume of the implant", "Volume", "ml", |of| Some(of.implant_volume_ml);
+    /// Skin that wrinkles: greatest strain / strain at which the skin's curve turns steep \[-\].
+    SkinReserveUsed: "skin_reserve_used", "share of the skin's reserve", "Skin stretch, of its reserve", "", |of| of.skin_reserve_used;
+}
+
+/// Fraction of the skin over the pocket above a strain.
+fn strained(outcome: &Outcome, strain: &str) -> Option<f64> {
+    outcome.strain.as_ref()?.fraction_above.get(strain).copied()
+}
 
 impl Quantity {
-    /// Number of quantities.
-    pub const COUNT: usize = 17;
-
-    /// All quantities.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::GreatestStrain,
-        Self::AreaOver25,
-        Self::AreaOver50,
-        Self::MeanPressureMmhg,
-        Self::GreatestPressureMmhg,
-        Self::MeanPressureKpa,
-        Self::GreatestPressureKpa,
-        Self::ForceN,
-        Self::SkinStressKpa,
-        Self::LeastCoverMm,
-        Self::ApexCoverMm,
-        Self::SkinProjectionMm,
-        Self::SkinAreaGain,
-        Self::SkinAreaGainCm2,
-        Self::AttachmentTractionKpa,
-        Self::ImplantVolumeMl,
-        Self::SkinReserveUsed,
-    ];
-
-    fn words(self) -> Words {
-        match self {
-            Self::GreatestStrain => {
-                Words("greatest_strain", "greatest stretch of the skin", "", 100.0, "%")
-            }
-            Self::AreaOver25 => {
-                Words("area_over_25", "skin stretched by more than 25 %", "", 100.0, "%")
-            }
-            Self::AreaOver50 => {
-                Words("area_over_50", "skin stretched by more than 50 %", "", 100.0, "%")
-            }
-            Self::MeanPressureMmhg => {
-                Words("mean_pressure_mmhg", "mean contact pressure", "mmHg", 1.0, "mmHg")
-            }
-            Self::GreatestPressureMmhg => {
-                Words("greatest_pressure_mmhg", "greatest contact pressure", "mmHg", 1.0, "mmHg")
-            }
-            Self::MeanPressureKpa => {
-                Words("mean_pressure_kpa", "mean contact pressure", "kPa", 1.0, "kPa")
-            }
-            Self::GreatestPressureKpa => {
-                Words("greatest_pressure_kpa", "greatest contact pressure", "kPa", 1.0, "kPa")
-            }
-            Self::ForceN => Words("force_n", "contact force", "N", 1.0, "N"),
-            Self::SkinStressKpa => {
-                Words("skin_stress_kpa", "greatest stress of the skin", "kPa", 1.0, "kPa")
-            }
-            Self::LeastCoverMm => Words("least_cover_mm", "least cover", "mm", 1.0, "mm"),
-            Self::ApexCoverMm => Words("apex_cover_mm", "cover at the apex", "mm", 1.0, "mm"),
-            Self::SkinProjectionMm => {
-                Words("skin_projection_mm", "projection of the skin", "mm", 1.0, "mm")
-            }
-            Self::SkinAreaGain => {
-                Words("skin_area_gain", "area gained by the skin", "", 100.0, "%")
-            }
-            Self::SkinAreaGainCm2 => {
-                Words("skin_area_gain_cm2", "area gained by the skin", "cm²", 1.0, "cm²")
-            }
-            Self::AttachmentTractionKpa => Words(
-                "attachment_traction_kpa",
-                "greatest pull of the attachment",
-                "kPa",
-                1.0,
-                "kPa",
-            ),
-            Self::ImplantVolumeMl => {
-                Words("implant_volume_ml", "volume of the implant", "ml", 1.0, "ml")
-            }
-            Self::SkinReserveUsed => {
-                Words("skin_reserve_used", "share of the skin's reserve", "", 100.0, "%")
-            }
-        }
+    fn row(self) -> &'static Row {
+        &ROWS[self as usize]
     }
 
     /// The name in files and arguments.
     #[must_use]
     pub fn name(self) -> &'static str {
-        self.words().0
+        self.row().name
     }
 
     /// The quantity of a name.
@@ -153,20 +108,28 @@ impl Quantity {
     /// The quantity in words, without its unit.
     #[must_use]
     pub fn label(self) -> &'static str {
-        self.words().1
+        self.row().words
+    }
+
+    /// The name on a screen, in a surgeon's words.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        self.row().title
     }
 
     /// Unit of the values; empty for fractions.
     #[must_use]
     pub fn unit(self) -> &'static str {
-        self.words().2
+        self.row().unit
     }
 
     /// Factor from a value to the displayed number, and the displayed unit: fractions are displayed in %.
     #[must_use]
     pub fn display(self) -> (f64, &'static str) {
-        let Words(.., factor, unit) = self.words();
-        (factor, unit)
+        match self.unit() {
+            "" => (100.0, "%"),
+            unit => (1.0, unit),
+        }
     }
 
     /// The limits with words and sources, if the quantity has any, and the factor from a value to the unit of the limits.
@@ -186,27 +149,7 @@ impl Quantity {
     /// The value in a result; `None` if the result does not contain the quantity.
     #[must_use]
     pub fn of(self, outcome: &Outcome) -> Option<f64> {
-        let fraction = |limit: &str| outcome.strain.as_ref()?.fraction_above.get(limit).copied();
-        let value = match self {
-            Self::GreatestStrain => outcome.strain.as_ref()?.max_principal,
-            Self::AreaOver25 => fraction("0.25")?,
-            Self::AreaOver50 => fraction("0.50")?,
-            Self::MeanPressureMmhg => outcome.contact_pressure_mmhg?.mean,
-            Self::GreatestPressureMmhg => outcome.contact_pressure_mmhg?.max,
-            Self::MeanPressureKpa => outcome.contact_pressure_kpa?.mean,
-            Self::GreatestPressureKpa => outcome.contact_pressure_kpa?.max,
-            Self::ForceN => outcome.contact_force_n?,
-            Self::SkinStressKpa => outcome.layers.first()?.max_stress_kpa?,
-            Self::LeastCoverMm => outcome.cover_mm?.least,
-            Self::ApexCoverMm => outcome.cover_mm?.apex,
-            Self::SkinProjectionMm => outcome.skin_projection_mm?,
-            Self::SkinAreaGain => outcome.area_ratio? - 1.0,
-            Self::SkinAreaGainCm2 => outcome.area_gain_cm2?,
-            Self::AttachmentTractionKpa => outcome.attachment_traction_kpa?.max,
-            Self::ImplantVolumeMl => outcome.implant_volume_ml,
-            Self::SkinReserveUsed => outcome.skin_reserve_used?,
-        };
-        value.is_finite().then_some(value)
+        (self.row().value)(outcome).filter(|value| value.is_finite())
     }
 }
 

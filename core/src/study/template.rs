@@ -2,7 +2,7 @@
 
 use super::parameter::{Parameter, ParameterError, with_values};
 use super::quantity::short;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Field, Scene, SceneError};
 use serde_json::{Number, Value};
 
 /// A scene file in which the columns of a table replace values.
@@ -107,8 +107,8 @@ impl Template {
             let is_wanted = |column: &&Column| column.place == Place::Number(wanted);
             self.columns.iter().find(is_wanted)
         };
-        let width = of(Parameter::BaseWidth).or_else(|| of(Parameter::BaseRadius));
-        match (width, of(Parameter::Projection), of(Parameter::Volume)) {
+        let width = of(Parameter::BaseWidth).or_else(|| of(Parameter::of(Field::BaseRadius)));
+        match (width, of(Parameter::of(Field::Projection)), of(Parameter::Volume)) {
             (Some(width), Some(projection), Some(volume)) => {
                 let names = [width, projection, volume].map(|column| column.name.clone());
                 Err(TemplateError::Overdetermined(names.join(", ")))

@@ -3,72 +3,138 @@
 use super::quantity::short;
 use crate::clinical::spread::{self, Spread};
 use crate::curve::{Curve, CurveSpec, SCALES};
-use crate::scene::{Body, Layer, Scene, field, limits};
+use crate::scene::field::CHEST;
+use crate::scene::{Body, Field, Layer, Scene, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What is not known about a person.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Unknown {
+/// What is common to an unknown of all scenes.
+struct Row {
+    name: &'static str,
+    /// Allowed medians, means and bounds of a distribution.
+    allowed: fn() -> (f64, f64),
+    /// The spread between people; `None` if the unknown does not apply to a scene.
+    spread: fn(&Scene) -> Option<Spread>,
+    /// Sets a sampled value in a scene like the base.
+    apply: fn(&mut Scene, &Scene, f64),
+}
+
+macro_rules! unknowns {
+    ($($(#[$about:meta])+ $unknown:ident: $name:literal, $allowed:expr, $spread:expr, $apply:expr;)+) => {
+        /// What is not known about a person.
+        #[derive(
+            Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+        )]
+        pub enum Unknown {
+            $($(#[$about])+ #[serde(rename = $name)] $unknown,)+
+        }
+
+        const COUNT: usize = [$($name),+].len();
+
+        impl Unknown {
+            /// All unknowns.
+            pub const ALL: [Self; COUNT] = [$(Self::$unknown),+];
+        }
+
+        static ROWS: [Row; COUNT] =
+            [$(Row { name: $name, allowed: || $allowed, spread: $spread, apply: $apply }),+];
+    };
+}
+
+unknowns! {
     /// Thickness of the first layer \[mm\].
-    SkinThickness,
+    SkinThickness: "skin_thickness", Field::Thickness.limits,
+        |_| Some(spread::SKIN_THICKNESS),
+        |scene, _, value| Field::Thickness.set(scene, 0, value);
     /// Factor on the stress scale of the first layer \[-\].
-    SkinStressScale,
+    SkinStressScale: "skin_stress_scale", SCALES,
+        |_| Some(spread::SKIN_STRESS_SCALE),
+        |scene, base, value| Field::StressScale.set(scene, 0, base.layers[0].curve.stress_scale * value);
     /// Strain scale of the skin preset; with a measured or set scale a factor on it \[-\].
-    SkinStrainScale,
+    SkinStrainScale: "skin_strain_scale", SCALES,
+        |scene| match scene.layers.first()?.curve.spec {
+            _ if has_own_scale(scene) => Some(spread::SKIN_STRAIN_SCALE_MEASURED),
+            CurveSpec::Skin {} => Some(spread::SKIN_STRAIN_SCALE),
+            _ => None,
+        },
+        |scene, base, value| {
+            let own = if has_own_scale(base) { base.layers[0].curve.strain_scale } else { 1.0 };
+            Field::StrainScale.set(scene, 0, own * value);
+        };
     /// Initial modulus of the layers named adipose \[kPa\] whose curve is not `fat`, by their stress scale.
-    FatModulus,
+    FatModulus: "fat_modulus", (0.01, 1e4),
+        |scene| scene.layers.iter().any(is_other_fat).then_some(spread::FAT_MODULUS),
+        |scene, base, value| {
+            for (k, base) in layers(base, is_other_fat) {
+                let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
+                if modulus > 0.0 {
+                    Field::StressScale.set(scene, k, base.curve.stress_scale * value / modulus);
+                }
+            }
+        };
     /// Factor on the thickness of the layers below the first \[-\].
-    CoverThickness,
+    CoverThickness: "cover_thickness", SCALES,
+        |scene| (scene.layers.len() > 1).then_some(spread::COVER_THICKNESS),
+        |scene, base, value| {
+            for (k, base) in layers(base, |_| true).skip(1) {
+                Field::Thickness.set(scene, k, base.thickness_mm * value);
+            }
+        };
     /// Added to the radius of the pocket \[mm\].
-    PocketRadius,
+    PocketRadius: "pocket_radius", (-50.0, 50.0),
+        |_| Some(spread::POCKET_RADIUS),
+        |scene, base, value| {
+            // The patch stays, so that all samples of layered tissue have one grid.
+            let least = base.implant.least_pocket_mm();
+            let most = limits::POCKET_RADIUS_MAX_MM;
+            scene.pocket_radius_mm = (base.pocket_radius_mm + value).max(least).min(most);
+            if let Some(body) = &mut scene.body {
+                let (least, _) = Body::patch_range(scene.pocket_radius_mm);
+                body.patch_radius_mm = body.patch_radius_mm.max(least);
+            }
+        };
     /// Relative change of the projection \[-\].
-    Projection,
+    Projection: "projection", (-0.9, 0.9),
+        |_| Some(spread::PROJECTION),
+        |scene, base, value| Field::Projection.set(scene, 0, base.implant.projection_mm * (1.0 + value));
     /// Poisson ratio of all layers \[-\] but those whose curve is `fat`.
-    PoissonRatio,
+    PoissonRatio: "poisson_ratio", Field::PoissonRatio.limits,
+        |scene| scene.layers.iter().any(has_other_curve).then_some(spread::POISSON_RATIO),
+        |scene, base, value| set_ratios(scene, base, has_other_curve, value);
     /// Factor on the stress scale of the layers whose curve is `fat` \[-\].
-    FatStressScale,
+    FatStressScale: "fat_stress_scale", SCALES,
+        |scene| scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_STRESS_SCALE),
+        |scene, base, value| {
+            for (k, base) in layers(base, has_fat_curve) {
+                Field::StressScale.set(scene, k, base.curve.stress_scale * value);
+            }
+        };
     /// Poisson ratio of the layers whose curve is `fat` \[-\].
-    FatPoissonRatio,
+    FatPoissonRatio: "fat_poisson_ratio", Field::PoissonRatio.limits,
+        |scene| scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_POISSON_RATIO),
+        |scene, base, value| set_ratios(scene, base, has_fat_curve, value);
     /// Added to the radius of the chest across \[mm\]; a spherical chest stays one.
-    ChestRadius,
+    ChestRadius: "chest_radius", (-50.0, 50.0),
+        |scene| Field::ChestAcross.value(scene, 0).map(|_| spread::CHEST_RADIUS),
+        |scene, base, value| {
+            let sides = if base.is_sphere() { &CHEST[..] } else { &CHEST[..1] };
+            for field in sides {
+                if let Some(radius) = field.value(base, 0) {
+                    field.set(scene, 0, radius + value);
+                }
+            }
+        };
 }
 
 impl Unknown {
-    /// All unknowns.
-    pub const ALL: [Self; 11] = [
-        Self::SkinThickness,
-        Self::SkinStressScale,
-        Self::SkinStrainScale,
-        Self::FatModulus,
-        Self::CoverThickness,
-        Self::PocketRadius,
-        Self::Projection,
-        Self::PoissonRatio,
-        Self::FatStressScale,
-        Self::FatPoissonRatio,
-        Self::ChestRadius,
-    ];
+    fn row(self) -> &'static Row {
+        &ROWS[self as usize]
+    }
 
     /// The name in files and arguments.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::SkinThickness => "skin_thickness",
-            Self::SkinStressScale => "skin_stress_scale",
-            Self::SkinStrainScale => "skin_strain_scale",
-            Self::FatModulus => "fat_modulus",
-            Self::CoverThickness => "cover_thickness",
-            Self::PocketRadius => "pocket_radius",
-            Self::Projection => "projection",
-            Self::PoissonRatio => "poisson_ratio",
-            Self::FatStressScale => "fat_stress_scale",
-            Self::FatPoissonRatio => "fat_poisson_ratio",
-            Self::ChestRadius => "chest_radius",
-        }
+        self.row().name
     }
 
     /// The unknown of a name.
@@ -85,120 +151,32 @@ impl Unknown {
     /// The spread between people in a scene; `None` if the unknown does not apply to the scene.
     #[must_use]
     pub fn spread(self, scene: &Scene) -> Option<Spread> {
-        let skin = &scene.layers.first()?.curve;
-        match self {
-            Self::SkinThickness => Some(spread::SKIN_THICKNESS),
-            Self::SkinStressScale => Some(spread::SKIN_STRESS_SCALE),
-            Self::SkinStrainScale if has_own_scale(scene) => {
-                Some(spread::SKIN_STRAIN_SCALE_MEASURED)
-            }
-            Self::SkinStrainScale => {
-                (skin.spec == CurveSpec::Skin {}).then_some(spread::SKIN_STRAIN_SCALE)
-            }
-            Self::FatModulus => {
-                scene.layers.iter().any(is_other_fat).then_some(spread::FAT_MODULUS)
-            }
-            Self::CoverThickness => (scene.layers.len() > 1).then_some(spread::COVER_THICKNESS),
-            Self::PocketRadius => Some(spread::POCKET_RADIUS),
-            Self::Projection => Some(spread::PROJECTION),
-            Self::PoissonRatio => {
-                let has_other = !scene.layers.iter().all(has_fat_curve);
-                has_other.then_some(spread::POISSON_RATIO)
-            }
-            Self::FatStressScale => {
-                scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_STRESS_SCALE)
-            }
-            Self::FatPoissonRatio => {
-                scene.layers.iter().any(has_fat_curve).then_some(spread::FAT_POISSON_RATIO)
-            }
-            Self::ChestRadius => field::CHEST_ACROSS.value(scene, 0).map(|_| spread::CHEST_RADIUS),
-        }
+        if scene.layers.is_empty() { None } else { (self.row().spread)(scene) }
     }
 
     /// Allowed medians, means and bounds of a distribution \[unit of the distribution\].
     #[must_use]
     pub fn allowed(self) -> (f64, f64) {
-        match self {
-            Self::SkinThickness => field::THICKNESS.limits,
-            Self::SkinStressScale
-            | Self::SkinStrainScale
-            | Self::CoverThickness
-            | Self::FatStressScale => SCALES,
-            Self::FatModulus => (0.01, 1e4),
-            Self::PocketRadius | Self::ChestRadius => (-50.0, 50.0),
-            Self::Projection => (-0.9, 0.9),
-            Self::PoissonRatio | Self::FatPoissonRatio => field::POISSON_RATIO.limits,
-        }
+        (self.row().allowed)()
     }
 
     /// Sets the sampled value in a scene; values beyond the limits of a scene become the limit.
     pub(super) fn apply(self, scene: &mut Scene, base: &Scene, value: f64) {
-        let of_base = |wanted: fn(&Layer) -> bool| {
-            base.layers.iter().enumerate().filter(move |(_, layer)| wanted(layer))
-        };
-        match self {
-            Self::SkinThickness => field::THICKNESS.set(scene, 0, value),
-            Self::SkinStressScale => {
-                field::STRESS_SCALE.set(scene, 0, base.layers[0].curve.stress_scale * value);
-            }
-            Self::SkinStrainScale => {
-                let own = if has_own_scale(base) { base.layers[0].curve.strain_scale } else { 1.0 };
-                field::STRAIN_SCALE.set(scene, 0, own * value);
-            }
-            Self::FatModulus => {
-                for (k, base) in of_base(is_other_fat) {
-                    let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
-                    if modulus > 0.0 {
-                        let scale = base.curve.stress_scale * value / modulus;
-                        field::STRESS_SCALE.set(scene, k, scale);
-                    }
-                }
-            }
-            Self::CoverThickness => {
-                for (k, base) in base.layers.iter().enumerate().skip(1) {
-                    field::THICKNESS.set(scene, k, base.thickness_mm * value);
-                }
-            }
-            Self::PocketRadius => {
-                // The patch stays, so that all samples of layered tissue have one grid.
-                let least = base.implant.least_pocket_mm();
-                let most = limits::POCKET_RADIUS_MAX_MM;
-                scene.pocket_radius_mm = (base.pocket_radius_mm + value).max(least).min(most);
-                if let Some(body) = &mut scene.body {
-                    let (least, _) = Body::patch_range(scene.pocket_radius_mm);
-                    body.patch_radius_mm = body.patch_radius_mm.max(least);
-                }
-            }
-            Self::Projection => {
-                field::PROJECTION.set(scene, 0, base.implant.projection_mm * (1.0 + value));
-            }
-            Self::PoissonRatio => {
-                for (k, _) in of_base(|layer| !has_fat_curve(layer)) {
-                    field::POISSON_RATIO.set(scene, k, value);
-                }
-            }
-            Self::FatStressScale => {
-                for (k, base) in of_base(has_fat_curve) {
-                    field::STRESS_SCALE.set(scene, k, base.curve.stress_scale * value);
-                }
-            }
-            Self::FatPoissonRatio => {
-                for (k, _) in of_base(has_fat_curve) {
-                    field::POISSON_RATIO.set(scene, k, value);
-                }
-            }
-            Self::ChestRadius => {
-                let across = field::CHEST_ACROSS.value(base, 0);
-                let along = field::CHEST_ALONG.value(base, 0).filter(|_| base.is_sphere());
-                for (field, radius) in [(field::CHEST_ACROSS, across), (field::CHEST_ALONG, along)]
-                {
-                    if let Some(radius) = radius {
-                        field.set(scene, 0, radius + value);
-                    }
-                }
-            }
-        }
+        (self.row().apply)(scene, base, value);
     }
+}
+
+/// The layers of a kind with their indices.
+fn layers(base: &Scene, is_wanted: fn(&Layer) -> bool) -> impl Iterator<Item = (usize, &Layer)> {
+    base.layers.iter().enumerate().filter(move |(_, layer)| is_wanted(layer))
+}
+
+fn set_ratios(scene: &mut Scene, base: &Scene, is_wanted: fn(&Layer) -> bool, value: f64) {
+    layers(base, is_wanted).for_each(|(k, _)| Field::PoissonRatio.set(scene, k, value));
+}
+
+fn has_other_curve(layer: &Layer) -> bool {
+    !has_fat_curve(layer)
 }
 
 fn has_fat_curve(layer: &Layer) -> bool {
@@ -262,6 +240,8 @@ mod tests {
         assert_eq!(across, ChestShape { radius_across_mm: 160.0, ..ChestShape::USUAL });
         let along = curved("chest.radius_along_mm", 300.0);
         assert_eq!(along, ChestShape { radius_along_mm: Some(300.0), ..ChestShape::USUAL });
-        assert!(with_values(&Scene::sheet(), &[(Parameter::ChestAcross, 150.0)]).is_err());
+        assert!(
+            with_values(&Scene::sheet(), &[(Parameter::of(Field::ChestAcross), 150.0)]).is_err()
+        );
     }
 }

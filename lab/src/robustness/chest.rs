@@ -3,7 +3,7 @@
 use super::scenes::{log_uniform, uniform};
 use crate::axisymmetric_layers::Mound;
 use fastrand::Rng;
-use implant_preview_core::scene::{ChestShape, Scene, ThicknessGrid, field, limits};
+use implant_preview_core::scene::{ChestShape, Field, Scene, ThicknessGrid, limits};
 use std::f64::consts::TAU;
 
 /// Radius of a patient's chest across \[mm\], and along \[radii across\].
@@ -58,7 +58,7 @@ pub(super) fn any(rng: &mut Rng, scene: &mut Scene) {
     scene.thickness_field = None;
     if rng.bool() {
         let least = scene.implant.greatest_half_axis_mm();
-        for number in [field::BASE_HEIGHT, field::APEX_SHIFT] {
+        for number in [Field::BaseHeight, Field::ApexShift] {
             number.set(scene, 0, uniform(rng, number.range(scene)));
         }
         let grown = scene.implant.greatest_half_axis_mm() - least;

@@ -9,7 +9,7 @@ use super::{
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{Scene, field};
+use implant_preview_core::scene::{Field, Scene};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
@@ -89,7 +89,7 @@ impl Clinical {
             log_normal(rng, STRAIN_SCALE).clamp(STRAIN_SCALES.0, STRAIN_SCALES.1);
         scene.layers[0].curve.stress_scale = log_normal(rng, FACTOR);
         let fat = &mut scene.layers[1];
-        let (least, most) = field::THICKNESS.limits;
+        let (least, most) = Field::Thickness.limits;
         fat.thickness_mm = (cover - skin).clamp(least, most);
         fat.poisson_ratio = self.fat_poisson_ratio;
         match self.fat_rate {

@@ -4,8 +4,8 @@ use super::scenes::{self, log_uniform, uniform};
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Fat};
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, Implant, Layer, SCENE_SCHEMA_3, Scene, SolverSettings,
-    Springs, TissueModel, field, limits,
+    AttachmentSettings, Body, CellsThrough, Field, Implant, Layer, SCENE_SCHEMA_3, Scene,
+    SolverSettings, Springs, TissueModel, limits,
 };
 use std::f64::consts::TAU;
 
@@ -152,8 +152,8 @@ pub(super) fn body(rng: &mut Rng, scene: &mut Scene) {
         _ => uniform(rng, range),
     };
     let attachment = AttachmentSettings {
-        stiffness_kpa_per_mm: log_uniform(rng, field::ATTACHMENT_STIFFNESS.limits),
-        ramp_mm: log_uniform(rng, field::ATTACHMENT_RAMP.limits),
+        stiffness_kpa_per_mm: log_uniform(rng, Field::AttachmentStiffness.limits),
+        ramp_mm: log_uniform(rng, Field::AttachmentRamp.limits),
     };
     if let Some(body) = &mut scene.body {
         (body.patch_radius_mm, body.attachment) = (patch_radius_mm, attachment);

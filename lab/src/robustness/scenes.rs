@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Interpolation, Section};
 use implant_preview_core::scene::{
-    Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, field, limits,
+    Field, Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, limits,
 };
 use std::f64::consts::TAU;
 
@@ -49,13 +49,13 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
 /// Replaces the scene's dome and pocket by random ones.
 pub(super) fn dome_and_pocket(rng: &mut Rng, scene: &mut Scene) {
     let most = limits::POCKET_RADIUS_MAX_MM;
-    let radius = log_uniform(rng, field::BASE_RADIUS.limits);
-    let (least_projection, most_projection) = field::PROJECTION.limits;
+    let radius = log_uniform(rng, Field::BaseRadius.limits);
+    let (least_projection, most_projection) = Field::Projection.limits;
     let projection = if rng.u8(0..10) < 4 {
         // Aspect ratios of real implants.
         (radius * uniform(rng, (0.39, 1.07))).clamp(least_projection, most_projection)
     } else {
-        log_uniform(rng, field::PROJECTION.limits)
+        log_uniform(rng, Field::Projection.limits)
     };
     let pocket = match rng.u8(0..5) {
         0 => radius,
@@ -103,11 +103,11 @@ pub(super) fn layers(rng: &mut Rng) -> Vec<Layer> {
 fn layer(rng: &mut Rng) -> Layer {
     Layer {
         tissue: if rng.bool() { "skin" } else { "adipose" }.to_owned(),
-        thickness_mm: log_uniform(rng, field::THICKNESS.limits),
+        thickness_mm: log_uniform(rng, Field::Thickness.limits),
         poisson_ratio: match rng.u8(0..6) {
-            0 => field::POISSON_RATIO.limits.0,
-            1 => field::POISSON_RATIO.limits.1,
-            _ => uniform(rng, field::POISSON_RATIO.limits),
+            0 => Field::PoissonRatio.limits.0,
+            1 => Field::PoissonRatio.limits.1,
+            _ => uniform(rng, Field::PoissonRatio.limits),
         },
         curve: curve(rng).into(),
     }

@@ -1,11 +1,12 @@
 //! The chest: flat, usual, round, or by its radii of curvature.
 
-use super::{Hand, centimetres, chip, chips, cm, mm, row};
+use super::{Hand, chip, chips, cm, mm, row};
 use crate::app::texts::tr;
 use crate::app::theme::SPACE_SMALL;
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{self, Control, remark, set_accessible_name};
-use crate::scene::{ChestShape, Scene, field};
+use crate::scene::field::CHEST;
+use crate::scene::{ChestShape, Field, Scene};
 use eframe::egui::{self, Align, Layout, Ui};
 
 /// A choice: its word, its chest (`None`: flat) and what it means.
@@ -38,14 +39,13 @@ pub(super) fn choice(scene: &Scene) -> Option<&'static str> {
 
 /// The chest of a scene in a few words with its radii.
 pub(in crate::app) fn chest_in_words(scene: &Scene) -> String {
-    let radius =
-        |field: &field::Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
-    match (radius(field::CHEST_ACROSS), radius(field::CHEST_ALONG)) {
-        (None, _) if scene.chest_grid.is_some() => tr("from a grid of heights").to_owned(),
-        (None, _) => tr("flat").to_owned(),
-        (Some(across), None) => tr!("radius {across} cm across", across),
-        (Some(across), Some(along)) if across == along => tr!("round, radius {across} cm", across),
-        (Some(across), Some(along)) => {
+    let radius = |field: Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
+    match CHEST.map(radius) {
+        [None, _] if scene.chest_grid.is_some() => tr("from a grid of heights").to_owned(),
+        [None, _] => tr("flat").to_owned(),
+        [Some(across), None] => tr!("radius {across} cm across", across),
+        [Some(across), Some(along)] if across == along => tr!("round, radius {across} cm", across),
+        [Some(across), Some(along)] => {
             tr!("radius {across} cm across, {along} cm along", across, along)
         }
     }
@@ -114,7 +114,7 @@ pub(super) fn radii(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if !is_own(ui, scene) {
         return;
     }
-    for axis in [0, 1] {
+    for axis in 0..CHEST.len() {
         let Some((control, mut radius)) = radius(scene, axis) else {
             continue;
         };
@@ -138,10 +138,7 @@ pub(super) fn radii(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
 
 /// The control of the radius across (0) or along the body (1), and the radius \[cm\]; `None` without one.
 pub(super) fn radius(scene: &Scene, axis: usize) -> Option<(Control<'static>, f64)> {
-    let (field, label) = match axis {
-        0 => (field::CHEST_ACROSS, tr("Radius across")),
-        _ => (field::CHEST_ALONG, tr("Radius along")),
-    };
+    let field = CHEST[axis];
     let value = field.value(scene, 0)?;
     let (least, most) = field.range(scene);
     // Of the limits in a file those that a person may mean; a displayed limit is itself allowed.
@@ -152,18 +149,14 @@ pub(super) fn radius(scene: &Scene, axis: usize) -> Option<(Control<'static>, f6
         allowed: Some(tenth(least).min(cm(value))..=cm(most)),
         limit_reason: tr("the simulated tissue reaches around a smaller radius").to_owned(),
         reset: 14.0,
-        tooltip: tr(
-            "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.",
-        ),
-        ..centimetres(label)
+        ..Control::of(field)
     };
     Some((control, cm(value)))
 }
 
 /// Sets a radius \[cm\].
 pub(super) fn set_radius(scene: &mut Scene, axis: usize, radius: f64) {
-    let field = if axis == 0 { field::CHEST_ACROSS } else { field::CHEST_ALONG };
-    field.set(scene, 0, mm(radius));
+    CHEST[axis].set(scene, 0, mm(radius));
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Round or anatomical implant, or expander: width, volume, projection, of which one follows the other two; profile.
 
-use super::{Choices, Device, Hand, centimetres, chip, chips, cm, mm, row, shape, title};
+use super::{Choices, Device, Hand, chip, chips, cm, mm, row, shape, title};
 use crate::app::texts::{localized, tr};
 use crate::app::theme;
 use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
 use crate::clinical::{Dimension, ProfileClass, Size, limits};
-use crate::scene::Scene;
+use crate::scene::{Field, Scene};
 use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, vec2};
 use std::ops::RangeInclusive;
 
@@ -221,9 +221,9 @@ fn follow_mark(ui: &mut Ui, dimension: Dimension, is_following: bool, hand: Hand
 
 fn label(dimension: Dimension) -> &'static str {
     match dimension {
-        Dimension::BaseWidth => tr("Width"),
+        Dimension::BaseWidth => tr(Field::BaseRadius.label),
         Dimension::Volume => tr("Volume"),
-        Dimension::Projection => tr("Projection"),
+        Dimension::Projection => tr(Field::Projection.label),
     }
 }
 
@@ -249,26 +249,24 @@ pub(super) fn value(size: Size, dimension: Dimension) -> f64 {
 pub(super) fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimension) -> Control<'a> {
     let allowed = allowed(size, dimension, held(dimension, follows));
     let is_following = dimension == follows;
-    let (most_decimals, label) = (if is_following { 1 } else { 6 }, label(dimension));
+    let most_decimals = if is_following { 1 } else { 6 };
     match dimension {
         Dimension::BaseWidth => Control {
             range: 6.0..=20.0,
             allowed: Some(allowed),
             reset: 12.0,
             most_decimals,
-            tooltip: tr("Width of the implant's base. Round implants are 7.8–18 cm wide."),
-            ..centimetres(label)
+            ..Control::of(Field::BaseRadius)
         },
         Dimension::Projection => Control {
             range: 1.0..=9.0,
             allowed: Some(allowed),
             reset: 4.0,
             most_decimals,
-            tooltip: tr("Height of the implant above the chest. Round implants: 2–7.5 cm."),
-            ..centimetres(label)
+            ..Control::of(Field::Projection)
         },
         Dimension::Volume => Control {
-            label,
+            label: label(dimension),
             unit: "ml",
             kind: Kind::Volume,
             range: 50.0..=1000.0,
@@ -348,10 +346,10 @@ fn third(a: Dimension, b: Dimension) -> Dimension {
 /// Allowed values of a dimension \[cm, ml\] with another one held, so that the third is in its limits too.
 fn allowed(size: Size, dimension: Dimension, held: Dimension) -> RangeInclusive<f64> {
     use Dimension::{BaseWidth, Projection, Volume};
-    // Volume [ml] = factor · width² [mm²] · projection [mm].
-    let factor = std::f64::consts::PI / 6000.0 * size.aspect();
     let (width, projection, volume) =
         (size.base_width_mm(), size.projection_mm(), size.volume_ml());
+    // Volume [ml] = factor · width² [mm²] · projection [mm].
+    let factor = volume / (width * width * projection);
     let (widths, projections) = (limits::BASE_WIDTH_MM, limits::PROJECTION_MM);
     let ends = |f: &dyn Fn(f64) -> f64, (a, b): (f64, f64)| {
         let (a, b) = (f(a), f(b));

@@ -30,7 +30,7 @@ pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
 pub(super) use super::device::Device;
 use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
-use super::widgets::{Control, ControlResponse, Kind};
+use super::widgets::{Control, ControlResponse};
 use crate::app::texts::{self, fixed, tr};
 use crate::clinical::Dimension;
 use crate::curve::number;
@@ -137,11 +137,6 @@ fn row(
         Hand::Mouse => control.row(ui, value, trailing),
         Hand::Finger => control.stepper(ui, value, trailing.1),
     }
-}
-
-/// A control of a length \[cm\].
-fn centimetres(label: &str) -> Control<'_> {
-    Control { label, unit: "cm", kind: Kind::Centimetres, step: 0.1, ..Control::default() }
 }
 
 /// The title of a part of the plan, with what `add` puts at the end of its line.

@@ -1,11 +1,11 @@
 //! What was measured on the patient, pinch, skin and chest, and what the measurements become.
 
-use super::{Hand, centimetres, chest, chip, chips, cm, mm, row, title, visit};
+use super::{Hand, chest, chip, chips, cm, mm, row, title, visit};
 use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
-use crate::scene::{Scene, TissueModel};
+use crate::scene::{Field, Scene, TissueModel};
 use eframe::egui::{Id, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
@@ -54,15 +54,7 @@ pub(super) fn pinch_control(scene: &Scene, measured: &Measurements) -> (Control<
     let layers: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
     let (least, most) = limits::PINCH_MM;
     let pinch = cm(measured.pinch_mm.unwrap_or((2.0 * layers).clamp(least, most)));
-    let control = Control {
-        range: 0.5..=6.0,
-        allowed: Some(cm(least)..=cm(most)),
-        reset: 2.0,
-        tooltip: tr(
-            "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.",
-        ),
-        ..centimetres(tr("Pinch"))
-    };
+    let control = Control { reset: 2.0, ..Control::of(Field::Pinch).with_rail(0.5..=6.0) };
     (control, pinch)
 }
 
@@ -161,26 +153,14 @@ fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand)
     let none = |_: &mut Ui| {};
     if let Some(pull) = measured.skin_pull_mm {
         let mut pull = cm(pull);
-        let (least, most) = limits::PULL_MM;
-        let control = Control {
-            range: 1.0..=5.0,
-            allowed: Some(cm(least)..=cm(most)),
-            reset: cm(USUAL_PULL_MM),
-            tooltip: tr("How far a grip of the fingertips lifts the skin in front of the areola."),
-            ..centimetres(tr("Pull"))
-        };
+        let control = Control::of(Field::SkinPull).with_rail(1.0..=5.0);
+        let control = Control { reset: cm(USUAL_PULL_MM), ..control };
         if row(ui, hand, control, &mut pull, (0.0, none)).is_changed {
             measured.skin_pull_mm = Some(mm(pull));
         }
         let mut width = cm(measured.base_width_mm.unwrap_or(120.0));
-        let (least, most) = limits::MEASURED_WIDTH_MM;
-        let control = Control {
-            range: 8.0..=18.0,
-            allowed: Some(cm(least)..=cm(most)),
-            reset: 12.0,
-            tooltip: tr("Measured base width of the breast; the pull depends on it."),
-            ..centimetres(tr("Base width"))
-        };
+        let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);
+        let control = Control { reset: 12.0, ..control };
         if row(ui, hand, control, &mut width, (0.0, none)).is_changed {
             measured.base_width_mm = Some(mm(width));
         }

@@ -1,9 +1,9 @@
 //! The pocket as a margin around the implant.
 
-use super::{Hand, centimetres, cm, mm, row, title};
+use super::{Hand, cm, mm, row, title};
 use crate::app::texts::tr;
 use crate::app::widgets::{Control, quantity};
-use crate::scene::{Scene, limits};
+use crate::scene::{Field, Scene, limits};
 use eframe::egui::{RichText, Ui};
 
 /// Shows the margin of the pocket.
@@ -40,7 +40,8 @@ pub(super) fn margin(scene: &Scene) -> (Control<'static>, f64) {
             "How much wider than the implant the pocket is, all round. Outside of the pocket the tissue \
                   stays attached to the chest wall.",
         ),
-        ..centimetres(tr("Margin"))
+        label: tr("Margin"),
+        ..Control::of(Field::PocketRadius)
     };
     (control, margin)
 }

@@ -2,12 +2,12 @@
 //! pocket would reduce the strain.
 
 use super::Device;
-use super::{Hand, centimetres, cm, mm, title};
+use super::{Hand, cm, mm, title};
 use crate::app::messages::{Notice, Offer};
 use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::widgets::{Control, arrow_keys, keep_press, quantity, set_accessible_name};
-use crate::scene::{Scene, limits};
+use crate::scene::{Field, Scene, limits};
 use eframe::egui::{
     self, Align2, Color32, Key, Modifiers, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle,
     Ui, epaint::EllipseShape, pos2, vec2,
@@ -171,18 +171,6 @@ fn number(ui: &mut Ui, scene: &mut Scene, axis: usize, hand: Hand) -> Option<Not
 
 /// The control of the position along an axis (0: to the side, 1: up), and the position \[cm\].
 pub(super) fn offset(scene: &Scene, axis: usize) -> (Control<'static>, f64) {
-    let (label, tooltip) = [
-        (
-            tr("To the side"),
-            tr(
-                "Offset of the implant from the pocket's centre towards the patient's side (−: the midline).",
-            ),
-        ),
-        (
-            tr("Up"),
-            tr("Offset of the implant from the pocket's centre towards the head (−: the feet)."),
-        ),
-    ][axis];
     let (room, other) = (scene.room_mm(), scene.implant.center_mm[1 - axis]);
     let most = (room * room - other * other).max(0.0).sqrt();
     // A displayed limit is itself allowed.
@@ -195,9 +183,8 @@ pub(super) fn offset(scene: &Scene, axis: usize) -> (Control<'static>, f64) {
         range: -reach..=reach,
         allowed: Some(-reach..=reach),
         limit_reason,
-        tooltip,
         most_decimals: 2,
-        ..centimetres(label)
+        ..Control::of([Field::CenterX, Field::CenterY][axis])
     };
     (control, value)
 }

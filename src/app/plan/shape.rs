@@ -1,11 +1,11 @@
 //! The shape of the implant: round, or anatomical, with a height of its own and a lower apex; sizes keep its proportions.
 
-use super::{Choices, Hand, centimetres, cm, mm, row};
+use super::{Choices, Hand, cm, mm, row};
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::app::widgets::quantity::{format_at_most, significant};
 use crate::clinical::{Dimension, Size, limits};
-use crate::scene::{self, Implant, Scene, field};
+use crate::scene::{self, Field, Implant, Scene};
 use eframe::egui::Ui;
 
 /// Height by width of the base of an implant that becomes anatomical \[-\]. An anatomical implant of 370 ml is 12.5 cm wide, 10.9 cm
@@ -77,7 +77,7 @@ pub(super) fn set_anatomical(scene: &mut Scene, choices: &Choices, is_wanted: bo
         return;
     }
     let width = size.base_width_mm();
-    let (least, most) = field::BASE_HEIGHT.range(scene);
+    let (least, most) = Field::BaseHeight.range(scene);
     let height = if is_wanted { (ASPECT * width).round().clamp(least, most) } else { width };
     let follows = match choices.follows {
         Dimension::Volume => Dimension::Volume,
@@ -119,10 +119,7 @@ pub(super) fn height(scene: &Scene, choices: &Choices) -> Option<(Control<'stati
         limit_reason: tr("half to twice the width, within the limits of the value that follows")
             .to_owned(),
         reset: cm((ASPECT * size.base_width_mm()).round()),
-        tooltip: tr(
-            "Height of the implant's base along the body, from its lower to its upper edge. The value that follows changes with it.",
-        ),
-        ..centimetres(tr("Height"))
+        ..Control::of(Field::BaseHeight)
     };
     Some((control, value))
 }
@@ -130,7 +127,7 @@ pub(super) fn height(scene: &Scene, choices: &Choices) -> Option<(Control<'stati
 /// Heights of the base \[mm\] whose following dimension is in its limits.
 fn heights(scene: &Scene, size: Size, follows: Dimension) -> (f64, f64) {
     let (height, width) = (size.base_height_mm(), size.base_width_mm());
-    let field = field::BASE_HEIGHT;
+    let field = Field::BaseHeight;
     let (mut least, mut most) = field.range(scene);
     match follows {
         Dimension::Volume => {}
@@ -154,14 +151,14 @@ pub(super) fn set_height(scene: &mut Scene, choices: &Choices, height: f64) {
     let size = scene.implant.size().and_then(|s| s.with_base_height(mm(height), choices.follows));
     if let Ok(size) = size {
         set_size(scene, size);
-        field::APEX_SHIFT.set(scene, 0, scene.implant.apex_shift_mm);
+        Field::ApexShift.set(scene, 0, scene.implant.apex_shift_mm);
     }
 }
 
 /// The control of the way of the apex, and the way \[cm\]; `None` for a round implant.
 pub(super) fn apex(scene: &Scene) -> Option<(Control<'static>, f64)> {
     let implant = Some(&scene.implant).filter(|implant| is_anatomical(implant))?;
-    let (_, most) = field::APEX_SHIFT.range(scene);
+    let (_, most) = Field::ApexShift.range(scene);
     let most = cm((10.0 * most + 1e-6).floor() / 10.0);
     let value = cm(implant.apex_shift_mm);
     let control = Control {
@@ -170,17 +167,14 @@ pub(super) fn apex(scene: &Scene) -> Option<(Control<'static>, f64)> {
         limit_reason: tr("the apex stays over the base").to_owned(),
         reset: cm((SHIFT * implant.base_height()).round()),
         most_decimals: 2,
-        tooltip: tr(
-            "How far the implant's highest point is below the middle of its base, towards the feet (−: above it).",
-        ),
-        ..centimetres(tr("Apex lower"))
+        ..Control::of(Field::ApexShift)
     };
     Some((control, value))
 }
 
 /// Sets the way of the apex \[cm\].
 pub(super) fn set_apex(scene: &mut Scene, way: f64) {
-    field::APEX_SHIFT.set(scene, 0, mm(way));
+    Field::ApexShift.set(scene, 0, mm(way));
 }
 
 #[cfg(test)]

@@ -5,28 +5,31 @@ use crate::app::texts::tr;
 use crate::app::widgets::Kind;
 use crate::app::widgets::quantity::{format_at_most, significant};
 use crate::clinical::{self, Size};
-use crate::scene::{Implant, Scene, field, limits};
+use crate::scene::field::{CM, Scale};
+use crate::scene::{Field, Implant, Scene, limits};
 use crate::study::{Axis, Parameter, with_values};
 
 /// The numbers on offer, the usual ones first.
 pub(super) const FIELDS: [Parameter; 16] = [
     Parameter::BaseWidth,
-    Parameter::Projection,
+    Parameter::of(Field::Projection),
     Parameter::Volume,
-    Parameter::BaseHeight,
-    Parameter::ApexShift,
+    Parameter::of(Field::BaseHeight),
+    Parameter::of(Field::ApexShift),
     Parameter::PocketMargin,
-    Parameter::Pinch,
+    Parameter::of(Field::Pinch),
     Parameter::Thickness,
-    Parameter::StrainScale(0),
-    Parameter::StressScale(0),
+    Parameter::of(Field::StrainScale),
+    Parameter::of(Field::StressScale),
     Parameter::PoissonRatio,
-    Parameter::CenterX,
-    Parameter::CenterY,
-    Parameter::Insertion,
-    Parameter::AttachmentStiffness,
-    Parameter::ChestAcross,
+    Parameter::of(Field::CenterX),
+    Parameter::of(Field::CenterY),
+    Parameter::of(Field::Insertion),
+    Parameter::of(Field::AttachmentStiffness),
+    Parameter::of(Field::ChestAcross),
 ];
+
+const VOLUME: Scale = Scale { unit: "ml", factor: 1.0, step: 5.0, decimals: 0 };
 
 /// How an axis is displayed.
 #[derive(Clone, Copy)]
@@ -44,37 +47,31 @@ pub(super) struct Words {
 
 impl Words {
     pub(super) fn of(field: Parameter) -> Self {
-        let new = |name, kind, unit, factor, step, decimals| Self {
+        let (row, _) = field.row();
+        let (name, scale) = match field {
+            Parameter::BaseWidth => (tr(row.label), CM),
+            Parameter::Volume => (tr("Volume"), VOLUME),
+            Parameter::PocketMargin => (tr("Margin of the pocket"), CM),
+            Parameter::Thickness => (tr("Thickness of the cover"), CM),
+            // Words that the heading of a control has on the plan.
+            Parameter::Number(Field::CenterX, _) => (tr("Position, to the side"), CM),
+            Parameter::Number(Field::CenterY, _) => (tr("Position, up"), CM),
+            Parameter::Number(Field::ChestAcross, _) => (tr("Radius of the chest"), CM),
+            Parameter::PoissonRatio | Parameter::Number(..) => (tr(row.label), row.scale),
+        };
+        // A grid may be finer than the steps of a slider.
+        let (step, decimals) = match scale.unit {
+            "cm" | "" => (0.5 * scale.step, scale.decimals + 1),
+            "kPa/mm" => (scale.step, scale.decimals + 1),
+            _ => (scale.step, scale.decimals),
+        };
+        Self {
             name,
-            kind,
-            unit,
-            factor,
+            kind: Kind::of_unit(scale.unit),
+            unit: scale.unit,
+            factor: scale.factor,
             step,
             decimals,
-        };
-        let cm = |name| new(name, Kind::Centimetres, "cm", 0.1, 0.05, 2);
-        let plain = |name| new(name, Kind::Plain, "", 1.0, 0.005, 3);
-        match field {
-            Parameter::BaseWidth => cm(tr("Width")),
-            Parameter::Projection => cm(tr("Projection")),
-            Parameter::Volume => new(tr("Volume"), Kind::Volume, "ml", 1.0, 5.0, 0),
-            Parameter::BaseHeight => cm(tr("Height")),
-            Parameter::ApexShift => cm(tr("Apex lower")),
-            Parameter::PocketMargin => cm(tr("Margin of the pocket")),
-            Parameter::Pinch => cm(tr("Pinch")),
-            Parameter::Thickness => cm(tr("Thickness of the cover")),
-            Parameter::StrainScale(_) => plain(tr("Laxity of the skin")),
-            Parameter::StressScale(_) => plain(tr("Stiffness of the skin")),
-            Parameter::PoissonRatio => plain(tr("Poisson ratio")),
-            Parameter::CenterX => cm(tr("Position, to the side")),
-            Parameter::CenterY => cm(tr("Position, up")),
-            Parameter::Insertion => new(tr("In place"), Kind::Percent, "%", 100.0, 1.0, 0),
-            Parameter::AttachmentStiffness => {
-                new(tr("Attachment stiffness"), Kind::Plain, "kPa/mm", 1.0, 0.1, 2)
-            }
-            Parameter::ChestAcross => cm(tr("Radius of the chest")),
-            // Not on offer.
-            _ => plain(tr("Number")),
         }
     }
 
@@ -130,34 +127,34 @@ pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) 
     let skin = scene.layers.first().map_or(0.0, |skin| skin.thickness_mm);
     let (least, most) = match field {
         Parameter::BaseWidth => around(2.0 * of.base_radius_mm, allowed(field)),
-        Parameter::Projection => around(of.projection_mm, allowed(field)),
+        Parameter::Number(Field::Projection, _) => around(of.projection_mm, allowed(field)),
         // These projections on the base in the middle.
         Parameter::Volume => {
-            let (least, most) = around(of.projection_mm, allowed(Parameter::Projection));
+            let (least, most) = around(of.projection_mm, allowed(Parameter::of(Field::Projection)));
             let round = |projection_mm: f64| {
                 let size = Implant { projection_mm, ..of }.size();
                 (size.map_or(0.0, Size::volume_ml) / 50.0).round().max(1.0) * 50.0
             };
             (round(least), round(most).max(round(least) + 100.0))
         }
-        Parameter::BaseHeight => {
+        Parameter::Number(Field::BaseHeight, _) => {
             let width = Scene { implant: of, ..scene.clone() };
             around(of.base_height(), field.row().0.range(&width))
         }
-        Parameter::ApexShift => (0.0, 0.4 * (0.5 * of.base_height())),
+        Parameter::Number(Field::ApexShift, _) => (0.0, 0.4 * (0.5 * of.base_height())),
         Parameter::PocketMargin => (0.0, 30.0),
-        Parameter::Pinch => (10.0, 50.0),
+        Parameter::Number(Field::Pinch, _) => (10.0, 50.0),
         Parameter::Thickness => ((skin + 2.0).max(4.0), thickness.max(30.0)),
-        Parameter::StrainScale(_) => (0.5, 2.0),
-        Parameter::StressScale(_) => (0.4, 2.5),
+        Parameter::Number(Field::StrainScale, _) => (0.5, 2.0),
+        Parameter::Number(Field::StressScale, _) => (0.4, 2.5),
         Parameter::PoissonRatio => (0.3, 0.49),
-        Parameter::CenterX | Parameter::CenterY => {
+        Parameter::Number(Field::CenterX | Field::CenterY, _) => {
             let room = scene.room_mm().max(5.0);
             (-room, room)
         }
-        Parameter::Insertion => (0.2, 1.0),
-        Parameter::AttachmentStiffness => (0.5, 10.0),
-        Parameter::ChestAcross => {
+        Parameter::Number(Field::Insertion, _) => (0.2, 1.0),
+        Parameter::Number(Field::AttachmentStiffness, _) => (0.5, 10.0),
+        Parameter::Number(Field::ChestAcross, _) => {
             let least = (scene.least_chest_radius_mm(false) / 10.0).ceil() * 10.0;
             (least, (2.0 * least).max(250.0))
         }
@@ -165,7 +162,7 @@ pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) 
     };
     match field.value(scene) {
         // A number that the range determines itself.
-        Some(_) if matches!(field, Parameter::CenterX | Parameter::CenterY) => (least, most),
+        Some(_) if matches!(field.row().0, Field::CenterX | Field::CenterY) => (least, most),
         Some(value) => (least.min(value), most.max(value)),
         None => (least, most),
     }
@@ -177,15 +174,15 @@ pub(super) fn allowed(field: Parameter) -> (f64, f64) {
         Parameter::BaseWidth => clinical::limits::BASE_WIDTH_MM,
         Parameter::Volume => (10.0, 5000.0),
         Parameter::PocketMargin => (0.0, limits::POCKET_RADIUS_MAX_MM),
-        Parameter::Thickness => (0.5, 8.0 * field::THICKNESS.limits.1),
-        Parameter::ChestAcross => (50.0, 10_000.0),
+        Parameter::Thickness => (0.5, 8.0 * Field::Thickness.limits.1),
+        Parameter::Number(Field::ChestAcross, _) => (50.0, 10_000.0),
         _ => field.row().0.limits,
     }
 }
 
 /// Does the number vary in this scene? A sheet has no attachment, a round implant no height, and a pinch may have no effect.
 pub(super) fn applies(field: Parameter, scene: &Scene) -> bool {
-    let is_shape = matches!(field, Parameter::BaseHeight | Parameter::ApexShift);
+    let is_shape = matches!(field.row().0, Field::BaseHeight | Field::ApexShift);
     if is_shape && !is_anatomical(&scene.implant) {
         return false;
     }
@@ -236,7 +233,7 @@ mod tests {
             let axis = axis(field, usual(field, &scene, middle(scene.implant)), 20);
             significant((axis.to - axis.from) / (axis.count - 1) as f64)
         };
-        let fields = [Parameter::BaseWidth, Parameter::Projection, Parameter::Volume];
+        let fields = [Parameter::BaseWidth, Parameter::of(Field::Projection), Parameter::Volume];
         for (step, expected) in fields.map(step).into_iter().zip([2.5, 2.5, 20.0]) {
             assert!((step - expected).abs() < 1e-9, "{step}");
         }
@@ -249,7 +246,7 @@ mod tests {
             scene.implant.base_radius_mm = 0.5 * width;
             scene.implant.projection_mm = projection;
             let of = |field| usual(field, &scene, middle(scene.implant));
-            (of(Parameter::BaseWidth), of(Parameter::Projection))
+            (of(Parameter::BaseWidth), of(Parameter::of(Field::Projection)))
         };
         assert_eq!(ends(120.0, 40.0), ((100.0, 140.0), (20.0, 60.0)));
         assert_eq!(ends(122.4, 42.6), ((100.0, 140.0), (25.0, 65.0)));
@@ -266,13 +263,13 @@ mod tests {
         );
         assert!((words.value(words.display(83.7)) - 83.7).abs() < 1e-9);
         assert_eq!(Words::of(Parameter::PoissonRatio).text(0.45), "0.45");
-        assert_eq!(Words::of(Parameter::Insertion).text(0.35), "35 %");
+        assert_eq!(Words::of(Parameter::of(Field::Insertion)).text(0.35), "35 %");
     }
 
     #[test]
     fn a_sheet_has_no_attachment() {
-        assert!(!applies(Parameter::AttachmentStiffness, &Scene::sheet()));
+        assert!(!applies(Parameter::of(Field::AttachmentStiffness), &Scene::sheet()));
         assert!(applies(Parameter::BaseWidth, &Scene::sheet()));
-        assert!(!applies(Parameter::BaseHeight, &Scene::opening()));
+        assert!(!applies(Parameter::of(Field::BaseHeight), &Scene::opening()));
     }
 }

@@ -74,11 +74,11 @@ impl Range {
         let response = egui::ComboBox::from_id_salt("range quantity")
             .width(if layout == Layout::Wide { 170.0 } else { 150.0 })
             .truncate()
-            .selected_text(readout::name(self.quantity))
+            .selected_text(tr(self.quantity.title()))
             .show_ui(ui, |ui| {
-                for (quantity, name) in readout::QUANTITIES {
+                for quantity in readout::QUANTITIES {
                     if readout::applies(quantity, scene.is_layered())
-                        && choice(ui, self.quantity == quantity, name).clicked()
+                        && choice(ui, self.quantity == quantity, tr(quantity.title())).clicked()
                     {
                         self.quantity = quantity;
                     }

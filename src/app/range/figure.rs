@@ -1,7 +1,7 @@
 //! The chart of the range for the report: that of the screen, drawn once more from the solved map.
 
+use super::Range;
 use super::chart::Chart;
-use super::{Range, readout};
 use crate::app::texts::tr;
 use crate::session::Session;
 use eframe::egui::Ui;
@@ -44,7 +44,7 @@ impl Range {
         Ok(ReportChart {
             title: tr!(
                 "Range of implants: {quantity}",
-                quantity = readout::name(self.quantity).to_lowercase()
+                quantity = tr(self.quantity.title()).to_lowercase()
             ),
             caption: self.caption_in_words(map, ""),
             accuracy: self.accuracy_in_words(map),

@@ -19,12 +19,11 @@ mod shelf;
 
 pub(super) use page::within_text;
 pub(super) use plane::marks;
-pub(super) use readout::name as quantity_name;
 pub(super) use shelf::{Sizes, with_size};
 
 use super::studies::{Driver, Studies};
 use crate::app::texts::tr;
-use crate::scene::{Implant, Scene};
+use crate::scene::{Field, Implant, Scene};
 use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
 use axes::Words;
 use chart::Chart;
@@ -92,7 +91,7 @@ impl Default for Range {
         Self {
             is_open: false,
             across: AxisChoice::of(Parameter::BaseWidth),
-            up: Some(AxisChoice::of(Parameter::Projection)),
+            up: Some(AxisChoice::of(Parameter::of(Field::Projection))),
             middle: None,
             is_fresh: true,
             quantity: Quantity::GreatestStrain,
@@ -271,12 +270,12 @@ mod tests {
     fn axes_that_set_the_same_field_change_places() {
         let scene = Scene::opening();
         let mut range = Range::default();
-        range.set_field(true, Some(Parameter::Projection), &scene);
+        range.set_field(true, Some(Parameter::of(Field::Projection)), &scene);
         assert_eq!(range.up.map(|up| up.field), Some(Parameter::BaseWidth));
         // Volume and projection go together with the width as the third.
         range.set_field(false, Some(Parameter::Volume), &scene);
         assert_eq!(range.axes(&scene).len(), 2);
-        range.set_field(true, Some(Parameter::Pinch), &scene);
+        range.set_field(true, Some(Parameter::of(Field::Pinch)), &scene);
         assert_eq!(range.up.map(|up| up.field), Some(Parameter::Volume));
         range.set_field(false, None, &scene);
         assert_eq!(range.axes(&scene).len(), 1);

@@ -3,7 +3,6 @@
 use super::axes::Words;
 use super::colours::Scale;
 use super::plane::{Plane, marks};
-use super::readout;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::quantity::format_at_most;
@@ -244,7 +243,7 @@ pub(super) fn paint_axes(
         None => {
             let marks = marks(plane.y, count);
             let text = |mark: f64| (mark, format_at_most(mark, 0, 6));
-            let title = format!("{} ({})", readout::name(quantity), drawn.scale.unit);
+            let title = format!("{} ({})", tr(quantity.title()), drawn.scale.unit);
             (marks.into_iter().map(text).collect(), title)
         }
     };

@@ -5,34 +5,28 @@ use crate::app::texts::{fixed, tr, word_of};
 use crate::measure::bands;
 use crate::study::{Map, Parameter, PointStatus, Quantity};
 
-/// The quantities on offer with a surgeon's words, the usual ones first.
-pub(super) const QUANTITIES: [(Quantity, &str); 15] = [
-    (Quantity::GreatestStrain, "Skin stretch"),
-    (Quantity::SkinReserveUsed, "Skin stretch, of its reserve"),
-    (Quantity::GreatestPressureMmhg, "Pressure, greatest"),
-    (Quantity::LeastCoverMm, "Least cover"),
-    (Quantity::SkinAreaGainCm2, "Skin area gained"),
-    (Quantity::SkinProjectionMm, "Height of the breast mound"),
-    (Quantity::ImplantVolumeMl, "Volume"),
-    (Quantity::MeanPressureMmhg, "Pressure, mean"),
-    (Quantity::ApexCoverMm, "Cover over the apex"),
-    (Quantity::SkinAreaGain, "Skin area gained, of the pocket"),
-    (Quantity::AreaOver25, "Skin stretched above 25 %"),
-    (Quantity::AreaOver50, "Skin stretched above 50 %"),
-    (Quantity::SkinStressKpa, "Greatest stress, skin"),
-    (Quantity::ForceN, "Force, vertical"),
-    (Quantity::AttachmentTractionKpa, "Pull at the pocket's edge"),
+/// The quantities on offer, the usual ones first.
+pub(super) const QUANTITIES: [Quantity; 15] = [
+    Quantity::GreatestStrain,
+    Quantity::SkinReserveUsed,
+    Quantity::GreatestPressureMmhg,
+    Quantity::LeastCoverMm,
+    Quantity::SkinAreaGainCm2,
+    Quantity::SkinProjectionMm,
+    Quantity::ImplantVolumeMl,
+    Quantity::MeanPressureMmhg,
+    Quantity::ApexCoverMm,
+    Quantity::SkinAreaGain,
+    Quantity::AreaOver25,
+    Quantity::AreaOver50,
+    Quantity::SkinStressKpa,
+    Quantity::ForceN,
+    Quantity::AttachmentTractionKpa,
 ];
 
 /// What a point of layered tissue without an answer is that was not solved in full: the chart leaves the last method of the
 /// solver out there, which takes seconds.
 const NOT_COMPUTED: &str = "Not computed here: the quick method of the chart has no answer. A click computes this plan in full.";
-
-/// A surgeon's word for a quantity.
-pub(in crate::app) fn name(quantity: Quantity) -> &'static str {
-    let named = QUANTITIES.iter().find(|(known, _)| *known == quantity);
-    tr(named.map_or(quantity.label(), |(_, name)| name))
-}
 
 /// Does a quantity exist in this tissue model?
 pub(super) fn applies(quantity: Quantity, is_layered: bool) -> bool {
@@ -79,13 +73,13 @@ fn lower(words: &str) -> String {
 /// The values of a point, one per line: `first`, then the others in their order. A value between computed points is
 /// marked; a point without an answer has the reason.
 pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<String> {
-    let others = QUANTITIES.iter().map(|(quantity, _)| *quantity).filter(|q| *q != first);
+    let others = QUANTITIES.into_iter().filter(|quantity| *quantity != first);
     let values = std::iter::once(first).chain(others).filter_map(|quantity| {
         let (value, is_solved) = map.displayed(quantity, i, j)?;
         let about = if is_solved { "" } else { tr("about ") };
         let word =
             word(map, quantity, value, (i, j)).map_or_else(String::new, |w| format!(", {w}"));
-        Some(format!("{}: {about}{}{word}", name(quantity), text(quantity, value)))
+        Some(format!("{}: {about}{}{word}", tr(quantity.title()), text(quantity, value)))
     });
     let mut lines: Vec<String> = values.collect();
     let reason = match map.status(i, j) {
@@ -153,7 +147,7 @@ pub(super) fn worst(
     let (quantity, value, (_, word)) = worst;
     let word = quantity.limits(None).map_or(tr(word), |(limits, _)| word_of(limits, word));
     let about = if is_solved { "" } else { tr("about ") };
-    Some((quantity, format!("{}: {about}{}, {word}", name(quantity), text(quantity, value))))
+    Some((quantity, format!("{}: {about}{}, {word}", tr(quantity.title()), text(quantity, value))))
 }
 
 /// A point in few lines: its size, what is missing, the worst of the three cards, the colour's quantity if that is another
@@ -174,7 +168,7 @@ pub(super) fn short(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
         return std::iter::once(size).chain(all.into_iter().take(1)).collect();
     };
     let mut short = vec![size, worst];
-    let start = format!("{}: ", name(first));
+    let start = format!("{}: ", tr(first.title()));
     let of_first = all.into_iter().find(|line| line.starts_with(&start));
     short.extend(of_first.filter(|_| quantity != first));
     short
@@ -264,7 +258,7 @@ mod tests {
         assert_eq!(text(Quantity::GreatestStrain, 0.2149), "21 %");
         assert_eq!(text(Quantity::SkinAreaGainCm2, -0.2), "0 cm²");
         assert_eq!(text(Quantity::LeastCoverMm, 7.25), "7.3 mm");
-        let is_offered = |quantity| QUANTITIES.iter().any(|(q, _)| *q == quantity);
+        let is_offered = |quantity| QUANTITIES.contains(&quantity);
         let kpa = [Quantity::MeanPressureKpa, Quantity::GreatestPressureKpa];
         assert!(Quantity::ALL.into_iter().all(|q| is_offered(q) != kpa.contains(&q)));
     }

@@ -9,7 +9,7 @@ use crate::app::texts::{shown, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Listed, Shelf, ShelfSize};
-use crate::scene::Scene;
+use crate::scene::{Field, Scene};
 use crate::study::{Map, Parameter, with_values};
 use eframe::egui::{self, Color32, Painter, Pos2, RichText, Stroke, Ui};
 
@@ -53,7 +53,8 @@ impl Sizes {
             return;
         }
         let is_size = |parameter| {
-            [Parameter::BaseWidth, Parameter::Projection, Parameter::Volume].contains(&parameter)
+            [Parameter::BaseWidth, Parameter::of(Field::Projection), Parameter::Volume]
+                .contains(&parameter)
         };
         let is_over_sizes =
             map.base().implant.is_round() && map.axes().iter().all(|axis| is_size(axis.field));
@@ -114,7 +115,7 @@ fn words(size: &ShelfSize) -> String {
         Listed::Projection(projection) => {
             tr!(
                 "projection {projection}",
-                projection = Words::of(Parameter::Projection).text(projection)
+                projection = Words::of(Parameter::of(Field::Projection)).text(projection)
             )
         }
         Listed::Volume(volume) => format!("{} ml", format_at_most(volume, 0, 2)),
@@ -125,7 +126,7 @@ fn words(size: &ShelfSize) -> String {
 /// The scene with a size of the shelf, a round one: exactly the listed numbers. The pocket keeps its margin.
 pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
     let listed = match size.listed() {
-        Listed::Projection(projection) => (Parameter::Projection, projection),
+        Listed::Projection(projection) => (Parameter::of(Field::Projection), projection),
         Listed::Volume(volume) => (Parameter::Volume, volume),
     };
     let values = [(Parameter::BaseWidth, size.width_mm()), listed];
@@ -163,7 +164,7 @@ impl Range {
                         }
                         let dome = size.size();
                         ui.label(Words::of(Parameter::BaseWidth).text(size.width_mm()));
-                        ui.label(Words::of(Parameter::Projection).text(dome.projection_mm()));
+                        ui.label(Words::of(Parameter::of(Field::Projection)).text(dome.projection_mm()));
                         ui.label(format!("{:.0} ml", dome.volume_ml()));
                         let remove = ui.small_button("×");
                         set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {name}", name = size.name()));

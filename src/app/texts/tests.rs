@@ -4,9 +4,10 @@ use super::*;
 use crate::app::commands::COMMANDS;
 use crate::clinical::SkinClass;
 use crate::measure::{bands, no_shape};
+use crate::scene::Field;
 use crate::scene::visit::Side;
 use crate::solve::Invalid;
-use crate::study::NOTES;
+use crate::study::{NOTES, Quantity};
 use std::collections::{BTreeSet, HashSet};
 use std::fs;
 use std::path::Path;
@@ -161,6 +162,7 @@ fn the_words_of_other_modules_have_rows() {
         Some(Invalid::NotFound),
         Some(Invalid::NotFinite),
     ];
+    let numbers = Field::ALL.iter().flat_map(|field| [field.label, field.help]);
     let words = bands
         .flat_map(|band| [band.word, band.source])
         .chain(bands::LIMITS.iter().map(|limits| limits.note))
@@ -169,6 +171,9 @@ fn the_words_of_other_modules_have_rows() {
         .chain(Side::ALL.into_iter().flat_map(|side| [side.word(), side.words()]))
         .chain(causes.map(no_shape))
         .chain(NOTES)
+        .chain(numbers)
+        .chain(Field::ALL.iter().map(|field| field.scale.unit).filter(|unit| unit.contains(' ')))
+        .chain(Quantity::ALL.map(Quantity::title))
         .chain([bands::COVER, "skin", "adipose", "muscle"]);
     let missing: BTreeSet<&str> =
         words.filter(|word| !word.is_empty() && spanish(word).is_none()).collect();

@@ -7,6 +7,8 @@ use super::set_accessible_name;
 use crate::app::device::Device;
 use crate::app::texts::tr;
 use crate::app::theme;
+use crate::scene::Field;
+use crate::scene::field::Scale;
 use eframe::egui::{self, Response, RichText, Sense, Ui, vec2};
 use std::ops::RangeInclusive;
 
@@ -58,6 +60,29 @@ impl Default for Control<'_> {
             marks: [None; 3],
             tooltip: "",
         }
+    }
+}
+
+impl Control<'_> {
+    /// The control of a number of the scene, within the limits of every scene.
+    pub(in crate::app) fn of(field: Field) -> Self {
+        let (Scale { unit, factor, step, decimals }, (least, most)) = (field.scale, field.limits);
+        let shown = |value: f64| quantity::significant(factor * value);
+        Self {
+            label: tr(field.label),
+            unit: tr(unit),
+            kind: Kind::of_unit(unit),
+            range: shown(least)..=shown(most),
+            decimals,
+            step,
+            tooltip: tr(field.help),
+            ..Self::default()
+        }
+    }
+
+    /// The control with a rail over other values than the allowed ones.
+    pub(in crate::app) fn with_rail(self, range: RangeInclusive<f64>) -> Self {
+        Self { allowed: Some(self.range), range, ..self }
     }
 }
 

@@ -68,6 +68,18 @@ impl Kind {
         }
     }
 
+    /// The kind of the numbers in a unit of the table of a scene's numbers.
+    pub(in crate::app) fn of_unit(unit: &str) -> Self {
+        match unit {
+            "mm" => Self::Length,
+            "cm" => Self::Centimetres,
+            "ml" => Self::Volume,
+            "kPa" => Self::Stress,
+            unit if unit.starts_with('%') => Self::Percent,
+            _ => Self::Plain,
+        }
+    }
+
     /// Unit of the stored number.
     pub(in crate::app) fn unit(self) -> &'static str {
         self.units()[0].0

@@ -4,7 +4,7 @@ use super::output::{self, File, OutputFolder, springs_name};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
 use crate::export::number;
-use crate::scene::field;
+use crate::scene::Field;
 use crate::springs::Springs;
 use crate::springs::stability::Load;
 use implant_preview_lab::charts::stability_map::{Map, draw};
@@ -43,7 +43,7 @@ pub(super) fn run(folder: &OutputFolder) -> Result<ExitStatus, InputError> {
         (0..=count).map(|k| end * f64::from(k) / f64::from(count)).collect()
     };
     let strains = steps(STRAINS, FULL_STRAIN);
-    let mut poisson_ratios = steps(POISSON_RATIOS, field::POISSON_RATIO.limits.1);
+    let mut poisson_ratios = steps(POISSON_RATIOS, Field::PoissonRatio.limits.1);
     // At ν = 0 every state is neutral, and near ν = 0 the stiffness varies strongly: one more row.
     poisson_ratios.insert(1, 0.5 * poisson_ratios[1]);
     let mapped = map_all(&strains, &poisson_ratios)?;

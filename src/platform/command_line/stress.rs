@@ -3,7 +3,7 @@
 use super::output::{self, File, LineFile, STANDARD};
 use super::stream::{self, End, Progress, ThreadCount};
 use super::{ExitStatus, InputError, in_range, report_panics};
-use crate::scene::{TissueModel, field, limits};
+use crate::scene::{Field, TissueModel, limits};
 use crate::study::many::Many;
 use implant_preview_lab::robustness::clinical::{Clinical, ClinicalCase, ClinicalSummary};
 use implant_preview_lab::robustness::{
@@ -84,7 +84,7 @@ fn most_nodes(text: &str) -> Result<usize, String> {
 }
 
 fn poisson_ratio(text: &str) -> Result<f64, String> {
-    in_range(text, field::POISSON_RATIO.limits.0, field::POISSON_RATIO.limits.1)
+    in_range(text, Field::PoissonRatio.limits.0, Field::PoissonRatio.limits.1)
 }
 
 fn rate(text: &str) -> Result<f64, String> {

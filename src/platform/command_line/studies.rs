@@ -6,7 +6,7 @@ use super::{ExitStatus, InputError, in_range, input};
 use crate::export::number;
 use crate::platform::runner::evaluate;
 use crate::scene::read::{self, Format};
-use crate::scene::{MAX_SCENE_BYTES, Scene, limits};
+use crate::scene::{Field, MAX_SCENE_BYTES, Scene, limits};
 use crate::study::{
     Axis, Bands, BandsSettings, Cases, Job, JobThreads, Map, MapSettings, NOTES, PointStatus,
     Quantity, SAMPLES, Study, Unknown, run as run_study,
@@ -112,7 +112,7 @@ fn default_axes() -> Vec<Axis> {
     let axis = |field, (from, to)| Axis { field, from, to, count: 20 };
     vec![
         axis(Parameter::BaseWidth, TYPICAL_WIDTH_MM),
-        axis(Parameter::Projection, TYPICAL_PROJECTION_MM),
+        axis(Parameter::of(Field::Projection), TYPICAL_PROJECTION_MM),
     ]
 }
 
