@@ -295,7 +295,7 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
         (with(r#""patient":{"pinch_mm":1e999}"#), &["patient.pinch_mm", "number out of range"]),
         (
             with_curve(r#"{"kind":"skin","strain_scale":1e308}"#),
-            &["layers[0].curve: strain_scale is 1e308", "0.05 to 20"],
+            &["layers[0].curve.strain_scale is 1e308", "0.05 to 20"],
         ),
         (with_curve(r#"{"kind":"skin","stress_scale":"1"}"#), &["layers[0].curve.stress_scale"]),
         (with(r#""layers":[{"thickness_mm":null}]"#), &["layers[0].thickness_mm", "null"]),

@@ -194,7 +194,7 @@ fn every_control_and_reading_has_its_name() {
         "no published limit",
         "Pressure on the tissue",
         "Height of the breast mound",
-        "Greatest skin stretch",
+        "Skin stretch",
         "Greatest stress, skin",
         "Greatest stress, fat",
         "Area stretched above 54 %",

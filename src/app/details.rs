@@ -6,7 +6,7 @@ use super::texts::{self, localized, tr};
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
 use super::widgets::{group, remark};
-use crate::measure::{Outcome, Pressure, STRAIN_BANDS};
+use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::study::Quantity;
 use eframe::egui::{self, RichText, Ui};
 
@@ -33,16 +33,12 @@ fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
         let words = |text: &str| device.words(text);
         rows(ui, |ui| {
             row(ui, error, words(tr("Projection of the implant")), outcome.projection_mm, 1, "mm");
-            row(ui, error, tr("Height of the breast mound"), outcome.skin_projection_mm, 1, "mm");
-            band(ui, bands, Quantity::SkinProjectionMm);
+            of(ui, outcome, bands, Quantity::SkinProjectionMm, 1);
             row(ui, error, words(tr("Implant volume")), Some(outcome.implant_volume_ml), 0, "ml");
             row(ui, error, tr("Skin area before"), Some(outcome.area_before_cm2), 1, "cm²");
             row(ui, error, tr("Skin area after"), outcome.area_after_cm2, 1, "cm²");
-            row(ui, error, tr("Skin area gained"), outcome.area_gain_cm2, 1, "cm²");
-            band(ui, bands, Quantity::SkinAreaGainCm2);
-            let gain = outcome.area_ratio.map(|ratio| 100.0 * (ratio - 1.0));
-            row(ui, error, tr("Skin area gained"), gain, 1, "%");
-            band(ui, bands, Quantity::SkinAreaGain);
+            of(ui, outcome, bands, Quantity::SkinAreaGainCm2, 1);
+            of(ui, outcome, bands, Quantity::SkinAreaGain, 1);
         });
         remark(
             ui,
@@ -59,10 +55,8 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
     group(ui, tr("Cover"), |ui| {
         rows(ui, |ui| {
-            row(ui, error, tr("Cover over the apex"), outcome.cover_mm.map(|c| c.apex), 1, "mm");
-            band(ui, bands, Quantity::ApexCoverMm);
-            row(ui, error, tr("Least cover"), outcome.cover_mm.map(|c| c.least), 1, "mm");
-            band(ui, bands, Quantity::LeastCoverMm);
+            of(ui, outcome, bands, Quantity::ApexCoverMm, 1);
+            of(ui, outcome, bands, Quantity::LeastCoverMm, 1);
             for layer in &outcome.layers {
                 let name = tr!("Thinnest {tissue}", tissue = texts::tissue(&layer.tissue));
                 row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
@@ -70,9 +64,7 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
                 - (skin.pocket_after_cm2 - skin.pocket_before_cm2);
             row(ui, error, tr("Skin gained beyond the pocket"), Some(drawn), 1, "cm²");
-            let pull = outcome.attachment_traction_kpa.map(|t| t.max);
-            row(ui, error, tr("Pull at the pocket's edge"), pull, 2, "kPa");
-            band(ui, bands, Quantity::AttachmentTractionKpa);
+            of(ui, outcome, bands, Quantity::AttachmentTractionKpa, 2);
         });
         remark(
             ui,
@@ -88,18 +80,15 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
     group(ui, tr("Contact"), |ui| {
         rows(ui, |ui| {
-            let part = |p: Option<Pressure>, f: fn(Pressure) -> f64| p.map(f);
-            let (kpa, mmhg) = (outcome.contact_pressure_kpa, outcome.contact_pressure_mmhg);
-            row(ui, error, tr("Force, vertical"), outcome.contact_force_n, 2, "N");
-            band(ui, bands, Quantity::ForceN);
-            row(ui, error, tr("Pressure, mean"), part(kpa, |p| p.mean), 2, "kPa");
-            band(ui, bands, Quantity::MeanPressureKpa);
-            row(ui, error, tr("Pressure, mean"), part(mmhg, |p| p.mean), 1, "mmHg");
-            band(ui, bands, Quantity::MeanPressureMmhg);
-            row(ui, error, tr("Pressure, greatest"), part(kpa, |p| p.max), 2, "kPa");
-            band(ui, bands, Quantity::GreatestPressureKpa);
-            row(ui, error, tr("Pressure, greatest"), part(mmhg, |p| p.max), 1, "mmHg");
-            band(ui, bands, Quantity::GreatestPressureMmhg);
+            for (quantity, decimals) in [
+                (Quantity::ForceN, 2),
+                (Quantity::MeanPressureKpa, 2),
+                (Quantity::MeanPressureMmhg, 1),
+                (Quantity::GreatestPressureKpa, 2),
+                (Quantity::GreatestPressureMmhg, 1),
+            ] {
+                of(ui, outcome, bands, quantity, decimals);
+            }
             row(ui, error, tr("Contact angle"), outcome.contact_angle_deg, 1, "°");
             row(
                 ui,
@@ -125,12 +114,9 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
         rows(ui, |ui| {
             row(ui, error, tr("Stretch at the apex"), outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
-                let greatest = strain.max_principal;
-                row(ui, error, tr("Greatest skin stretch"), Some(100.0 * greatest), 1, "%");
-                band(ui, bands, Quantity::GreatestStrain);
-                if let Some(share) = outcome.skin_reserve_used {
-                    row(ui, error, tr("Of the skin's reserve"), Some(100.0 * share), 0, "%");
-                    band(ui, bands, Quantity::SkinReserveUsed);
+                of(ui, outcome, bands, Quantity::GreatestStrain, 1);
+                if outcome.skin_reserve_used.is_some() {
+                    of(ui, outcome, bands, Quantity::SkinReserveUsed, 0);
                 }
                 for (k, limit) in STRAIN_BANDS.into_iter().enumerate() {
                     let key = format!("{limit:.2}");
@@ -167,6 +153,14 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
 
 /// Areas above the limits of [`STRAIN_BANDS`], as far as they have a band.
 const AREAS: [Quantity; 2] = [Quantity::AreaOver25, Quantity::AreaOver50];
+
+/// Shows the row of a quantity of studies with its band.
+fn of(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>, quantity: Quantity, decimals: usize) {
+    let (factor, unit) = quantity.display();
+    let value = quantity.of(outcome).map(|value| factor * value);
+    row(ui, position_error(outcome), tr(quantity.title()), value, decimals, unit);
+    band(ui, bands, quantity);
+}
 
 /// Shows the band of the row above.
 fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {

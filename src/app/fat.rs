@@ -3,7 +3,7 @@
 use super::plan::{Hand, chip, chips};
 use super::texts::tr;
 use super::widgets::{group, remark};
-use crate::curve::{CurveSpec, Fat, ScaledCurve};
+use crate::curve::{CurveSpec, Fat};
 use crate::scene::{Layer, Scene};
 use eframe::egui::Ui;
 
@@ -37,18 +37,18 @@ const CHOICES: [FatChoice; 4] = [
     ),
 ];
 
-/// The layer of a choice.
-fn layer(fat: Option<Fat>) -> Layer {
-    match fat {
+/// A layer with the fat of a choice in its place: all but the thickness.
+fn layer(fat: Option<Fat>, present: &Layer) -> Layer {
+    let usual = match fat {
         Some(variant) => Layer { curve: CurveSpec::Fat { variant }.into(), ..Layer::adipose() },
         None => Layer::paper_adipose(),
-    }
+    };
+    Layer { thickness_mm: present.thickness_mm, ..usual }
 }
 
-/// Has a layer the curve and Poisson ratio of a choice?
+/// Has a layer the fat of a choice?
 fn is_of(present: &Layer, fat: Option<Fat>) -> bool {
-    let Layer { poisson_ratio, curve, .. } = layer(fat);
-    present.curve == curve && (present.poisson_ratio - poisson_ratio).abs() < 1e-9
+    *present == layer(fat, present)
 }
 
 /// The layers of fat: those named adipose below the skin.
@@ -74,14 +74,9 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     });
 }
 
-/// Gives the layers of fat curve and Poisson ratio of a choice; thicknesses stay.
+/// Gives the layers of fat that of a choice; thicknesses stay.
 fn choose(scene: &mut Scene, fat: Option<Fat>) {
-    let Layer { poisson_ratio, curve, .. } = layer(fat);
-    let set = |layer: &mut Layer, curve: &ScaledCurve| {
-        layer.curve.clone_from(curve);
-        layer.poisson_ratio = poisson_ratio;
-    };
-    layers(scene).for_each(|layer| set(layer, &curve));
+    layers(scene).for_each(|present| *present = layer(fat, present));
 }
 
 #[cfg(test)]

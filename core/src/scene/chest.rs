@@ -43,6 +43,21 @@ impl ChestShape {
         if axis == 0 { Some(&mut self.radius_across_mm) } else { self.radius_along_mm.as_mut() }
     }
 
+    /// Sets a number of the chest \[mm\]; a straight chest becomes curved along the body.
+    pub(crate) fn set(&mut self, field: Field, radius_mm: f64) {
+        match field {
+            Field::ChestAcross => self.radius_across_mm = radius_mm,
+            Field::ChestAlong => self.radius_along_mm = Some(radius_mm),
+            _ => {}
+        }
+    }
+
+    /// Least radius of a hollow \[mm\]; infinite without one.
+    pub(super) fn least_hollow_mm(&self) -> f64 {
+        let radii = [Some(self.radius_across_mm), self.radius_along_mm].into_iter().flatten();
+        radii.filter(|radius| *radius < 0.0).fold(f64::INFINITY, |a, b| a.min(-b))
+    }
+
     fn wall(&self) -> Chest {
         let along_mm = self.radius_along_mm.unwrap_or(f64::INFINITY);
         Chest::Curved { across_mm: self.radius_across_mm, along_mm }
@@ -91,9 +106,9 @@ impl Scene {
         if is_hollow { least.max(LEAST_OF_TISSUE * self.tissue_mm()) } else { least }
     }
 
-    /// Range of a radius of the sign of `radius_mm` \[mm\].
-    pub(super) fn chest_range(&self, radius_mm: f64) -> (f64, f64) {
-        let is_hollow = radius_mm < 0.0;
+    /// Range of a number of the chest, of the sign of its value \[mm\].
+    pub(super) fn chest_range(&self, field: Field) -> (f64, f64) {
+        let is_hollow = field.value(self, 0).is_some_and(|radius| radius < 0.0);
         let (least, most) = (self.least_chest_radius_mm(is_hollow), Field::ChestAcross.limits.1);
         if is_hollow { (-most, -least) } else { (least, most) }
     }
@@ -101,12 +116,10 @@ impl Scene {
     /// What a result says about a base beyond the pocket, whose radius is a length along the wall.
     pub(crate) fn pocket_warning(&self, wall: &Chest) -> Option<String> {
         const DIRECTIONS: usize = 64;
-        let implant = &self.implant;
-        let half_axes = DVec2::new(implant.base_radius_mm, 0.5 * implant.base_height());
         let is_within_base = |k: usize| {
             let way = DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64);
             let (edge, _) = wall.foot_and_normal(way * self.pocket_radius_mm);
-            ((edge.truncate() - DVec2::from(implant.center_mm)) / half_axes).length() < 1.0
+            self.implant.covers(edge.truncate())
         };
         let is_beyond = !matches!(wall, Chest::Flat) && (0..DIRECTIONS).any(is_within_base);
         is_beyond.then(|| BEYOND_POCKET.to_owned())
@@ -145,7 +158,7 @@ impl Scene {
             let Some(radius) = field.value(self, 0) else {
                 continue;
             };
-            let (least, most) = self.chest_range(radius);
+            let (least, most) = self.chest_range(field);
             if !(least..=most).contains(&radius) {
                 let [outwards, hollow] = [false, true].map(|is| self.least_chest_radius_mm(is));
                 let up = |least: f64| number((10.0 * least).ceil() / 10.0);

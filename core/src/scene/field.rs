@@ -260,7 +260,7 @@ impl Field {
                 let most = 0.5 * MAX_APEX_SHIFT * scene.implant.base_height();
                 (-most, most)
             }
-            Part::Chest => scene.chest_range(self.value(scene, 0).unwrap_or_default()),
+            Part::Chest => scene.chest_range(self),
             _ => self.row().limits,
         }
     }

@@ -126,6 +126,13 @@ impl Layer {
         }
     }
 
+    /// Does nothing but the name of the tissue differ?
+    pub(super) fn same_physics(&self, other: &Self) -> bool {
+        let Self { tissue: _, thickness_mm, poisson_ratio, curve } = self;
+        (*thickness_mm, *poisson_ratio) == (other.thickness_mm, other.poisson_ratio)
+            && *curve == other.curve
+    }
+
     /// The first scale of the curve that differs from 1, as a path in the layer.
     pub(super) fn scale(&self) -> Option<&'static str> {
         let curve = &self.curve;

@@ -39,6 +39,7 @@ use error::{check_words, one_line, out_of_range, problem};
 pub use field::Field;
 use field::Part;
 use file::{SceneFile, full_insertion, newest_schema};
+use glam::DVec2;
 use layer::default_layers;
 pub use layer::{Layer, tissue_in_words};
 pub use patient::Patient;
@@ -188,6 +189,12 @@ impl Implant {
     #[must_use]
     pub fn least_pocket_mm(&self) -> f64 {
         self.greatest_half_axis_mm() + self.center_mm[0].hypot(self.center_mm[1])
+    }
+
+    /// Does the base cover a place over the plane, from the pocket's centre \[mm\]?
+    pub(crate) fn covers(&self, place: DVec2) -> bool {
+        let half_axes = DVec2::new(self.base_radius_mm, 0.5 * self.base_height());
+        ((place - DVec2::from(self.center_mm)) / half_axes).length() < 1.0
     }
 
     /// Sets the base radius \[mm\]; an anatomical implant keeps its proportions.
@@ -460,16 +467,11 @@ impl Scene {
             let wrinkles = scene.skin_wrinkles();
             (implant.in_few_words(), *pocket_radius_mm, body, *insertion, *springs, grid, wrinkles)
         };
-        let layer = |layer: &Layer, other: &Layer| {
-            let Layer { tissue: _, thickness_mm, poisson_ratio, curve } = layer;
-            (*thickness_mm, *poisson_ratio) == (other.thickness_mm, other.poisson_ratio)
-                && *curve == other.curve
-        };
         of(self) == of(other)
             && (self.chest, &self.chest_grid) == (other.chest, &other.chest_grid)
             && self.thickness_field == other.thickness_field
             && self.layers.len() == other.layers.len()
-            && self.layers.iter().zip(&other.layers).all(|(a, b)| layer(a, b))
+            && self.layers.iter().zip(&other.layers).all(|(a, b)| a.same_physics(b))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Repairs a scene whose implant does not fit into its pocket, or whose tissue does not fit onto its chest, after an edit, and
 //! reports the change.
 
-use super::{Body, Field, Scene, field, limits};
+use super::{Body, Field, Implant, Scene, field, limits};
 
 /// The change that made the scene valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,9 @@ impl Scene {
     /// enough. Makes a chest flatter that is too curved for the tissue.
     pub fn repair(&mut self) -> Option<Repair> {
         let mut repair = None;
-        if !self.implant.is_round() {
+        // A round base has no height of its own to move.
+        let Implant { base_height_mm, apex_shift_mm, .. } = self.implant;
+        if base_height_mm.is_some() || apex_shift_mm != 0.0 {
             for number in [Field::BaseHeight, Field::ApexShift] {
                 number.set(self, 0, number.value(self, 0).unwrap_or_default());
             }

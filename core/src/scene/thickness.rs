@@ -61,8 +61,7 @@ impl Scene {
     /// Checks that the solids, thickened by a factor at most, leave cells in a hollow.
     fn check_hollow(&self, factor: f64) -> Result<(), SceneError> {
         let Some(chest) = &self.chest else { return Ok(()) };
-        let radii = [0, 1].into_iter().filter_map(|axis| chest.radius(axis));
-        let least = radii.filter(|radius| *radius < 0.0).fold(f64::INFINITY, |a, b| a.min(-b));
+        let least = chest.least_hollow_mm();
         let skin = self.layers[0].thickness_mm;
         let most =
             (least / LEAST_OF_TISSUE - skin) / (self.tissue_mm() - skin).max(f64::MIN_POSITIVE);

@@ -4,8 +4,8 @@ use super::contour::Path;
 use super::map::{Map, PointStatus};
 use super::map_levels::round_levels;
 use super::{Parameter, Quantity};
-use crate::clinical::{Size, typical_sizes};
-use crate::scene::Field;
+use crate::clinical::{Dimension, Size, typical_sizes};
+use crate::scene::{Field, Implant};
 
 impl Map {
     /// The value to display at a point, and whether the value is solved. The value of a waiting point is interpolated
@@ -84,9 +84,10 @@ impl Map {
         const POINTS: usize = 101;
         let (Some(factor), [x, y]) = (self.widths(), &self.axes[..]) else { return Vec::new() };
         let (low, high) = (y.from.min(y.to), y.from.max(y.to));
-        let aspect = self.base().implant.size().map_or(1.0, Size::aspect);
-        let size = |x: f64, y: f64| {
-            Some(Size::of_width_and_projection(factor * x, y).ok()?.with_aspect(aspect))
+        let size = |x: f64, projection_mm: f64| {
+            let mut implant = Implant { projection_mm, ..self.base().implant };
+            implant.set_base_radius(0.5 * factor * x);
+            implant.size().ok()
         };
         let volume = |x: f64, y: f64| size(x, y).map_or(f64::NAN, Size::volume_ml);
         let least = volume(x.from.min(x.to), low);
@@ -94,10 +95,8 @@ impl Map {
         let line = |volume: f64| -> Path {
             let xs = (0..POINTS).map(|k| x.from + (x.to - x.from) * k as f64 / (POINTS - 1) as f64);
             let of = |x: f64| {
-                Some((
-                    x,
-                    Size::of_width_and_volume(factor * x, volume / aspect).ok()?.projection_mm(),
-                ))
+                let size = size(x, low)?.changed(Dimension::Volume, volume, Dimension::BaseWidth);
+                Some((x, size.ok()?.projection_mm()))
             };
             xs.filter_map(of).filter(|(_, y)| (low..=high).contains(y)).collect()
         };

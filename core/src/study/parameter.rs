@@ -347,13 +347,10 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             }
             scene.layers.iter_mut().skip(1).for_each(|layer| layer.thickness_mm *= factor);
         }
-        Parameter::Number(field @ (Field::ChestAcross | Field::ChestAlong), _) => {
+        // The usual chest in place of a flat one.
+        Parameter::Number(field, _) if field.part == Part::Chest => {
             let mut chest = scene.chest.unwrap_or(ChestShape::USUAL);
-            if field == Field::ChestAcross {
-                chest.radius_across_mm = value;
-            } else {
-                chest.radius_along_mm = Some(value);
-            }
+            chest.set(field, value);
             scene.set_chest(Some(chest));
         }
         Parameter::PoissonRatio => {

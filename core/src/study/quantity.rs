@@ -105,6 +105,18 @@ impl Quantity {
         })
     }
 
+    /// Does layered tissue alone have the quantity?
+    #[must_use]
+    pub fn is_of_layers(self) -> bool {
+        matches!(
+            self,
+            Self::LeastCoverMm
+                | Self::ApexCoverMm
+                | Self::AttachmentTractionKpa
+                | Self::SkinReserveUsed
+        )
+    }
+
     /// The quantity in words, without its unit.
     #[must_use]
     pub fn label(self) -> &'static str {

@@ -5,97 +5,81 @@ use crate::app::differing;
 use crate::app::texts::{fixed, tr, word_of};
 use crate::app::theme::SPACE_SMALL;
 use crate::measure::{Outcome, Status, bands};
-use crate::scene::Scene;
+use crate::scene::{Field, Scene};
 use crate::session::{Pin, Session};
-use crate::study::{Quantity, Samples};
+use crate::study::{Parameter, Quantity, Samples};
 use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 
-/// A row: a quantity of a scene and its result.
+/// A row: a number of the plan or a quantity of its result.
 struct Row {
     name: &'static str,
     unit: &'static str,
     decimals: usize,
-    /// The quantity of a study with the same value; none for what is given.
-    quantity: Option<Quantity>,
-    value: fn(&Scene, &Outcome) -> Option<f64>,
+    value: Value,
     /// The word of a result, that of the cards.
     word: Option<fn(&Outcome) -> Option<&'static str>>,
 }
 
+/// The value of a row.
+enum Value {
+    /// Given, in the unit of the row.
+    Plan(fn(&Scene) -> Option<f64>),
+    /// A quantity of studies, which may have a band.
+    Result(Quantity),
+}
+
 const ROWS: [Row; 11] = [
-    Row::new("Width", "cm", 1, None, |scene, _| Some(0.2 * scene.implant.base_radius_mm)),
-    Row::new("Volume", "ml", 0, None, |_, outcome| Some(outcome.implant_volume_ml)),
-    Row::new("Projection", "cm", 1, None, |scene, _| Some(0.1 * scene.implant.projection_mm)),
+    Row::new("Width", "cm", 1, Value::Plan(|scene| Field::BaseRadius.shown(scene))),
+    Row::new("Volume", "ml", 0, Value::Plan(|scene| Parameter::Volume.value(scene))),
+    Row::new("Projection", "cm", 1, Value::Plan(|scene| Field::Projection.shown(scene))),
     Row {
         word: Some(|outcome| {
             let strain = outcome.strain.as_ref()?.max_principal;
             Some(tr(bands::stretch(strain, outcome.skin_reserve_used).1))
         }),
-        ..Row::new("Most stretch", "%", 0, Some(Quantity::GreatestStrain), |_, outcome| {
-            Some(100.0 * outcome.strain.as_ref()?.max_principal)
-        })
+        ..Row::new("Most stretch", "%", 0, Value::Result(Quantity::GreatestStrain))
     },
-    Row::new("Reserve used", "%", 0, Some(Quantity::SkinReserveUsed), |_, outcome| {
-        Some(100.0 * outcome.skin_reserve_used?)
-    }),
+    Row::new("Reserve used", "%", 0, Value::Result(Quantity::SkinReserveUsed)),
     Row {
         word: Some(|outcome| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
-        ..Row::new("Least cover", "mm", 1, Some(Quantity::LeastCoverMm), |_, outcome| {
-            Some(outcome.cover_mm?.least)
-        })
+        ..Row::new("Least cover", "mm", 1, Value::Result(Quantity::LeastCoverMm))
     },
-    Row::new("Cover at the top", "mm", 1, Some(Quantity::ApexCoverMm), |_, outcome| {
-        Some(outcome.cover_mm?.apex)
-    }),
-    Row::new("Mean pressure", "mmHg", 0, Some(Quantity::MeanPressureMmhg), |_, outcome| {
-        Some(outcome.contact_pressure_mmhg?.mean)
-    }),
+    Row::new("Cover at the top", "mm", 1, Value::Result(Quantity::ApexCoverMm)),
+    Row::new("Mean pressure", "mmHg", 0, Value::Result(Quantity::MeanPressureMmhg)),
     Row {
         word: Some(|outcome| {
             let mmhg = outcome.contact_pressure_mmhg?.max;
             Some(word_of(&bands::PRESSURE, bands::pressure_word(mmhg)))
         }),
-        ..Row::new(
-            "Most pressure",
-            "mmHg",
-            0,
-            Some(Quantity::GreatestPressureMmhg),
-            |_, outcome| Some(outcome.contact_pressure_mmhg?.max),
-        )
+        ..Row::new("Most pressure", "mmHg", 0, Value::Result(Quantity::GreatestPressureMmhg))
     },
-    Row::new("Skin gained", "cm²", 0, Some(Quantity::SkinAreaGainCm2), |_, outcome| {
-        outcome.area_gain_cm2
-    }),
-    Row::new("Mound height", "mm", 1, Some(Quantity::SkinProjectionMm), |_, outcome| {
-        outcome.skin_projection_mm
-    }),
+    Row::new("Skin gained", "cm²", 0, Value::Result(Quantity::SkinAreaGainCm2)),
+    Row::new("Mound height", "mm", 1, Value::Result(Quantity::SkinProjectionMm)),
 ];
 
 /// The rows in sight: the size and the figures of the answer.
 const FIRST: [&str; 4] = ["Volume", "Most stretch", "Least cover", "Most pressure"];
 
 impl Row {
-    const fn new(
-        name: &'static str,
-        unit: &'static str,
-        decimals: usize,
-        quantity: Option<Quantity>,
-        value: fn(&Scene, &Outcome) -> Option<f64>,
-    ) -> Self {
-        Self { name, unit, decimals, quantity, value, word: None }
+    const fn new(name: &'static str, unit: &'static str, decimals: usize, value: Value) -> Self {
+        Self { name, unit, decimals, value, word: None }
     }
 
     /// The value of a converged result.
     fn of(&self, scene: &Scene, outcome: Option<&Outcome>) -> Option<Entry> {
         let outcome = outcome.filter(|outcome| outcome.status == Status::Converged)?;
-        let value = (self.value)(scene, outcome)?;
+        let value = match self.value {
+            Value::Plan(value) => value(scene)?,
+            Value::Result(quantity) => quantity.display().0 * quantity.of(outcome)?,
+        };
         let word = self.word.and_then(|word| word(outcome));
         Some(Entry { value, error: position_error(outcome), word })
     }
 
     /// The band of a sampled scene, or of its differences from another one, in the unit of the row.
     fn band(&self, samples: Option<&Samples>, less: Option<&Samples>) -> Option<[f64; 2]> {
-        let (samples, quantity) = (samples?, self.quantity?);
+        let (samples, Value::Result(quantity)) = (samples?, &self.value) else { return None };
+        let quantity = *quantity;
         let [low, _, high] = match less {
             Some(other) => samples.difference(other, quantity)?,
             None => samples.band(quantity)?,

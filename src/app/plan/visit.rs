@@ -17,9 +17,9 @@ const NAMES: f32 = 68.0;
 /// The choice of no side, and the name of the date.
 const NOT_SAID: &str = "not said";
 const DATE_NAME: &str = "Date of the visit";
-/// A date as it may be typed, in words.
 /// A right breast is the mirror image of every picture.
 const AS_LEFT: &str = "The pictures are those of a left breast; a right one is the mirror image.";
+/// A date as it may be typed, in words.
 const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;

@@ -158,7 +158,7 @@ pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) 
             let least = (scene.least_chest_radius_mm(false) / 10.0).ceil() * 10.0;
             (least, (2.0 * least).max(250.0))
         }
-        _ => (0.0, 1.0),
+        Parameter::Number(number, _) => number.limits,
     };
     match field.value(scene) {
         // A number that the range determines itself.

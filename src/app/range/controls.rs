@@ -76,7 +76,7 @@ impl Range {
             .truncate()
             .selected_text(tr(self.quantity.title()))
             .show_ui(ui, |ui| {
-                for quantity in readout::QUANTITIES {
+                for quantity in readout::quantities() {
                     if readout::applies(quantity, scene.is_layered())
                         && choice(ui, self.quantity == quantity, tr(quantity.title())).clicked()
                     {

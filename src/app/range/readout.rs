@@ -5,8 +5,8 @@ use crate::app::texts::{fixed, tr, word_of};
 use crate::measure::bands;
 use crate::study::{Map, Parameter, PointStatus, Quantity};
 
-/// The quantities on offer, the usual ones first.
-pub(super) const QUANTITIES: [Quantity; 15] = [
+/// The usual quantities, first on offer.
+const USUAL: [Quantity; 8] = [
     Quantity::GreatestStrain,
     Quantity::SkinReserveUsed,
     Quantity::GreatestPressureMmhg,
@@ -15,14 +15,15 @@ pub(super) const QUANTITIES: [Quantity; 15] = [
     Quantity::SkinProjectionMm,
     Quantity::ImplantVolumeMl,
     Quantity::MeanPressureMmhg,
-    Quantity::ApexCoverMm,
-    Quantity::SkinAreaGain,
-    Quantity::AreaOver25,
-    Quantity::AreaOver50,
-    Quantity::SkinStressKpa,
-    Quantity::ForceN,
-    Quantity::AttachmentTractionKpa,
 ];
+
+/// The quantities on offer, the usual ones first: all but those that another unit repeats.
+pub(super) fn quantities() -> impl Iterator<Item = Quantity> {
+    let repeated = [Quantity::MeanPressureKpa, Quantity::GreatestPressureKpa];
+    let is_further =
+        move |quantity: &Quantity| ![&USUAL[..], &repeated].concat().contains(quantity);
+    USUAL.into_iter().chain(Quantity::ALL.into_iter().filter(is_further))
+}
 
 /// What a point of layered tissue without an answer is that was not solved in full: the chart leaves the last method of the
 /// solver out there, which takes seconds.
@@ -30,13 +31,7 @@ const NOT_COMPUTED: &str = "Not computed here: the quick method of the chart has
 
 /// Does a quantity exist in this tissue model?
 pub(super) fn applies(quantity: Quantity, is_layered: bool) -> bool {
-    let of_layers = [
-        Quantity::LeastCoverMm,
-        Quantity::ApexCoverMm,
-        Quantity::AttachmentTractionKpa,
-        Quantity::SkinReserveUsed,
-    ];
-    is_layered || !of_layers.contains(&quantity)
+    is_layered || !quantity.is_of_layers()
 }
 
 /// A value of a quantity with its unit, as "21 %".
@@ -73,7 +68,7 @@ fn lower(words: &str) -> String {
 /// The values of a point, one per line: `first`, then the others in their order. A value between computed points is
 /// marked; a point without an answer has the reason.
 pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<String> {
-    let others = QUANTITIES.into_iter().filter(|quantity| *quantity != first);
+    let others = quantities().filter(|quantity| *quantity != first);
     let values = std::iter::once(first).chain(others).filter_map(|quantity| {
         let (value, is_solved) = map.displayed(quantity, i, j)?;
         let about = if is_solved { "" } else { tr("about ") };
@@ -188,6 +183,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
     use crate::study::{Axis, Case, Cases, MapSettings, Study, evaluate};
+    use std::collections::BTreeSet;
 
     fn map() -> Map {
         let axes = ["base_width_mm=100:140:3", "projection_mm=30:50:3"];
@@ -215,7 +211,7 @@ mod tests {
         assert_eq!(shown[0], format!("Skin stretch: {:.0} %, usual", 100.0 * strain));
         let cover = map.value(Quantity::LeastCoverMm, 0, 0).unwrap();
         assert!(shown.contains(&format!("Least cover: {cover:.1} mm")), "{shown:?}");
-        assert_eq!(shown.len(), QUANTITIES.len());
+        assert_eq!(shown.len(), quantities().count());
         // Another quantity comes first on request.
         let force = map.value(Quantity::ForceN, 0, 0).unwrap();
         assert_eq!(
@@ -258,8 +254,7 @@ mod tests {
         assert_eq!(text(Quantity::GreatestStrain, 0.2149), "21 %");
         assert_eq!(text(Quantity::SkinAreaGainCm2, -0.2), "0 cm²");
         assert_eq!(text(Quantity::LeastCoverMm, 7.25), "7.3 mm");
-        let is_offered = |quantity| QUANTITIES.contains(&quantity);
-        let kpa = [Quantity::MeanPressureKpa, Quantity::GreatestPressureKpa];
-        assert!(Quantity::ALL.into_iter().all(|q| is_offered(q) != kpa.contains(&q)));
+        let offered: BTreeSet<Quantity> = quantities().collect();
+        assert_eq!((offered.len(), quantities().count()), (Quantity::COUNT - 2, offered.len()));
     }
 }

@@ -3,12 +3,13 @@
 //! The gradient is that at the middle of the bilinear cell. A cell with a corner outside of the patch is half of a
 //! parallelogram: the fourth corner is the linear continuation of the other three.
 
+use super::LaneLaw;
 use super::cell;
 use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, Modes, modes, on_faces};
 use super::shape::{Even, Own, RestShape};
 use super::sides::{Oblique, Skew};
-use super::stiffness::{CORNERS, CellStiffness, LaneLaw};
+use super::stiffness::{CORNERS, CellStiffness};
 use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
 use crate::mesh::{CellKind, Sheet};

@@ -1,21 +1,19 @@
 //! The layered body in f64: energy and forces of all nodes, from the same laws and cells as `lanes`.
 
-use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell;
-use super::curve_law::CurveLaw;
 use super::lanes::{is_in_ring, is_large};
 use super::law::Matrix;
 use super::modes::{Corners, Modes, modes, on_faces};
 use super::shape::Plain;
 use super::sides::{self, Oblique, Sides, Skew};
 use super::variation::Variation;
+use super::{ExactLaw, LayeredLaw};
 use crate::mesh::part::Part;
 use crate::mesh::vec3::sub;
 use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
 use crate::model::membrane::assembly;
-use crate::springs::table::Table;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
@@ -143,7 +141,7 @@ pub(super) struct Element<'a> {
     pub(super) cell: BorderCell,
     pub(super) layer: usize,
     solid: usize,
-    pub(super) law: &'a CurveLaw<f64, Table>,
+    pub(super) law: &'a ExactLaw,
     pub(super) shape: CellShape,
     /// Parity of the four points; `None`: one point.
     pub(super) parity: Option<f64>,

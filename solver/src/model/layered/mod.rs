@@ -21,15 +21,21 @@ mod variation;
 
 use super::membrane::law::SheetLaw;
 use crate::springs::Material;
-use crate::springs::table::Table;
+use crate::springs::table::{Buckets, Table};
 use curve_law::CurveLaw;
+use wide::f32x4;
+
+/// The law of a layer of cells in f64.
+pub(crate) type ExactLaw = CurveLaw<f64, Table>;
+/// The law of a layer of cells in f32 lanes.
+type LaneLaw = CurveLaw<f32x4, Buckets<f32x4>>;
 
 /// The laws of the layers.
 #[derive(Clone, Debug)]
 pub struct LayeredLaw {
     pub skin: SheetLaw,
     /// From the inner face outwards.
-    pub solids: Vec<CurveLaw<f64, Table>>,
+    pub solids: Vec<ExactLaw>,
 }
 
 impl LayeredLaw {

@@ -6,18 +6,14 @@
 //!
 //! where a negative bend is bounded.
 
+use super::LaneLaw;
 use super::cell;
-use super::curve_law::CurveLaw;
 use super::law::{Curvature, Deformed, Isochoric, Matrix, SolidLaw, Volume, combined};
 use super::modes::Modes;
 use super::shape::RestShape;
 use super::sides::Sides;
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
-use crate::springs::table::Buckets;
 use wide::f32x4;
-
-/// The law of a layer of cells.
-pub(super) type LaneLaw = CurveLaw<f32x4, Buckets<f32x4>>;
 
 /// Column and row of the corners, counter-clockwise.
 pub(super) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];

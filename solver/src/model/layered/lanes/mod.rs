@@ -8,13 +8,12 @@ mod blocks;
 mod forces;
 mod shapes;
 
-use super::LayeredLaw;
 use super::border::{Border, Four};
 use super::cell;
 use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
-use super::stiffness::LaneLaw;
+use super::{LaneLaw, LayeredLaw};
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
 use crate::mesh::vec3::dot;
 use crate::mesh::{Attachment, Cells, Rest};
