@@ -21,6 +21,7 @@ struct Row {
 }
 
 /// The value of a row.
+#[derive(Clone, Copy)]
 enum Value {
     /// Given, in the unit of the row.
     Plan(fn(&Scene) -> Option<f64>),
@@ -78,8 +79,7 @@ impl Row {
 
     /// The band of a sampled scene, or of its differences from another one, in the unit of the row.
     fn band(&self, samples: Option<&Samples>, less: Option<&Samples>) -> Option<[f64; 2]> {
-        let (samples, Value::Result(quantity)) = (samples?, &self.value) else { return None };
-        let quantity = *quantity;
+        let (samples, Value::Result(quantity)) = (samples?, self.value) else { return None };
         let [low, _, high] = match less {
             Some(other) => samples.difference(other, quantity)?,
             None => samples.band(quantity)?,
