@@ -3,7 +3,7 @@
 //! Cut faces are exact: every prism of a slab (a triangle of the grid with thickness) is split into
 //! three tetrahedra and cut by the plane into convex polygons in no particular order.
 
-use crate::view::body::Body;
+use crate::body::Body;
 use glam::{Vec2, Vec3};
 
 /// Shape of the removed part.
@@ -266,7 +266,7 @@ fn fan(polygon: &[Corner], layer: usize, normal: Vec3, caps: &mut Vec<CapTriangl
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::body::tests::both;
+    use crate::body::tests::both;
 
     fn area(caps: &[CapTriangle], layer: usize) -> f32 {
         caps.iter()

@@ -1,7 +1,7 @@
 //! The cross-section of the drawn tissue through the pocket's centre: columns on the grid's row of y = 0.
 
-use crate::mesh::{NodeKind, Sheet};
-use crate::view::body::Body;
+use implant_preview_core::mesh::{NodeKind, Sheet};
+use crate::body::Body;
 use glam::Vec2;
 
 /// Tissue in the plane y = 0. Points are (x, z) \[mm\], from the midline to the side.
@@ -76,7 +76,7 @@ impl CrossSection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::body::tests::both;
+    use crate::body::tests::both;
 
     #[test]
     fn the_layers_lie_over_each_other_and_a_point_has_its_layer() {

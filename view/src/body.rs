@@ -4,10 +4,10 @@
 //! skin's outer surface; in a sheet the inner face and, along the nodal normal, the deformed thicknesses of the layers.
 //! Around the patch a ring of tissue without simulation continues the stack on the wall, along its tangents.
 
-use crate::measure::Stack;
-use crate::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
-use crate::solve::{Problem, Solution};
-use crate::view::wall;
+use implant_preview_core::measure::Stack;
+use implant_preview_core::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
+use implant_preview_core::solve::{Problem, Solution};
+use crate::wall;
 use glam::{Vec2, Vec3};
 use implant_preview_core::model::membrane::stack::offset;
 
@@ -292,8 +292,8 @@ fn border_loop(sheet: &Sheet) -> Vec<usize> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::scene::Scene;
-    use crate::session::Session;
+    use implant_preview_core::scene::Scene;
+    use implant_preview_core::session::Session;
 
     /// The default scene in both tissue models on a small grid, solved, with its body.
     pub(crate) fn both() -> [(Session, Body); 2] {

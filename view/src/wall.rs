@@ -1,8 +1,8 @@
 //! The chest wall as drawn: the wall under the patch, and its tangents beyond.
 
-use crate::mesh::Chest;
-use crate::solve::Problem;
-use crate::view::camera::Ball;
+use implant_preview_core::mesh::Chest;
+use implant_preview_core::solve::Problem;
+use crate::camera::Ball;
 use glam::{DVec2, DVec3, Vec3};
 
 /// The direction from a point of the wall outwards that is nearest to a direction over the plane.

@@ -1,9 +1,9 @@
 //! What a picture shows: the displayed shape of a session, its last answer, or the shape of a pin.
 
-use crate::measure::Fields;
-use crate::scene::Scene;
-use crate::session::{Answer, Pin, Session};
-use crate::solve::{Displayed, Problem};
+use implant_preview_core::measure::Fields;
+use implant_preview_core::scene::Scene;
+use implant_preview_core::session::{Answer, Pin, Session};
+use implant_preview_core::solve::{Displayed, Problem};
 use std::rc::Rc;
 
 /// A scene with its shape; by default a shape at rest, of a finished solve.

@@ -1,7 +1,7 @@
 //! Points of the tissue that move with the tissue, and lengths between two of them: straight, along the skin, at rest.
 
-use crate::mesh::Sheet;
-use crate::view::body::Body;
+use implant_preview_core::mesh::Sheet;
+use crate::body::Body;
 use glam::{DVec2, Vec2, Vec3};
 
 /// Three nodes of a triangle with their weights, which sum to 1.
@@ -152,7 +152,7 @@ fn between([p, q]: [Vec3; 2], [from, to]: [f32; 2], length: f32) -> Option<[Vec3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::body::tests::both;
+    use crate::body::tests::both;
 
     /// A surface over a grid of a spacing of 1 mm, from −`half` to `half`.
     fn surface(half: i32, height: impl Fn(f32, f32) -> f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {

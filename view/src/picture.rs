@@ -1,14 +1,14 @@
 //! The picture of the current shape: meshes, updated only after a change of their content.
 
-use crate::contact::Dome;
-use crate::measure::Fields;
-use crate::mesh::Chest;
-use crate::view::body::Body;
-use crate::view::color::{self, Pattern, Quantity, Rgb, Scale};
-use crate::view::mesh::{self, Mesh, Vertex};
-use crate::view::section::{CapTriangle, Section};
-use crate::view::strokes;
-use crate::view::subject::Subject;
+use implant_preview_core::contact::Dome;
+use implant_preview_core::measure::Fields;
+use implant_preview_core::mesh::Chest;
+use crate::body::Body;
+use crate::color::{self, Pattern, Quantity, Rgb, Scale};
+use crate::mesh::{self, Mesh, Vertex};
+use crate::section::{CapTriangle, Section};
+use crate::strokes;
+use crate::subject::Subject;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -186,9 +186,9 @@ fn is_hidden(subject: &impl Subject) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
-    use crate::session::{Command, Session};
-    use crate::solve::Progress;
+    use implant_preview_core::scene::Scene;
+    use implant_preview_core::session::{Command, Session};
+    use implant_preview_core::solve::Progress;
     use glam::Vec3;
     use std::cell::Cell;
 
@@ -203,7 +203,7 @@ mod tests {
         let mut session = Session::new(scene.unwrap()).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
         let section = Section {
-            opening: crate::view::section::Opening::Closed,
+            opening: crate::section::Opening::Closed,
             angle: 0.0,
             axis: glam::Vec2::ZERO,
         };
@@ -252,7 +252,7 @@ mod tests {
         for mut scene in [Scene::opening(), Scene::sheet()] {
             scene.solver.nodes_per_side = 33;
             let section = Section {
-                opening: crate::view::section::Opening::Closed,
+                opening: crate::section::Opening::Closed,
                 angle: 0.0,
                 axis: glam::Vec2::ZERO,
             };
@@ -297,7 +297,7 @@ mod tests {
         let (mut picture, section) = (
             Picture::default(),
             Section {
-                opening: crate::view::section::Opening::Closed,
+                opening: crate::section::Opening::Closed,
                 angle: 0.0,
                 axis: glam::Vec2::ZERO,
             },

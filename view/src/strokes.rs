@@ -1,8 +1,8 @@
 //! Strokes on the skin along the crests of its wrinkles.
 
-use crate::view::body::Body;
-use crate::view::color::Rgb;
-use crate::view::mesh::{NO_VALUE, Vertex, vertex};
+use crate::body::Body;
+use crate::color::Rgb;
+use crate::mesh::{NO_VALUE, Vertex, vertex};
 use glam::{Vec2, Vec3};
 
 /// Distance of the strokes at rest \[mm\], at least one cell.

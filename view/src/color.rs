@@ -1,7 +1,7 @@
 //! Colours of quantities and tissues, and scales of the colour bar.
 
-use crate::measure::{Field, MMHG_PER_KPA, bands};
-use crate::scene::{Layer, Scene, tissue_in_words};
+use implant_preview_core::measure::{Field, MMHG_PER_KPA, bands};
+use implant_preview_core::scene::{Layer, Scene, tissue_in_words};
 
 /// A colour as sRGB, 0 to 1 each.
 pub type Rgb = [f32; 3];
@@ -89,7 +89,7 @@ impl Quantity {
     }
 
     /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue. `knee`: strain at which the
-    /// curve of the skin turns steep \[-\], if the skin has a reserve ([`Problem::skin_knee`](crate::solve::Problem::skin_knee)).
+    /// curve of the skin turns steep \[-\], if the skin has a reserve ([`Problem::skin_knee`](implant_preview_core::solve::Problem::skin_knee)).
     #[must_use]
     pub fn scale(&self, greatest: f32, layers: &[Layer], knee: Option<f64>) -> Option<Scale> {
         let name = |layer: usize| layers.get(layer).map_or("layer", |l| tissue_in_words(&l.tissue));

@@ -1,16 +1,16 @@
 //! Triangle meshes for a graphics card.
 
-use crate::contact::Dome;
-use crate::mesh::Chest;
-use crate::view::body::Body;
-use crate::view::color::{IMPLANT, Pattern, Rgb, WALL};
-use crate::view::section::{CapTriangle, Corner};
-use crate::view::wall;
+use implant_preview_core::contact::Dome;
+use implant_preview_core::mesh::Chest;
+use crate::body::Body;
+use crate::color::{IMPLANT, Pattern, Rgb, WALL};
+use crate::section::{CapTriangle, Corner};
+use crate::wall;
 use glam::{DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
-/// skin those of the grid, on a cut face those of [`crate::view::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]; on a cut face the depth at rest \[mm\]
+/// skin those of the grid, on a cut face those of [`crate::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]; on a cut face the depth at rest \[mm\]
 /// plus 1000 for skin or 2000 for fat; on the implant the height above the wall \[mm\]), colour (3).
 pub type Vertex = [f32; 12];
 
@@ -237,9 +237,9 @@ pub fn wall(chest: &Chest, patch_radius_mm: f64, radius_mm: f32) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::Field;
-    use crate::view::body::tests::both;
-    use crate::view::section::{Opening, Section};
+    use implant_preview_core::measure::Field;
+    use crate::body::tests::both;
+    use crate::section::{Opening, Section};
     use glam::Vec2;
 
     fn check(mesh: &Mesh) {

@@ -1,9 +1,9 @@
 //! Picking: the target under the pointer and its values.
 
-use crate::contact::Obstacle;
-use crate::view::body::Body;
-use crate::view::camera::Ray;
-use crate::view::section::{CapTriangle, Section};
+use implant_preview_core::contact::Obstacle;
+use crate::body::Body;
+use crate::camera::Ray;
+use crate::section::{CapTriangle, Section};
 use glam::Vec3;
 
 /// The first intersection of a ray of sight.
@@ -117,8 +117,8 @@ fn ray_dome(ray: &Ray, Obstacle { dome, wall }: &Obstacle) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::body::tests::both;
-    use crate::view::section::Opening;
+    use crate::body::tests::both;
+    use crate::section::Opening;
     use glam::Vec2;
 
     #[test]
