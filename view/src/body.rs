@@ -4,12 +4,12 @@
 //! skin's outer surface; in a sheet the inner face and, along the nodal normal, the deformed thicknesses of the layers.
 //! Around the patch a ring of tissue without simulation continues the stack on the wall, along its tangents.
 
-use implant_preview_core::measure::Stack;
-use implant_preview_core::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
-use implant_preview_core::solve::{Problem, Solution};
 use crate::wall;
 use glam::{Vec2, Vec3};
+use implant_preview_core::measure::Stack;
+use implant_preview_core::mesh::{CELL_TRIANGLES, CellKind, NodeKind, Sheet};
 use implant_preview_core::model::membrane::stack::offset;
+use implant_preview_core::solve::{Problem, Solution};
 
 /// Width of the ring of unsimulated tissue, relative to the pocket radius, at least twice the stack.
 const RING_WIDTH: f32 = 0.2;

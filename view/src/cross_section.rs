@@ -1,8 +1,8 @@
 //! The cross-section of the drawn tissue through the pocket's centre: columns on the grid's row of y = 0.
 
-use implant_preview_core::mesh::{NodeKind, Sheet};
 use crate::body::Body;
 use glam::Vec2;
+use implant_preview_core::mesh::{NodeKind, Sheet};
 
 /// Tissue in the plane y = 0. Points are (x, z) \[mm\], from the midline to the side.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,12 +1,12 @@
 //! Triangle meshes for a graphics card.
 
-use implant_preview_core::contact::Dome;
-use implant_preview_core::mesh::Chest;
 use crate::body::Body;
 use crate::color::{IMPLANT, Pattern, Rgb, WALL};
 use crate::section::{CapTriangle, Corner};
 use crate::wall;
 use glam::{DVec2, DVec3, Vec3};
+use implant_preview_core::contact::Dome;
+use implant_preview_core::mesh::Chest;
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
@@ -237,10 +237,10 @@ pub fn wall(chest: &Chest, patch_radius_mm: f64, radius_mm: f32) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use implant_preview_core::measure::Field;
     use crate::body::tests::both;
     use crate::section::{Opening, Section};
     use glam::Vec2;
+    use implant_preview_core::measure::Field;
 
     fn check(mesh: &Mesh) {
         assert!(!mesh.indices.is_empty());

@@ -1,10 +1,10 @@
 //! Picking: the target under the pointer and its values.
 
-use implant_preview_core::contact::Obstacle;
 use crate::body::Body;
 use crate::camera::Ray;
 use crate::section::{CapTriangle, Section};
 use glam::Vec3;
+use implant_preview_core::contact::Obstacle;
 
 /// The first intersection of a ray of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,14 +1,14 @@
 //! The picture of the current shape: meshes, updated only after a change of their content.
 
-use implant_preview_core::contact::Dome;
-use implant_preview_core::measure::Fields;
-use implant_preview_core::mesh::Chest;
 use crate::body::Body;
 use crate::color::{self, Pattern, Quantity, Rgb, Scale};
 use crate::mesh::{self, Mesh, Vertex};
 use crate::section::{CapTriangle, Section};
 use crate::strokes;
 use crate::subject::Subject;
+use implant_preview_core::contact::Dome;
+use implant_preview_core::measure::Fields;
+use implant_preview_core::mesh::Chest;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -186,10 +186,10 @@ fn is_hidden(subject: &impl Subject) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
     use implant_preview_core::scene::Scene;
     use implant_preview_core::session::{Command, Session};
     use implant_preview_core::solve::Progress;
-    use glam::Vec3;
     use std::cell::Cell;
 
     #[test]

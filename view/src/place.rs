@@ -1,8 +1,8 @@
 //! Points of the tissue that move with the tissue, and lengths between two of them: straight, along the skin, at rest.
 
-use implant_preview_core::mesh::Sheet;
 use crate::body::Body;
 use glam::{DVec2, Vec2, Vec3};
+use implant_preview_core::mesh::Sheet;
 
 /// Three nodes of a triangle with their weights, which sum to 1.
 pub type Nodes = [(usize, f32); 3];

@@ -1,7 +1,7 @@
 //! Colours of pictures side by side: one scale for all, or for stretches of skins with other limits the limits of each skin.
 
-use implant_preview_core::scene::Layer;
 use crate::color::{Quantity, Scale};
+use implant_preview_core::scene::Layer;
 
 /// Relative difference of two strains at which curves turn steep that is none \[-\].
 const EQUAL: f64 = 1e-6;
@@ -52,9 +52,9 @@ fn is_equal(one: Option<f64>, other: Option<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::TABLE_SIZE;
     use implant_preview_core::measure::bands;
     use implant_preview_core::scene::Scene;
-    use crate::color::TABLE_SIZE;
 
     fn colours(quantity: Quantity, pictures: &[(f32, Option<f64>)]) -> Colours {
         let limited = |&(greatest, knee): &(f32, Option<f64>)| Limited { greatest, knee };

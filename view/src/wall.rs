@@ -1,9 +1,9 @@
 //! The chest wall as drawn: the wall under the patch, and its tangents beyond.
 
-use implant_preview_core::mesh::Chest;
-use implant_preview_core::solve::Problem;
 use crate::camera::Ball;
 use glam::{DVec2, DVec3, Vec3};
+use implant_preview_core::mesh::Chest;
+use implant_preview_core::solve::Problem;
 
 /// The direction from a point of the wall outwards that is nearest to a direction over the plane.
 pub(super) fn outwards(normal: Vec3, direction: Vec3) -> Vec3 {

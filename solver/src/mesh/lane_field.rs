@@ -77,6 +77,16 @@ impl Field {
         [self.x[k], self.y[k], self.z[k]]
     }
 
+    /// The vectors of four nodes of a layer.
+    #[inline(always)]
+    pub(crate) fn gather(&self, nodes: [u32; 4], layer: usize) -> [f32x4; 3] {
+        let four = |part: &[f32]| {
+            let value = |lane: usize| part[nodes[lane] as usize + layer];
+            f32x4::new([value(0), value(1), value(2), value(3)])
+        };
+        [four(&self.x), four(&self.y), four(&self.z)]
+    }
+
     #[inline(always)]
     pub(crate) fn add(&mut self, k: usize, [x, y, z]: [f32; 3]) {
         self.x[k] += x;

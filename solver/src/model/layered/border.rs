@@ -7,8 +7,8 @@ use super::LaneLaw;
 use super::cell;
 use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, Modes, modes, on_faces};
-use super::shape::{Even, Own, RestShape};
-use super::sides::{Oblique, Skew};
+use super::shape::{Even, InPlane, RestShape};
+use super::sides::Oblique;
 use super::stiffness::{CORNERS, CellStiffness};
 use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
@@ -152,26 +152,26 @@ impl Border {
     }
 
     /// Renews the augmented pressures of a layer of cells between the nodes of two layers.
-    pub(super) fn renew(
+    pub(super) fn renew<S: RestShape>(
         &self,
         law: &LaneLaw,
-        shape: impl Fn(usize, &Four) -> Own,
+        shape: impl Fn(usize, &Four) -> S,
         layers: [usize; 2],
         u: &Field,
         pressure: &mut [f32x4],
     ) {
         for (k, (four, pressure)) in self.fours.iter().zip(pressure).enumerate() {
-            let volume = cell::volume(&four.modes(u, layers), &shape(k, four).sides);
+            let volume = cell::volume(&four.modes(u, layers), shape(k, four).sides());
             *pressure = law.renewed(Volume::new(volume), *pressure);
         }
     }
 
     /// Adds the forces of a layer of cells between the nodes of two layers; `pressure` is empty without augmented
     /// pressures.
-    pub(super) fn add_forces(
+    pub(super) fn add_forces<S: RestShape>(
         &self,
         law: &LaneLaw,
-        shape: impl Fn(usize, &Four) -> Own,
+        shape: impl Fn(usize, &Four) -> S,
         layers: [usize; 2],
         pressure: &[f32x4],
         u: &Field,
@@ -232,21 +232,16 @@ impl Four {
     }
 
     /// The rest shape of the cells in a layer over a flat wall.
-    pub(super) fn upright(&self, Even { sides, variation }: &Even) -> Own {
-        Own {
-            sides: Oblique::in_plane(self.sides, sides.slope),
-            variation: *variation,
-            weight: f32x4::ONE,
-            skew: Skew::default(),
-        }
+    pub(super) fn upright(&self, Even { sides, variation }: &Even) -> InPlane {
+        InPlane { sides: Oblique::in_plane(self.sides, sides.slope), variation: *variation }
     }
 
     /// The sums over the corners of a face.
     fn gather(&self, u: &Field, layer: usize) -> Corners<f32x4> {
-        let mut at = self.corners.map(|nodes| {
-            let [a, b, c, d] = nodes.map(|k| u.at(k as usize + layer));
-            [0, 1, 2].map(|axis| f32x4::new([a[axis], b[axis], c[axis], d[axis]]))
-        });
+        let mut at = [[f32x4::ZERO; 3]; 4];
+        for (nodes, at) in self.corners.iter().zip(&mut at) {
+            *at = u.gather(*nodes, layer);
+        }
         for k in 0..4 {
             let [next, opposite, last] = [1, 2, 3].map(|step| at[(k + step) % 4]);
             let continued = sub(add(next, last), opposite);

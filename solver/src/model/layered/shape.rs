@@ -51,6 +51,9 @@ pub(super) struct Plain<R, S> {
 /// Upright cells of one height and spacing.
 pub(super) type Even = Plain<f32x4, Upright<f32x4>>;
 
+/// Upright cells of one height with any sides in the plane.
+pub(super) type InPlane = Plain<f32x4, Oblique<f32x4>>;
+
 /// Cells of any rest shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Own {

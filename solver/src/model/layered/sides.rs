@@ -99,7 +99,7 @@ pub(super) fn with_identity<R: Real>(mut columns: Matrix<R>) -> Matrix<R> {
 ///
 /// Of a displacement with the gradient H in the middle of the cell the twist of the deformed cell beyond that of the gradient
 /// alone is b − H·skew: without this part a rotation of the cell would strain the cell.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Skew<R> {
     pub(crate) twist: Matrix<R>,
     pub(crate) d: [R; 3],

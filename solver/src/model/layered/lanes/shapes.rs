@@ -5,7 +5,7 @@ use crate::mesh::lanes::{Layout, load};
 use crate::mesh::vec3::{add, scale, sub};
 use crate::model::layered::border::{Border, BorderCell, Four};
 use crate::model::layered::modes::{Corners, Modes, modes};
-use crate::model::layered::shape::{Even, Own, RestShape};
+use crate::model::layered::shape::{Even, InPlane, Own, RestShape};
 use crate::model::layered::sides::{self, Oblique, Skew};
 use crate::model::layered::variation::Variation;
 use glam::DVec3;
@@ -27,12 +27,13 @@ impl Default for Shapes {
 /// The shapes of the cells of each layer.
 pub(super) trait Layers {
     type Shape: RestShape;
+    type BorderShape: RestShape;
 
     /// Of the regular cells whose first corner is the stored node k of the inner face.
     fn regular(&self, layer: usize, k: usize) -> Self::Shape;
 
     /// Of a group of cells at the border.
-    fn at_border(&self, layer: usize, group: usize, four: &Four) -> Own;
+    fn at_border(&self, layer: usize, group: usize, four: &Four) -> Self::BorderShape;
 
     /// The shape of that group in the stiffness that a smoother inverts.
     fn inverted_at_border(&self, layer: usize, group: usize) -> Self::Shape;
@@ -40,13 +41,14 @@ pub(super) trait Layers {
 
 impl Layers for Vec<Even> {
     type Shape = Even;
+    type BorderShape = InPlane;
 
     #[inline(always)]
     fn regular(&self, layer: usize, _k: usize) -> Even {
         self[layer]
     }
 
-    fn at_border(&self, layer: usize, _group: usize, four: &Four) -> Own {
+    fn at_border(&self, layer: usize, _group: usize, four: &Four) -> InPlane {
         four.upright(&self[layer])
     }
 
@@ -75,6 +77,7 @@ pub(super) struct CurvedLayers {
 
 impl Layers for CurvedLayers {
     type Shape = Own;
+    type BorderShape = Own;
 
     #[inline(always)]
     fn regular(&self, layer: usize, k: usize) -> Own {
