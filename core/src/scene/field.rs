@@ -338,6 +338,9 @@ mod tests {
                 let pointer = format!("/{}", path.replace(['.', '['], "/").replace(']', ""));
                 assert_eq!(json.pointer(&pointer).and_then(Value::as_f64), Some(value), "{path}");
                 assert_eq!(field.place(&mut scene, layer).copied(), Some(value), "{path}");
+                let mut other = scene.clone();
+                *field.place(&mut other, layer).unwrap() += 1.0;
+                assert!(!other.is_same_plan(&scene), "{path}");
                 found.push(path);
             }
         }

@@ -211,14 +211,27 @@ impl Scene {
     /// Are two scenes equal but for their visits?
     #[must_use]
     pub fn is_same_plan(&self, other: &Self) -> bool {
-        let of = |scene: &Self| {
-            let Self { schema: _, implant, pocket_radius_mm, body, insertion, springs, .. } = scene;
-            (*implant, *pocket_radius_mm, *body, *insertion, *springs, scene.solver)
-        };
-        of(self) == of(other)
-            && self.schema == other.schema
-            && self.layers == other.layers
-            && self.patient == other.patient
+        // All fields are named, so that a new one is not forgotten.
+        fn plan(scene: &Scene) -> impl PartialEq {
+            let Scene {
+                schema,
+                implant,
+                pocket_radius_mm,
+                body,
+                chest,
+                chest_grid,
+                insertion,
+                layers,
+                thickness_field,
+                patient,
+                visit: _,
+                springs,
+                solver,
+            } = scene;
+            let tissue = (layers, thickness_field, patient, springs);
+            (schema, implant, pocket_radius_mm, body, chest, chest_grid, insertion, tissue, solver)
+        }
+        plan(self) == plan(other)
     }
 
     /// Checks the visit.
@@ -234,6 +247,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{ChestGrid, ChestShape, HeightsGrid, ThicknessGrid};
     use serde_json::json;
 
     fn read(visit: &serde_json::Value) -> Result<Scene, String> {
@@ -259,6 +273,17 @@ mod tests {
             |scene: &mut Scene| scene.insertion = 0.5,
             |scene: &mut Scene| scene.layers[0].tissue.push('x'),
             |scene: &mut Scene| scene.patient = Some(crate::scene::Patient::default()),
+            |scene: &mut Scene| scene.chest = Some(ChestShape::ROUND),
+            |scene: &mut Scene| {
+                let factors = [1.0; 16].into();
+                let even = ThicknessGrid { spacing_mm: 10.0, columns: 4, rows: 4, factors };
+                scene.thickness_field = Some(even);
+            },
+            |scene: &mut Scene| {
+                let heights_mm = [0.0; 16].into();
+                let grid = HeightsGrid { spacing_mm: 10.0, columns: 4, rows: 4, heights_mm };
+                scene.chest_grid = Some(ChestGrid { grid });
+            },
         ] {
             let mut other = scene.clone();
             edit(&mut other);
