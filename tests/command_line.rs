@@ -7,6 +7,7 @@ mod command;
 
 use command::{folder, lines, run};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -62,9 +63,7 @@ fn simulate_writes_result_mesh_and_profile() {
     assert_eq!(result["status"], "converged");
     assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
     let profile = fs::read_to_string(folder.join("p.csv")).unwrap();
-    let mut lines = profile.lines();
-    assert_eq!(lines.next(), Some("s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop"));
-    assert_eq!(lines.count(), 41);
+    assert_profile(&profile, &result, &["side"]);
     assert_eq!(
         names_in(&folder),
         ["m.glb", "m.obj", "m.ply", "m.stl", "p.csv", "r.json", "scene.json"]
@@ -72,7 +71,55 @@ fn simulate_writes_result_mesh_and_profile() {
     assert_meshes_agree(&folder);
 }
 
-/// Checks that all formats contain the same number of triangles, and the skin's height of the result.
+/// Checks the surfaces and directions of a profile file, 41 points each, and that the result has the same numbers.
+fn assert_profile(profile: &str, result: &Value, directions: &[&str]) {
+    let mut rows = profile.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = ["s_mm", "r_mm", "z_mm", "stretch_meridional", "stretch_hoop"];
+    assert_eq!(rows.next().unwrap()[..2], ["surface", "direction"]);
+    for (surface, of_result) in [("inner_face", "profile"), ("skin_membrane", "profile_skin")] {
+        for &direction in directions {
+            for k in 0..41 {
+                let row = rows.next().unwrap();
+                assert_eq!(row[..2], [surface, direction]);
+                let points = match direction {
+                    "side" => &result[of_result],
+                    "head" => &result[format!("{of_result}_y")],
+                    _ => continue,
+                };
+                for (name, cell) in names.iter().zip(&row[2..]) {
+                    let (cell, value): (f64, _) = (cell.parse().unwrap(), &points[k][name]);
+                    assert!((cell - value.as_f64().unwrap()).abs() < 1e-7, "{row:?}: {value}");
+                }
+            }
+        }
+    }
+    assert_eq!(rows.next(), None);
+}
+
+#[test]
+fn the_profile_of_a_shape_that_is_not_round_has_both_meridians() {
+    let folder = folder();
+    let anatomical = r#"{"implant":{"base_radius_mm":55,"projection_mm":40,"base_height_mm":100,
+        "apex_shift_mm":12},"solver":{"nodes_per_side":33,"tolerance":1e-3}}"#;
+    fs::write(folder.join("scene.json"), anatomical).unwrap();
+    let output =
+        run(&folder, &["simulate", "scene.json", "--out", "r.json", "--profile", "p.csv"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
+    let profile = fs::read_to_string(folder.join("p.csv")).unwrap();
+    assert_profile(&profile, &result, &["side", "midline", "head", "feet"]);
+    let end = |direction: &str| -> Vec<f64> {
+        let start = format!("inner_face,{direction},");
+        let rows = profile.lines().filter_map(|line| line.strip_prefix(&start));
+        rows.map(|row| row.split(',').nth(2).unwrap().parse().unwrap()).collect()
+    };
+    // The apex is towards the feet: the tissue is higher there than towards the head, and as high on both sides.
+    assert!(end("feet")[10] > end("head")[10] + 2.0);
+    assert!((end("side")[10] - end("midline")[10]).abs() < 1e-3);
+}
+
+/// Checks that the formats of the tissue contain the same number of triangles, and the skin's height of the result; that a reader of
+/// its own finds three closed bodies in the GLB file.
 fn assert_meshes_agree(folder: &Path) {
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
     let number = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().unwrap()) as usize;
@@ -88,19 +135,33 @@ fn assert_meshes_agree(folder: &Path) {
     assert!(header.contains(&format!("element face {count}\n")));
     let vertices = obj.lines().filter(|line| line.starts_with("v ")).count();
     assert_eq!(ply.len() - body, 12 * vertices + 13 * count);
-    let glb = read("m.glb");
-    assert_eq!((&glb[..4], number(&glb[8..12])), (&b"glTF"[..], glb.len()));
-    let length = number(&glb[12..16]);
-    let json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
-    let indices: u64 = json["accessors"].as_array().unwrap()[1..]
-        .iter()
-        .map(|a| a["count"].as_u64().unwrap())
-        .sum();
-    assert_eq!(indices as usize, 3 * count);
     let result: Value = serde_json::from_slice(&read("r.json")).unwrap();
     let top = result["skin_projection_mm"].as_f64().unwrap();
-    let highest = json["accessors"][0]["max"][1].as_f64().unwrap() * 1000.0;
-    assert!((highest - top).abs() < 0.1, "mesh to {highest} mm, skin measured to {top} mm");
+    let file = gltf::Gltf::from_slice(&read("m.glb")).unwrap();
+    let blob = file.blob.as_deref().unwrap();
+    assert_eq!(file.buffers().map(|buffer| buffer.length()).collect::<Vec<_>>(), [blob.len()]);
+    let bodies: Vec<_> = file.default_scene().unwrap().nodes().collect();
+    let names: Vec<_> = bodies.iter().map(|body| body.name().unwrap()).collect();
+    assert_eq!(names, ["implant", "skin", "tissue"]);
+    for (body, name) in bodies.iter().zip(names) {
+        let primitives: Vec<_> = body.mesh().unwrap().primitives().collect();
+        let [primitive] = &primitives[..] else { panic!("{name}: {} parts", primitives.len()) };
+        assert_eq!(primitive.material().name(), Some(name));
+        let reader = primitive.reader(|_| Some(blob));
+        let points: Vec<_> = reader.read_positions().unwrap().collect();
+        let normals: Vec<_> = reader.read_normals().unwrap().collect();
+        assert_eq!(normals.len(), points.len());
+        assert!(normals.iter().all(|n| (n.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-5));
+        let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        let edges: BTreeSet<_> =
+            indices.chunks(3).flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]).collect();
+        assert_eq!(edges.len(), indices.len(), "{name}: an edge runs twice in one direction");
+        assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))), "{name} is open");
+        if name == "skin" {
+            let highest = 1000.0 * points.iter().map(|p| f64::from(p[1])).fold(0.0, f64::max);
+            assert!((highest - top).abs() < 0.1, "mesh to {highest} mm, skin measured to {top} mm");
+        }
+    }
 }
 
 #[test]

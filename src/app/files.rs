@@ -41,6 +41,19 @@ pub(super) fn name_without_visit(
     name(scene, device, (String::new(), ""), what, extension)
 }
 
+/// The name of a file of a plan with the implant's size, as "tissue-12cm-300ml.stl"; a file of the implant alone has its volume, as
+/// "implant-300ml.glb".
+pub(super) fn name_with_size(scene: &Scene, device: Device, what: &str, extension: &str) -> String {
+    let [volume, width] = volume_and_width(scene);
+    let what = device.english(what);
+    let width = if what == device.english("implant") {
+        String::new()
+    } else {
+        format!("{}cm-", width.replace(" × ", "x"))
+    };
+    format!("{what}-{width}{volume}ml.{extension}")
+}
+
 fn name(
     scene: &Scene,
     device: Device,
@@ -284,6 +297,22 @@ fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_has_the_size() {
+        let mut scene = Scene::opening();
+        let name = |scene: &Scene, what| name_with_size(scene, Device::Implant, what, "glb");
+        assert_eq!(name(&scene, "implant"), "implant-225ml.glb");
+        assert_eq!(name(&scene, "tissue"), "tissue-12cm-225ml.glb");
+        assert_eq!(
+            name_with_size(&scene, Device::Expander, "implant", "stl"),
+            "expander-225ml.stl"
+        );
+        scene.implant.base_radius_mm = 57.5;
+        scene.implant.base_height_mm = Some(108.0);
+        let [volume, _] = volume_and_width(&scene);
+        assert_eq!(name(&scene, "skin"), format!("skin-11.5x10.8cm-{volume}ml.glb"));
+    }
 
     #[test]
     fn a_part_of_a_name_has_no_sign_that_a_system_refuses() {

@@ -2,6 +2,7 @@
 //! the curves at each visit.
 
 use super::action::Action;
+use super::files;
 use super::fill_steps::FillSteps;
 use super::plan::{self, Device};
 use super::plots::fixed_plot;
@@ -151,8 +152,10 @@ impl Filling {
             plan::set_fill_steps(&mut scene, steps.0);
             actions.push(Action::Replace(scene));
         }
-        let file = |(name, content): (&str, String)| Action::Save(name.to_owned(), content.into());
-        actions.extend(saved.map(file));
+        actions.extend(saved.map(|(what, content)| {
+            let name = files::name_with_size(scene, shared.choices.device, what, "csv");
+            Action::Save(name, content.into())
+        }));
     }
 
     /// Shows the charts with the present fill \[ml\] and the steps up to this fill; returns name and content of a file to save.
@@ -184,8 +187,8 @@ impl Filling {
         let is_saved = save.on_hover_text(tr("All results of all fills")).clicked();
         let curve = solved?;
         ui.add_space(SPACE);
-        let table = steps.show(ui, curve, fill).map(|table| ("fill-steps.csv", table));
-        table.or_else(|| is_saved.then(|| ("filling.csv", curve.csv())))
+        let table = steps.show(ui, curve, fill).map(|table| ("fill-steps", table));
+        table.or_else(|| is_saved.then(|| ("filling", curve.csv())))
     }
 
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {

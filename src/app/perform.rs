@@ -9,6 +9,7 @@ use super::ui::Windows;
 use super::{App, files, link, numbers, plan, report};
 use crate::clinical::Dimension;
 use crate::export;
+use crate::measure::meridians;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError};
 use crate::view::camera::View;
@@ -57,7 +58,7 @@ impl App {
         if why_not(&self.shared, task).is_some() {
             return;
         }
-        let Shared { session, options, viewport, show_strip, .. } = &mut self.shared;
+        let Shared { session, options, viewport, show_strip, choices, .. } = &mut self.shared;
         let Windows { palette, show_help, .. } = &mut self.windows;
         match task {
             Task::OpenPlan => self.files.open(ctx),
@@ -83,9 +84,9 @@ impl App {
             }
             Task::CopyLink => self.copy_link(ctx),
             Task::SaveProfile => {
-                if let Some(outcome) = session.result() {
-                    self.files.save(ctx, "profile.csv", export::profile(outcome));
-                }
+                let table = export::profile(&meridians(session.solution()));
+                let name = files::name_with_size(session.scene(), choices.device, "profile", "csv");
+                self.files.save(ctx, &name, table);
             }
             Task::UsualImplant | Task::StartOver => self.open_example(Scene::opening()),
             Task::HalfSphere => self.open_example(Scene::default()),

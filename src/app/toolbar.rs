@@ -2,11 +2,13 @@
 
 use super::action::{Action, Purpose, Task};
 use super::commands::{COMMANDS, Keyed, item, menu_item};
+use super::files;
 use super::messages::Notice;
 use super::shared::Shared;
 use super::texts::{self, tr};
 use super::theme;
 use super::widgets::{button_if, set_accessible_name};
+use crate::contact::Dome;
 use crate::export::{Format, Solid};
 use crate::measure::surfaces;
 use crate::solve::Solution;
@@ -115,22 +117,24 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     ui.menu_button(tr("Save shape (3-D)"), |ui| {
         ui.small(tr("Closed surfaces in mm; GLB in m"));
         egui::Grid::new("shapes").show(ui, |ui| {
-            for (name, solid) in SOLIDS {
-                let (file, name) = (device.english(name), device.words(tr(name)));
+            for (name, file, formats, bodies) in SHAPES {
+                let name = device.words(tr(name));
                 ui.label(&name);
-                for format in Format::ALL {
+                for format in formats {
                     let extension = format.extension();
                     let button = ui.button(extension.to_uppercase());
                     let label =
                         tr!("{name} as {extension}", name, extension = extension.to_uppercase());
                     button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
                     if button.clicked() {
-                        let file = format!("{}.{extension}", file.to_lowercase());
-                        let solid = solid(shared.session.solution());
-                        actions.push(if solid.vertices.is_empty() {
+                        let session = &shared.session;
+                        let bodies = bodies(session.solution());
+                        actions.push(if bodies.iter().any(|solid| solid.vertices.is_empty()) {
                             Action::Notify(Notice::error(device.words(tr(NOT_INSERTED))))
                         } else {
-                            Action::Save(file, format.encode(&solid))
+                            let scene = session.scene();
+                            let file = files::name_with_size(scene, device, file, extension);
+                            Action::Save(file, format.encode(&bodies))
                         });
                         ui.close();
                     }
@@ -221,15 +225,23 @@ fn fit_in_row(ui: &mut Ui) {
     }
 }
 
-/// A mesh of a solution.
-type MeshOf = fn(&Solution) -> Solid;
+/// Closed bodies of a solution.
+type BodiesOf = fn(&Solution) -> Vec<Solid>;
 
-/// The meshes to save, by their names.
-const SOLIDS: [(&str, MeshOf); 3] = [
-    ("Tissue", |solution| Solid::tissue(&surfaces(solution))),
-    ("Skin", |solution| Solid::skin(&surfaces(solution))),
-    ("Implant", |solution| Solid::implant(&solution.problem().obstacle.dome)),
+/// The shapes to save: name, name in files, formats.
+const SHAPES: [(&str, &str, &[Format], BodiesOf); 4] = [
+    ("Tissue", "tissue", &Format::ALL, |solution| vec![Solid::tissue(&surfaces(solution))]),
+    ("Skin", "skin", &Format::ALL, |solution| vec![Solid::skin(&surfaces(solution))]),
+    ("Implant", "implant", &Format::ALL, |solution| vec![Solid::implant(dome(solution))]),
+    // Bodies that touch are for viewers, not for printers.
+    ("All parts", "shape", &[Format::Glb], |solution| {
+        Solid::bodies(&surfaces(solution), dome(solution))
+    }),
 ];
+
+fn dome(solution: &Solution) -> &Dome {
+    &solution.problem().obstacle.dome
+}
 
 const NOT_INSERTED: &str = "The implant is not inserted: it has no shape above the chest wall.";
 

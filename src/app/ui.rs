@@ -302,7 +302,7 @@ impl App {
     /// The middle of the screen: the picture of this plan or the range of implants.
     fn central(&mut self, ui: &mut Ui, scene: &mut Scene, layout: Layout) {
         if layout == Layout::Wide {
-            self.panels.range.switch(ui, self.shared.choices.device, &mut self.actions);
+            self.panels.range.switch(ui, &self.shared, &mut self.actions);
         }
         if self.panels.range.is_open {
             let area = ui.available_rect_before_wrap();

@@ -2,12 +2,13 @@
 //!
 //! Uses `measure` and all to its left. Used by `app` and `platform`.
 //!
-//! `solid` (closed triangle meshes) | `formats` (STL, OBJ, PLY, glTF), `table` (rows, numbers and the profile as CSV).
+//! `solid` (closed triangle meshes) | `glb` (glTF) | `formats` (STL, OBJ, PLY, glTF) | `table` (rows, numbers and the profile as CSV).
 
 mod formats;
+mod glb;
 mod solid;
 mod table;
 
 pub use formats::Format;
-pub use solid::{Part, Solid};
+pub use solid::{Body, Part, Solid};
 pub use table::{csv, number, profile, quoted};

@@ -1,6 +1,7 @@
 //! Closed triangle meshes: deformed tissue and skin with an inner face, an outer face and the lateral face along the
 //! border; the implant.
 
+use super::glb::Material;
 use crate::contact::Dome;
 use crate::measure::Surfaces;
 use crate::mesh::Chest;
@@ -16,11 +17,42 @@ pub struct Part {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// What a mesh is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// Layers under the skin, or all layers.
+    Tissue,
+    /// The outermost layer.
+    Skin,
+    /// The implant.
+    Implant,
+}
+
+impl Body {
+    /// The name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tissue => "tissue",
+            Self::Skin => "skin",
+            Self::Implant => "implant",
+        }
+    }
+
+    pub(super) fn material(self) -> Material {
+        match self {
+            Self::Tissue => Material { colour: [0.84, 0.61, 0.25], roughness: 0.7 },
+            Self::Skin => Material { colour: [0.78, 0.46, 0.33], roughness: 0.6 },
+            Self::Implant => Material { colour: [0.77, 0.82, 0.85], roughness: 0.25 },
+        }
+    }
+}
+
 /// A closed triangle mesh \[mm\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// What the mesh is.
-    pub name: &'static str,
+    pub body: Body,
     /// Positions \[mm\].
     pub vertices: Vec<Vec3>,
     /// The parts, which together are closed.
@@ -31,13 +63,31 @@ impl Solid {
     /// All layers of the deformed tissue. Vertices: those of the sheet, then those of the skin in the same order.
     #[must_use]
     pub fn tissue(surfaces: &Surfaces) -> Self {
-        Self::between("deformed tissue", surfaces, 0)
+        Self::between(Body::Tissue, surfaces, 0, surfaces.positions.len() - 1)
+    }
+
+    /// The layers of the deformed tissue under its skin; without vertices where the skin is the only layer.
+    #[must_use]
+    pub fn under_skin(surfaces: &Surfaces) -> Self {
+        let outer = surfaces.positions.len() - 2;
+        if outer == 0 {
+            return Self { body: Body::Tissue, vertices: Vec::new(), parts: Vec::new() };
+        }
+        Self::between(Body::Tissue, surfaces, 0, outer)
     }
 
     /// The outermost layer of the deformed tissue.
     #[must_use]
     pub fn skin(surfaces: &Surfaces) -> Self {
-        Self::between("deformed skin", surfaces, surfaces.positions.len() - 2)
+        let outer = surfaces.positions.len() - 1;
+        Self::between(Body::Skin, surfaces, outer - 1, outer)
+    }
+
+    /// The implant, the skin and the tissue under it, each a closed body of its own; bodies without a shape are left out.
+    #[must_use]
+    pub fn bodies(surfaces: &Surfaces, dome: &Dome) -> Vec<Self> {
+        let all = [Self::implant(dome), Self::skin(surfaces), Self::under_skin(surfaces)];
+        all.into_iter().filter(|solid| !solid.vertices.is_empty()).collect()
     }
 
     /// The implant above the chest wall, a dome on a base on the wall; without vertices where it is not inserted.
@@ -47,9 +97,11 @@ impl Solid {
     pub fn implant(dome: &Dome) -> Self {
         const RINGS: usize = 48;
         const AROUND: usize = 128;
-        let name = "implant";
+        /// Radius of the base's inner ring, relative to the rim: shading ends there where a viewer shades over the rim.
+        const INNER: f64 = 0.97;
+        let body = Body::Implant;
         if dome.top() <= 1e-9 {
-            return Self { name, vertices: Vec::new(), parts: Vec::new() };
+            return Self { body, vertices: Vec::new(), parts: Vec::new() };
         }
         let mut vertices = vec![dome.apex().as_vec3()];
         vertices.extend(dome.circles(RINGS, AROUND).skip(AROUND).map(DVec3::as_vec3));
@@ -67,7 +119,21 @@ impl Solid {
         });
         let dome_triangles: Vec<[u32; 3]> = top.chain(rings).collect();
         let base = if dome.chest == Chest::Flat {
-            (0..AROUND).map(|k| [centre, at(RINGS, k + 1), at(RINGS, k)]).collect()
+            let rim = dome.circles(RINGS, AROUND).skip(RINGS * AROUND);
+            vertices.extend(
+                rim.map(|point| on_wall(dome.center + INNER * (point.truncate() - dome.center))),
+            );
+            let inner = |step: usize| centre + 1 + (step % AROUND) as u32;
+            (0..AROUND)
+                .flat_map(|k| {
+                    let (outer, next) = (at(RINGS, k), at(RINGS, k + 1));
+                    [
+                        [centre, inner(k + 1), inner(k)],
+                        [inner(k), inner(k + 1), next],
+                        [inner(k), next, outer],
+                    ]
+                })
+                .collect()
         } else {
             let inner = dome.circles(RINGS, AROUND).skip(AROUND).take((RINGS - 1) * AROUND);
             vertices.extend(inner.map(|point| on_wall(point.truncate())));
@@ -82,13 +148,12 @@ impl Solid {
             Part { name: "dome", triangles: dome_triangles },
             Part { name: "base", triangles: base },
         ];
-        Self { name, vertices, parts }
+        Self { body, vertices, parts }
     }
 
-    /// The layers from a face to the outer skin.
-    fn between(name: &'static str, surfaces: &Surfaces, face: usize) -> Self {
-        let (inner, outer) =
-            (&surfaces.positions[face], &surfaces.positions[surfaces.positions.len() - 1]);
+    /// The layers from a face to a face further out.
+    fn between(body: Body, surfaces: &Surfaces, inner: usize, outer: usize) -> Self {
+        let (inner, outer) = (&surfaces.positions[inner], &surfaces.positions[outer]);
         // Border nodes without a triangle are omitted.
         let mut number = BTreeMap::new();
         for vertex in surfaces.triangles.iter().flatten() {
@@ -112,7 +177,7 @@ impl Solid {
             })
             .collect();
         Self {
-            name,
+            body,
             vertices,
             parts: vec![
                 Part { name: "sheet", triangles: sheet },

@@ -1,6 +1,7 @@
 //! Tables: comma-separated values with a point as the decimal separator.
 
-use crate::measure::Outcome;
+use crate::measure::Meridian;
+use std::fmt::Write;
 
 /// Formats a number for a table: ten significant digits, no trailing zeros.
 #[must_use]
@@ -29,14 +30,16 @@ pub fn csv(rows: &[Vec<String>]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// The profile of a result as a table: arc length `s_mm`, distance from the axis `r_mm`, height `z_mm`, stretches \[-\].
+/// The meridians as a table: surface and direction, arc length at rest `s_mm`, distance from the axis `r_mm`, height `z_mm`, stretches \[-\].
 #[must_use]
-pub fn profile(outcome: &Outcome) -> String {
-    let mut table = "s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop\n".to_owned();
-    for p in &outcome.profile {
-        let row = [p.s_mm, p.r_mm, p.z_mm, p.stretch_meridional, p.stretch_hoop].map(number);
-        table += &row.join(",");
-        table.push('\n');
+pub fn profile(meridians: &[Meridian]) -> String {
+    let mut table = "surface,direction,s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop\n".to_owned();
+    for Meridian { surface, direction, points } in meridians {
+        for p in points {
+            let row = [p.s_mm, p.r_mm, p.z_mm, p.stretch_meridional, p.stretch_hoop].map(number);
+            // Writing to a String cannot fail.
+            let _ = writeln!(table, "{surface},{},{}", direction.word(), row.join(","));
+        }
     }
     table
 }

@@ -1,6 +1,6 @@
 //! What a result of layered tissue adds: cover, skin area, traction of the attachment, loads of the solid layers.
 
-use super::profile::{self, Axis, Layer};
+use super::profile::{self, Direction, Layer};
 use super::{Outcome, Selection};
 use crate::mesh::{NodeKind, Sheet};
 use crate::model::layered::exact::CellState;
@@ -121,16 +121,17 @@ impl Outcome {
         if selection.wants("attachment_traction_kpa") {
             self.attachment_traction_kpa = traction(solution);
         }
-        let skin_profile = |axis| profile::along(Layer::membrane(solution), axis, patch.radius_mm);
+        let skin_profile =
+            |direction| profile::along(Layer::membrane(solution), direction, patch.radius_mm);
         if selection.wants("profile_skin") {
-            self.profile_skin = skin_profile(Axis::X);
+            self.profile_skin = skin_profile(Direction::Side);
         }
         if problem.tissue.skin_wrinkles() {
             if selection.wants("profile_y") {
                 self.profile_y = profile::along_y(solution);
             }
             if selection.wants("profile_skin_y") {
-                self.profile_skin_y = skin_profile(Axis::Y);
+                self.profile_skin_y = skin_profile(Direction::Head);
             }
         }
         if !selection.wants_any(&["layers", "warnings"]) {

@@ -28,7 +28,7 @@ pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
 pub use outcome::{
     LayerOutcome, Outcome, Pressure, ProfilePoint, SolverMethod, SolverOutcome, Status, Strains,
 };
-pub use profile::skin_surface;
+pub use profile::{Direction, Meridian, meridians, skin_surface};
 pub use selection::{Selected, Selection, UnknownField};
 #[cfg(test)]
 pub(crate) use surface::of_faces;

@@ -1,18 +1,71 @@
-//! The profiles: the tissue along +x and +y from the pocket's centre.
+//! The profiles: the tissue along the axes of the grid from the pocket's centre.
 
 use super::{PROFILE_POINTS, ProfilePoint};
 use crate::contact::TOUCH_F64;
 use crate::mesh::{NodeKind, Rest};
-use crate::solve::Solution;
+use crate::solve::{Solution, Tissue};
 use glam::{DVec2, DVec3};
 
-/// An axis of the grid through the pocket's centre.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Axis {
-    /// Across the body.
-    X,
-    /// Along the body.
-    Y,
+/// A direction from the pocket's centre along an axis of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// +x.
+    Side,
+    /// −x.
+    Midline,
+    /// +y.
+    Head,
+    /// −y.
+    Feet,
+}
+
+impl Direction {
+    /// The direction in a word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Side => "side",
+            Self::Midline => "midline",
+            Self::Head => "head",
+            Self::Feet => "feet",
+        }
+    }
+}
+
+/// A profile with its surface and its direction.
+#[derive(Clone, Debug)]
+pub struct Meridian {
+    /// `inner_face` (to the pocket's radius) or `skin_membrane` (to the patch's radius).
+    pub surface: &'static str,
+    /// Direction from the pocket's centre.
+    pub direction: Direction,
+    /// 41 points in equal steps of the material radius.
+    pub points: Vec<ProfilePoint>,
+}
+
+/// Both meridians of a solution, of layered tissue those of the inner face and of the skin's membrane; of a round shape half of one.
+#[must_use]
+pub fn meridians(solution: &Solution) -> Vec<Meridian> {
+    let problem = solution.problem();
+    let dome = &problem.obstacle.dome;
+    let is_round = problem.rest.is_even() && dome.is_round() && dome.center == DVec2::ZERO;
+    let all = [Direction::Side, Direction::Midline, Direction::Head, Direction::Feet];
+    let directions = if is_round { &all[..1] } else { &all };
+    let inner = directions.iter().map(|&direction| Meridian {
+        surface: "inner_face",
+        direction,
+        points: match direction {
+            Direction::Side => along_x(solution),
+            _ => along(Layer::inner(solution), direction, problem.patch.pocket_radius_mm),
+        },
+    });
+    let is_layered = matches!(problem.tissue, Tissue::Layered { .. });
+    let skin = directions.iter().filter(|_| is_layered).map(|&direction| Meridian {
+        surface: "skin_membrane",
+        direction,
+        points: along(Layer::membrane(solution), direction, problem.patch.radius_mm),
+    });
+    inner.chain(skin).collect()
 }
 
 /// A layer of nodes at rest and deformed.
@@ -47,12 +100,12 @@ pub(super) fn along_x(solution: &Solution) -> Vec<ProfilePoint> {
     let sheet = solution.problem().sheet();
     let row = sheet.nodes_per_side() / 2 * sheet.nodes_per_side();
     let pocket_radius = solution.problem().patch.pocket_radius_mm;
-    beside_edges(Layer::inner(solution), Axis::X, pocket_radius, &edges(solution, row))
+    beside_edges(Layer::inner(solution), Direction::Side, pocket_radius, &edges(solution, row))
 }
 
 /// 41 points of the inner face of layered tissue along +y, material radius 0 … pocket radius in equal steps.
 pub(super) fn along_y(solution: &Solution) -> Vec<ProfilePoint> {
-    along(Layer::inner(solution), Axis::Y, solution.problem().patch.pocket_radius_mm)
+    along(Layer::inner(solution), Direction::Head, solution.problem().patch.pocket_radius_mm)
 }
 
 /// 41 points of the skin's outer surface along +x, material radius 0 … patch radius in equal steps.
@@ -61,33 +114,42 @@ pub fn skin_surface(solution: &Solution) -> Vec<ProfilePoint> {
     let faces = solution.faces();
     let outer: Vec<DVec3> = faces[faces.len() - 1].iter().map(|p| p.as_dvec3()).collect();
     let layer = Layer { x: &outer, ..Layer::membrane(solution) };
-    along(layer, Axis::X, solution.problem().patch.radius_mm)
+    along(layer, Direction::Side, solution.problem().patch.radius_mm)
 }
 
 /// 41 points of a face, material radius 0 … `radius` in equal steps.
-pub(super) fn along(layer: Layer, axis: Axis, radius: f64) -> Vec<ProfilePoint> {
-    beside_edges(layer, axis, radius, &[])
+pub(super) fn along(layer: Layer, direction: Direction, radius: f64) -> Vec<ProfilePoint> {
+    beside_edges(layer, direction, radius, &[])
 }
 
-fn beside_edges(layer: Layer, axis: Axis, radius: f64, edges: &[Edge]) -> Vec<ProfilePoint> {
+fn beside_edges(
+    layer: Layer,
+    direction: Direction,
+    radius: f64,
+    edges: &[Edge],
+) -> Vec<ProfilePoint> {
     let Layer { rest, layer, x } = layer;
     let sheet = rest.sheet();
     let n = sheet.nodes_per_side();
     let half = n / 2;
-    // Nodes of the line, and beside it.
-    let (first, step, side) = match axis {
-        Axis::X => (half * n, 1, n),
-        Axis::Y => (half, n, 1),
+    // Steps along the line, and beside it.
+    let (step, side) = match direction {
+        Direction::Side => (1, n),
+        Direction::Midline => (-1, n),
+        Direction::Head => (n as isize, 1),
+        Direction::Feet => (-(n as isize), 1),
     };
+    let node =
+        |i: usize| ((half * n + half) as isize + (i as isize - half as isize) * step) as usize;
     let h = sheet.spacing_mm();
     // Stretch along and across the line at its i-th node.
     let stretches = |i: usize| {
-        let k = first + i * step;
+        let k = node(i);
         let difference = |at: &dyn Fn(usize) -> DVec3| {
             let along = if i + 1 < n {
-                (at(k + step) - at(k - step)) / (2.0 * h)
+                (at(node(i + 1)) - at(node(i - 1))) / (2.0 * h)
             } else {
-                (at(k) * 3.0 - at(k - step) * 4.0 + at(k - 2 * step)) / (2.0 * h)
+                (at(k) * 3.0 - at(node(i - 1)) * 4.0 + at(node(i - 2))) / (2.0 * h)
             };
             along.length()
         };
@@ -129,7 +191,7 @@ fn beside_edges(layer: Layer, axis: Axis, radius: f64, edges: &[Edge]) -> Vec<Pr
             let mut position = DVec3::ZERO;
             for (k, weight) in (low - 1..=low + 2).zip(cubic(column - low as f64)) {
                 let own = edges.iter().find(|e| e.node == k && passed.is_some());
-                position += own.map_or(x[first + k * step], |e| e.balanced) * weight;
+                position += own.map_or(x[node(k)], |e| e.balanced) * weight;
             }
             ProfilePoint {
                 s_mm: s,

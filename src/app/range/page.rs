@@ -4,8 +4,9 @@ use super::chart::Taken;
 use super::{Range, readout};
 use crate::app::action::{Action, Task};
 use crate::app::commands::entry_of;
+use crate::app::files::name_with_size;
 use crate::app::messages::Notice;
-use crate::app::plan::{Device, Hand, chip};
+use crate::app::plan::{Hand, chip};
 use crate::app::shared::Shared;
 use crate::app::texts::{fixed, tr};
 use crate::app::theme;
@@ -140,9 +141,10 @@ impl Range {
     pub(in crate::app) fn switch(
         &mut self,
         ui: &mut Ui,
-        device: Device,
+        shared: &Shared,
         actions: &mut Vec<Action>,
     ) {
+        let device = shared.choices.device;
         let frame = egui::Frame::new()
             .inner_margin(egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8))
             .fill(ui.visuals().panel_fill);
@@ -159,7 +161,7 @@ impl Range {
                 }
                 if is_open {
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        self.files(ui, actions);
+                        self.files(ui, shared, actions);
                     });
                 }
             });
@@ -167,11 +169,14 @@ impl Range {
     }
 
     /// The files of the chart.
-    fn files(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    fn files(&self, ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
         let Some(map) = self.map.study() else { return };
         let is_done = !self.map.is_running();
         let (quantity, check) = (self.quantity, self.check.finished());
-        let file = |name: &str, text: String| Action::Save(name.to_owned(), text.into());
+        let file = |extension: &str, text: String| {
+            let (scene, device) = (shared.session.scene(), shared.choices.device);
+            Action::Save(name_with_size(scene, device, "range", extension), text.into())
+        };
         let menu = ui.menu_button(tr("Save chart"), |ui| {
             let mut item = |name: &str| {
                 let item = ui.add_enabled(is_done, Button::new(name));
@@ -183,18 +188,18 @@ impl Range {
                 is_clicked
             };
             if item(tr("Table (CSV)…")) {
-                actions.push(file("range.csv", map.csv()));
+                actions.push(file("csv", map.csv()));
             }
             if item(tr("Numbers (JSON)…"))
                 && let Ok(text) = serde_json::to_string_pretty(&map.file(quantity, check))
             {
-                actions.push(file("range.json", text + "\n"));
+                actions.push(file("json", text + "\n"));
             }
             if item(tr("Picture (SVG)…")) {
                 actions.push(match scene_map::draw(map, quantity) {
-                    Ok(text) => file("range.svg", text),
+                    Ok(text) => file("svg", text),
                     Err(error) => Action::Notify(Notice::error(tr!(
-                        "range.svg was not drawn: {error}",
+                        "The chart was not drawn: {error}",
                         error
                     ))),
                 });
@@ -225,7 +230,7 @@ impl Range {
                 rejection_label(ui, &reason);
             }
             if layout == Layout::Narrow && self.shows_axes {
-                self.files(ui, actions);
+                self.files(ui, shared, actions);
             }
         });
         let bottom = egui::Panel::bottom("range captions").frame(frame).resizable(false);

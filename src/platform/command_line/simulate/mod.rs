@@ -11,10 +11,10 @@ use super::output::{self, File};
 use super::stream::ThreadCount;
 use super::{ExitStatus, InputError, in_range};
 use crate::export::{Format, Solid, profile};
-use crate::measure::{Column, Selected, Selection, Status, surfaces};
+use crate::measure::{Column, Selected, Selection, Status, meridians, surfaces};
 use crate::scene::{CheckedScene, read};
 use crate::simulate::{Simulation, Simulator};
-use crate::solve::Options;
+use crate::solve::{Options, Solution};
 use form::LineFormat;
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -42,10 +42,11 @@ pub(super) struct Arguments {
     /// Output file for the result; `-` is standard output. Several scenes give JSON lines.
     #[arg(long, default_value = output::STANDARD, value_name = "R.json")]
     out: PathBuf,
-    /// Output file for the deformed tissue as a closed surface: .stl, .obj, .ply or .glb (one scene only).
+    /// Output file for the shape (one scene only): .stl, .obj, .ply: the deformed tissue as one closed body in mm; .glb: implant, skin
+    /// and the tissue under it, each a closed body, in m.
     #[arg(long, value_name = "M.stl|.obj|.ply|.glb")]
     mesh: Option<PathBuf>,
-    /// Output file for the profile as a table (one scene only); `-` is standard output.
+    /// Output file for the profiles as a table, with surface and direction (one scene only); `-` is standard output.
     #[arg(long, value_name = "P.csv")]
     profile: Option<PathBuf>,
     /// Fields of the result by their paths, with commas between, as `contact_force_n,strain.max_principal`; `schema` and
@@ -253,6 +254,15 @@ struct WithId<'a> {
     result: Selected<'a>,
 }
 
+/// The bodies of a mesh file: a viewer's GLB has all of them, the other formats have the whole tissue.
+fn bodies(format: Format, solution: &Solution) -> Vec<Solid> {
+    let surfaces = surfaces(solution);
+    match format {
+        Format::Glb => Solid::bodies(&surfaces, &solution.problem().obstacle.dome),
+        Format::Stl | Format::Obj | Format::Ply => vec![Solid::tissue(&surfaces)],
+    }
+}
+
 /// Solves a single scene; returns the output files. A scene without a shape has no mesh.
 fn solve(
     arguments: &Arguments,
@@ -261,29 +271,28 @@ fn solve(
     written: &Selection,
 ) -> Result<(Vec<File>, ExitStatus), InputError> {
     let Arguments { out, mesh, profile: table, most_ms, .. } = arguments;
-    // A table of the profile is written from the result.
-    let all = Selection::all();
-    let measured = if table.is_some() { &all } else { written };
     let mut simulator = Simulator::default();
     simulator.most_ms = *most_ms;
     let clock = Clock::start();
     let Simulation { outcome, solution } =
-        simulator.run(scene, Options::default(), measured, Some(&|| clock.ms()));
+        simulator.run(scene, Options::default(), written, Some(&|| clock.ms()));
     let result = WithId { id: id.as_deref(), result: written.of_outcome(&outcome) };
     let json = serde_json::to_string_pretty(&result);
     let json = json.map_err(|error| InputError(format!("result: {error}")))? + "\n";
     let mut files = vec![File::new(out, json)];
+    let has_shape = outcome.status != Status::Unstable && solution.report().invalid.is_none();
     if let (Some(path), Some(format)) = (mesh, format) {
-        if outcome.status == Status::Unstable || solution.report().invalid.is_some() {
+        if has_shape {
+            files.push(File::new(path, format.encode(&bodies(format, &solution))));
+        } else {
             let why =
                 outcome.warnings.first().map_or("the scene has no stable shape", String::as_str);
             output::warn(&format!("{}: not written: {why}", path.display()));
-        } else {
-            files.push(File::new(path, format.encode(&Solid::tissue(&surfaces(&solution)))));
         }
     }
     if let Some(path) = table {
-        files.push(File::new(path, profile(&outcome)));
+        let lines = if has_shape { meridians(&solution) } else { Vec::new() };
+        files.push(File::new(path, profile(&lines)));
     }
     let is_converged = outcome.status == Status::Converged;
     Ok((files, if is_converged { ExitStatus::Converged } else { ExitStatus::NotConverged }))
