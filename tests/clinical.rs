@@ -204,11 +204,11 @@ fn sizes_out_of_range_are_rejected_in_one_line() {
         ),
         (
             error(Size::of_width_and_volume(120.0, -300.0)),
-            "the volume is -300 ml; allowed: 0.4 to 3620 ml",
+            "the volume is -300 ml; allowed: 0.3 to 4350 ml",
         ),
         (
             error(Size::of_width_and_volume(120.0, 1e308)),
-            "the volume is 1e308 ml; allowed: 0.4 to 3620 ml",
+            "the volume is 1e308 ml; allowed: 0.3 to 4350 ml",
         ),
     ] {
         assert_eq!(found, wanted);

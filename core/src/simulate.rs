@@ -107,6 +107,7 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     if asked != given {
         outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
     }
+    outcome.implant_reference.clone_from(&scene.implant_reference);
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
     let wall = &fields.solution().problem().obstacle.wall.0;
@@ -115,11 +116,12 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     outcome
 }
 
-/// Adapts a result to another scene of the same physics: names of tissues, and what depends on the patient.
+/// Adapts a result to another scene of the same physics: names of tissues and implant, and what depends on the patient.
 pub(crate) fn relabel(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
     for (outcome, layer) in outcome.layers.iter_mut().zip(&scene.layers) {
         outcome.tissue.clone_from(&layer.tissue);
     }
+    outcome.implant_reference.clone_from(&scene.implant_reference);
     let old = before.patient_warnings();
     outcome.warnings.retain(|warning| !old.contains(warning));
     outcome.patient_values = scene.patient_values();

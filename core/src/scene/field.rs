@@ -5,7 +5,10 @@
 
 use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
 use super::{ASPECTS, Body, MAX_APEX_SHIFT, Scene, SceneError, error::out_of_range};
-use crate::clinical::limits::{BASE_WIDTH_MM, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM};
+use crate::clinical::HALF_ELLIPSOID;
+use crate::clinical::limits::{
+    BASE_WIDTH_MM, FULLNESS, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM,
+};
 use crate::curve::{SCALES, number};
 use std::ops::Deref;
 
@@ -89,6 +92,7 @@ pub struct Row {
 
 macro_rules! value {
     (Scene implant.base_height_mm) => { |scene, _| Some(scene.implant.base_height()) };
+    (Scene implant.fullness) => { |scene, _| Some(scene.implant.fullness()) };
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.as_ref()?.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
@@ -102,6 +106,9 @@ macro_rules! place {
             let round = scene.implant.base_height();
             Some(scene.implant.base_height_mm.get_or_insert(round))
         }
+    };
+    (Scene implant.fullness) => {
+        |scene, _| Some(scene.implant.fullness.get_or_insert(HALF_ELLIPSOID))
     };
     (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.as_mut()?.$($at)+) };
@@ -166,6 +173,8 @@ fields! {
         "Height", CM, "Height of the implant's base along the body, from its lower to its upper edge. The value that follows changes with it.";
     ApexShift: "implant.apex_shift_mm", Scene[implant.apex_shift_mm], "way of the apex towards the feet", "mm", (-MOST_APEX_SHIFT_MM, MOST_APEX_SHIFT_MM), Dome;
         "Apex lower", CM, "How far the implant's highest point is below the middle of its base, towards the feet (−: above it).";
+    Fullness: "implant.fullness", Scene[implant.fullness], "fullness", "", FULLNESS, Dome;
+        "Fullness", PLAIN, "Volume of the implant by that of the cylinder around it: width, projection and fullness give the volume. Half of an ellipsoid has 0.67, makers' sizes have 0.55 to 0.80.";
     PocketRadius: "pocket_radius_mm", Scene[pocket_radius_mm], "radius of the pocket", "mm", (10.0, POCKET_RADIUS_MAX_MM), Grid;
         "Pocket", CM, "";
     PatchRadius: "patch_radius_mm", Body[patch_radius_mm], "radius of the simulated tissue", "mm", (30.0, PATCH_RADIUS_MAX_MM), Grid;
@@ -324,6 +333,7 @@ mod tests {
         scene.apply_patient(measured).unwrap();
         scene.implant.base_height_mm = Some(126.0);
         scene.implant.apex_shift_mm = 12.0;
+        scene.implant.fullness = Some(0.72);
         scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);

@@ -8,12 +8,15 @@ use super::{
     SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, ThicknessGrid,
     TissueModel, Version, Visit, body, chest, limits, patient, pins, problem,
 };
-use crate::curve::{List, Pair, object};
+use crate::curve::{List, Pair, number, object};
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
+
+/// Greatest relative difference of two volumes that count as equal: finished digits of a volume and a fullness.
+const SAME_VOLUME: f64 = 2e-3;
 
 /// A scene in a file; fields with a default are optional.
 #[derive(Deserialize, JsonSchema)]
@@ -80,6 +83,52 @@ pub(super) struct ImplantFile {
     base_height_mm: Option<f64>,
     /// From `scene/3` on: way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
     apex_shift_mm: Option<f64>,
+    /// From `scene/3` on: volume by π a b p of the half-axes of the base and the projection, 0.55 to 0.8. Default: 2/3 (half of an ellipsoid).
+    fullness: Option<f64>,
+    /// From `scene/3` on: volume \[ml\], instead of the fullness, which follows.
+    volume_ml: Option<f64>,
+    /// From `scene/3` on: the maker's name of the size, up to 60 characters in one line; no computation depends on it, the result has it as
+    /// `implant_reference`. Default: not stated.
+    #[serde(default)]
+    reference: String,
+}
+
+impl ImplantFile {
+    /// The implant without its reference.
+    ///
+    /// # Errors
+    /// A volume that gives no fullness within the limits, or another one than the given.
+    fn shape(&self) -> Result<Implant, SceneError> {
+        let radius = self.base_radius_mm;
+        let mut implant = Implant {
+            base_radius_mm: radius,
+            projection_mm: self.projection_mm.unwrap_or(radius),
+            center_mm: self.center_mm.0,
+            base_height_mm: self.base_height_mm,
+            apex_shift_mm: self.apex_shift_mm.unwrap_or_default(),
+            fullness: self.fullness,
+        };
+        if let Some(volume) = self.volume_ml {
+            let with = |fullness| Implant { fullness, ..implant }.size();
+            let filled = with(None).and_then(|size| size.filled_to(volume));
+            let filled =
+                filled.map_err(|error| problem("implant.volume_ml", &error.to_string()))?;
+            match self.fullness.map(|fullness| with(Some(fullness))) {
+                None => implant.fullness = Some(filled.fullness()),
+                // Both may have finished digits.
+                Some(Ok(size)) if (size.volume_ml() / volume - 1.0).abs() > SAME_VOLUME => {
+                    let given = number((10.0 * size.volume_ml()).round() / 10.0);
+                    let both = format!(
+                        "{} ml, and implant.fullness gives {given} ml; allowed: one of the two, or equal volumes",
+                        number(volume)
+                    );
+                    return Err(problem("implant.volume_ml", &both));
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(implant.in_few_words())
+    }
 }
 
 /// The chest wall by radii or by a grid.
@@ -187,21 +236,15 @@ impl SceneFile {
             for (field, is_given) in [
                 ("implant.base_height_mm", file.implant.base_height_mm.is_some()),
                 ("implant.apex_shift_mm", file.implant.apex_shift_mm.is_some()),
+                ("implant.fullness", file.implant.fullness.is_some()),
+                ("implant.volume_ml", file.implant.volume_ml.is_some()),
             ] {
                 if is_given {
                     return Err(chest::in_third(field, &file.schema));
                 }
             }
         }
-        let radius = file.implant.base_radius_mm;
-        let implant = Implant {
-            base_radius_mm: radius,
-            projection_mm: file.implant.projection_mm.unwrap_or(radius),
-            center_mm: file.implant.center_mm.0,
-            base_height_mm: file.implant.base_height_mm,
-            apex_shift_mm: file.implant.apex_shift_mm.unwrap_or_default(),
-        }
-        .in_few_words();
+        let implant = file.implant.shape()?;
         let pocket_radius_mm = file.pocket_radius_mm.unwrap_or_else(|| {
             (implant.least_pocket_mm() + 15.0).min(limits::POCKET_RADIUS_MAX_MM)
         });
@@ -223,6 +266,7 @@ impl SceneFile {
         let mut scene = Scene {
             schema: file.schema,
             implant,
+            implant_reference: file.implant.reference,
             pocket_radius_mm,
             body,
             chest,

@@ -6,7 +6,7 @@
 //!
 //! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
+//! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words) | `written` (a scene as it is written).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -25,8 +25,9 @@ pub mod read;
 mod repair;
 mod thickness;
 pub mod visit;
+mod written;
 
-use crate::clinical::{ClinicalError, Size};
+use crate::clinical::{ClinicalError, HALF_ELLIPSOID, Size};
 use crate::curve::number;
 use crate::solve::Problem;
 pub use crate::springs::Springs;
@@ -94,14 +95,16 @@ pub mod limits {
 }
 
 /// A scene: one implant in one pocket under a stack of tissue layers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "SceneFile")]
 pub struct Scene {
     /// [`SCENE_SCHEMA`], [`SCENE_SCHEMA_2`] or [`SCENE_SCHEMA_3`].
     pub schema: String,
     /// The dome.
-    #[serde(serialize_with = "Implant::written")]
     pub implant: Implant,
+    /// The maker's name of the implant's size, up to 60 characters in one line, in a file `reference` in `implant`; empty: not stated. No
+    /// result depends on it.
+    pub implant_reference: String,
     /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
     pub pocket_radius_mm: f64,
     /// Tissue model and patch; `None` in `scene/1`, a sheet.
@@ -132,8 +135,8 @@ pub struct Scene {
     pub solver: SolverSettings,
 }
 
-/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius; anatomical with another height of the base or a
-/// lower apex, from `scene/3` on.
+/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius; from `scene/3` on anatomical with another height of
+/// the base or a lower apex, and of another fullness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Implant {
     /// Base radius R \[mm\], 10 to 120; of an anatomical implant half of the base's width.
@@ -148,8 +151,15 @@ pub struct Implant {
     /// Way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height.
     #[serde(skip_serializing_if = "is_zero")]
     pub apex_shift_mm: f64,
+    /// Volume by π a b p of the half-axes of the base and the projection \[-\], 0.55 to 0.8; `None`: ⅔, half of an ellipsoid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fullness: Option<f64>,
 }
 
+/// Greatest length of an implant's reference \[characters\].
+pub const MAX_IMPLANT_REFERENCE: usize = 60;
+/// Path of an implant's reference in a file.
+const REFERENCE: &str = "implant.reference";
 /// Greatest way of the apex \[half of the base's height\]: it stays over the base.
 const MAX_APEX_SHIFT: f64 = 0.6;
 /// Least and greatest height of the base \[width\].
@@ -165,6 +175,12 @@ impl Implant {
     #[must_use]
     pub fn base_height(&self) -> f64 {
         self.base_height_mm.unwrap_or(2.0 * self.base_radius_mm)
+    }
+
+    /// Volume by π a b p \[-\]; ⅔ of half of an ellipsoid.
+    #[must_use]
+    pub fn fullness(&self) -> f64 {
+        self.fullness.unwrap_or(HALF_ELLIPSOID)
     }
 
     /// Is the implant a solid of revolution?
@@ -197,6 +213,12 @@ impl Implant {
         ((place - DVec2::from(self.center_mm)) / half_axes).length() < 1.0
     }
 
+    /// Does another implant have the same size and shape, in whatever place?
+    #[must_use]
+    pub fn has_size_of(&self, other: &Self) -> bool {
+        Self { center_mm: other.center_mm, ..self.in_few_words() } == other.in_few_words()
+    }
+
     /// Sets the base radius \[mm\]; an anatomical implant keeps its proportions.
     pub fn set_base_radius(&mut self, radius_mm: f64) {
         let factor = radius_mm / self.base_radius_mm;
@@ -209,26 +231,26 @@ impl Implant {
         self.base_radius_mm = radius_mm;
     }
 
-    /// The same implant without a height of its base that is that of a round base.
+    /// The same implant without a height of its base that is that of a round base, and without a fullness that is that of half of an
+    /// ellipsoid.
     fn in_few_words(&self) -> Self {
         let round = 2.0 * self.base_radius_mm;
         let base_height_mm =
             self.base_height_mm.filter(|height| (height - round).abs() > 1e-9 * round);
-        Self { base_height_mm, ..*self }
-    }
-
-    fn written<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.in_few_words().serialize(to)
+        let fullness = self.fullness.filter(|of| (of - HALF_ELLIPSOID).abs() > 1e-9);
+        Self { base_height_mm, fullness, ..*self }
     }
 
     /// Base width, projection and volume.
     ///
     /// # Errors
-    /// One line if base or projection is out of its limits.
+    /// One line if base, projection or fullness is out of its limits.
     pub fn size(&self) -> Result<Size, ClinicalError> {
         let width = 2.0 * self.base_radius_mm;
-        let size = Size::of_width_and_projection(width, self.projection_mm)?;
-        Ok(match self.in_few_words().base_height_mm {
+        let few = self.in_few_words();
+        let size = Size::of_width_and_projection(width, self.projection_mm)?
+            .with_fullness(few.fullness())?;
+        Ok(match few.base_height_mm {
             Some(height) => size.with_aspect(height / width),
             None => size,
         })
@@ -261,6 +283,7 @@ impl Default for Scene {
         Self {
             schema: newest_schema(),
             implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
+            implant_reference: String::new(),
             pocket_radius_mm,
             body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
             chest: None,
@@ -400,6 +423,10 @@ impl Scene {
                 &format!("{least} to {most}"),
             ));
         }
+        if let Some(fullness) = self.implant.in_few_words().fullness {
+            let allowed = "2/3; other shapes have no solver yet";
+            return Err(out_of_range(Field::Fullness.path, number(fullness), allowed));
+        }
         self.check_chest()
     }
 
@@ -413,23 +440,35 @@ impl Scene {
 }
 
 impl Scene {
-    /// May the implant be anatomical? From `scene/3` on.
+    /// Drops the implant's reference after a change of its size: the maker's name of a size is not that of another.
+    pub fn drop_reference_of(&mut self, before: &Self) {
+        let is_kept = self.implant_reference == before.implant_reference;
+        if is_kept && !self.implant.has_size_of(&before.implant) {
+            self.implant_reference.clear();
+        }
+    }
+
+    /// May the implant be anatomical, have a fullness and a reference? From `scene/3` on.
     #[must_use]
     pub fn may_be_anatomical(&self) -> bool {
         Version::of(&self.schema) == Some(Version::Third)
     }
 
-    /// Checks that an anatomical implant has the schema for one.
+    /// Checks that an anatomical implant, a fullness and a reference have the schema for them, and the reference.
     fn check_may_be_anatomical(&self) -> Result<(), SceneError> {
         for (number, is_given) in [
             (Field::BaseHeight, self.implant.base_height_mm.is_some()),
             (Field::ApexShift, self.implant.apex_shift_mm != 0.0),
+            (Field::Fullness, self.implant.fullness.is_some()),
         ] {
             if is_given && !self.may_be_anatomical() {
                 return Err(chest::in_third(number.path, &self.schema));
             }
         }
-        Ok(())
+        if !(self.implant_reference.is_empty() || self.may_be_anatomical()) {
+            return Err(chest::in_third(REFERENCE, &self.schema));
+        }
+        visit::check_line(REFERENCE, &self.implant_reference, MAX_IMPLANT_REFERENCE)
     }
 
     /// The problem of the scene, for the solver.
@@ -447,6 +486,7 @@ impl Scene {
             let Self {
                 schema: _,
                 implant,
+                implant_reference: _,
                 pocket_radius_mm,
                 body,
                 chest: _,

@@ -148,7 +148,7 @@ impl Visit {
     }
 }
 
-fn check_line(field: &str, text: &str, most: usize) -> Result<(), SceneError> {
+pub(super) fn check_line(field: &str, text: &str, most: usize) -> Result<(), SceneError> {
     check_length(field, text, most)?;
     check_signs(field, text)
 }
@@ -216,6 +216,7 @@ impl Scene {
             let Scene {
                 schema,
                 implant,
+                implant_reference,
                 pocket_radius_mm,
                 body,
                 chest,
@@ -229,6 +230,7 @@ impl Scene {
                 solver,
             } = scene;
             let tissue = (layers, thickness_field, patient, springs);
+            let implant = (implant, implant_reference);
             (schema, implant, pocket_radius_mm, body, chest, chest_grid, insertion, tissue, solver)
         }
         plan(self) == plan(other)

@@ -155,7 +155,8 @@ impl Session {
     /// One line, for an invalid scene with its field; the session is unchanged.
     pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
         match command {
-            Command::Edit { scene, gesture } => {
+            Command::Edit { mut scene, gesture } => {
+                scene.drop_reference_of(&self.scene);
                 let merge = self.last_gesture == Some(gesture);
                 if self.replace(CheckedScene::new(*scene)?, merge) {
                     self.last_gesture = Some(gesture);

@@ -300,6 +300,7 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
         let (least, _) = Body::patch_range(scene.pocket_radius_mm);
         body.patch_radius_mm = body.patch_radius_mm.max(least);
     }
+    scene.drop_reference_of(base);
     Ok(scene)
 }
 

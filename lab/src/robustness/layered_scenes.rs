@@ -54,6 +54,7 @@ fn start() -> Scene {
     Scene {
         schema: SCENE_SCHEMA_3.to_owned(),
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
+        implant_reference: String::new(),
         pocket_radius_mm: 70.0,
         body: Some(Body::around(70.0, TissueModel::Layered)),
         chest: None,

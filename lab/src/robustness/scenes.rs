@@ -26,6 +26,7 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
     let mut scene = Scene {
         schema: SCENE_SCHEMA.to_owned(),
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
+        implant_reference: String::new(),
         pocket_radius_mm: 70.0,
         body: None,
         chest: None,

@@ -111,6 +111,7 @@ impl Case {
                 projection_mm: radius,
                 ..Implant::default()
             },
+            implant_reference: String::new(),
             pocket_radius_mm,
             body: None,
             chest: None,

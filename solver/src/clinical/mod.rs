@@ -20,7 +20,9 @@ pub use measures::{
 };
 pub use pull::{GRIP_FORCE_N, GRIP_RADIUS_MM, pull_strain_scale};
 pub use shelf::{Listed, MAX_SIZES, Shelf, ShelfSize};
-pub use sizes::{Dimension, Expander, ProfileClass, Size, dome_volume, typical_sizes};
+pub use sizes::{
+    Dimension, Expander, HALF_ELLIPSOID, ProfileClass, Size, dome_volume, typical_sizes,
+};
 
 use crate::curve::number;
 
@@ -30,6 +32,8 @@ pub mod limits {
     pub const BASE_WIDTH_MM: (f64, f64) = (20.0, 240.0);
     /// Projection of an implant \[mm\].
     pub const PROJECTION_MM: (f64, f64) = (2.0, 120.0);
+    /// Fullness of an implant: volume by that of the cylinder around it \[-\].
+    pub const FULLNESS: (f64, f64) = (0.55, 0.8);
     /// Measured base width of a breast \[mm\].
     pub const MEASURED_WIDTH_MM: (f64, f64) = (60.0, 240.0);
     /// Pinch: thickness of a fold of skin and fat \[mm\].

@@ -1,7 +1,7 @@
 //! Sizes of implants and expanders: base width, projection, volume, profile class.
 //!
-//! The shape is a half-ellipsoid dome: volume = ⅔ π a b p ([`dome_volume`]) of half-axes a and b of the base and projection p; b = a times the aspect,
-//! height by width of the base.
+//! The volume of a dome is f π a b p ([`dome_volume`]) of half-axes a and b of the base, projection p and fullness f; b = a times the
+//! aspect, height by width of the base; f = ⅔ is the half-ellipsoid.
 
 use super::{ClinicalError, checked, limits, rounded};
 use serde::{Deserialize, Serialize};
@@ -10,26 +10,31 @@ use std::f64::consts::PI;
 /// mm³ per ml (= cm³).
 const MM3_PER_ML: f64 = 1000.0;
 
-/// Volumes of all domes within the limits of base width and projection, rounded outwards \[ml\].
-const VOLUME_ML: (f64, f64) = (0.4, 3620.0);
+/// Volumes of all domes within the limits of base width, projection and fullness, rounded outwards \[ml\].
+const VOLUME_ML: (f64, f64) = (0.3, 4350.0);
 
 /// Ratio projection / half base width above which a dome is no half sphere any more: as far from 1 as the lower limit of
 /// the class.
 const BEYOND_HALF_SPHERE: f64 = 1.05;
 
-/// Volume of a dome, half of an ellipsoid, of half-axes of its base and projection \[mm\], in mm³. Linear in each of the three.
+/// Fullness of half of an ellipsoid \[-\].
+pub const HALF_ELLIPSOID: f64 = 2.0 / 3.0;
+
+/// Volume of a dome of half-axes of its base and projection \[mm\] and its fullness \[-\], in mm³. Linear in each of the four.
 #[must_use]
-pub fn dome_volume([a, b, p]: [f64; 3]) -> f64 {
-    2.0 / 3.0 * PI * (a * b) * p
+pub fn dome_volume([a, b, p]: [f64; 3], fullness: f64) -> f64 {
+    fullness * PI * (a * b) * p
 }
 
-/// Base width, projection and volume of a half-ellipsoid dome; with the aspect of the base any two give the third.
+/// Base width, projection and volume of a dome; with the aspect of the base and the fullness any two give the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     base_width_mm: f64,
     projection_mm: f64,
     /// Height by width of the base \[-\]; 1 is round.
     aspect: f64,
+    /// Volume by π a b p \[-\].
+    fullness: f64,
 }
 
 /// One of the three dimensions of a [`Size`].
@@ -45,6 +50,10 @@ pub enum Dimension {
 }
 
 impl Size {
+    /// A hemisphere of 1 mm, whose proportions a size takes that states no others.
+    const HEMISPHERE: Self =
+        Self { base_width_mm: 2.0, projection_mm: 1.0, aspect: 1.0, fullness: HALF_ELLIPSOID };
+
     /// The round size of a base width and a projection \[mm\].
     ///
     /// # Errors
@@ -57,7 +66,41 @@ impl Size {
             base_width_mm: checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?,
             projection_mm: checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?,
             aspect: 1.0,
+            fullness: HALF_ELLIPSOID,
         })
+    }
+
+    /// The size with another fullness \[-\]; width and projection stay.
+    ///
+    /// # Errors
+    /// A fullness outside of 0.55–0.8.
+    pub fn with_fullness(self, fullness: f64) -> Result<Self, ClinicalError> {
+        let fullness = checked("fullness", fullness, limits::FULLNESS, "")?;
+        Ok(Self { fullness, ..self })
+    }
+
+    /// The size with the fullness that gives a volume \[ml\]; width and projection stay.
+    ///
+    /// # Errors
+    /// A volume that gives a fullness outside of 0.55–0.8.
+    pub fn filled_to(self, volume_ml: f64) -> Result<Self, ClinicalError> {
+        let cylinder = Self { fullness: 1.0, ..self }.volume_ml();
+        let given = || {
+            let [width, height, projection] =
+                [self.base_width_mm, self.base_height_mm(), self.projection_mm].map(rounded);
+            let base = if (self.aspect - 1.0).abs() < 1e-9 {
+                width
+            } else {
+                format!("{width} × {height}")
+            };
+            let volume = rounded(volume_ml);
+            format!("{volume} ml on a base of {base} mm at a projection of {projection} mm")
+        };
+        let of = ("fullness", "");
+        let fullness = derived(of, volume_ml / cylinder, limits::FULLNESS, volume_ml, given)?;
+        // A volume in finished digits of half of an ellipsoid.
+        let is_half_ellipsoid = (fullness - HALF_ELLIPSOID).abs() < 1e-9;
+        Ok(Self { fullness: if is_half_ellipsoid { HALF_ELLIPSOID } else { fullness }, ..self })
     }
 
     /// The size with another height of the base than its width: height by width \[-\].
@@ -71,16 +114,18 @@ impl Size {
     /// # Errors
     /// A base width out of its range, or a volume that gives a projection outside of 2–120 mm.
     pub fn of_width_and_volume(base_width_mm: f64, volume_ml: f64) -> Result<Self, ClinicalError> {
-        Self::with_volume(base_width_mm, volume_ml, 1.0)
+        Self::HEMISPHERE.with_volume(base_width_mm, volume_ml)
     }
 
-    fn with_volume(base_width_mm: f64, volume_ml: f64, aspect: f64) -> Result<Self, ClinicalError> {
+    fn with_volume(self, base_width_mm: f64, volume_ml: f64) -> Result<Self, ClinicalError> {
         let width = checked("base width", base_width_mm, limits::BASE_WIDTH_MM, " mm")?;
-        let projection = volume_ml / ml_of([width, aspect, 1.0]);
+        let flat = Self { base_width_mm: width, projection_mm: 1.0, ..self };
+        let projection = volume_ml / flat.volume_ml();
         let given = || format!("{} ml on a base of {} mm", rounded(volume_ml), rounded(width));
         let allowed = limits::PROJECTION_MM;
-        let projection_mm = derived("projection", projection, allowed, volume_ml, given)?;
-        Ok(Self { base_width_mm: width, projection_mm, aspect })
+        let of = ("projection", " mm");
+        let projection_mm = derived(of, projection, allowed, volume_ml, given)?;
+        Ok(Self { projection_mm, ..flat })
     }
 
     /// The round size of a projection \[mm\] and a volume \[ml\].
@@ -91,23 +136,21 @@ impl Size {
         projection_mm: f64,
         volume_ml: f64,
     ) -> Result<Self, ClinicalError> {
-        Self::with_projection(projection_mm, volume_ml, 1.0)
+        Self::HEMISPHERE.with_projection(projection_mm, volume_ml)
     }
 
-    fn with_projection(
-        projection_mm: f64,
-        volume_ml: f64,
-        aspect: f64,
-    ) -> Result<Self, ClinicalError> {
+    fn with_projection(self, projection_mm: f64, volume_ml: f64) -> Result<Self, ClinicalError> {
         let projection = checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?;
-        let width = (volume_ml / ml_of([1.0, aspect, projection])).sqrt();
+        let narrow = Self { base_width_mm: 1.0, projection_mm: projection, ..self };
+        let width = (volume_ml / narrow.volume_ml()).sqrt();
         let given =
             || format!("{} ml at a projection of {} mm", rounded(volume_ml), rounded(projection));
-        let base_width_mm = derived("base width", width, limits::BASE_WIDTH_MM, volume_ml, given)?;
-        Ok(Self { base_width_mm, projection_mm: projection, aspect })
+        let of = ("base width", " mm");
+        let base_width_mm = derived(of, width, limits::BASE_WIDTH_MM, volume_ml, given)?;
+        Ok(Self { base_width_mm, ..narrow })
     }
 
-    /// The size after a change of one dimension \[mm or ml\], with another dimension locked and the same aspect. With the changed dimension
+    /// The size after a change of one dimension \[mm or ml\], with another dimension locked and the same aspect and fullness. With the changed dimension
     /// as the locked one, base width is locked, and projection for a change of the base width.
     ///
     /// # Errors
@@ -122,15 +165,16 @@ impl Size {
         let (width, projection, volume) =
             (self.base_width_mm, self.projection_mm, self.volume_ml());
         let size = |width, projection| {
-            Ok(Self::of_width_and_projection(width, projection)?.with_aspect(self.aspect))
+            let size = Self::of_width_and_projection(width, projection)?;
+            Ok(Self { aspect: self.aspect, fullness: self.fullness, ..size })
         };
         match (dimension, locked) {
-            (BaseWidth, Volume) => Self::with_volume(value, volume, self.aspect),
+            (BaseWidth, Volume) => self.with_volume(value, volume),
             (BaseWidth, _) => size(value, projection),
-            (Projection, Volume) => Self::with_projection(value, volume, self.aspect),
+            (Projection, Volume) => self.with_projection(value, volume),
             (Projection, _) => size(width, value),
-            (Volume, Projection) => Self::with_projection(projection, value, self.aspect),
-            (Volume, _) => Self::with_volume(width, value, self.aspect),
+            (Volume, Projection) => self.with_projection(projection, value),
+            (Volume, _) => self.with_volume(width, value),
         }
     }
 
@@ -146,11 +190,11 @@ impl Size {
         let (width, volume) = (self.base_width_mm, self.volume_ml());
         match follows {
             Dimension::Volume => Ok(self.with_aspect(height_mm / width)),
-            Dimension::Projection => Self::with_volume(width, volume, height_mm / width),
+            Dimension::Projection => self.with_aspect(height_mm / width).with_volume(width, volume),
             Dimension::BaseWidth => {
                 let width = width * self.base_height_mm() / height_mm;
                 let size = Self::of_width_and_projection(width, self.projection_mm)?;
-                Ok(size.with_aspect(height_mm / width))
+                Ok(Self { aspect: height_mm / width, fullness: self.fullness, ..size })
             }
         }
     }
@@ -173,6 +217,12 @@ impl Size {
         self.aspect
     }
 
+    /// Volume by that of the elliptic cylinder around the dome, π a b p \[-\]; ⅔ is half of an ellipsoid.
+    #[must_use]
+    pub fn fullness(self) -> f64 {
+        self.fullness
+    }
+
     /// Projection \[mm\].
     #[must_use]
     pub fn projection_mm(self) -> f64 {
@@ -182,7 +232,9 @@ impl Size {
     /// Volume \[ml\].
     #[must_use]
     pub fn volume_ml(self) -> f64 {
-        ml_of([self.base_width_mm, self.aspect, self.projection_mm])
+        let half_width = 0.5 * self.base_width_mm;
+        let half_axes = [half_width, half_width * self.aspect, self.projection_mm];
+        dome_volume(half_axes, self.fullness) / MM3_PER_ML
     }
 
     /// Projection \[cm\].
@@ -227,14 +279,9 @@ impl Size {
     }
 }
 
-/// Volume \[ml\] of a base width \[mm\], an aspect and a projection \[mm\].
-fn ml_of([width, aspect, projection]: [f64; 3]) -> f64 {
-    dome_volume([0.5 * width, 0.5 * width * aspect, projection]) / MM3_PER_ML
-}
-
-/// Checks a volume and the dimension that the volume gives.
+/// Checks a volume and the quantity, with its unit, that the volume gives.
 fn derived(
-    quantity: &'static str,
+    (quantity, unit): (&'static str, &'static str),
     value: f64,
     allowed: (f64, f64),
     volume_ml: f64,
@@ -244,7 +291,7 @@ fn derived(
     if (allowed.0 * (1.0 - 1e-12)..=allowed.1 * (1.0 + 1e-12)).contains(&value) {
         return Ok(value.clamp(allowed.0, allowed.1));
     }
-    Err(ClinicalError::Derived { given: given(), quantity, value, allowed, unit: " mm" })
+    Err(ClinicalError::Derived { given: given(), quantity, value, allowed, unit })
 }
 
 /// Profile class of a round implant by projection / half base width.
@@ -315,7 +362,7 @@ pub fn typical_sizes() -> Vec<Size> {
         ProfileClass::ALL.map(|class| Size {
             base_width_mm,
             projection_mm: (0.5 * base_width_mm * class.ratio()).round(),
-            aspect: 1.0,
+            ..Size::HEMISPHERE
         })
     });
     sizes.filter(|size| size.is_typical()).collect()
@@ -377,7 +424,7 @@ impl Expander {
         Size {
             base_width_mm: self.base_width_mm,
             projection_mm: limits::PROJECTION_MM.0,
-            aspect: 1.0,
+            ..Size::HEMISPHERE
         }
     }
 }

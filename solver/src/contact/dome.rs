@@ -6,7 +6,7 @@
 //! apex at t·p. The gauge is the square root of the left side less one: negative inside and zero on the surface.
 
 use super::half_ball::{HalfBall, Near};
-use crate::clinical::dome_volume;
+use crate::clinical::{HALF_ELLIPSOID, dome_volume};
 use crate::mesh::Chest;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
@@ -105,7 +105,7 @@ impl Dome {
     /// Volume of the whole implant \[mm³\] ([`dome_volume`]).
     #[must_use]
     pub fn volume(&self) -> f64 {
-        dome_volume([self.base_radius, self.base_along, self.projection])
+        dome_volume([self.base_radius, self.base_along, self.projection], HALF_ELLIPSOID)
     }
 
     /// Radius of the circle in which the dome meets the wall \[mm\]; of an ellipse its least half-axis.

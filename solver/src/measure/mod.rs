@@ -211,6 +211,7 @@ impl Outcome {
             projection_mm: None,
             skin_projection_mm: None,
             implant_volume_ml: problem.obstacle.dome.volume() / 1000.0,
+            implant_reference: String::new(),
             area_before_cm2: pocket_area / 100.0,
             area_after_cm2: None,
             area_ratio: None,

@@ -46,8 +46,11 @@ pub struct Outcome {
     /// Height of the outer skin surface over the implant's tip above the wall \[mm\]: of layered tissue `projection_mm` and the cover
     /// over the tip.
     pub skin_projection_mm: Option<f64>,
-    /// Volume of the whole implant, ⅔πR²p \[ml\].
+    /// Volume of the whole implant, the fullness (⅔ unless stated) times π a b p \[ml\].
     pub implant_volume_ml: f64,
+    /// The maker's name of the implant's size, as in the scene; empty and absent without one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub implant_reference: String,
     /// Area of the pocket πa² \[cm²\]; over a curved wall that of the skin over the pocket at rest.
     pub area_before_cm2: f64,
     /// Area of the deformed membrane over the pocket \[cm²\].

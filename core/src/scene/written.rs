@@ -1,0 +1,77 @@
+//! A scene as it is written: the members of [`Scene`] in the form of a file.
+
+use super::{
+    Body, ChestGrid, ChestShape, Implant, Layer, Patient, Scene, SolverSettings, Springs,
+    ThicknessGrid, Visit,
+};
+use serde::{Serialize, Serializer};
+
+/// The members of a scene in the order of a file.
+#[derive(Serialize)]
+struct Written<'a> {
+    schema: &'a str,
+    implant: Named<'a>,
+    pocket_radius_mm: f64,
+    #[serde(flatten)]
+    body: &'a Option<Body>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chest: &'a Option<ChestShape>,
+    #[serde(rename = "chest", skip_serializing_if = "Option::is_none")]
+    chest_grid: &'a Option<ChestGrid>,
+    insertion: f64,
+    layers: &'a [Layer],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thickness_field: &'a Option<ThicknessGrid>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    patient: &'a Option<Patient>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    visit: &'a Option<Visit>,
+    springs: Springs,
+    solver: SolverSettings,
+}
+
+/// An implant with its reference.
+#[derive(Serialize)]
+struct Named<'a> {
+    #[serde(flatten)]
+    implant: Implant,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    reference: &'a str,
+}
+
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let Self {
+            schema,
+            implant,
+            implant_reference,
+            pocket_radius_mm,
+            body,
+            chest,
+            chest_grid,
+            insertion,
+            layers,
+            thickness_field,
+            patient,
+            visit,
+            springs,
+            solver,
+        } = self;
+        let written = Written {
+            schema,
+            implant: Named { implant: implant.in_few_words(), reference: implant_reference },
+            pocket_radius_mm: *pocket_radius_mm,
+            body,
+            chest,
+            chest_grid,
+            insertion: *insertion,
+            layers,
+            thickness_field,
+            patient,
+            visit,
+            springs: *springs,
+            solver: *solver,
+        };
+        written.serialize(to)
+    }
+}
