@@ -5,8 +5,9 @@
 
 use implant_preview::clinical::spread::{self, Distribution};
 use implant_preview::clinical::{
-    ClinicalError, Dimension, Expander, Measurements, PatientValue, ProfileClass, Size, SkinClass,
-    cover, limits, pull_strain_scale, strain_scale_of_class, strain_scale_of_pull, typical_sizes,
+    ClinicalError, Dimension, Expander, Measurements, PatientValue, PracticeTable, ProfileClass,
+    Size, SkinClass, cover, limits, pull_strain_scale, strain_scale_of_class, strain_scale_of_pull,
+    typical_sizes,
 };
 use implant_preview::scene::{self, ChestShape, Scene};
 use implant_preview::simulate::simulate;
@@ -409,6 +410,11 @@ fn invalid_and_inconsistent_patients_are_rejected_in_one_line() {
         (json!({ "skin_class": "loose" }), "patient.skin_class: unknown variant `loose`"),
         (json!({ "pinch_mm": "20" }), "patient.pinch_mm: invalid type: string"),
         (json!({ "pinch_mm": null }), "patient.pinch_mm: invalid type: null"),
+        (
+            json!({ "fold_stretched_mm": 29 }),
+            "patient.fold_stretched_mm: the nipple–fold distance is 29 mm; allowed: 30 to 200 mm",
+        ),
+        (json!({ "envelope_fill": "full" }), "patient.envelope_fill: unknown variant `full`"),
         (json!({ "pinch": 20 }), "patient.pinch: unknown field `pinch`"),
         (json!([20]), "patient: invalid type: sequence, expected one JSON object"),
         (json!({ "derived": vec![FAT; 17] }), "patient.derived: "),
@@ -418,6 +424,22 @@ fn invalid_and_inconsistent_patients_are_rejected_in_one_line() {
         assert!(error.starts_with(wanted), "{error}\nwanted: {wanted}");
         assert!(!error.contains('\n'));
     }
+}
+
+#[test]
+fn what_the_practice_table_alone_needs_changes_no_other_value() {
+    let known = json!({ "pinch_mm": 20, "skin_class": "normal" });
+    let mut more = known.clone();
+    more["fold_stretched_mm"] = json!(97.5);
+    more["envelope_fill"] = json!("much");
+    let (scene, same) = (read(&with_patient(&more)), read(&with_patient(&known)));
+    let measured = scene.patient.as_ref().unwrap().measured;
+    assert_eq!(measured.fold_stretched_mm, Some(97.5));
+    assert!(scene.same_physics(&same) && same.patient.unwrap().measured.envelope_fill.is_none());
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    // 300 ml for 12 cm, 30 ml for the distance, 30 ml less for the full envelope.
+    let volume = PracticeTable::default().volume(120.0, &measured).unwrap();
+    assert_eq!((volume.corrections.len(), volume.volume_ml()), (2, 300.0));
 }
 
 #[test]
@@ -505,7 +527,7 @@ fn measurements_without_effect_are_warnings() {
         base_width_mm: Some(100.0),
         pinch_mm: Some(20.0),
         skin_pull_mm: Some(30.0),
-        skin_class: None,
+        ..Measurements::default()
     };
     scene.apply_patient(measured).unwrap();
     assert_eq!(origins(&scene), (vec![SKIN.into()], vec![]));
@@ -524,7 +546,15 @@ fn measurements_without_effect_are_warnings() {
 fn the_schema_contains_patient_and_scales() {
     let schema: Value = serde_json::from_str(&scene::schema()).unwrap();
     let patient = &schema["$defs"]["Patient"]["properties"];
-    for field in ["base_width_mm", "pinch_mm", "skin_pull_mm", "skin_class", "derived"] {
+    for field in [
+        "base_width_mm",
+        "pinch_mm",
+        "skin_pull_mm",
+        "skin_class",
+        "fold_stretched_mm",
+        "envelope_fill",
+        "derived",
+    ] {
         assert!(patient[field].is_object(), "{field}: {schema:#}");
     }
     let kinds = schema["$defs"]["Curve"]["oneOf"].as_array().unwrap();

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use dhat::{HeapStats, Profiler};
+use implant_preview::clinical::PracticeTable;
 use implant_preview::curve::{Curve, CurveSpec, Interpolation};
 use implant_preview::measure::Status;
 use implant_preview::scene::pins::{PINS_SCHEMA, pins_from_json, pins_json};
@@ -180,6 +181,43 @@ fn broken_texts_are_valid_or_rejected() {
         hostile::check_lines(&text);
         let cut = text.len().min(curve.len());
         hostile::check_curve_file(&[&curve.as_bytes()[..cut / 2], &text[cut / 2..]].concat());
+    });
+}
+
+#[test]
+fn practice_tables_of_any_text_are_valid_or_rejected() {
+    const PARTS: [&str; 13] = [
+        "12",
+        "-30",
+        "cm",
+        ";",
+        "\n",
+        "\"",
+        "pull",
+        "above",
+        "1e308",
+        "NaN",
+        "0,5",
+        "\u{1f}",
+        "base width;at;",
+    ];
+    let place = any::<prop::sample::Index>;
+    let edits = vec((place(), place(), prop::sample::select(&PARTS[..]), 0_u8..3), 1..4);
+    let accepted = std::cell::Cell::new(0);
+    check(8000, &edits, |edits| {
+        let mut text: Vec<char> = PracticeTable::default().to_csv().chars().collect();
+        for (at, to, part, kind) in edits {
+            let (at, to) = (at.index(text.len()), to.index(text.len()));
+            let to = if kind == 0 { at } else { to.clamp(at, (at + 6).min(text.len())) };
+            let part = if kind == 2 { "" } else { part };
+            text.splice(at..to, part.chars());
+        }
+        let is_accepted = hostile::check_practice(&text.into_iter().collect::<String>());
+        accepted.set(accepted.get() + i32::from(is_accepted));
+    });
+    assert!(accepted.get() > 800, "{accepted:?} are too few to say much");
+    check(4000, &bytes(), |bytes| {
+        hostile::check_practice(&String::from_utf8_lossy(&bytes));
     });
 }
 

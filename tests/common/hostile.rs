@@ -1,5 +1,6 @@
 //! Properties of any input, shared by the property tests and the fuzz targets.
 
+use implant_preview::clinical::{Measurements, PracticeTable};
 use implant_preview::curve::{Curve, CurveSpec, Fat, Interpolation, ScaledCurve, Section};
 use implant_preview::measure::{Fields, surfaces};
 use implant_preview::scene::{Scene, SceneError, read};
@@ -18,6 +19,32 @@ pub(crate) fn check_message(error: &SceneError) {
     assert!(line.chars().count() < MESSAGE, "{} characters: {line:.500}", line.chars().count());
     assert!(!line.chars().any(char::is_control), "{line:?}");
     assert!(line.len() > 5, "{line:?} says nothing");
+}
+
+/// Checks that a practice table is rejected with one line, or equal after a round trip, with a volume within its rows at every width
+/// of the table. Returns whether the table is accepted.
+pub(crate) fn check_practice(text: &str) -> bool {
+    let table = match PracticeTable::from_csv(text) {
+        Ok(table) => table,
+        Err(line) => {
+            assert!(line.chars().count() < MESSAGE && line.len() > 5, "{line:.500}");
+            assert!(!line.chars().any(char::is_control), "{line:?}");
+            return false;
+        }
+    };
+    assert_eq!(PracticeTable::from_csv(&table.to_csv()).as_ref(), Ok(&table));
+    let volumes = table.starts().iter().map(|row| row[1]);
+    let (least, most) = (volumes.clone().fold(f64::MAX, f64::min), volumes.fold(0.0, f64::max));
+    let (from, to) = table.widths_mm();
+    for k in 0..=40 {
+        let width = from + (to - from) * f64::from(k) / 40.0;
+        let volume = table.volume(width, &Measurements::default()).expect("within its widths");
+        let volume = volume.volume_ml();
+        assert!(least - 1e-9 <= volume && volume <= most + 1e-9, "{width}: {volume}");
+    }
+    assert!(table.volume(from - 0.01, &Measurements::default()).is_none());
+    assert!(table.volume(to + 0.01, &Measurements::default()).is_none());
+    true
 }
 
 /// Checks that a scene is rejected with one line, or within its limits, equal after a round trip and a valid problem.

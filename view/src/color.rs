@@ -227,13 +227,18 @@ pub const MOST_STRAIN: f64 = 0.8;
 /// Upper end of the colours of the share of a reserve \[-\]; greater shares have the last colour.
 pub const MOST_RESERVE: f64 = 1.5;
 
-/// Colour of a value by its band \[unit of the limits\]; values above `most` have the last colour.
+/// Colour of a value by the level of its band \[unit of the limits\]; values above `most` have the last colour.
 #[must_use]
 pub fn in_band(limits: &bands::Limits, most: f64, value: f32) -> Rgb {
-    let ends = limits.bands.iter().map(|band| band.limit.unwrap_or(most) as f32);
     let value = value.min(most as f32);
+    let end = |band: &bands::Band| band.limit.unwrap_or(most) as f32;
+    // Neighbours of one level share one ramp.
+    let levels = limits.bands.chunk_by(|a, b| a.level == b.level);
     let mut from = 0.0;
-    for (to, (low, high)) in ends.zip(BANDS) {
+    for level in levels {
+        let [.., last] = level else { continue };
+        let (low, high) = BANDS[last.level.min(BANDS.len() - 1)];
+        let to = end(last);
         if value <= to {
             let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
             return std::array::from_fn(|k| low[k] + (high[k] - low[k]) * t);
@@ -258,7 +263,7 @@ fn strain_scale(greatest: f32, knee: Option<f64>) -> Scale {
     let strain = |limit: f64| (limit / to_limits) as f32;
     let tick = |value: f32| (value, format!("{:.0}", 100.0 * value));
     let (mut from, mut words) = (0.0, Vec::new());
-    for band in limits.bands {
+    for band in &*limits.bands {
         let to = band.limit.unwrap_or(most);
         words.push((strain(0.5 * (from + to)), band.word));
         from = to;

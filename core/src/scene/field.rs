@@ -328,7 +328,7 @@ mod tests {
             base_width_mm: Some(120.0),
             pinch_mm: Some(30.0),
             skin_pull_mm: Some(20.0),
-            skin_class: None,
+            ..Measurements::default()
         };
         scene.apply_patient(measured).unwrap();
         scene.implant.base_height_mm = Some(126.0);

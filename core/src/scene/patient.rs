@@ -10,7 +10,9 @@ use super::body::in_first;
 use super::field::Field;
 use super::layer::{ADIPOSE, LayerFile, given};
 use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
-use crate::clinical::{ClinicalError, Derived, Measurements, PatientValue, SkinClass};
+use crate::clinical::{
+    ClinicalError, Derived, EnvelopeFill, Measurements, PatientValue, SkinClass,
+};
 use crate::curve::{CurveSpec, List, number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,6 +51,14 @@ pub(super) struct PatientFile {
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "Option<SkinClass>")]
     skin_class: Option<SkinClass>,
+    /// Nipple–fold distance under stretch \[mm\], 30 to 200; for the practice table alone.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<f64>")]
+    fold_stretched_mm: Option<f64>,
+    /// How much of the stretched envelope the existing breast fills; for the practice table alone.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Option<EnvelopeFill>")]
+    envelope_fill: Option<EnvelopeFill>,
     /// Paths of the derived fields; the scene contains their values. Default: the determined fields that the scene does
     /// not contain are derived.
     #[serde(default, deserialize_with = "given")]
@@ -110,8 +120,23 @@ impl PatientFile {
     /// # Errors
     /// A measurement is invalid, a path in the list is unknown, or a derived value is out of its range.
     pub(super) fn fill(self, scene: &mut Scene, given: &[Given]) -> Result<(), SceneError> {
-        let Self { base_width_mm, pinch_mm, skin_pull_mm, skin_class, derived } = self;
-        let measured = Measurements { base_width_mm, pinch_mm, skin_pull_mm, skin_class };
+        let Self {
+            base_width_mm,
+            pinch_mm,
+            skin_pull_mm,
+            skin_class,
+            fold_stretched_mm,
+            envelope_fill,
+            derived,
+        } = self;
+        let measured = Measurements {
+            base_width_mm,
+            pinch_mm,
+            skin_pull_mm,
+            skin_class,
+            fold_stretched_mm,
+            envelope_fill,
+        };
         measured.check().map_err(error)?;
         let mut paths = Vec::new();
         if let Some(list) = derived {

@@ -10,7 +10,7 @@
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
 //! `bands` | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
-//! `usual_range` (the largest volume that stays usual, over sampled patients).
+//! `practice` (the stretch that practice's volumes give) | `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
 //! Uses `scene`, `simulate` and all to their left; no clock, and threads in `many` only. Used by `platform` and `app`.
 
@@ -34,6 +34,7 @@ mod nearest;
 mod no_answer;
 mod parameter;
 mod percentile;
+mod practice;
 mod quantity;
 mod queue;
 pub mod runner;
@@ -60,6 +61,7 @@ pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
 pub use no_answer::{NoAnswer, size_in_words, volume_and_width};
 pub use parameter::{Parameter, ParameterError, with_values};
 pub use percentile::percentiles;
+pub use practice::{NoPractice, PRACTICE_MARGIN_MM, Practice, has_same_practice, is_of_practice};
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};
 pub use samples::{LEAST_ANSWERS, Samples};

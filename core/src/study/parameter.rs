@@ -328,7 +328,7 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
                 pinch_mm: measured.pinch_mm.filter(|_| field == Field::Pinch),
                 skin_pull_mm: measured.skin_pull_mm.filter(|_| field == Field::SkinPull),
                 base_width_mm: measured.base_width_mm,
-                skin_class: None,
+                ..Measurements::default()
             };
             scene.apply_patient(only)?;
             let has_effect = scene.patient.as_ref().is_some_and(|p| !p.derived.is_empty());

@@ -1,6 +1,6 @@
 //! Pinch, pull and class of the skin, and the values that they become.
 
-use super::{ClinicalError, checked, limits, pull_strain_scale, rounded};
+use super::{ClinicalError, EnvelopeFill, checked, limits, pull_strain_scale, rounded};
 use crate::curve::{SCALES, number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -236,6 +236,12 @@ pub struct Measurements {
     /// Class of the skin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skin_class: Option<SkinClass>,
+    /// Nipple–fold distance under stretch \[mm\], 30 to 200; for the practice table alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fold_stretched_mm: Option<f64>,
+    /// How much of the stretched envelope the existing breast fills; for the practice table alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub envelope_fill: Option<EnvelopeFill>,
 }
 
 impl Measurements {
@@ -248,6 +254,12 @@ impl Measurements {
             ("base_width_mm", "base width", self.base_width_mm, limits::MEASURED_WIDTH_MM),
             ("pinch_mm", "pinch", self.pinch_mm, limits::PINCH_MM),
             ("skin_pull_mm", "pull of the skin", self.skin_pull_mm, limits::PULL_MM),
+            (
+                "fold_stretched_mm",
+                "nipple–fold distance",
+                self.fold_stretched_mm,
+                limits::FOLD_STRETCHED_MM,
+            ),
         ] {
             if let Some(value) = value {
                 checked(quantity, value, allowed, " mm").map_err(|error| (field, error))?;

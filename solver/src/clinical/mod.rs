@@ -4,11 +4,14 @@
 //! true value may lie ([`Derived::range`]).
 //!
 //! `measures` (pinch → thicknesses, pull → strain scale) | `pull` (the model of the anterior pull) | `sizes` (base width,
-//! projection, volume, profile class, expander) | `shelf` (the sizes of a clinic) | `spread` (how tissue differs between people).
+//! projection, volume, profile class, expander) | `shelf` (the sizes of a clinic) |
+//! `practice` (the volume that a rule of practice takes), `practice_csv` (its table) | `spread` (how tissue differs between people).
 //!
 //! Uses `curve`. Used by `measure`, `scene` and all to their right.
 
 mod measures;
+mod practice;
+mod practice_csv;
 mod pull;
 mod shelf;
 mod sizes;
@@ -18,6 +21,11 @@ pub use measures::{
     Cover, Derived, Measurements, PatientValue, REPRODUCIBILITY, SKIN_THICKNESS_MM, SkinClass,
     Uncertainty, cover, strain_scale_of_class, strain_scale_of_pull,
 };
+pub use practice::{
+    BUILT_IN_SOURCE, Bound, Corrected, Correction, EnvelopeFill, PracticeTable, PracticeVolume,
+    STEP_ML,
+};
+pub use practice_csv::is_practice_table;
 pub use pull::{GRIP_FORCE_N, GRIP_RADIUS_MM, pull_strain_scale};
 pub use shelf::{Listed, MAX_SIZES, Shelf, ShelfSize};
 pub use sizes::{
@@ -38,6 +46,8 @@ pub mod limits {
     pub const MEASURED_WIDTH_MM: (f64, f64) = (60.0, 240.0);
     /// Pinch: thickness of a fold of skin and fat \[mm\].
     pub const PINCH_MM: (f64, f64) = (4.0, 120.0);
+    /// Nipple–fold distance under stretch \[mm\].
+    pub const FOLD_STRETCHED_MM: (f64, f64) = (30.0, 200.0);
     /// Anterior pull of the skin \[mm\].
     pub const PULL_MM: (f64, f64) = (5.0, 80.0);
     /// Base width of typical round implants \[mm\].

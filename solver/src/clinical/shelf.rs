@@ -160,7 +160,7 @@ fn at(index: usize, error: &str) -> String {
 }
 
 /// The cells of a line, without the quotes around them.
-fn cells(line: &str, separator: char) -> Vec<String> {
+pub(super) fn cells(line: &str, separator: char) -> Vec<String> {
     let (mut cells, mut is_quoted) = (vec![String::new()], false);
     let mut letters = line.chars().peekable();
     while let Some(letter) = letters.next() {

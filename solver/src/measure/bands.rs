@@ -4,6 +4,7 @@
 //! measurement of a limit was found.
 
 use super::STRAIN_BANDS;
+use std::borrow::Cow;
 
 /// Contact pressures above which the word changes \[mmHg\]: 30–60 mmHg were measured right after clinical
 /// filling of expanders; above 80 mmHg one pig study found blood flow near zero.
@@ -16,46 +17,51 @@ pub struct Band {
     pub limit: Option<f64>,
     /// Word for a value in the band.
     pub word: &'static str,
+    /// Severity of the word, 0 for a calm one: its colour and its strokes. Bands of one level have one colour.
+    pub level: usize,
     /// Origin of the upper limit; empty in the last band.
     pub source: &'static str,
 }
 
 /// The bands of a quantity, from low to high.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
     /// The quantity.
     pub quantity: &'static str,
     /// Unit of the limits; empty without one.
     pub unit: &'static str,
     /// The bands.
-    pub bands: &'static [Band],
+    pub bands: Cow<'static, [Band]>,
     /// What a reader of the words must know.
     pub note: &'static str,
 }
 
 /// Greatest principal strain of the skin \[-\], against the model's own rest; for a skin without a reserve.
-pub const STRAIN: Limits = Limits {
+pub static STRAIN: Limits = Limits {
     quantity: "greatest principal strain",
     unit: "",
-    bands: &[
+    bands: Cow::Borrowed(&[
         Band {
             limit: Some(STRAIN_BANDS[0]),
             word: "usual",
+            level: 0,
             source: "Up to 25 % usual: less than half of the stretch at which skin tears; a convention of this program.",
         },
         Band {
             limit: Some(STRAIN_BANDS[1]),
             word: "high",
+            level: 1,
             source: "25–50 % high: up to the stretch at which skin tears; a convention of this program.",
         },
         Band {
             limit: Some(STRAIN_BANDS[2]),
             word: "very high",
+            level: 2,
             source: "50–54 % very high, above beyond: skin tore at 54 ± 17 % (mean of 56 samples of excised back skin; Ní \
                 Annaidh and others, J Mech Behav Biomed Mater 5, 2012).",
         },
-        Band { limit: None, word: "beyond", source: "" },
-    ],
+        Band { limit: None, word: "beyond", level: 3, source: "" },
+    ]),
     note: STANDING,
 };
 
@@ -65,45 +71,49 @@ const STANDING: &str = "The stretch counts from the skin at rest. Standing alone
 
 /// Greatest principal strain of the skin / strain at which this skin's curve turns steep \[-\]
 /// ([`Curve::knee`](crate::curve::Curve::knee)).
-pub const RESERVE: Limits = Limits {
+pub static RESERVE: Limits = Limits {
     quantity: "share of the skin's reserve",
     unit: "",
-    bands: &[
+    bands: Cow::Borrowed(&[
         Band {
             limit: Some(0.8),
             word: "usual",
+            level: 0,
             source: "Up to 80 % of the reserve usual: a convention of this program.",
         },
         Band {
             limit: Some(1.0),
             word: "high",
+            level: 1,
             source: "80–100 % high, above very high. The reserve is the stretch at which this skin gets twice as stiff as at \
                 rest: from there each further millimetre costs more and more stress (curve of skin in vivo: Hendriks 2005, as in \
                 Nikolaev 2013). The class of the skin sets the reserve within a factor of 2 (1 standard deviation).",
         },
-        Band { limit: None, word: "very high", source: "" },
-    ],
+        Band { limit: None, word: "very high", level: 2, source: "" },
+    ]),
     note: STANDING,
 };
 
 /// Contact pressure \[mmHg\].
-pub const PRESSURE: Limits = Limits {
+pub static PRESSURE: Limits = Limits {
     quantity: "contact pressure",
     unit: "mmHg",
-    bands: &[
+    bands: Cow::Borrowed(&[
         Band {
             limit: Some(PRESSURE_BANDS_MMHG[0]),
             word: "usual",
+            level: 0,
             source: "Up to 60 mmHg usual: 30–60 mmHg were measured right after clinical filling of expanders.",
         },
         Band {
             limit: Some(PRESSURE_BANDS_MMHG[1]),
             word: "high",
+            level: 1,
             source: "60–80 mmHg high, above very high: above 80 mmHg the blood flow of the skin was near zero in one study of pigs; in \
                 another it fell only moderately to 100 mmHg (expanded skin; Ann Plast Surg 21, 1988).",
         },
-        Band { limit: None, word: "very high", source: "" },
-    ],
+        Band { limit: None, word: "very high", level: 2, source: "" },
+    ]),
     note: "The pressure directly after filling; relaxation is not modelled.",
 };
 
@@ -115,7 +125,7 @@ pub const COVER: &str = "Below 5 mm thin: a word of practice, no measured limit.
     mm at rest, surgeons go under the muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005); 5 mm are half of that.";
 
 /// All limits.
-pub const LIMITS: [&Limits; 3] = [&STRAIN, &RESERVE, &PRESSURE];
+pub static LIMITS: [&Limits; 3] = [&STRAIN, &RESERVE, &PRESSURE];
 
 /// Contact pressures measured right after clinical filling of expanders \[mmHg\].
 pub const FILLING_PRESSURE_MMHG: (f64, f64) = (30.0, 60.0);
@@ -130,10 +140,11 @@ impl Limits {
         self.bands.iter().filter(|band| band.limit.is_some_and(|limit| value > limit)).count()
     }
 
-    /// Band and word of a value.
+    /// Level and word of a value.
     #[must_use]
     pub fn verdict(&self, value: f64) -> (usize, &'static str) {
-        (self.band(value), self.word(value))
+        let band = self.bands[self.band(value)];
+        (band.level, band.word)
     }
 
     /// Word for a value.
@@ -143,7 +154,64 @@ impl Limits {
     }
 }
 
-/// Band and word of the stretch of a skin: those of its share of the reserve \[-\], or of its greatest principal strain \[-\]
+/// Greatest principal strains of the skin \[-\] that practice's volumes give in the same tissue: what the stretch of a plan is
+/// compared with. The error of the model's rest state is in both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PracticeStretch {
+    /// A step of the rule less than practice's volume.
+    pub less: f64,
+    /// Practice's volume.
+    pub same: f64,
+    /// A step of the rule more.
+    pub more: f64,
+}
+
+impl PracticeStretch {
+    /// The limits of the strain \[-\] against practice; the strains at which skin tears stay.
+    #[must_use]
+    pub fn limits(self) -> Limits {
+        let [_, high, tears] = STRAIN_BANDS;
+        let band = |limit, word, level, source| Band { limit, word, level, source };
+        let bands = vec![
+            band(Some(self.less.min(high)), "below practice", 0, PRACTICE_SOURCE),
+            band(Some(self.more.min(high)), "as practice", 0, ""),
+            band(Some(high), "above practice", 1, ""),
+            band(Some(tears), "very high", 2, STRAIN.bands[2].source),
+            band(None, "beyond", 3, ""),
+        ];
+        let quantity = "greatest principal strain against practice";
+        Limits { quantity, unit: "", bands: Cow::Owned(bands), note: STANDING }
+    }
+
+    /// Level and word of a strain \[-\].
+    #[must_use]
+    pub fn verdict(self, strain: f64) -> (usize, &'static str) {
+        let [_, high, tears] = STRAIN_BANDS;
+        match strain {
+            strain if strain > tears => (3, "beyond"),
+            strain if strain > high => (2, "very high"),
+            strain if strain > self.more => (1, "above practice"),
+            strain if strain > self.less => (0, "as practice"),
+            _ => (0, "below practice"),
+        }
+    }
+}
+
+/// What the words against practice mean.
+const PRACTICE_SOURCE: &str = "As practice: the stretch lies between those of practice's volume less and plus a step of the rule, 30 \
+    ml, computed for a round implant in the same tissue. Above 50 % very high, whatever practice takes.";
+
+/// Level and word of the stretch of a skin: against `practice` where that is known, else those of [`stretch`].
+#[must_use]
+pub fn stretch_by(
+    practice: Option<PracticeStretch>,
+    strain: f64,
+    reserve: Option<f64>,
+) -> (usize, &'static str) {
+    practice.map_or_else(|| stretch(strain, reserve), |practice| practice.verdict(strain))
+}
+
+/// Level and word of the stretch of a skin: those of its share of the reserve \[-\], or of its greatest principal strain \[-\]
 /// if the skin has no reserve.
 #[must_use]
 pub fn stretch(strain: f64, reserve: Option<f64>) -> (usize, &'static str) {
@@ -202,6 +270,25 @@ mod tests {
             let values: Vec<f64> = below.iter().map(|band| band.limit.unwrap()).collect();
             assert!(values.windows(2).all(|pair| pair[0] < pair[1]), "{}", limits.quantity);
             assert!(below.iter().all(|band| !band.source.is_empty()));
+        }
+    }
+
+    #[test]
+    fn words_against_practice_are_those_of_its_limits() {
+        let practice = PracticeStretch { less: 0.19, same: 0.21, more: 0.23 };
+        let limits = practice.limits();
+        for k in 0..700 {
+            let strain = 1e-3 * f64::from(k);
+            assert_eq!(limits.verdict(strain), practice.verdict(strain), "{strain}");
+        }
+        let words = [0.19, 0.191, 0.231, 0.51].map(|strain| practice.verdict(strain).1);
+        assert_eq!(words, ["below practice", "as practice", "above practice", "very high"]);
+        assert_eq!(stretch_by(None, 0.26, None), (1, "high"));
+        assert_eq!(stretch_by(Some(practice), 0.26, Some(2.0)), (1, "above practice"));
+        // A very lax skin, whose practice is near the strain that tears.
+        let lax = PracticeStretch { less: 0.44, same: 0.48, more: 0.52 };
+        for strain in [0.4, 0.49, 0.505, 0.53, 0.6] {
+            assert_eq!(lax.limits().verdict(strain), lax.verdict(strain), "{strain}");
         }
     }
 }

@@ -154,7 +154,7 @@ fn the_languages_have_the_same_places_and_spaces() {
 
 #[test]
 fn the_words_of_other_modules_have_rows() {
-    let bands = bands::LIMITS.iter().flat_map(|limits| limits.bands);
+    let bands = bands::LIMITS.iter().flat_map(|limits| limits.bands.iter());
     let causes = [
         None,
         Some(Invalid::Penetrated),

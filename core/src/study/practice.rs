@@ -1,0 +1,284 @@
+//! The stretch that practice's volumes give in the tissue of a plan: three round implants of the plan's base width, of practice's
+//! volume less a step of the rule, of practice's, and of a step more.
+
+use super::{Case, Cases, Job, Quantity, Study};
+use crate::clinical::{Measurements, PracticeTable, PracticeVolume, STEP_ML, Size};
+use crate::measure::bands::PracticeStretch;
+use crate::scene::{Body, Implant, Scene};
+use crate::springs::Springs;
+
+/// Margin of the pocket around practice's implant \[mm\].
+pub const PRACTICE_MARGIN_MM: f64 = 10.0;
+
+/// Why a plan is not compared with practice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoPractice {
+    /// One sheet, or the springs of Nikolaev 2013.
+    Model,
+    /// The base width is outside of the table: least and greatest width \[mm\].
+    Width(f64, f64),
+    /// Practice's volumes are out of the limits of a scene, or have no answer.
+    Volume,
+}
+
+/// The search as a state machine, a [`Study`] of three scenes on the plan's own grid.
+#[derive(Debug)]
+pub struct Practice {
+    volume: PracticeVolume,
+    scenes: [Scene; 3],
+    strains: [State; 3],
+    /// The scene of each job.
+    jobs: Vec<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Waiting,
+    Running,
+    /// The strain \[-\]; `None` without an answer.
+    Done(Option<f64>),
+}
+
+impl Practice {
+    /// The comparison of a plan by a table.
+    ///
+    /// # Errors
+    /// Why the plan is not compared.
+    pub fn new(plan: &Scene, table: &PracticeTable) -> Result<Self, NoPractice> {
+        if !plan.is_layered() || plan.springs != Springs::Coupled {
+            return Err(NoPractice::Model);
+        }
+        let width_mm = 2.0 * plan.implant.base_radius_mm;
+        let (least, most) = table.widths_mm();
+        let volume =
+            table.volume(width_mm, &measured(plan)).ok_or(NoPractice::Width(least, most))?;
+        let scenes = practice_scenes(plan, &volume).ok_or(NoPractice::Volume)?;
+        Ok(Self { volume, scenes, strains: [State::Waiting; 3], jobs: Vec::new() })
+    }
+
+    /// Practice's volume with its parts.
+    #[must_use]
+    pub fn volume(&self) -> &PracticeVolume {
+        &self.volume
+    }
+
+    /// The scenes: a step less, practice's volume, a step more.
+    #[must_use]
+    pub fn scenes(&self) -> &[Scene; 3] {
+        &self.scenes
+    }
+
+    /// The strains.
+    ///
+    /// # Errors
+    /// `None` before the end; [`NoPractice::Volume`] if a volume has no answer.
+    pub fn stretch(&self) -> Result<PracticeStretch, Option<NoPractice>> {
+        let strain = |k: usize| match self.strains[k] {
+            State::Done(Some(strain)) => Ok(strain),
+            State::Done(None) => Err(Some(NoPractice::Volume)),
+            State::Waiting | State::Running => Err(None),
+        };
+        if self.strains.contains(&State::Done(None)) {
+            return Err(Some(NoPractice::Volume));
+        }
+        Ok(PracticeStretch { less: strain(0)?, same: strain(1)?, more: strain(2)? })
+    }
+}
+
+/// The three scenes of practice in the tissue of a plan; `None` if one is out of the limits of a scene.
+fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> {
+    let width_mm = 2.0 * plan.implant.base_radius_mm;
+    let scene = |step: f64| {
+        let size = Size::of_width_and_volume(width_mm, volume.volume_ml() + step * STEP_ML).ok()?;
+        let mut scene = Scene {
+            insertion: 1.0,
+            patient: None,
+            visit: None,
+            implant_reference: String::new(),
+            ..plan.clone()
+        };
+        scene.implant = Implant {
+            base_radius_mm: plan.implant.base_radius_mm,
+            projection_mm: size.projection_mm(),
+            ..Implant::default()
+        };
+        scene.set_pocket_radius(scene.implant.least_pocket_mm() + PRACTICE_MARGIN_MM);
+        if let Some(body) = &mut scene.body {
+            let (least, _) = Body::patch_range(scene.pocket_radius_mm);
+            body.patch_radius_mm = body.patch_radius_mm.max(least);
+        }
+        scene.validate().is_ok().then_some(scene)
+    };
+    Some([scene(-1.0)?, scene(0.0)?, scene(1.0)?])
+}
+
+/// Is the implant of a plan one of practice's but for its volume: round, centred, with the usual margin of the pocket?
+#[must_use]
+pub fn is_of_practice(plan: &Scene) -> bool {
+    let Implant { base_radius_mm, projection_mm, .. } = plan.implant;
+    let usual = Implant { base_radius_mm, projection_mm, ..Implant::default() };
+    let margin = plan.pocket_radius_mm - plan.implant.least_pocket_mm();
+    plan.implant == usual && (margin - PRACTICE_MARGIN_MM).abs() < 1e-6
+}
+
+/// Have two plans the same practice: the same tissue, chest, measurements, base width and settings of the solver?
+#[must_use]
+pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
+    // All fields are named, so that a new one is not forgotten.
+    fn subject(scene: &Scene) -> impl PartialEq {
+        let Scene {
+            schema,
+            implant,
+            implant_reference: _,
+            pocket_radius_mm,
+            body,
+            chest,
+            chest_grid,
+            insertion: _,
+            layers,
+            thickness_field,
+            patient,
+            visit: _,
+            springs,
+            solver,
+        } = scene;
+        let measured = patient.as_ref().map(|patient| patient.measured);
+        // A patch of the default radius follows the pocket.
+        let body = body.map(|body| {
+            let default = Body::around(*pocket_radius_mm, body.tissue_model).patch_radius_mm;
+            let is_default = (body.patch_radius_mm - default).abs() < 1e-9;
+            Body { patch_radius_mm: if is_default { 0.0 } else { body.patch_radius_mm }, ..body }
+        });
+        let tissue = (layers, thickness_field, measured, springs);
+        (schema, implant.base_radius_mm.to_bits(), body, chest, chest_grid, tissue, solver)
+    }
+    subject(a) == subject(b)
+}
+
+/// The measurements of a plan's patient.
+fn measured(plan: &Scene) -> Measurements {
+    plan.patient.as_ref().map(|patient| patient.measured).unwrap_or_default()
+}
+
+impl Study for Practice {
+    fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
+        while let Some(k) = self.strains.iter().position(|state| *state == State::Waiting) {
+            let scene = &self.scenes[k];
+            let key = store.key(scene);
+            if let Some(case) = store.reuse(&key, false) {
+                self.strains[k] = State::Done(strain(case));
+                continue;
+            }
+            self.strains[k] = State::Running;
+            self.jobs.push(k);
+            let job = Job { scenes: vec![scene.clone()], ..Job::default() };
+            return Some((self.jobs.len() - 1, job));
+        }
+        None
+    }
+
+    fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
+        let Some(&k) = self.jobs.get(job) else { return };
+        if self.strains[k] != State::Running {
+            return;
+        }
+        let case = cases.into_iter().next().filter(|case| case.status.is_some());
+        self.strains[k] = State::Done(case.as_ref().and_then(strain));
+        if let Some(case) = case {
+            let key = store.key(&self.scenes[k]);
+            store.insert(key, case);
+        }
+    }
+
+    fn progress(&self) -> (usize, usize) {
+        let done = self.strains.iter().filter(|state| matches!(state, State::Done(_)));
+        (done.count(), self.strains.len())
+    }
+}
+
+/// The greatest strain of a case with an answer \[-\].
+fn strain(case: &Case) -> Option<f64> {
+    case.values.get(Quantity::GreatestStrain).filter(|_| case.is_converged())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::SkinClass;
+    use crate::scene::TissueModel;
+    use crate::study::{MapSettings, Parameter, evaluate, with_values};
+
+    fn coarse(plan: &Scene) -> Scene {
+        let mut plan = plan.clone();
+        MapSettings::default().apply(&mut plan);
+        plan
+    }
+
+    fn solve(plan: &Scene, store: &mut Cases) -> (Practice, usize) {
+        let mut practice = Practice::new(plan, &PracticeTable::default()).unwrap();
+        let mut solved = 0;
+        while let Some((index, job)) = practice.next_job(store) {
+            assert_eq!(practice.stretch(), Err(None));
+            practice.receive(index + 9, Vec::new(), store);
+            practice.receive(index, evaluate(&job), store);
+            solved += 1;
+        }
+        assert!(practice.is_done());
+        (practice, solved)
+    }
+
+    fn with_volume(plan: &Scene, volume: f64) -> Scene {
+        with_values(plan, &[(Parameter::Volume, volume)]).unwrap()
+    }
+
+    #[test]
+    fn the_strains_are_those_of_plans_of_practices_volumes_solved_alone() {
+        let mut store = Cases::default();
+        let plan = coarse(&Scene::opening());
+        let (practice, solved) = solve(&plan, &mut store);
+        assert!(solved == 3 && (practice.volume().volume_ml() - 300.0).abs() < 1e-9);
+        let found = practice.stretch().unwrap();
+        for (strain, volume) in [(found.less, 270.0), (found.same, 300.0), (found.more, 330.0)] {
+            let outcome = crate::simulate::simulate(&with_volume(&plan, volume)).unwrap();
+            let alone = Quantity::GreatestStrain.of(&outcome).unwrap();
+            assert!((strain - alone).abs() < 1e-9, "{volume}: {strain} {alone}");
+        }
+        // Another volume, shape or place of the plan's own implant has the same practice, and solves nothing.
+        let mut other = with_volume(&plan, 350.0);
+        other.implant.base_height_mm = Some(110.0);
+        other.implant.apex_shift_mm = 8.0;
+        other.implant.center_mm = [2.0, -3.0];
+        other.insertion = 0.5;
+        other.set_pocket_radius(72.0);
+        let (again, solved) = solve(&other, &mut store);
+        assert_eq!((again.stretch(), solved), (Ok(found), 0));
+        assert!(is_of_practice(&plan) && !is_of_practice(&other));
+        assert!(has_same_practice(&plan, &other));
+        other.layers[1].thickness_mm += 1.0;
+        assert!(!has_same_practice(&plan, &other));
+    }
+
+    #[test]
+    fn the_class_of_the_skin_corrects_the_volume_and_the_width_has_its_table() {
+        let table = PracticeTable::default();
+        let mut plan = Scene::opening();
+        let measured = Measurements { skin_class: Some(SkinClass::Lax), ..measured(&plan) };
+        plan.apply_patient(measured).unwrap();
+        let practice = Practice::new(&plan, &table).unwrap();
+        assert!((practice.volume().volume_ml() - 330.0).abs() < 1e-9);
+        plan.implant.base_radius_mm = 50.0;
+        assert_eq!(Practice::new(&plan, &table).err(), Some(NoPractice::Width(105.0, 150.0)));
+        let mut sheet = Scene::opening();
+        sheet.set_tissue_model(TissueModel::Sheet);
+        assert_eq!(Practice::new(&sheet, &table).err(), Some(NoPractice::Model));
+    }
+
+    #[test]
+    fn a_volume_without_an_answer_is_no_practice() {
+        let mut practice = Practice::new(&Scene::opening(), &PracticeTable::default()).unwrap();
+        let mut store = Cases::default();
+        let (first, _) = practice.next_job(&mut store).unwrap();
+        practice.receive(first, Vec::new(), &mut store);
+        assert_eq!(practice.stretch(), Err(Some(NoPractice::Volume)));
+    }
+}
