@@ -11,6 +11,7 @@ use implant_preview::scene::pins::{PINS_SCHEMA, pins_from_json, pins_json};
 use implant_preview::scene::{CheckedScene, Document, Scene, SceneError, read};
 use implant_preview::simulate::simulate;
 use implant_preview::study::{Axis, Bands, BandsSettings, Map, MapSettings};
+use implant_preview::table::{Form, Table};
 use implant_preview_lab::work_precision::Plan;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -259,6 +260,78 @@ fn with_second(field: &str) -> String {
 
 fn with_curve(curve: &str) -> String {
     with(&format!(r#""layers":[{{"curve":{curve}}}]"#))
+}
+
+/// Pieces that tables consist of.
+fn table_bytes() -> impl Strategy<Value = Vec<u8>> {
+    let pieces = [
+        ";", ",", "\t", "\"", "\"\"", "\n", "\r", "\r\n", " ", "a", "é", "1", "12,5", "1.250",
+        "1.234,5", "300 cc", "sep=;\n", "\u{feff}", "\0", "\u{a0}",
+    ];
+    vec(0..=pieces.len(), 0..60).prop_map(move |chosen| {
+        let piece = |k: usize| pieces.get(k).map_or(&b"\xff"[..], |piece| piece.as_bytes());
+        // A letter that is not UTF-8 is rare, so that most tables are read.
+        let is_broken = chosen.iter().all(|k| *k > 0);
+        let kept = chosen.iter().filter(|k| is_broken || **k < pieces.len());
+        kept.flat_map(|k| piece(*k)).copied().collect()
+    })
+}
+
+#[test]
+fn tables_of_any_bytes_are_read_or_rejected() {
+    check(20_000, &bytes(), |bytes| hostile::check_table(&bytes));
+    check(20_000, &table_bytes(), |bytes| hostile::check_table(&bytes));
+    let pairs = |bytes: Vec<u8>| [b"\xff\xfe".to_vec(), bytes].concat();
+    check(5000, &bytes(), |bytes| hostile::check_table(&pairs(bytes)));
+}
+
+#[test]
+fn tables_by_another_writer_are_read_cell_by_cell_however_rows_are_joined() {
+    let text = prop_oneof!["[a-z\"; ,\t.0-9é\r\n]{0,6}", "[a-z]{1,3}"];
+    let rows = vec(vec(text, 3), 1..6);
+    let ends = vec(0..3_usize, 6);
+    check(5000, &(rows, ends, 0..3_usize), |(rows, ends, separator)| {
+        let separator = [b';', b',', b'\t'][separator];
+        let mut bytes = Vec::new();
+        for (row, end) in rows.iter().zip(&ends) {
+            let terminator = csv::Terminator::Any(b'\n');
+            let mut writer = csv::WriterBuilder::new();
+            let writer = writer.delimiter(separator).terminator(terminator);
+            let mut writer = writer.from_writer(Vec::new());
+            writer.write_record(row.iter().map(String::as_str).chain(["x"])).unwrap();
+            bytes.extend_from_slice(writer.into_inner().unwrap().strip_suffix(b"\n").unwrap());
+            bytes.extend_from_slice([&b"\n"[..], b"\r", b"\r\n"][*end]);
+        }
+        let form = Form { separator: Some(separator), ..Form::PLAIN };
+        let table = Table::read_as(std::str::from_utf8(&bytes).unwrap(), form).unwrap();
+        let found: Vec<Vec<&str>> = table.rows().map(|row| row.cells().take(3).collect()).collect();
+        assert_eq!(found, rows, "{bytes:?}");
+    });
+}
+
+#[test]
+fn a_large_table_takes_little_time_and_memory() {
+    for text in [
+        ";".repeat(9_999_999),
+        "a\n".repeat(1_900_000),
+        "\"".repeat(9_999_999),
+        "\"\"\"\n,".repeat(1_999_999),
+        "1,5;".repeat(1_900_000),
+    ] {
+        let _alone = ALONE.lock();
+        let start = Instant::now();
+        let read = Table::read(&text);
+        let time = start.elapsed();
+        let profiler = Profiler::builder().testing().build();
+        assert_eq!(Table::read(&text), read);
+        let peak = HeapStats::get().max_bytes;
+        drop(profiler);
+        if let Err(error) = read {
+            hostile::check_message(&error);
+        }
+        assert!(time < 5 * SOON, "{time:?} for {text:.10}");
+        assert!(peak < LITTLE, "{peak} bytes for {text:.10}");
+    }
 }
 
 #[test]

@@ -7,7 +7,9 @@
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
-pub use implant_preview_solver::{clinical, contact, curve, export, measure, mesh, solve, springs};
+pub use implant_preview_solver::{
+    clinical, contact, curve, export, measure, mesh, solve, springs, table,
+};
 #[doc(hidden)]
 pub use implant_preview_solver::{model, number};
 

@@ -6,15 +6,17 @@ use implant_preview::measure::{Fields, surfaces};
 use implant_preview::scene::{Scene, SceneError, read};
 use implant_preview::simulate;
 use implant_preview::solve::{Progress, Solution, Solver, Verdict};
+use implant_preview::table::{self, Decimals, Rows, Table};
 use serde_json::{Value, json};
 use std::collections::HashSet;
+use std::io::BufReader;
 use std::sync::Arc;
 
 /// Greatest number of characters of a message.
 pub(crate) const MESSAGE: usize = 300;
 
 /// Checks that a message is one short, printable line.
-pub(crate) fn check_message(error: &SceneError) {
+pub(crate) fn check_message(error: &impl ToString) {
     let line = error.to_string();
     assert!(line.chars().count() < MESSAGE, "{} characters: {line:.500}", line.chars().count());
     assert!(!line.chars().any(char::is_control), "{line:?}");
@@ -146,6 +148,47 @@ pub(crate) fn check_spec(spec: &CurveSpec) -> bool {
         Err(error) => check_message(&SceneError::CurveFile(error.clone())),
     }
     read.is_ok()
+}
+
+/// A table: its text, form, rows and numbers. The rows in pieces are those of the whole.
+pub(crate) fn check_table(bytes: &[u8]) {
+    let text = match table::decode(bytes) {
+        Ok(text) => text,
+        Err(error) => return check_message(&error),
+    };
+    let table = match Table::read(&text) {
+        Ok(table) => table,
+        Err(error) => return check_message(&error),
+    };
+    let (form, text) = (table.form(), text.trim_start_matches('\u{feff}'));
+    let mut pieces = Rows::new(BufReader::with_capacity(3, text.as_bytes()), form.separator());
+    let mut others = std::iter::from_fn(|| pieces.next_row().expect("memory is read"))
+        .skip(usize::from(form.has_separator_line))
+        .filter(|row| !row.is_empty(form.separator()));
+    let mut line = 0;
+    for row in table.rows() {
+        assert!(row.line > line && row.cells().len() <= table.columns());
+        line = row.line;
+        for (k, cell) in row.cells().enumerate() {
+            match row.number(k, "a") {
+                Ok(found) => {
+                    assert!(found.value.is_finite() && cell.trim().ends_with(found.unit));
+                    let again = Decimals::Point.read(&found.digits).map(|again| again.value);
+                    assert!(again == Ok(found.value), "{cell:?}");
+                }
+                Err(error) => check_message(&error),
+            }
+        }
+        let other = others.next().expect("as many rows");
+        let text = String::from_utf8(other.bytes).expect("whole letters");
+        let cells: Vec<_> = table::cells(&text, form.separator()).collect();
+        assert!(
+            other.line == row.line
+                && cells.iter().map(|cell| &**cell).take(table.columns()).eq(row.cells())
+        );
+        assert!(cells.iter().skip(table.columns()).all(|cell| cell.trim().is_empty()));
+    }
+    assert!(others.next().is_none());
 }
 
 /// Scenes in a file: one scene, or one scene per line.
