@@ -97,6 +97,84 @@ fn assert_profile(profile: &str, result: &Value, directions: &[&str]) {
 }
 
 #[test]
+#[allow(clippy::float_cmp, reason = "mirrored to the last bit")]
+fn a_right_breast_has_the_numbers_of_a_left_one_and_its_mesh_mirrored() {
+    let folder = folder();
+    let shape = |side: &str| {
+        let scene = format!(
+            r#"{{"side":"{side}","implant":{{"base_radius_mm":55,"projection_mm":40,"center_mm":[6,-3]}},
+            "solver":{{"nodes_per_side":33,"tolerance":1e-3}}}}"#
+        );
+        fs::write(folder.join("scene.json"), scene).unwrap();
+        let read = |mesh: &str| {
+            let output = run(
+                &folder,
+                &[
+                    "simulate",
+                    "scene.json",
+                    "--out",
+                    "r.json",
+                    "--mesh",
+                    mesh,
+                    "--profile",
+                    "p.csv",
+                ],
+                "",
+            );
+            assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+            fs::read(folder.join(mesh)).unwrap()
+        };
+        let (obj, glb) = (text(&read("m.obj")), read("m.glb"));
+        let mut result: Value =
+            serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
+        result["solver"]["time_ms"] = Value::Null;
+        result["scene_hash"] = Value::Null;
+        (obj, glb, result, fs::read(folder.join("p.csv")).unwrap())
+    };
+    let (left, right) = (shape("left"), shape("right"));
+    assert_eq!(left.2, right.2);
+    assert_eq!(left.3, right.3);
+    let numbers = |obj: &str, kind: &str| -> Vec<[f64; 3]> {
+        let rows = obj.lines().filter_map(|line| line.strip_prefix(kind));
+        rows.map(|row| {
+            let mut row = row.split(' ').map(|cell| cell.parse().unwrap());
+            [(); 3].map(|()| row.next().unwrap())
+        })
+        .collect()
+    };
+    let vertices = [&left.0, &right.0].map(|obj| numbers(obj, "v "));
+    assert!(vertices[0].iter().zip(&vertices[1]).all(|(a, b)| *a == [-b[0], b[1], b[2]]));
+    // Six volumes of a closed body: positive where its triangles face outwards.
+    let volume = |obj: &str, vertices: &[[f64; 3]]| -> f64 {
+        let faces = numbers(obj, "f ");
+        let of = |face: &[f64; 3]| {
+            let [a, b, c] = face.map(|k| vertices[k as usize - 1]);
+            let cross = [1, 2, 0].map(|i| {
+                let j = (i + 1) % 3;
+                b[i] * c[j] - b[j] * c[i]
+            });
+            a.iter().zip(cross).map(|(a, n)| a * n).sum::<f64>()
+        };
+        faces.iter().map(of).sum()
+    };
+    let volumes = [volume(&left.0, &vertices[0]), volume(&right.0, &vertices[1])];
+    assert!(volumes[0] > 0.0 && volumes[0].to_bits() == volumes[1].to_bits(), "{volumes:?}");
+    let points = |glb: &[u8]| -> Vec<Vec<[f32; 3]>> {
+        let file = gltf::Gltf::from_slice(glb).unwrap();
+        let blob = file.blob.as_deref().unwrap();
+        let of = |mesh: gltf::Mesh<'_>| {
+            let primitive = mesh.primitives().next().unwrap();
+            let reader = primitive.reader(|_| Some(blob));
+            reader.read_positions().unwrap().chain(reader.read_normals().unwrap()).collect()
+        };
+        file.meshes().map(of).collect()
+    };
+    for (a, b) in points(&left.1).concat().iter().zip(points(&right.1).concat()) {
+        assert_eq!(*a, [-b[0], b[1], b[2]]);
+    }
+}
+
+#[test]
 fn the_profile_of_a_shape_that_is_not_round_has_both_meridians() {
     let folder = folder();
     let anatomical = r#"{"implant":{"base_radius_mm":55,"projection_mm":40,"base_height_mm":100,

@@ -37,6 +37,8 @@ mod hands;
 mod no_answer;
 #[path = "screens/notices.rs"]
 mod notices;
+#[path = "screens/side.rs"]
+mod side;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 #[path = "screens/visit.rs"]

@@ -227,7 +227,8 @@ class Shape(NamedTuple):
     result: dict[str, Any]
     """The result, as of :func:`solve`."""
     points: npt.NDArray[np.float32]
-    """Vertices of the inner face, of the faces between the layers and of the skin [mm], shape (layers + 1, vertices, 3)."""
+    """Vertices of the inner face, of the faces between the layers and of the skin [mm], shape (layers + 1, vertices, 3); of a right
+    breast mirrored in x."""
     triangles: npt.NDArray[np.uint32]
     """Vertices of each triangle of a face, counter-clockwise seen from the skin, shape (triangles, 3)."""
     fields: dict[str, npt.NDArray[np.float32]]

@@ -45,9 +45,13 @@ fn simulated(
     selection: &Selection,
 ) -> Result<Simulation, String> {
     let scene = CheckedScene::from_json(text).map_err(|error| error.to_string())?;
+    Ok(solved(simulator, &scene, selection))
+}
+
+fn solved(simulator: &mut Simulator, scene: &CheckedScene, selection: &Selection) -> Simulation {
     let start = Instant::now();
     let clock = move || start.elapsed().as_secs_f64() * 1e3;
-    Ok(simulator.run(&scene, Options::default(), selection, Some(&clock)))
+    simulator.run(scene, Options::default(), selection, Some(&clock))
 }
 
 /// The text of a value that is always JSON.

@@ -1,7 +1,8 @@
 //! The deformed shape of a scene: faces, triangles and the fields at their vertices.
 
-use super::{json, refused, simulated};
+use super::{json, refused, solved};
 use implant_preview_core::measure::{Field, Fields, Selection, surfaces};
+use implant_preview_core::scene::CheckedScene;
 use implant_preview_core::simulate::Simulator;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -28,9 +29,13 @@ const OF_SKIN: [(&str, Field); 7] = [
 
 #[pyfunction]
 pub(crate) fn shape<'py>(py: Python<'py>, scene: &str) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| simulated(&mut Simulator::default(), scene, &Selection::all()));
-    let found = found.map_err(refused)?;
-    let all = py.detach(|| surfaces(&found.solution));
+    let scene = py.detach(|| CheckedScene::from_json(scene));
+    let scene = scene.map_err(refused)?;
+    let found = py.detach(|| solved(&mut Simulator::default(), &scene, &Selection::all()));
+    let all = py.detach(|| {
+        let all = surfaces(&found.solution);
+        if scene.scene().is_right() { all.mirrored() } else { all }
+    });
     let fields = Fields::new(found.solution);
     let answer = PyDict::new(py);
     answer.set_item("result", json(&found.outcome))?;

@@ -147,6 +147,15 @@ def test_a_shape_is_that_of_the_result():
     assert area == pytest.approx(shape.result["skin_area"]["patch_after_cm2"], rel=0.02)
 
 
+def test_the_shape_of_a_right_breast_is_the_mirror_image():
+    scene = layered()
+    scene["implant"] = {**scene["implant"], "center_mm": [4, -2]}
+    left, right = ip.shape(scene), ip.shape({**scene, "side": "right"})
+    assert (right.points == left.points * np.float32([-1, 1, 1])).all()
+    assert (right.triangles == left.triangles[:, [0, 2, 1]]).all()
+    assert all((right.fields[name] == left.fields[name]).all() for name in ["strain", "cover_mm"])
+
+
 @pytest.mark.parametrize("example", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.name)
 def test_the_examples_run(example, tmp_path):
     subprocess.run([sys.executable, example, "--quick"], cwd=tmp_path, check=True)

@@ -210,7 +210,7 @@ fn step_by_keys(
         })
     };
     let up = steps(Key::ArrowDown, Key::ArrowUp);
-    let to_the_side = steps(Key::ArrowLeft, Key::ArrowRight);
+    let to_the_side = plan::hand_of(scene) * steps(Key::ArrowLeft, Key::ArrowRight);
     match kind {
         Kind::Position if up != 0.0 || to_the_side != 0.0 => {
             let [x, y] = scene.implant.center_mm;

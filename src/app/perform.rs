@@ -127,8 +127,9 @@ impl App {
 
     /// Takes an offered plan.
     fn accept(&mut self, mut scene: Scene) {
-        // The visit may be newer than the offer.
-        scene.visit.clone_from(&self.shared.session.scene().visit);
+        // Side and visit may be newer than the offer.
+        let now = self.shared.session.scene();
+        (scene.side, scene.visit) = (now.side, now.visit.clone());
         self.edits.is_edited = true;
         self.replace(scene);
     }

@@ -4,6 +4,7 @@
 use super::answer::PreviousResults;
 use super::compare::{self, Compare, Silhouette};
 use super::device::Device;
+use super::plan;
 use super::texts::{self, fixed, tr};
 use super::theme::{self, Palette};
 use super::viewport::Outline;
@@ -112,14 +113,20 @@ pub(super) fn section_chart(
     let palette = theme::palette(ui.visuals());
     let problem = Subject::problem(session);
     let device = Device::of(ui.ctx());
-    let implant = (tr("implant"), palette.accent, dome_outline(problem));
+    // The section as one looks at the patient: the side of a right breast is at the left.
+    let hand = plan::hand_of(session.scene());
+    let seen = |line: Polyline| line.into_iter().map(|[x, z]| [hand * x, z]).collect::<Polyline>();
+    let implant = (tr("implant"), palette.accent, seen(dome_outline(problem)));
     let tissue = (!Subject::has_no_shape(session)).then(|| {
-        let [inner, outer] = tissue_faces(session.solution());
+        let [inner, outer] = tissue_faces(session.solution()).map(seen);
         [(tr("skin"), palette.curves[0], outer), (tr("inner face"), palette.curves[1], inner)]
     });
-    let wall = (tr("chest wall"), palette.caution, wall_line(problem));
+    let wall = (tr("chest wall"), palette.caution, seen(wall_line(problem)));
     let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
-    let silhouettes = drawn_silhouettes(session, compare, palette);
+    let mut silhouettes = drawn_silhouettes(session, compare, palette);
+    silhouettes.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[0] *= hand);
+    let mut band = sampled_skin(session, band);
+    band.iter_mut().for_each(|point| point.r_mm *= hand);
     let own = tissue.iter().flatten().chain([&implant, &wall]);
     let names: Vec<(String, Color32)> = own
         .map(|&(name, color, _)| (device.words(name), color))
@@ -136,7 +143,7 @@ pub(super) fn section_chart(
         .y_axis_label(tr("height (mm)"))
         .include_y(0.0)
         .show(ui, |plot| {
-            skin_band(plot, palette.curves[0], &sampled_skin(session, band));
+            skin_band(plot, palette.curves[0], &band);
             let (name, color, points) = implant;
             plot.line(Line::new(name, points).color(color).width(1.5));
             for (name, color, points) in tissue.into_iter().flatten().rev() {

@@ -3,6 +3,7 @@
 //! Uses `compare`, `plots`, `shared`, `theme`, `viewport`. Used by `ui`.
 
 use super::compare::{self, Silhouette};
+use super::plan;
 use super::plots;
 use super::shared::Shared;
 use super::texts::{self, tr};
@@ -10,6 +11,7 @@ use super::theme;
 use super::uncertainty::Findings;
 use super::viewport::{scale_bar, veil};
 use super::widgets::set_accessible_name;
+use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::SectionBand;
 use crate::view::body::Body;
@@ -68,7 +70,7 @@ fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Opt
     let pins =
         plots::drawn_silhouettes(&shared.session, &shared.compare, theme::palette(ui.visuals()));
     let pins = first_and_last(pins);
-    let place = Place::new(area, problem, &section, &pins);
+    let place = Place::new(area, (subject.scene(), problem), &section, &pins);
     let painter = ui.painter_at(area);
     paint_ground(ui, &painter, area);
     paint_wall(ui, &painter, &place, problem);
@@ -117,10 +119,17 @@ struct Place {
     points_per_mm: f32,
     /// Half of the drawn width \[mm\].
     reach_mm: f32,
+    /// +1: the patient's side is at the right; of a right breast −1.
+    hand: f32,
 }
 
 impl Place {
-    fn new(area: Rect, problem: &Problem, section: &CrossSection, pins: &[Silhouette]) -> Self {
+    fn new(
+        area: Rect,
+        (scene, problem): (&Scene, &Problem),
+        section: &CrossSection,
+        pins: &[Silhouette],
+    ) -> Self {
         let radius = problem.sheet().radius_mm() as f32;
         let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
         let highest = highest.fold(section.height(), f32::max);
@@ -135,17 +144,18 @@ impl Place {
             origin: pos2(room.center().x, room.bottom() - below + lowest * points_per_mm),
             points_per_mm,
             reach_mm: radius,
+            hand: plan::hand_of(scene) as f32,
         }
     }
 
     fn at(&self, point: Vec2) -> Pos2 {
-        self.origin + self.points_per_mm * vec2(point.x, -point.y)
+        self.origin + self.points_per_mm * vec2(self.hand * point.x, -point.y)
     }
 
     /// The point (x, z) of the plane at a position \[mm\].
     fn point(&self, at: Pos2) -> Vec2 {
         let offset = (at - self.origin) / self.points_per_mm;
-        Vec2::new(offset.x, -offset.y)
+        Vec2::new(self.hand * offset.x, -offset.y)
     }
 
     fn line(&self, points: &[[f64; 2]]) -> Vec<Pos2> {
@@ -204,8 +214,11 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
     };
     let weak = visuals.weak_text_color();
     below(0.0, Align2::CENTER_TOP, tr("pocket"), palette.text);
-    below(-place.reach_mm, Align2::LEFT_TOP, tr("midline"), weak);
-    below(place.reach_mm, Align2::RIGHT_TOP, tr("side"), weak);
+    let (left, right) = (-place.hand * place.reach_mm, place.hand * place.reach_mm);
+    let words = [tr("midline"), tr("side")];
+    let [at_left, at_right] = if place.hand > 0.0 { words } else { [words[1], words[0]] };
+    below(left, Align2::LEFT_TOP, at_left, weak);
+    below(right, Align2::RIGHT_TOP, at_right, weak);
 }
 
 fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {

@@ -128,7 +128,10 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
                     button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
                     if button.clicked() {
                         let session = &shared.session;
-                        let bodies = bodies(session.solution());
+                        let mut bodies = bodies(session.solution());
+                        if session.scene().is_right() {
+                            bodies = bodies.into_iter().map(Solid::mirrored).collect();
+                        }
                         actions.push(if bodies.iter().any(|solid| solid.vertices.is_empty()) {
                             Action::Notify(Notice::error(device.words(tr(NOT_INSERTED))))
                         } else {

@@ -226,8 +226,9 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await page.keyboard.press("Enter");
     await harness.settled(page);
     await harness.screenshot(page, "visit");
-    const visit = { reference: "K. M. 4711", side: "left", date: "2026-01-31", surgeon: "Dr Å", remarks };
+    const visit = { reference: "K. M. 4711", date: "2026-01-31", surgeon: "Dr Å", remarks };
     assert.deepEqual((await harness.scene(page)).visit, visit);
+    assert.equal((await harness.scene(page)).side, "left");
     assert.equal((await harness.stats(page)).solves, solves, "a solve for words");
 
     const file = await save(page, "Save plan…");
@@ -282,7 +283,8 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     for (const [what, formats] of [["Implant", ["STL", "OBJ", "PLY", "GLB"]], ["Tissue", ["STL", "GLB"]], ["Skin", ["PLY"]]]) {
       for (const format of formats) {
         const file = await save(page, "Save shape (3-D)", `${what} as ${format}`);
-        assert.equal(file.name, `${what.toLowerCase()}.${format.toLowerCase()}`);
+        const size = what === "Implant" ? "300ml" : "12cm-300ml";
+        assert.equal(file.name, `${what.toLowerCase()}-${size}.${format.toLowerCase()}`);
         (volumes[what] ??= []).push(await millilitres(file));
       }
     }
@@ -294,12 +296,30 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     for (const volume of volumes.Tissue) assert.ok(Math.abs(volume / rest(skin + fat) - 1) < 0.05, `tissue ${volume} ml`);
     for (const volume of volumes.Skin) assert.ok(Math.abs(volume / rest(skin) - 1) < 0.08, `skin ${volume} ml`);
 
+    // All parts in one file, each a closed body with unit normals and its own material.
+    const all = await save(page, "Save shape (3-D)", "All parts as GLB");
+    assert.equal(all.name, "shape-12cm-300ml.glb");
+    const bodies = (await new GLTFLoader().parseAsync(buffer(all.bytes), "")).scene.children;
+    assert.deepEqual(bodies.map((body) => body.name), ["implant", "skin", "tissue"]);
+    assert.deepEqual(bodies.map((body) => body.material.name), ["implant", "skin", "tissue"]);
+    for (const { geometry, material } of bodies) {
+      assert.ok(volume(geometry) > 0 && material.metalness === 0 && material.roughness > 0);
+      const { position, normal } = geometry.attributes;
+      assert.equal(normal.count, position.count);
+      const length = (k) => Math.hypot(normal.getX(k), normal.getY(k), normal.getZ(k));
+      for (let k = 0; k < normal.count; k++) assert.ok(Math.abs(length(k) - 1) < 1e-5);
+    }
+    assert.equal(new Set(bodies.map((body) => body.material.color.getHex())).size, 3);
+
     const profile = await save(page, "Save profile (CSV)…");
+    assert.equal(profile.name, "profile-12cm-300ml.csv");
     const [head, ...rows] = profile.bytes.toString().trim().split("\n");
-    assert.equal(head, "s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop");
+    assert.equal(head, "surface,direction,s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop");
     const result = JSON.parse(await page.evaluate(() => implantPreview.result()));
-    assert.equal(rows.length, result.profile.length);
-    assert.ok(rows.every((row) => row.split(",").every((value) => Number.isFinite(Number(value)))));
+    for (const [surface, points] of [["inner_face", result.profile], ["skin_membrane", result.profile_skin]]) {
+      assert.equal(rows.filter((row) => row.startsWith(`${surface},side,`)).length, points.length);
+    }
+    assert.ok(rows.every((row) => row.split(",").slice(2).every((value) => Number.isFinite(Number(value)))));
     await finish();
   });
 

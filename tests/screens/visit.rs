@@ -45,7 +45,6 @@ fn filled(size: egui::Vec2) -> Harness<'static, App> {
 fn known() -> Visit {
     Visit {
         reference: "K. M. 4711".to_owned(),
-        side: Some(Side::Left),
         date: "2026-01-31".to_owned(),
         surgeon: "Dr A".to_owned(),
         remarks: "one\ntwo".to_owned(),
@@ -58,6 +57,7 @@ fn a_visit_is_written_without_a_solve_and_a_field_is_one_step_of_the_history() {
     for size in [DESKTOP, PHONE] {
         let mut harness = filled(size);
         assert_eq!(visit(&harness), known());
+        assert_eq!(harness.state().session().scene().side, Some(Side::Left));
         assert_eq!(harness.state().session().counters().solves, 1);
         assert!(harness.state().session().result().is_some());
         let chip = harness.get_by_role_and_label(Role::Button, "left");

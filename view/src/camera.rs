@@ -67,6 +67,7 @@ impl From<f32> for Ball {
 pub struct Camera {
     pose: Pose,
     ease: Option<Ease>,
+    is_mirrored: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +90,18 @@ impl Camera {
     /// A three-quarter view of a ball on the wall.
     #[must_use]
     pub fn new(ball: impl Into<Ball>, aspect: f32) -> Self {
-        Self { pose: fitted(ball.into(), aspect), ease: None }
+        Self { pose: fitted(ball.into(), aspect), ease: None, is_mirrored: false }
+    }
+
+    /// Shows the mirror image in the patient's plane of symmetry: of a left breast a right one. Poses, rays and points stay those of
+    /// the left one.
+    pub fn mirror(&mut self, is_mirrored: bool) {
+        self.is_mirrored = is_mirrored;
+    }
+
+    /// +1, of a mirror image −1: along the screen's right.
+    fn hand(&self) -> f32 {
+        if self.is_mirrored { -1.0 } else { 1.0 }
     }
 
     /// The current pose.
@@ -105,7 +117,7 @@ impl Camera {
         }
         let before = *self;
         self.ease = None;
-        self.pose.azimuth -= delta.x * ORBIT_RATE;
+        self.pose.azimuth -= self.hand() * delta.x * ORBIT_RATE;
         self.pose.elevation =
             (self.pose.elevation + delta.y * ORBIT_RATE).clamp(ELEVATION.0, ELEVATION.1);
         *self != before
@@ -258,6 +270,13 @@ impl Camera {
     /// World directions of the screen's right and up.
     #[must_use]
     pub fn right_and_up(&self) -> (Vec3, Vec3) {
+        let (right, up) = self.light();
+        (self.hand() * right, up)
+    }
+
+    /// World directions that the light turns with: right and up on the screen of the image that is not mirrored.
+    #[must_use]
+    pub fn light(&self) -> (Vec3, Vec3) {
         let forward = (self.pose.target - self.eye()).normalize();
         let (sin_a, cos_a) = self.pose.azimuth.sin_cos();
         let right = Vec3::new(-sin_a, cos_a, 0.0);
@@ -269,8 +288,10 @@ impl Camera {
     pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
         let near = (self.pose.distance * 0.05).max(1.0);
         let far = self.pose.distance + 1500.0;
-        let (_, up) = self.right_and_up();
-        perspective(FIELD_OF_VIEW, aspect, near, far) * look_at(self.eye(), self.pose.target, up)
+        let (_, up) = self.light();
+        Mat4::from_scale(Vec3::new(self.hand(), 1.0, 1.0))
+            * perspective(FIELD_OF_VIEW, aspect, near, far)
+            * look_at(self.eye(), self.pose.target, up)
     }
 
     /// The ray through a point of the viewport, both coordinates from −1 to 1, y up.
@@ -439,6 +460,28 @@ mod tests {
         assert!(camera.pose().distance < 0.6 * Camera::new(80.0, 1.5).pose().distance);
         // Away from the tissue nothing holds.
         assert!((camera.zoom_outside(0.5, at, 1.5, radius, height) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_mirrored_camera_shows_the_mirror_image_and_follows_the_hand() {
+        let (aspect, at) = (1.5, Vec2::new(0.3, -0.2));
+        let mut camera = Camera::new(80.0, aspect);
+        camera.drag(Vec2::new(25.0, -14.0));
+        let mut mirrored = camera;
+        mirrored.mirror(true);
+        let flip = |p: Vec2| Vec2::new(-p.x, p.y);
+        for point in [Vec3::new(20.0, -30.0, 40.0), Vec3::new(-60.0, 10.0, 0.0)] {
+            let image = camera.project(point, aspect).map(flip);
+            assert_eq!(mirrored.project(point, aspect), image, "to the last bit");
+        }
+        let (ray, image) = (camera.ray(at, aspect), mirrored.ray(flip(at), aspect));
+        assert!((ray.direction - image.direction).length() < 1e-5);
+        // Mirrored movements keep the images alike.
+        let delta = Vec2::new(7.0, 3.0);
+        assert!(camera.drag(delta) && mirrored.drag(flip(delta)));
+        assert!(camera.pan(delta, 600.0) && mirrored.pan(flip(delta), 600.0));
+        assert!(camera.zoom(1.3, at, aspect) && mirrored.zoom(1.3, flip(at), aspect));
+        assert_eq!(camera.pose(), mirrored.pose());
     }
 
     #[test]

@@ -3,10 +3,11 @@
 use super::chest_grid::BOTH;
 use super::layer::{LayerFile, default_layers, given};
 use super::patient::PatientFile;
+use super::visit::VisitFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, SolverSettings, ThicknessGrid,
-    TissueModel, Version, Visit, body, chest, limits, patient, pins, problem,
+    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Side, SolverSettings,
+    ThicknessGrid, TissueModel, Version, body, chest, limits, patient, pins, problem,
 };
 use crate::curve::{List, Pair, number, object};
 use crate::springs::Springs;
@@ -56,9 +57,13 @@ pub(super) struct SceneFile {
     /// From `scene/2` on: what was measured on a person.
     #[serde(default, deserialize_with = "some_object")]
     pub(super) patient: Option<PatientFile>,
-    /// From `scene/2` on: reference, side, date of the visit, surgeon, remarks; a computation ignores them.
+    /// From `scene/2` on: the patient's side of the breast. Default: drawn as `left`.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Side")]
+    pub(super) side: Option<Side>,
+    /// From `scene/2` on: reference, date of the visit, surgeon, remarks; a computation ignores them.
     #[serde(default, deserialize_with = "some_object")]
-    pub(super) visit: Option<Visit>,
+    pub(super) visit: Option<VisitFile>,
     #[serde(default)]
     pub(super) springs: Springs,
     #[serde(default, deserialize_with = "object")]
@@ -220,6 +225,7 @@ impl SceneFile {
                 ("attachment", file.attachment.is_some()),
                 ("solver.cells_through", file.solver.cells_through.is_some()),
                 ("patient", file.patient.is_some()),
+                ("side", file.side.is_some()),
                 ("visit", file.visit.is_some()),
             ] {
                 if is_given {
@@ -263,6 +269,12 @@ impl SceneFile {
             None => default_layers(Version::of(&file.schema).unwrap_or(Version::Third)),
         };
         let (chest, chest_grid) = file.chest.map(ChestFile::wall).transpose()?.unwrap_or_default();
+        let (visit, side) = match file.visit {
+            Some(visit) => visit.read(file.side).map(|(visit, side)| (Some(visit), side))?,
+            None => (None, file.side),
+        };
+        // An older file may state the side alone there.
+        let visit = visit.filter(|visit| side.is_none() || !visit.is_empty());
         let mut scene = Scene {
             schema: file.schema,
             implant,
@@ -275,7 +287,8 @@ impl SceneFile {
             layers,
             thickness_field: file.thickness_field,
             patient: None,
-            visit: file.visit,
+            side,
+            visit,
             springs: file.springs,
             solver: file.solver,
         };

@@ -126,6 +126,9 @@ pub struct Scene {
     /// Measurements of a person, and the fields that were derived from them; `None` in `scene/1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patient: Option<Patient>,
+    /// The patient's side of the breast; `None`: not stated, drawn as a left one. `None` in `scene/1`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<Side>,
     /// Patient and visit in words; no result depends on the visit. `None` in `scene/1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub visit: Option<Visit>,
@@ -292,6 +295,7 @@ impl Default for Scene {
             layers: default_layers(Version::Third),
             thickness_field: None,
             patient: None,
+            side: None,
             visit: None,
             springs: Springs::default(),
             solver: SolverSettings::default(),
@@ -479,7 +483,7 @@ impl Scene {
         Ok(CheckedScene::new(self.clone())?.problem())
     }
 
-    /// Do two scenes have the same equilibrium? The names of their tissues, the patients and the visits may differ.
+    /// Do two scenes have the same equilibrium? The names of their tissues, the patients, sides and visits may differ.
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
         let of = |scene: &Self| {
@@ -495,6 +499,7 @@ impl Scene {
                 insertion,
                 layers: _,
                 patient: _,
+                side: _,
                 visit: _,
                 springs,
                 solver,

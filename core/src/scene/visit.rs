@@ -1,4 +1,4 @@
-//! Patient and visit in words, for the file: reference, side, date, surgeon, remarks. No result depends on a visit.
+//! Side, and patient and visit in words, for the file: reference, date, surgeon, remarks. No number of a result depends on them.
 
 use super::body::in_first;
 use super::layer::given;
@@ -19,16 +19,11 @@ pub const MAX_REMARK_LINES: usize = 12;
 pub const DATE: &str = "a date as 2026-01-31 (year-month-day), 1900 to 2199";
 
 /// The visit of a patient; an empty text is not stated.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Visit {
     /// The patient's number or initials, up to 40 characters in one line.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub reference: String,
-    /// Default: not stated.
-    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "given")]
-    #[schemars(with = "Side")]
-    pub side: Option<Side>,
     /// Date of the visit, as 2026-01-31; 1900 to 2199.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub date: String,
@@ -39,9 +34,48 @@ pub struct Visit {
     #[serde(skip_serializing_if = "String::is_empty")]
     pub remarks: String,
     /// Schedule of the fills of an expander. Default: not stated.
-    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "given")]
-    #[schemars(with = "FillSchedule")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub fill_steps: Option<FillSchedule>,
+}
+
+/// A visit in a file.
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
+#[schemars(rename = "Visit")]
+pub(super) struct VisitFile {
+    /// The patient's number or initials, up to 40 characters in one line.
+    reference: String,
+    /// The side of the scene, as older files have it.
+    #[serde(deserialize_with = "given")]
+    #[schemars(with = "Side")]
+    side: Option<Side>,
+    /// Date of the visit, as 2026-01-31; 1900 to 2199.
+    date: String,
+    /// The surgeon, up to 60 characters in one line.
+    surgeon: String,
+    /// Remarks, up to 500 characters in up to 12 lines.
+    remarks: String,
+    /// Schedule of the fills of an expander. Default: not stated.
+    #[serde(deserialize_with = "given")]
+    #[schemars(with = "FillSchedule")]
+    fill_steps: Option<FillSchedule>,
+}
+
+impl VisitFile {
+    /// The visit, and the side of the scene: that of the scene or, in older files, of the visit.
+    ///
+    /// # Errors
+    /// Two sides that differ.
+    pub(super) fn read(self, of_scene: Option<Side>) -> Result<(Visit, Option<Side>), SceneError> {
+        let Self { reference, side, date, surgeon, remarks, fill_steps } = self;
+        if let (Some(side), Some(of_scene)) = (side, of_scene)
+            && side != of_scene
+        {
+            let allowed = format!("{}, as `side` of the scene", of_scene.word());
+            return Err(out_of_range("visit.side", side.word().to_owned(), &allowed));
+        }
+        Ok((Visit { reference, date, surgeon, remarks, fill_steps }, of_scene.or(side)))
+    }
 }
 
 /// The schedule of the fills of an expander.
@@ -84,7 +118,7 @@ impl Default for FillSchedule {
     }
 }
 
-/// The side of the plan.
+/// The patient's side of the breast; a plan of both sides is drawn as that of the left one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs, reason = "a side is its own description")]
@@ -131,7 +165,7 @@ impl Visit {
     /// # Errors
     /// One line with the field, its value and what is allowed.
     pub(super) fn check(&self) -> Result<(), SceneError> {
-        let Self { reference, side: _, date, surgeon, remarks, fill_steps } = self;
+        let Self { reference, date, surgeon, remarks, fill_steps } = self;
         fill_steps.as_ref().map_or(Ok(()), FillSchedule::check)?;
         check_line("visit.reference", reference, MAX_REFERENCE)?;
         if !(date.is_empty() || is_date(date)) {
@@ -225,19 +259,29 @@ impl Scene {
                 layers,
                 thickness_field,
                 patient,
+                side,
                 visit: _,
                 springs,
                 solver,
             } = scene;
-            let tissue = (layers, thickness_field, patient, springs);
+            let tissue = (layers, thickness_field, patient, side, springs);
             let implant = (implant, implant_reference);
             (schema, implant, pocket_radius_mm, body, chest, chest_grid, insertion, tissue, solver)
         }
         plan(self) == plan(other)
     }
 
-    /// Checks the visit.
+    /// Is the breast the patient's right one? Numbers and coordinates are those of a left one; pictures and meshes are mirrored in x.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        self.side == Some(Side::Right)
+    }
+
+    /// Checks side and visit.
     pub(super) fn check_visit(&self) -> Result<(), SceneError> {
+        if self.side.is_some() && self.schema == SCENE_SCHEMA {
+            return Err(in_first("side"));
+        }
         match &self.visit {
             Some(_) if self.schema == SCENE_SCHEMA => Err(in_first("visit")),
             Some(visit) => visit.check(),
@@ -260,7 +304,7 @@ mod tests {
     #[test]
     fn a_visit_is_read_and_written_as_it_is() {
         let visit = json!({
-            "reference": "K. M., 4711 <b>", "side": "left", "date": "2024-02-29", "surgeon": "Dr Ý",
+            "reference": "K. M., 4711 <b>", "date": "2024-02-29", "surgeon": "Dr Ý",
             "remarks": "line one\nline two",
             "fill_steps": { "start_ml": 120.0, "visit_ml": 60.0, "weeks": 2.0 }
         });
@@ -273,6 +317,7 @@ mod tests {
         assert!(scene != without && !without.to_json().contains("visit"));
         for edit in [
             |scene: &mut Scene| scene.insertion = 0.5,
+            |scene: &mut Scene| scene.side = Some(Side::Right),
             |scene: &mut Scene| scene.layers[0].tissue.push('x'),
             |scene: &mut Scene| scene.patient = Some(crate::scene::Patient::default()),
             |scene: &mut Scene| scene.chest = Some(ChestShape::ROUND),
@@ -293,6 +338,35 @@ mod tests {
         }
         // An absent field is not stated.
         assert!(read(&json!({})).unwrap().visit.is_some_and(|visit| visit.is_empty()));
+    }
+
+    #[test]
+    fn the_side_is_that_of_the_scene_and_of_an_older_file_that_of_its_visit() {
+        let file = |side: &str, visit: &str| {
+            let json = format!(r#"{{"implant":{{"base_radius_mm":60}}{side}{visit}}}"#);
+            Scene::from_json(&json).map_err(|error| error.to_string())
+        };
+        let (right, of_visit) = (r#","side":"right""#, r#","visit":{"side":"right"}"#);
+        for (side, visit) in [(right, ""), ("", of_visit), (right, of_visit)] {
+            let scene = file(side, visit).unwrap();
+            assert!(scene.is_right());
+            let written: serde_json::Value = serde_json::from_str(&scene.to_json()).unwrap();
+            assert_eq!(
+                (&written["side"], &written["visit"]["side"]),
+                (&json!("right"), &json!(null))
+            );
+            assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+            // A link and a pin keep the side; no solve depends on it.
+            assert!(scene.without_visit().is_right());
+            assert!(scene.same_physics(&file("", "").unwrap()));
+        }
+        let left = file(r#","side":"left""#, of_visit).unwrap_err();
+        assert_eq!(left, "visit.side is right; allowed: left, as `side` of the scene");
+        assert!(file(r#","side":"up""#, "").unwrap_err().starts_with("side: unknown variant `up`"));
+        assert!(file(r#","side":null"#, "").unwrap_err().starts_with("side: "));
+        let first = r#","side":"right","schema":"implant-preview/scene/1""#;
+        assert!(file(first, "").unwrap_err().starts_with("side: the field belongs to"));
+        assert_eq!(file("", "").unwrap().side, None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A scene as it is written: the members of [`Scene`] in the form of a file.
 
 use super::{
-    Body, ChestGrid, ChestShape, Implant, Layer, Patient, Scene, SolverSettings, Springs,
+    Body, ChestGrid, ChestShape, Implant, Layer, Patient, Scene, Side, SolverSettings, Springs,
     ThicknessGrid, Visit,
 };
 use serde::{Serialize, Serializer};
@@ -24,6 +24,8 @@ struct Written<'a> {
     thickness_field: &'a Option<ThicknessGrid>,
     #[serde(skip_serializing_if = "Option::is_none")]
     patient: &'a Option<Patient>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    side: Option<Side>,
     #[serde(skip_serializing_if = "Option::is_none")]
     visit: &'a Option<Visit>,
     springs: Springs,
@@ -53,6 +55,7 @@ impl Serialize for Scene {
             layers,
             thickness_field,
             patient,
+            side,
             visit,
             springs,
             solver,
@@ -68,6 +71,7 @@ impl Serialize for Scene {
             layers,
             thickness_field,
             patient,
+            side: *side,
             visit,
             springs: *springs,
             solver: *solver,

@@ -353,11 +353,12 @@ impl Session {
     /// Reverts to the last scene with a valid solution and solves that scene; [`Command::Redo`] restores the reverted
     /// scene. False if the current scene is the last valid scene.
     fn take_back(&mut self) -> bool {
-        if self.valid.is_same_plan(&self.scene) {
+        // Side and visit are none of the solve's: their edits stay.
+        let Scene { side, ref visit, .. } = self.scene;
+        let valid = Scene { side, visit: visit.clone(), ..self.valid.clone() };
+        if valid.is_same_plan(&self.scene) {
             return false;
         }
-        // The visit is none of the solve's: an edit of the visit stays.
-        let valid = Scene { visit: self.scene.visit.clone(), ..self.valid.clone() };
         let Ok(valid) = CheckedScene::new(valid) else { return false };
         let faulty = self.show(valid);
         self.undo.pop_if(|scene| *scene == self.scene);

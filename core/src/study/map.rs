@@ -66,8 +66,8 @@ pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-
 
 /// The scene of a study: a sheet of `scene/1` becomes the same sheet of `scene/2`, which has all fields; no visit.
 pub(super) fn base_scene(scene: &Scene) -> Scene {
-    // The visit stays in the plan's file, and another visit is no other map.
-    let mut base = scene.without_visit();
+    // The visit stays in the plan's file, and another visit or side is no other map.
+    let mut base = Scene { side: None, ..scene.without_visit() };
     if base.body.is_none() {
         base.set_tissue_model(TissueModel::Sheet);
     }

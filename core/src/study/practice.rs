@@ -138,6 +138,7 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
             layers,
             thickness_field,
             patient,
+            side: _,
             visit: _,
             springs,
             solver,

@@ -63,6 +63,7 @@ fn start() -> Scene {
         insertion: 1.0,
         layers: vec![Layer::skin(), Layer::adipose()],
         patient: None,
+        side: None,
         visit: None,
         springs: Springs::Coupled,
         solver: SolverSettings {

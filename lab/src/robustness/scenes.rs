@@ -35,6 +35,7 @@ pub(super) fn scene(rng: &mut Rng) -> Scene {
         insertion: insertion(rng),
         layers: layers(rng),
         patient: None,
+        side: None,
         visit: None,
         springs: if rng.u8(0..100) < 85 { Springs::Coupled } else { Springs::Nikolaev },
         solver: SolverSettings {

@@ -120,6 +120,7 @@ impl Case {
             insertion: 1.0,
             layers,
             patient: None,
+            side: None,
             visit: None,
             springs: Springs::Coupled,
             solver: SolverSettings { nodes_per_side, tolerance, cells_through: None },

@@ -187,6 +187,15 @@ impl Solid {
         }
     }
 
+    /// The mirror image in x, of a left breast the right one: the triangles still face outwards.
+    #[must_use]
+    pub fn mirrored(mut self) -> Self {
+        self.vertices.iter_mut().for_each(|vertex| vertex.x = -vertex.x);
+        let triangles = self.parts.iter_mut().flat_map(|part| &mut part.triangles);
+        triangles.for_each(|triangle| triangle.swap(1, 2));
+        self
+    }
+
     /// All triangles of all parts.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.parts.iter().flat_map(|part| part.triangles.iter().copied())
@@ -240,6 +249,23 @@ mod tests {
         let draped = Dome { chest: CURVED, ..dome };
         for solid in [flat(3.0), Solid::implant(&dome), Solid::implant(&draped)] {
             assert!(border_edges(&solid.triangles().collect::<Vec<_>>()).is_empty());
+        }
+    }
+
+    #[test]
+    fn a_mirror_image_is_closed_and_has_the_volume_to_the_last_bit() {
+        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
+        for solid in [flat(3.0), Solid::implant(&dome)] {
+            let mirrored = solid.clone().mirrored();
+            assert!(border_edges(&mirrored.triangles().collect::<Vec<_>>()).is_empty());
+            assert_eq!(volume(&mirrored).to_bits(), volume(&solid).to_bits());
+            assert!(
+                mirrored
+                    .vertices
+                    .iter()
+                    .zip(&solid.vertices)
+                    .all(|(a, b)| *a == *b * Vec3::new(-1.0, 1.0, 1.0))
+            );
         }
     }
 

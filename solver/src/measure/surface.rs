@@ -19,6 +19,17 @@ pub struct Surfaces {
     pub triangles: Vec<[u32; 3]>,
 }
 
+impl Surfaces {
+    /// The mirror image in x, of a left breast the right one: the triangles still face outwards.
+    #[must_use]
+    pub fn mirrored(mut self) -> Self {
+        let vectors = self.positions.iter_mut().flatten().chain(&mut self.normals);
+        vectors.for_each(|vector| vector[0] = -vector[0]);
+        self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        self
+    }
+}
+
 /// The surfaces of a solution.
 #[must_use]
 pub fn surfaces(solution: &Solution) -> Surfaces {

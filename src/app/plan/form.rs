@@ -331,9 +331,10 @@ mod tests {
             ("date", " 2026-01-31 "),
             ("remarks", "one\ntwo"),
         ]);
+        assert_eq!(visit.side, Some(crate::scene::Side::Left));
         let visit = visit.visit.unwrap();
         assert_eq!((&*visit.reference, &*visit.date), ("K. M. 4711", "2026-01-31"));
-        assert_eq!((visit.side, &*visit.remarks), (Some(crate::scene::Side::Left), "one\ntwo"));
+        assert_eq!(visit.remarks, "one\ntwo");
         let long = after(&[("surgeon", &"é".repeat(70))]).visit.unwrap();
         assert_eq!(long.surgeon.chars().count(), 60);
         // Nothing stated is no visit.

@@ -23,7 +23,7 @@ pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
-pub(super) use position::{move_to, position, position_in_words};
+pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use shape::{is_anatomical, shape_in_words};
 pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
 

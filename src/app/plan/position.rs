@@ -66,19 +66,24 @@ pub(in crate::app) fn position_in_words(scene: &Scene) -> Vec<String> {
     [place].into_iter().chain(edge).collect()
 }
 
+/// +1: the patient's side is at the right, as one looks at the patient; of a right breast −1.
+pub(in crate::app) fn hand_of(scene: &Scene) -> f64 {
+    if scene.is_right() { -1.0 } else { 1.0 }
+}
+
 /// The pad: pocket and implant from the front; the implant follows pointer and arrow keys.
 fn pad(ui: &mut Ui, scene: &mut Scene) {
     let (rect, response) = ui.allocate_exact_size(PAD, Sense::click_and_drag());
     keep_press(&response);
     let centre = rect.center() - vec2(0.0, 2.0);
     let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
-    let before = scene.implant.center_mm;
+    let (before, hand) = (scene.implant.center_mm, hand_of(scene));
     if response.dragged() {
         // The implant moves with the pointer from where the pointer took it.
         let grab = response.id.with("grab");
         let at = |point: Pos2| {
             let offset = (point - centre) / points_per_mm;
-            [f64::from(offset.x), -f64::from(offset.y)]
+            [hand * f64::from(offset.x), -f64::from(offset.y)]
         };
         if let Some(pointer) = response.interact_pointer_pos() {
             let [x, y] = at(pointer);
@@ -105,7 +110,7 @@ fn pad(ui: &mut Ui, scene: &mut Scene) {
             let count = ui.input_mut(|i| i.count_and_consume_key(Modifiers::NONE, key)) as f64;
             if count > 0.0 {
                 let [a, b] = scene.implant.center_mm;
-                scene.implant.center_mm = inside(scene, [a + count * x, b + count * y]);
+                scene.implant.center_mm = inside(scene, [a + hand * count * x, b + count * y]);
             }
         }
     }
@@ -134,7 +139,8 @@ fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
     painter.circle_stroke(centre, POCKET, line);
     let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
     let [x, y] = scene.implant.center_mm.map(|v| v as f32 * points_per_mm);
-    let at = centre + vec2(x, -y);
+    let hand = hand_of(scene) as f32;
+    let at = centre + vec2(hand * x, -y);
     let implant = &scene.implant;
     let half_axes = [implant.base_radius_mm, 0.5 * implant.base_height()];
     let [across, along] = half_axes.map(|half| half as f32 * points_per_mm);
@@ -152,8 +158,10 @@ fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
     let inner = rect.shrink(4.0);
     text(pos2(centre.x, inner.top() - 3.0), Align2::CENTER_TOP, tr("head"));
     text(pos2(centre.x, inner.bottom() + 3.0), Align2::CENTER_BOTTOM, tr("feet"));
-    text(inner.left_bottom() + vec2(0.0, 3.0), Align2::LEFT_BOTTOM, tr("midline"));
-    text(inner.right_bottom() + vec2(0.0, 3.0), Align2::RIGHT_BOTTOM, tr("side"));
+    let words = [tr("midline"), tr("side")];
+    let [left, right] = if hand > 0.0 { words } else { [words[1], words[0]] };
+    text(inner.left_bottom() + vec2(0.0, 3.0), Align2::LEFT_BOTTOM, left);
+    text(inner.right_bottom() + vec2(0.0, 3.0), Align2::RIGHT_BOTTOM, right);
 }
 
 /// Position along one axis. A number outside of the pocket is rejected, with the offer of a larger pocket.

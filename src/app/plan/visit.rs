@@ -17,16 +17,14 @@ const NAMES: f32 = 68.0;
 /// The choice of no side, and the name of the date.
 const NOT_SAID: &str = "not said";
 const DATE_NAME: &str = "Date of the visit";
-/// A right breast is the mirror image of every picture.
-const AS_LEFT: &str = "The pictures are those of a left breast; a right one is the mirror image.";
 /// A date as it may be typed, in words.
 const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;
 
 const KEPT: &str = "Kept in this plan's file and in the report only; reference and side also stand on the picture, reference and date in the names of \
-                    these files. Not in links \
-                    or pins, and gone at the next start. Nothing is sent.";
+                    these files. But for the side, \
+                    not in links or pins, and gone at the next start. Nothing is sent.";
 
 /// Memory key of the switch.
 fn key() -> Id {
@@ -61,9 +59,10 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
     if !is_open(ui) {
         return None;
     }
-    let mut now = scene.visit.clone().unwrap_or_default();
-    let focused = fields(ui, &mut now, hand);
+    let (mut now, mut side) = (scene.visit.clone().unwrap_or_default(), scene.side);
+    let focused = fields(ui, &mut now, &mut side, hand);
     set(scene, now);
+    set_side(scene, side);
     focused
 }
 
@@ -72,11 +71,23 @@ fn set(scene: &mut Scene, now: Visit) {
     if now == scene.visit.clone().unwrap_or_default() {
         return;
     }
+    leave_first(scene);
+    scene.visit = (!now.is_empty()).then_some(now);
+}
+
+/// Replaces the side; an equal one leaves the scene as it is.
+fn set_side(scene: &mut Scene, side: Option<Side>) {
+    if side != scene.side {
+        leave_first(scene);
+        scene.side = side;
+    }
+}
+
+/// A sheet of `scene/1` becomes the equal sheet of a version that may have side and visit.
+fn leave_first(scene: &mut Scene) {
     if scene.body.is_none() {
-        // A sheet of `scene/1` becomes the equal sheet of a version that may have a visit.
         scene.set_tissue_model(TissueModel::Sheet);
     }
-    scene.visit = (!now.is_empty()).then_some(now);
 }
 
 /// Sets the schedule of the fills; that of the defaults is not stated.
@@ -90,7 +101,7 @@ pub(in crate::app) fn set_fill_steps(scene: &mut Scene, steps: FillSchedule) {
 pub(super) fn form_fields(scene: &Scene) -> [Field; 5] {
     let visit = scene.visit.clone().unwrap_or_default();
     let text = |characters, lines| Values::Text { characters, lines };
-    let side = visit.side.map_or(NOT_SAID, Side::word).to_owned();
+    let side = scene.side.map_or(NOT_SAID, Side::word).to_owned();
     let choices: Vec<&str> = Side::ALL.map(Side::word).into_iter().chain([NOT_SAID]).collect();
     let words = choices.iter().map(|word| tr(word)).collect();
     [
@@ -135,7 +146,8 @@ pub(super) fn set_form_field(
                 let words = Side::ALL.map(Side::word).join(", ");
                 return Some(Err(tr!("Side: allowed: {words}, {none}", words, none = NOT_SAID)));
             }
-            now.side = side;
+            set_side(scene, side);
+            return Some(Ok(()));
         }
         "date" => {
             let Some(date) = date_or_none(text) else {
@@ -163,24 +175,21 @@ fn date_or_none(text: &str) -> Option<String> {
 
 /// Reference and side in words; empty if none is stated.
 pub(in crate::app) fn patient_in_words(scene: &Scene) -> String {
-    let Some(visit) = &scene.visit else { return String::new() };
-    let side = visit.side.map_or("", |side| tr(side.words()));
-    joined([visit.reference.trim(), side].map(str::to_owned))
+    let reference = scene.visit.as_ref().map_or("", |visit| visit.reference.trim());
+    let side = scene.side.map_or("", |side| tr(side.words()));
+    joined([reference, side].map(str::to_owned))
 }
 
 /// The visit in one line, and the remarks; empty if nothing is stated.
 pub(in crate::app) fn visit_in_words(scene: &Scene) -> [String; 2] {
-    let Some(visit) = &scene.visit else { return Default::default() };
+    let visit = scene.visit.clone().unwrap_or_default();
     let named = |name: &str, text: &str| {
         if text.is_empty() { String::new() } else { format!("{name} {text}") }
     };
     let date = named(tr("visit of"), &visit.date);
     let surgeon = named(tr("surgeon"), visit.surgeon.trim());
     let line = joined([patient_in_words(scene), date, surgeon]);
-    let is_right = visit.side == Some(Side::Right);
-    let remarks = [if is_right { tr(AS_LEFT) } else { "" }, visit.remarks.trim()];
-    let remarks: Vec<&str> = remarks.into_iter().filter(|text| !text.is_empty()).collect();
-    [line, remarks.join("\n")]
+    [line, visit.remarks.trim().to_owned()]
 }
 
 fn joined<const N: usize>(parts: [String; N]) -> String {
@@ -188,7 +197,7 @@ fn joined<const N: usize>(parts: [String; N]) -> String {
     stated.join(" · ")
 }
 
-fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
+fn fields(ui: &mut Ui, visit: &mut Visit, side: &mut Option<Side>, hand: Hand) -> Option<Id> {
     let mut focused = None;
     let mut note = |response: Response| {
         if response.has_focus() {
@@ -199,16 +208,13 @@ fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
     named(ui, tr("Side"), |ui| {
         chips(ui, |ui| {
             let choices = Side::ALL.map(|side| (Some(side), tr(side.word())));
-            for (side, word) in choices.into_iter().chain([(None, tr(NOT_SAID))]) {
-                if chip(ui, hand, visit.side == side, word, "") {
-                    visit.side = side;
+            for (choice, word) in choices.into_iter().chain([(None, tr(NOT_SAID))]) {
+                if chip(ui, hand, *side == choice, word, "") {
+                    *side = choice;
                 }
             }
         });
     });
-    if visit.side == Some(Side::Right) {
-        remark(ui, tr(AS_LEFT));
-    }
     note(date(ui, hand, &mut visit.date));
     note(line(ui, tr("Surgeon"), "", &mut visit.surgeon, MAX_SURGEON));
     note(remarks(ui, &mut visit.remarks));
@@ -360,17 +366,17 @@ mod tests {
         assert_eq!(visit_in_words(&scene), ["", ""]);
         scene.visit = Some(Visit {
             reference: "K. M.".to_owned(),
-            side: Some(Side::Left),
             date: "2026-01-31".to_owned(),
             surgeon: "Dr A".to_owned(),
             remarks: "one\ntwo\n".to_owned(),
             fill_steps: None,
         });
+        scene.side = Some(Side::Left);
         let [line, remarks] = visit_in_words(&scene);
         assert_eq!(line, "K. M. · left side · visit of 2026-01-31 · surgeon Dr A");
         assert_eq!(remarks, "one\ntwo");
         assert_eq!(patient_in_words(&scene), "K. M. · left side");
-        scene.visit = Some(Visit { side: Some(Side::Both), ..Visit::default() });
+        (scene.side, scene.visit) = (Some(Side::Both), None);
         assert_eq!(visit_in_words(&scene), ["both sides", ""]);
     }
 }

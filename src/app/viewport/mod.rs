@@ -220,6 +220,7 @@ impl Viewport {
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
         self.place_camera(wall::ball(session.problem()), area.width() / area.height());
+        self.camera.mirror(session.scene().is_right());
         let section = section_of(options, session.problem());
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
@@ -385,7 +386,7 @@ impl Viewport {
             painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);
             return;
         };
-        let (right, up) = self.camera.right_and_up();
+        let (right, up) = self.camera.light();
         // A sheet ends at the pocket's edge.
         let pocket = match problem.tissue {
             Tissue::Sheet => 0.0,

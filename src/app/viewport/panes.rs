@@ -56,7 +56,9 @@ impl Viewport {
             pins.iter().zip(pin_areas).map(|(shape, area)| pane(ui, shape.pin, *area)).collect();
         // One camera: a drag in any picture moves all of them.
         let mut moved = false;
-        for response in responses.iter().chain([&own]) {
+        let scenes = pins.iter().map(Subject::scene).chain([session.scene()]);
+        for (response, scene) in responses.iter().chain([&own]).zip(scenes) {
+            self.camera.mirror(scene.is_right());
             moved |= self.move_camera(ui, response, response.rect);
         }
         let up_to_date = self.update_pictures(session, &pins, options);
@@ -99,13 +101,14 @@ impl Viewport {
         };
         let mut clicked = None;
         for ((pane, shape), response) in self.panes.iter().zip(&pins).zip(&responses) {
+            self.camera.mirror(shape.scene().is_right());
             let area = response.rect;
             let painter = ui.painter_at(area);
             overlay::background(ui, &painter, area);
             let drawn = drawn(
                 pane.number,
                 &pane.picture,
-                self.colours(&colours, &pane.picture),
+                colours_of(&self.common_table, &colours, &pane.picture),
                 shape.problem(),
             );
             let section = drawn.section;
@@ -121,12 +124,13 @@ impl Viewport {
         for area in &areas {
             ui.painter().rect_stroke(*area, 0.0, line, StrokeKind::Outside);
         }
+        self.camera.mirror(session.scene().is_right());
         let painter = ui.painter_at(own_area);
         overlay::background(ui, &painter, own_area);
         let drawn = drawn(
             CURRENT,
             &self.picture,
-            self.colours(&colours, &self.picture),
+            colours_of(&self.common_table, &colours, &self.picture),
             Subject::problem(session),
         );
         let section = drawn.section;
@@ -147,18 +151,6 @@ impl Viewport {
         let marked = Marked { picture: &self.picture, subject: session, section };
         let clicked = clicked.or(self.show_marks(ui, &own, &marked));
         self.click(clicked);
-    }
-
-    /// Colours of a picture and the field values at their ends.
-    fn colours<'a>(
-        &'a self,
-        colours: &Colours,
-        picture: &'a Picture,
-    ) -> (&'a Arc<Vec<Rgb>>, [f32; 2]) {
-        match colours {
-            Colours::Common(scale) => (&self.common_table, range_of(scale.as_ref())),
-            Colours::Own(_) => (&picture.table, range_of(picture.scale.as_ref())),
-        }
     }
 
     /// The ball around the bodies of the session and of the pins beside it.
@@ -206,6 +198,18 @@ impl Viewport {
         }
         let section = section_of(options, Subject::problem(session));
         self.picture.update(session, options.quantity, section, &clock)
+    }
+}
+
+/// Colours of a picture and the field values at their ends.
+fn colours_of<'a>(
+    common_table: &'a Arc<Vec<Rgb>>,
+    colours: &Colours,
+    picture: &'a Picture,
+) -> (&'a Arc<Vec<Rgb>>, [f32; 2]) {
+    match colours {
+        Colours::Common(scale) => (common_table, range_of(scale.as_ref())),
+        Colours::Own(_) => (&picture.table, range_of(picture.scale.as_ref())),
     }
 }
 

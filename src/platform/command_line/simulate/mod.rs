@@ -283,7 +283,10 @@ fn solve(
     let has_shape = outcome.status != Status::Unstable && solution.report().invalid.is_none();
     if let (Some(path), Some(format)) = (mesh, format) {
         if has_shape {
-            files.push(File::new(path, format.encode(&bodies(format, &solution))));
+            let bodies = bodies(format, &solution);
+            let mirrored = || bodies.iter().cloned().map(Solid::mirrored).collect();
+            let bodies = if scene.scene().is_right() { mirrored() } else { bodies };
+            files.push(File::new(path, format.encode(&bodies)));
         } else {
             let why =
                 outcome.warnings.first().map_or("the scene has no stable shape", String::as_str);

@@ -1,0 +1,124 @@
+//! A right breast: the numbers of a left one, its pictures mirrored, the pointer and the keys as one looks at the patient.
+
+use super::{DESKTOP, app, flat_plan, press, settle};
+use eframe::egui::{Key, Pos2, Rect, Role, Shape, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use implant_preview::app::App;
+use implant_preview::scene::Side;
+
+type Screen = Harness<'static, App>;
+
+/// A plan off centre of a side, with the torso.
+fn of(side: Side) -> Screen {
+    let mut harness = app(DESKTOP, |scene| {
+        *scene = flat_plan();
+        scene.solver.nodes_per_side = 33;
+        (scene.side, scene.implant.center_mm) = (Some(side), [6.0, -3.0]);
+    });
+    press(&mut harness, "View");
+    harness.get_by_role_and_label(Role::CheckBox, "Torso").click();
+    harness.run();
+    harness.remove_cursor();
+    harness.run();
+    harness
+}
+
+fn rect(harness: &Screen, name: &str) -> Rect {
+    harness.get_by_role_and_label(Role::Canvas, name).rect()
+}
+
+/// The points of lines within an area, in their order; of the cross-section those of meshes, too.
+fn points(harness: &Screen, area: Rect, has_meshes: bool) -> Vec<Pos2> {
+    let shapes = harness
+        .output()
+        .shapes
+        .iter()
+        .filter(|shape| area.expand(1.0).contains_rect(shape.clip_rect));
+    let of = |shape: &Shape| match shape {
+        Shape::Path(path) => path.points.clone(),
+        Shape::Mesh(mesh) if has_meshes => mesh.vertices.iter().map(|vertex| vertex.pos).collect(),
+        _ => Vec::new(),
+    };
+    shapes.flat_map(|shape| of(&shape.shape)).collect()
+}
+
+#[test]
+fn picture_torso_and_cross_section_of_a_right_breast_are_mirror_images() {
+    let (left, right) = (of(Side::Left), of(Side::Right));
+    for name in ["3-D view", "Cross-section"] {
+        let area = rect(&left, name);
+        let [a, b] = [&left, &right].map(|harness| points(harness, area, name != "3-D view"));
+        assert_eq!(a.len(), b.len(), "{name}");
+        // Buttons on the picture and the ground stay; so does a point on the axis.
+        let stays = |(a, b): &(Pos2, Pos2)| a.distance(*b) < 0.01;
+        let pairs: Vec<(Pos2, Pos2)> = a.into_iter().zip(b).filter(|pair| !stays(pair)).collect();
+        assert!(pairs.len() > 300, "{name}: {} points", pairs.len());
+        // The legend stands beside the cross-section: its axis is not in the middle.
+        let axis = pairs[0].0.x + pairs[0].1.x;
+        assert!(name != "3-D view" || (axis - 2.0 * area.center().x).abs() < 0.1);
+        for (a, b) in pairs {
+            assert!((a.x + b.x - axis).abs() < 0.01 && (a.y - b.y).abs() < 0.01, "{a:?} {b:?}");
+        }
+    }
+    let result = |harness: &Screen| {
+        let mut result = harness.state().session().result().unwrap().clone();
+        result.solver.time_ms = None;
+        result
+    };
+    assert_eq!(result(&left), result(&right), "the numbers to the last bit");
+}
+
+#[test]
+fn a_change_of_the_side_starts_no_solve_and_is_in_link_and_pin() {
+    let mut harness = of(Side::Left);
+    let solves = harness.state().session().counters().solves;
+    press(&mut harness, "Pin as A");
+    press(&mut harness, "For the file");
+    press(&mut harness, "right");
+    settle(&mut harness);
+    let session = harness.state().session();
+    assert!(session.scene().is_right() && session.scene().visit.is_none());
+    assert_eq!(session.counters().solves, solves);
+    assert!(session.shared_document_json().contains("\"side\": \"right\""));
+    // A left and a right breast are two plans.
+    press(&mut harness, "Pin as B");
+    let sides: Vec<bool> =
+        harness.state().session().pins().iter().map(|pin| pin.scene().is_right()).collect();
+    assert_eq!(sides, [false, true]);
+    press(&mut harness, "Undo");
+    assert!(!harness.state().session().scene().is_right());
+}
+
+#[test]
+#[allow(clippy::float_cmp, reason = "steps of whole millimetres")]
+fn the_pad_and_its_keys_go_as_one_looks_at_the_patient() {
+    for (side, hand) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
+        let mut harness = of(side);
+        let centre = |harness: &Screen| harness.state().session().scene().implant.center_mm;
+        for name in ["Position of the implant", "Move the implant"] {
+            let [x, y] = centre(&harness);
+            let role = if name == "Move the implant" { Role::Button } else { Role::Canvas };
+            if role == Role::Button {
+                harness.hover_at(rect(&harness, "3-D view").center());
+                harness.run();
+            }
+            harness.get_by_role_and_label(role, name).focus();
+            harness.run();
+            harness.key_press(Key::ArrowRight);
+            settle(&mut harness);
+            assert_eq!(centre(&harness), [x + hand, y], "{name}, {side:?}");
+        }
+        let [x, _] = centre(&harness);
+        let pad = rect(&harness, "Position of the implant");
+        harness.drag_at(pad.center());
+        harness.step();
+        for travel in [12.0, 24.0] {
+            harness.hover_at(pad.center() + vec2(travel, 0.0));
+            harness.step();
+        }
+        harness.drop_at(pad.center() + vec2(24.0, 0.0));
+        settle(&mut harness);
+        assert!(hand * (centre(&harness)[0] - x) > 1.0, "{side:?}: {:?}", centre(&harness));
+    }
+}
