@@ -4,9 +4,13 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::clinical::{Dimension, HALF_ELLIPSOID, Size};
+use implant_preview::measure::{ProfilePoint, Status};
 use implant_preview::scene::{Field, Scene};
 use implant_preview::session::{Command, Session};
+use implant_preview::simulate::simulate;
 use implant_preview::study::{Parameter, with_values};
+use implant_preview_lab::axisymmetric;
+use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, RestShape};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -50,7 +54,7 @@ fn a_reference_is_kept_and_copied_to_the_result_until_the_size_changes() {
     assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
     let plain = read(&json!({})).unwrap();
     assert!(scene.same_physics(&plain) && !scene.is_same_plan(&plain));
-    let outcome = implant_preview::simulate::simulate(&scene).unwrap();
+    let outcome = simulate(&scene).unwrap();
     assert_eq!(outcome.implant_reference, name);
     let result = serde_json::to_value(&outcome).unwrap();
     assert_eq!(result["implant_reference"], name);
@@ -149,4 +153,100 @@ fn any_two_dimensions_give_the_third_at_the_same_fullness() {
     }
     let half = size.filled_to(size.volume_ml()).unwrap();
     assert!((half.fullness() - HALF_ELLIPSOID).abs() < 1e-15);
+}
+
+/// The fullness of the comparisons with the axisymmetric references.
+const THREE: [f64; 3] = [0.58, 0.72, 0.8];
+
+/// Greatest distance of a profile from another one \[mm\].
+fn apart(profile: &[ProfilePoint], of: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let distance = |point: &ProfilePoint| {
+        let (r, z) = of(point.s_mm);
+        (point.r_mm - r).hypot(point.z_mm - z)
+    };
+    profile.iter().map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_sheet_agrees_with_the_axisymmetric_solution() {
+    for (fullness, pocket, insertion) in [
+        (0.58, 75.0, 1.0),
+        (0.72, 70.0, 0.7),
+        (0.8, 75.0, 1.0),
+        (0.55, 63.0, 1.0),
+        (0.8, 60.0, 1.0),
+        (HALF_ELLIPSOID, 75.0, 1.0),
+    ] {
+        let mut scene = file(&json!({ "fullness": fullness }));
+        scene["tissue_model"] = json!("sheet");
+        scene["pocket_radius_mm"] = json!(pocket);
+        scene["insertion"] = json!(insertion);
+        scene["solver"]["nodes_per_side"] = json!(129);
+        let scene = Scene::from_json(&scene.to_string()).unwrap();
+        let problem = scene.problem().unwrap();
+        let reference =
+            axisymmetric::solve(&problem.obstacle.dome, pocket, &problem.materials).unwrap();
+        let found = simulate(&scene).unwrap();
+        let skin = apart(&found.profile, |s| {
+            let point = reference.point(s);
+            (point.r_mm, point.z_mm)
+        }) / scene.implant.base_radius_mm;
+        let force = found.contact_force_n.unwrap() / reference.contact_force_n - 1.0;
+        println!(
+            "sheet, fullness {fullness}, pocket {pocket}: skin {:.3} %, force {:.2} %, {:.1} work units",
+            100.0 * skin,
+            100.0 * force,
+            found.solver.work_units
+        );
+        assert_eq!(found.status, Status::Converged);
+        assert!(skin < 1.5e-3 && force.abs() < 0.01, "{fullness}: {skin} {force}");
+    }
+}
+
+#[test]
+fn layered_tissue_agrees_with_the_axisymmetric_reference() {
+    for fullness in [HALF_ELLIPSOID].into_iter().chain(THREE) {
+        let mut scene = file(&json!({ "fullness": fullness, "projection_mm": 38 }));
+        scene["solver"] = json!({ "nodes_per_side": 129, "cells_through": 4 });
+        let scene = Scene::from_json(&scene.to_string()).unwrap();
+        let (problem, body) = (scene.problem().unwrap(), scene.body.unwrap());
+        let on = |cells: [usize; 2]| {
+            let reference = axisymmetric_layers::solve(&Input {
+                base_radius_mm: scene.implant.base_radius_mm,
+                projection_mm: scene.implant.projection_mm,
+                fullness,
+                insertion: 1.0,
+                pocket_radius_mm: scene.pocket_radius_mm,
+                patch_radius_mm: body.patch_radius_mm,
+                attachment: Attachment {
+                    stiffness_kpa_per_mm: body.attachment.stiffness_kpa_per_mm,
+                    ramp_mm: body.attachment.ramp_mm,
+                },
+                layers: problem.materials.clone(),
+                skin_wrinkles: true,
+                rest: RestShape::default(),
+                cells,
+            });
+            reference.unwrap()
+        };
+        let [coarse, fine] = [on([72, 4]), on([144, 8])];
+        let limit = |coarse: f64, fine: f64| fine + (fine - coarse) / 3.0;
+        let found = simulate(&scene).unwrap();
+        let skin = apart(&found.profile_skin, |s| {
+            let [a, b] = [&coarse, &fine].map(|mesh| mesh.point(s).1);
+            (limit(a[0], b[0]), limit(a[1], b[1]))
+        }) / scene.implant.base_radius_mm;
+        let reference = limit(coarse.contact_force_n, fine.contact_force_n);
+        let force = found.contact_force_n.unwrap() / reference - 1.0;
+        println!(
+            "layered, fullness {fullness:.3}: {reference:.2} N, skin {:.3} %, force {:.2} %, {:.1} work units, {} cycles, fell back {}",
+            100.0 * skin,
+            100.0 * force,
+            found.solver.work_units,
+            found.solver.cycles,
+            found.solver.fell_back
+        );
+        assert_eq!(found.status, Status::Converged);
+        assert!(skin < 1.5e-3 && force.abs() < 0.01, "{fullness}: {skin} {force}");
+    }
 }

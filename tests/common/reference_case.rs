@@ -28,6 +28,7 @@ pub(crate) fn input(case: &Value) -> Input {
     Input {
         base_radius_mm: number(case, "base_radius_mm"),
         projection_mm: number(case, "projection_mm"),
+        fullness: 2.0 / 3.0,
         insertion: number(case, "insertion"),
         pocket_radius_mm: number(case, "pocket_radius_mm"),
         patch_radius_mm: number(case, "patch_radius_mm"),

@@ -104,7 +104,8 @@ impl CheckedScene {
             implant.projection_mm,
             *insertion,
         )
-        .anatomical(0.5 * implant.base_height(), implant.apex_shift_mm);
+        .anatomical(0.5 * implant.base_height(), implant.apex_shift_mm)
+        .filled(implant.fullness());
         let body = self.scene.body.filter(|_| self.scene.is_layered());
         let patch = match body {
             None => Patch::clamped_at_pocket(*pocket_radius_mm),

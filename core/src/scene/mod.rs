@@ -427,10 +427,6 @@ impl Scene {
                 &format!("{least} to {most}"),
             ));
         }
-        if let Some(fullness) = self.implant.in_few_words().fullness {
-            let allowed = "2/3; other shapes have no solver yet";
-            return Err(out_of_range(Field::Fullness.path, number(fullness), allowed));
-        }
         self.check_chest()
     }
 

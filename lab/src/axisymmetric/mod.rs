@@ -16,6 +16,7 @@
 //!
 //! Uses `curve`, `springs`, `implant`, `solve` (its materials). Used by `work_precision` and the tests.
 
+mod meridian;
 mod runge_kutta;
 mod shooting;
 
@@ -71,7 +72,7 @@ const MAX_STRAIN: f64 = 10.0;
 pub struct Solution {
     /// Stretch at the apex, equal in every direction \[-\].
     pub apex_stretch: f64,
-    /// Parameter θ of the dome's meridian at the contact edge \[rad\]: r = R sin θ, z = z₀ + p cos θ; on a
+    /// Parameter θ of the dome's meridian at the contact edge \[rad\]: z = z₀ + p cos θ, of half of an ellipsoid r = R sin θ; on a
     /// hemisphere the angle from the axis.
     pub contact_angle: f64,
     /// Material radius at the contact edge \[mm\].

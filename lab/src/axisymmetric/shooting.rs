@@ -1,6 +1,7 @@
 //! Shooting method: integration from the apex over the dome to the border, and the root search.
 
 use super::AxisymmetricError;
+use super::meridian::{Meridian, MeridianPoint};
 use super::runge_kutta::{Steps, integrate};
 use implant_preview_core::contact::Dome;
 use implant_preview_core::springs::Material;
@@ -71,9 +72,7 @@ struct Response {
 
 /// Shooting problem: dome, pocket and materials of the sheet.
 pub(super) struct Shooting<'a> {
-    base_radius: f64,
-    projection: f64,
-    base_height: f64,
+    meridian: Meridian,
     pocket_radius: f64,
     materials: &'a [Material],
     /// Parameter θ at the intersection of dome and wall \[rad\].
@@ -82,14 +81,8 @@ pub(super) struct Shooting<'a> {
 
 impl<'a> Shooting<'a> {
     pub(super) fn new(dome: &Dome, pocket_radius: f64, materials: &'a [Material]) -> Self {
-        Self {
-            base_radius: dome.base_radius,
-            projection: dome.projection,
-            base_height: dome.base_height,
-            pocket_radius,
-            materials,
-            wall_angle: (-dome.base_height / dome.projection).clamp(0.0, 1.0).acos(),
-        }
+        let meridian = Meridian::new(dome);
+        Self { meridian, pocket_radius, materials, wall_angle: meridian.wall_angle() }
     }
 
     /// Principal tensions of the coupled law, from the curves. A reference shares no formula with what it checks.
@@ -125,18 +118,10 @@ impl<'a> Shooting<'a> {
         (((t2 * cos - t1) / s - across * around_slope) / along, [t1, t2])
     }
 
-    /// cos φ, sin φ and the derivative of the arc length by θ of the dome's meridian.
-    fn meridian(&self, angle: f64) -> (f64, f64, f64) {
-        let (sin, cos) = angle.sin_cos();
-        let along = [self.base_radius * cos, self.projection * sin];
-        let arc = along[0].hypot(along[1]);
-        (along[0] / arc, along[1] / arc, arc)
-    }
-
     /// Series about the apex: the material radius and the meridional strain at θ.
     fn apex_series(&self, strain: f64, angle: f64) -> (f64, f64) {
         let stretch = 1.0 + strain;
-        let curvature = self.projection / self.base_radius.powi(2);
+        let curvature = self.meridian.apex_curvature();
         let Response { tension: [tension, _], stiffness: [along, across] } =
             self.response([strain; 2]);
         // λ₁ = λ₀ + c₁s², λ₂ = λ₀ + c₂s² in (s T₁)′ = T₂ cos φ with cos φ = 1 − (κλ₀s)²/2.
@@ -144,7 +129,7 @@ impl<'a> Shooting<'a> {
         let bend = turn * stretch / 6.0;
         let c1 = -(0.5 * tension * turn + bend * (along - 3.0 * across)) / (8.0 / 3.0 * along);
         let c2 = c1 / 3.0 - bend;
-        let even = self.base_radius * angle.sin() / stretch;
+        let even = self.meridian.at(angle).r / stretch;
         (even * (1.0 - c2 * even * even / stretch), strain + c1 * even * even)
     }
 
@@ -157,11 +142,11 @@ impl<'a> Shooting<'a> {
         tolerance: f64,
         mut knots: Option<&mut Vec<Knot>>,
     ) -> Shot {
-        let (a, base_radius) = (self.pocket_radius, self.base_radius);
+        let (a, meridian) = (self.pocket_radius, &self.meridian);
+        let slender = (meridian.base_radius / meridian.projection).min(1.0);
         let is_fine = knots.is_some();
         // Recorded steps are short enough for cubic interpolation.
         let longest = |range: f64| {
-            let slender = (base_radius / self.projection).min(1.0);
             if is_fine { range * slender / 200.0 } else { range / 4.0 }
         };
         let mut keep = |s: f64, value: [f64; 3], slope: [f64; 3]| {
@@ -170,22 +155,18 @@ impl<'a> Shooting<'a> {
             }
         };
         let stretch = 1.0 + strain;
-        keep(0.0, [0.0, self.base_height + self.projection, strain], [stretch, 0.0, 0.0]);
+        keep(0.0, [0.0, meridian.at(0.0).z, strain], [stretch, 0.0, 0.0]);
 
         // On the dome, as functions of θ: s, ε₁, area/2π.
-        let point = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            (base_radius * sin, self.base_height + self.projection * cos)
-        };
         // Lower bound from the rounding error of hoop strains, which are differences from 1.
         let strain_scale = strain.max(3e-16 / tolerance);
-        let start = (START * (base_radius / self.projection).min(1.0)).min(0.1 * angle);
+        let start = (START * slender).min(0.1 * angle);
         let (s, e) = self.apex_series(strain, start);
-        let first = point(start).0;
+        let first = meridian.at(start).r;
         let steps = Steps { tolerance, scale: [a, strain_scale, a * a], longest: longest(angle) };
         let on_dome = |angle: f64, &[s, e, _]: &[f64; 3]| {
-            let (cos, _, arc) = self.meridian(angle);
-            let r = base_radius * angle.sin();
+            let at = meridian.at(angle);
+            let ((cos, _, arc), r) = (at.slope(), at.r);
             let by_angle = arc / (1.0 + e);
             [by_angle, self.strain_slope(s, r, e, cos).0 * by_angle, r * arc]
         };
@@ -196,8 +177,8 @@ impl<'a> Shooting<'a> {
             angle,
             &steps,
             |angle, &[s, e, _], slope| {
-                let (r, z) = point(angle);
-                let (cos, sin, _) = self.meridian(angle);
+                let at = meridian.at(angle);
+                let ((cos, sin, _), MeridianPoint { r, z, .. }) = (at.slope(), at);
                 keep(s, [r, z, e], [(1.0 + e) * cos, -(1.0 + e) * sin, slope[1] / slope[0]]);
                 failed = (r / s - 1.0 < MIN_HOOP_STRAIN).then_some(MIN_HOOP_STRAIN - (1.0 - s / a));
                 failed.is_none()
@@ -207,8 +188,8 @@ impl<'a> Shooting<'a> {
         if let Some(hoop) = failed {
             return Shot::failed(hoop);
         }
-        let (cos, sin, _) = self.meridian(angle);
-        let (r, z) = point(angle);
+        let at = meridian.at(angle);
+        let ((cos, sin, _), MeridianPoint { r, z, .. }) = (at.slope(), at);
         let vertical = s * self.strain_slope(s, r, e, cos).1[0] * sin;
         let ended = Shot { hoop: r / s - 1.0, height: z, contact_radius: s, vertical, area };
         if self.is_full_contact() || s >= a {
@@ -246,7 +227,7 @@ impl<'a> Shooting<'a> {
 
     /// Returns `true` if the sheet is in contact up to the border: the dome meets the wall at the border.
     fn is_full_contact(&self) -> bool {
-        (self.base_radius * self.wall_angle.sin() / self.pocket_radius - 1.0).abs() < 1e-8
+        (self.meridian.at(self.wall_angle).r / self.pocket_radius - 1.0).abs() < 1e-8
     }
 
     /// Apex strain and contact angle that satisfy the boundary conditions.
@@ -347,19 +328,16 @@ impl<'a> Shooting<'a> {
 
     /// Taut profile over the dome to the border: its strain, and θ at its contact edge.
     fn taut_profile(&self) -> (f64, f64) {
-        let border = [self.pocket_radius / self.base_radius, -self.base_height / self.projection];
-        let distance = border[0].hypot(border[1]).max(1.0);
-        let angle = border[0].atan2(border[1]) - (1.0 / distance).acos();
+        let angle = self.meridian.tangent_through(self.pocket_radius);
         let angle = angle.clamp(1e-6 * self.wall_angle, self.wall_angle);
         let parts = 64;
         let arc: f64 = (0..parts)
-            .map(|k| self.meridian(angle * (f64::from(k) + 0.5) / f64::from(parts)).2)
+            .map(|k| self.meridian.at(angle * (f64::from(k) + 0.5) / f64::from(parts)).slope().2)
             .sum::<f64>()
             * angle
             / f64::from(parts);
-        let (sin, cos) = angle.sin_cos();
-        let straight = (self.pocket_radius - self.base_radius * sin)
-            .hypot(self.base_height + self.projection * cos);
+        let touch = self.meridian.at(angle);
+        let straight = (self.pocket_radius - touch.r).hypot(touch.z);
         (((arc + straight) / self.pocket_radius - 1.0).max(1e-9), angle)
     }
 }

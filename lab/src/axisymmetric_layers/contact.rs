@@ -8,13 +8,15 @@
 
 use super::wall::Wall;
 
-/// The dome's section, draped over the wall w: r²/R² + (z − w − z₀)²/p² = 1.
+/// The dome's section, draped over the wall w: r²/R² + |(z − w − z₀)/p|ᵐ = 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
     /// Base radius R \[mm\].
     pub(super) base_radius: f64,
     /// Projection p \[mm\].
     pub(super) projection: f64,
+    /// Exponent m of the heights \[-\]: 2 for half of an ellipsoid.
+    pub(super) exponent: f64,
     /// Height z₀ of the base above the wall \[mm\].
     pub(super) base_height: f64,
     pub(super) wall: Wall,
@@ -31,19 +33,22 @@ pub(super) struct Constraint {
 impl Section {
     /// Constraints of dome and wall at a point.
     pub(super) fn constraints(&self, [r, z]: [f64; 2]) -> [Constraint; 2] {
-        let (a, b) = (self.base_radius.powi(-2), self.projection.powi(-2));
+        let (a, p, m) = (self.base_radius.powi(-2), self.projection, self.exponent);
         let [w, steep, bend] = self.wall.height(r);
-        let y = z - w - self.base_height;
+        let y = (z - w - self.base_height) / p;
+        // Half of the derivatives of |y|ᵐ by z; the second one has no bound at the base with m < 2.
+        let power = y.abs().powf(m);
+        let first = 0.5 * m * y.abs().powf(m - 1.0).copysign(y) / p;
+        let b = 0.5 * m * (m - 1.0) * y.abs().max(1e-3).powf(m - 2.0) / (p * p);
         // The gauge's centre is singular; no node of a solution is near.
-        let level = (a * r * r + b * y * y).sqrt().max(1e-6);
-        // The gauge's derivatives with y = z − w.
-        let slope = [(a * r - b * y * steep) / level, b * y / level];
-        let p = self.projection;
+        let level = (a * r * r + power).sqrt().max(1e-6);
+        // The gauge's derivatives.
+        let slope = [(a * r - first * steep) / level, first / level];
         let dome = Constraint {
             value: p * (level - 1.0),
             gradient: slope.map(|s| p * s),
             hessian: [
-                p * (a + b * steep * steep - b * y * bend - slope[0] * slope[0]) / level,
+                p * (a + b * steep * steep - first * bend - slope[0] * slope[0]) / level,
                 p * (-b * steep - slope[0] * slope[1]) / level,
                 p * (b - slope[1] * slope[1]) / level,
             ],
@@ -138,7 +143,13 @@ mod tests {
     #[test]
     fn the_term_s_derivatives_are_those_of_its_energy() {
         let wall = Wall { radius_mm: Some(90.0) };
-        let section = Section { base_radius: 55.0, projection: 40.0, base_height: -8.0, wall };
+        for exponent in [1.3, 2.0, 4.0] {
+            let (base_radius, projection, base_height) = (55.0, 40.0, -8.0);
+            check(Section { base_radius, projection, exponent, base_height, wall });
+        }
+    }
+
+    fn check(section: Section) {
         let mut contact = Contact::new(section, vec![300.0]);
         contact.update([[10.0, 29.0]].into_iter());
         let step = 1e-5;

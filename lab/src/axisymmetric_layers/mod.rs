@@ -53,6 +53,8 @@ pub struct Input {
     pub base_radius_mm: f64,
     /// Projection p of the dome \[mm\].
     pub projection_mm: f64,
+    /// Fullness of the dome, its volume by πR²p \[-\]: 2/3 of half of an ellipsoid.
+    pub fullness: f64,
     /// Insertion t \[-\], 0 to 1: the base is at the height (t − 1)p.
     pub insertion: f64,
     /// Radius of the pocket, in which the inner face is free \[mm\].
@@ -168,6 +170,7 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
     let section = Section {
         base_radius: input.base_radius_mm,
         projection: input.projection_mm,
+        exponent: input.fullness / (1.0 - input.fullness),
         base_height: (input.insertion - 1.0) * input.projection_mm,
         wall: input.rest.wall,
     };
@@ -188,6 +191,8 @@ fn check(input: &Input) -> Result<(), LayersError> {
     positive("base_radius_mm", input.base_radius_mm)?;
     positive("projection_mm", input.projection_mm)?;
     positive("pocket_radius_mm", input.pocket_radius_mm)?;
+    let f = input.fullness;
+    number("fullness", f, f > 0.5 && f < 1.0, "greater than 1/2, less than 1")?;
     let t = input.insertion;
     number("insertion", t, (0.0..=1.0).contains(&t), "0 to 1")?;
     let patch = input.patch_radius_mm;

@@ -6,6 +6,7 @@ use super::check::{Bound, Check};
 use crate::accuracy;
 use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution, Wall};
 use crate::work_precision::Case;
+use implant_preview_core::clinical::HALF_ELLIPSOID;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::measure::{Selection, Status};
 use implant_preview_core::scene::{
@@ -196,6 +197,7 @@ impl Reference {
             axisymmetric_layers::solve(&Input {
                 base_radius_mm: self.base_radius_mm,
                 projection_mm: self.projection_mm,
+                fullness: HALF_ELLIPSOID,
                 insertion: 1.0,
                 pocket_radius_mm: self.pocket_radius_mm,
                 patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,

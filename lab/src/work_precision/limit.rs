@@ -67,6 +67,7 @@ fn of_layers(
         layers::solve(&Input {
             base_radius_mm: obstacle.dome.base_radius,
             projection_mm: obstacle.dome.projection,
+            fullness: scene.implant.fullness(),
             insertion: scene.insertion,
             pocket_radius_mm: patch.pocket_radius_mm,
             patch_radius_mm: patch.radius_mm,

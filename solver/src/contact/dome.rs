@@ -1,16 +1,22 @@
-//! The implant: a half-ball's linear image, draped over the wall.
+//! The implant: a half-ball's image, draped over the wall.
 //!
 //! x²/a² + (y + σz)²/b² + z²/p² ≤ 1, z from 0 to p counted from the base, from the wall up: half-axes a across and b along the body,
 //! projection p, and a shear σ that moves the apex towards −y, the feet. Round: a = b and σ = 0, a half-ellipsoid of revolution, a
 //! hemisphere over the plane when p = a. Draping keeps volume and heights. Insertion t raises the dome: its base is at z₀ = (t − 1)·p, its
-//! apex at t·p. The gauge is the square root of the left side less one: negative inside and zero on the surface.
+//! apex at t·p. A fullness f other than ⅔ has (z/p)^m in place of z²/p², m = f/(1 − f), and the volume fπabp ([`Fullness`]).
+//! The gauge is the square root of the left side less one: negative inside and zero on the surface.
+//!
+//! [`Fullness`]: super::fullness::Fullness
 
+use super::fullness::LEAST_OF_CONTACT;
 use super::half_ball::{HalfBall, Near};
 use crate::clinical::{HALF_ELLIPSOID, dome_volume};
 use crate::mesh::Chest;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::TAU;
+
+/// Greatest gradient of the gauge of a dome leaner than half of an ellipsoid by that of the half-ellipsoid, near the base \[-\].
+const LEAN: f64 = 1.04;
 
 /// A dome in place. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +31,8 @@ pub struct Dome {
     pub apex_shift: f64,
     /// Projection p \[mm\].
     pub projection: f64,
+    /// Volume by πabp \[-\].
+    pub fullness: f64,
     /// Height z₀ of its base above the wall \[mm\], −p to 0.
     pub base_height: f64,
     /// The wall that the dome is draped over.
@@ -41,6 +49,7 @@ impl Dome {
             base_along: base_radius,
             apex_shift: 0.0,
             projection,
+            fullness: HALF_ELLIPSOID,
             base_height: (insertion - 1.0) * projection,
             chest: Chest::Flat,
         }
@@ -58,7 +67,24 @@ impl Dome {
         Self { base_along, apex_shift, ..self }
     }
 
-    /// Is the dome half of an ellipsoid of revolution?
+    /// The dome with another fullness \[-\].
+    #[must_use]
+    pub fn filled(self, fullness: f64) -> Self {
+        Self { fullness, ..self }
+    }
+
+    /// The exponent m of its heights; `None` for half of an ellipsoid.
+    pub(crate) fn exponent(&self) -> Option<f64> {
+        let is_other = (self.fullness - HALF_ELLIPSOID).abs() > 1e-9;
+        is_other.then(|| self.fullness / (1.0 - self.fullness))
+    }
+
+    /// m/2: the slope of the half-ball's height by the dome's at the apex \[-\].
+    fn steepness(&self) -> f64 {
+        self.exponent().map_or(1.0, |exponent| 0.5 * exponent)
+    }
+
+    /// Is the dome a solid of revolution?
     #[must_use]
     pub fn is_round(&self) -> bool {
         let apart = (self.base_radius - self.base_along).abs().max(self.apex_shift.abs());
@@ -66,7 +92,7 @@ impl Dome {
     }
 
     /// Way of the axis along y per height \[-\].
-    fn lean(&self) -> f64 {
+    pub(super) fn lean(&self) -> f64 {
         -self.apex_shift / self.projection
     }
 
@@ -99,13 +125,15 @@ impl Dome {
     /// Is it a hemisphere?
     #[must_use]
     pub fn is_hemisphere(&self) -> bool {
-        self.is_round() && (self.base_radius - self.projection).abs() <= 1e-9 * self.base_radius
+        self.is_round()
+            && self.exponent().is_none()
+            && (self.base_radius - self.projection).abs() <= 1e-9 * self.base_radius
     }
 
     /// Volume of the whole implant \[mm³\] ([`dome_volume`]).
     #[must_use]
     pub fn volume(&self) -> f64 {
-        dome_volume([self.base_radius, self.base_along, self.projection], HALF_ELLIPSOID)
+        dome_volume([self.base_radius, self.base_along, self.projection], self.fullness)
     }
 
     /// Radius of the circle in which the dome meets the wall \[mm\]; of an ellipse its least half-axis.
@@ -118,7 +146,11 @@ impl Dome {
     #[must_use]
     pub fn wall_axes(&self) -> DVec2 {
         let height = self.base_height / self.projection;
-        self.base_axes() * (1.0 - height * height).max(0.0).sqrt()
+        let reach = match self.exponent() {
+            Some(exponent) => reach_at(height.abs(), exponent),
+            None => (1.0 - height * height).max(0.0).sqrt(),
+        };
+        self.base_axes() * reach
     }
 
     /// The length that tolerances and errors are relative to \[mm\]: the base radius, the half-axis across of any implant.
@@ -136,6 +168,7 @@ impl Dome {
             base_along: self.base_along * factor,
             apex_shift: self.apex_shift * factor,
             projection: self.projection * factor,
+            fullness: self.fullness,
             base_height: self.base_height * factor,
             chest: self.chest.scaled(factor),
         }
@@ -147,20 +180,33 @@ impl Dome {
         Self { base_height, ..self.clone() }
     }
 
-    /// The least half-axis \[mm\]: over the plane a point outside is no closer than this length times its gauge.
+    /// The least half-axis \[mm\], of another fullness less: over the plane a point outside, not above the apex, is no closer than this length
+    /// times its gauge.
     #[must_use]
     pub fn least_half_axis(&self) -> f64 {
-        self.half_axes().into_iter().fold(f64::INFINITY, f64::min)
+        let least = self.half_axes().into_iter().fold(f64::INFINITY, f64::min);
+        least / self.exponent().map_or(1.0, |exponent| (0.5 * exponent).max(LEAN))
     }
 
-    /// The greatest half-axis \[mm\]: over the plane no point of the surface moves further than this length times a change of
-    /// the gauge.
+    /// The greatest half-axis \[mm\], of a lean dome more: over the plane no point of the surface moves further than this length times a
+    /// change of the gauge, of a full dome than 1.01 times that.
     #[must_use]
     pub fn greatest_half_axis(&self) -> f64 {
-        self.half_axes().into_iter().fold(0.0, f64::max)
+        self.half_axes().into_iter().fold(0.0, f64::max) / self.steepness().min(1.0)
     }
 
-    /// Half-axes of the ellipsoid: stretches of the half-ball's map.
+    /// A distance \[mm\] that a point outside is at least away, over the plane; no root but the gauge's.
+    #[must_use]
+    pub fn least_distance(&self, point: DVec3) -> f64 {
+        if self.steepness() <= 1.0 {
+            return self.gauge(point) * self.least_half_axis();
+        }
+        // The gauge of a full dome grows without limit above the apex, and the half-space below the apex contains the dome.
+        let over = (point.z - self.chest.height(point.truncate()) - self.top()).max(0.0);
+        (self.gauge(point - DVec3::Z * over) * self.least_half_axis()).max(over)
+    }
+
+    /// Half-axes of half of an ellipsoid of this base and projection: stretches of the half-ball's map.
     fn half_axes(&self) -> [f64; 3] {
         let (b, p, shift) = (self.base_along, self.projection, self.apex_shift);
         if shift == 0.0 {
@@ -174,14 +220,19 @@ impl Dome {
     #[must_use]
     pub fn apex_radius(&self) -> f64 {
         let across = self.base_radius.min(self.base_along);
-        across * across / self.projection
+        across * across / self.projection * self.steepness()
     }
 
-    /// Least radius of curvature at the base of the sections along and across the body, over the plane \[mm\].
+    /// Least radius of curvature at the base of the sections along and across the body, over the plane \[mm\]; of another fullness
+    /// the height at which, as on a circle of that radius, the section has turned from the vertical by 1 rad to first order.
     #[must_use]
     pub fn base_curvature_radius(&self) -> f64 {
-        let [across, along] = [self.base_radius, self.base_along]
-            .map(|axis| self.projection * self.projection / axis);
+        let p = self.projection;
+        let [across, along] =
+            [self.base_radius, self.base_along].map(|axis| match self.exponent() {
+                Some(m) => p * (p / (0.5 * m * axis)).powf(1.0 / (m - 1.0)),
+                None => p * p / axis,
+            });
         across.min(along * (1.0 + self.lean() * self.lean()).powf(1.5))
     }
 
@@ -189,7 +240,12 @@ impl Dome {
     pub(crate) fn shape<R: Real>(&self) -> HalfBall<R> {
         let half_axes = [self.base_radius, self.base_along, self.projection];
         let center = self.center.extend(self.base_height);
-        HalfBall::new(center.to_array(), half_axes, self.apex_shift, self.chest.heights())
+        let wall = self.chest.heights();
+        let shape = HalfBall::new(center.to_array(), half_axes, self.apex_shift, wall);
+        match self.exponent() {
+            Some(exponent) => shape.with_exponent(exponent),
+            None => shape,
+        }
     }
 
     /// The gauge \[-\]: negative inside, zero on the surface.
@@ -215,8 +271,17 @@ impl Dome {
     /// Second derivative of [`Self::gauge`] \[1/mm²\].
     #[must_use]
     pub fn gauge_curvature(&self, point: DVec3) -> DMat3 {
+        self.curvature_from(point, 0.0)
+    }
+
+    /// [`Self::gauge_curvature`] for the Hessian of contact: bounded at the rim of a lean dome.
+    pub(super) fn contact_curvature(&self, point: DVec3) -> DMat3 {
+        self.curvature_from(point, LEAST_OF_CONTACT)
+    }
+
+    fn curvature_from(&self, point: DVec3, least: f64) -> DMat3 {
         let shape: HalfBall<f64> = self.shape();
-        let [xx, xy, xz, yy, yz, zz] = shape.curvature(&shape.near(point.to_array()));
+        let [xx, xy, xz, yy, yz, zz] = shape.curvature(&shape.near(point.to_array()), least);
         DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     }
 
@@ -233,7 +298,7 @@ impl Dome {
     }
 
     /// The point, not below the base, moved to where [`Self::gauge`] has the given value \[-\]: along the ray from the
-    /// centre of the base or along the axis, whichever is the shorter way.
+    /// centre of the base, of another fullness along its image, or along the axis, whichever is the shorter way.
     #[must_use]
     pub fn project(&self, point: DVec3, gauge: f64) -> DVec3 {
         let shape: HalfBall<f64> = self.shape();
@@ -274,65 +339,18 @@ impl Dome {
             dome.is_above_base(point) && 1.0 - length > fraction * steepness.min(1.0)
         }
     }
+}
 
-    /// The meridian of the round implant of this base radius at a polar angle of the ellipse's parameter, 0 at the apex: distance
-    /// from the axis and height above the wall \[mm\].
-    #[must_use]
-    pub fn meridian(&self, angle: f64) -> DVec2 {
-        DVec2::new(self.base_radius * angle.sin(), self.base_height + self.projection * angle.cos())
-    }
-
-    /// Points of the surface \[mm\]: circles of the half-ball from the apex, itself one, to the wall at equal steps of the
-    /// parameter of [`Self::meridian`], each counter-clockwise from the direction of x.
-    pub fn circles(&self, count: usize, around: usize) -> impl Iterator<Item = DVec3> {
-        let turn = |step: usize| DVec2::from_angle(TAU * step as f64 / around as f64);
-        let directions: Vec<DVec2> = (0..around).map(turn).collect();
-        let (dome, last) = (self.clone(), self.wall_angle());
-        (0..=count).flat_map(move |circle| {
-            let angle = last * circle as f64 / count as f64;
-            let height = dome.meridian(angle).y;
-            let (axis, radii) = (dome.axis(height), dome.base_axes() * angle.sin());
-            let point = |across: &DVec2| {
-                let place = axis + radii * *across;
-                place.extend(dome.chest.height(place) + height)
-            };
-            directions.iter().map(point).collect::<Vec<DVec3>>()
-        })
-    }
-
-    /// Half-axes of the base \[mm\].
-    fn base_axes(&self) -> DVec2 {
-        DVec2::new(self.base_radius, self.base_along)
-    }
-
-    /// The dome's outline in the plane of a given y at a parameter from 0 (greatest x) to π: x and height above the
-    /// wall \[mm\].
-    #[must_use]
-    pub fn outline(&self, y: f64, angle: f64) -> DVec2 {
-        // The section of a leaning ellipsoid is an ellipse about another height, less high.
-        let rate = self.apex_shift / self.base_along;
-        let lower = 1.0 / (1.0 + rate * rate);
-        let offset = (y - self.center.y) / self.base_along;
-        let scale = (1.0 - offset * offset * lower).max(0.0).sqrt();
-        let middle = self.base_height - self.projection * rate * offset * lower;
-        DVec2::new(
-            self.center.x + scale * self.base_radius * angle.cos(),
-            middle + scale * (self.projection * lower.sqrt()) * angle.sin(),
-        )
-    }
-
-    /// The parameter of [`Self::meridian`] where the dome meets the wall \[rad\].
-    #[must_use]
-    pub fn wall_angle(&self) -> f64 {
-        (-self.base_height / self.projection).clamp(0.0, 1.0).acos()
-    }
+/// Radius of the section at a height \[projection\], of an exponent of the heights \[base's\].
+pub(super) fn reach_at(height: f64, exponent: f64) -> f64 {
+    (1.0 - height.powf(exponent)).max(0.0).sqrt()
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
     use crate::mesh::HeightGrid;
-    use std::f64::consts::PI;
+    use std::f64::consts::{FRAC_PI_2, PI};
 
     pub(in crate::contact) fn domes() -> [Dome; 3] {
         [
@@ -360,6 +378,13 @@ pub(super) mod tests {
         ]
     }
 
+    /// Round and anatomical implants, leaner and fuller than half of an ellipsoid.
+    pub(in crate::contact) fn filled() -> impl Iterator<Item = Dome> {
+        let all = domes().into_iter().chain(anatomical());
+        all.zip([0.55, 0.72, 0.8, 0.8, 0.6, 0.55, 0.75])
+            .map(|(dome, fullness)| dome.filled(fullness))
+    }
+
     #[test]
     fn an_anatomical_dome_of_a_round_base_is_the_round_dome() {
         for dome in domes() {
@@ -371,9 +396,35 @@ pub(super) mod tests {
     }
 
     /// Midpoint rule over a box of 120³ points.
+    /// The area of the sections, integrated over the height by the tanh–sinh rule.
+    #[test]
+    fn the_volume_is_that_of_the_sections_to_rounding() {
+        for fullness in [0.55, 0.58, 2.0 / 3.0, 0.72, 0.8] {
+            let dome =
+                Dome::new(DVec2::ZERO, 60.0, 35.0, 1.0).anatomical(70.0, 20.0).filled(fullness);
+            let section = |share: f64| {
+                let level = Dome { base_height: -share * dome.projection, ..dome.clone() };
+                PI * level.wall_axes().element_product()
+            };
+            let step = 1.0 / 64.0;
+            let part = |k: i32| {
+                let t = step * f64::from(k);
+                let inner = FRAC_PI_2 * t.sinh();
+                // (1 + tanh)/2 without cancellation.
+                let share = 1.0 / (1.0 + (-2.0 * inner).exp());
+                section(share) * 0.5 * FRAC_PI_2 * t.cosh() / inner.cosh().powi(2)
+            };
+            let volume = dome.projection * step * (-220..=220).map(part).sum::<f64>();
+            let closed = fullness * PI * 60.0 * 70.0 * 35.0;
+            assert!((dome.volume() / closed - 1.0).abs() < 1e-15);
+            let error = volume / closed - 1.0;
+            assert!(error.abs() < 1e-12, "{fullness}: {error}");
+        }
+    }
+
     #[test]
     fn draping_and_leaning_keep_the_volume() {
-        for dome in anatomical() {
+        for dome in anatomical().into_iter().chain(filled()) {
             let dome = Dome { base_height: 0.0, ..dome };
             let half = DVec3::new(75.0, 100.0, 100.0);
             let step = half * 2.0 / 120.0;
@@ -389,34 +440,18 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn lines_of_an_anatomical_dome_lie_on_its_surface() {
-        for dome in anatomical() {
-            let above = |point: DVec3| point.z - dome.chest.height(point.truncate());
-            assert!(dome.gauge(dome.apex()).abs() < 1e-12);
-            assert!((above(dome.apex()) - dome.top()).abs() < 1e-12);
-            for point in dome.circles(12, 24) {
-                assert!(dome.gauge(point).abs() < 1e-12);
-                assert!((-1e-9..=dome.top() + 1e-9).contains(&above(point)));
-            }
-            for y in [-30.0, 4.0, 25.0] {
-                for k in 0..=16 {
-                    let place = dome.outline(y, PI * f64::from(k) / 16.0);
-                    let point = DVec3::new(place.x, y, place.y);
-                    let lifted = point + DVec3::Z * dome.chest.height(point.truncate());
-                    assert!(dome.gauge(lifted).abs() < 1e-12, "{}", dome.gauge(lifted));
+    fn gauges_and_half_axes_bound_distances() {
+        for dome in domes().into_iter().chain(anatomical()).chain(filled()) {
+            let dome = dome.over(Chest::Flat);
+            for point in dome.circles(20, 24) {
+                let gradient = dome.gauge_gradient(point).length();
+                assert!(gradient * dome.greatest_half_axis() > 0.989, "{gradient}");
+                for away in [0.1, 2.0, 10.0, 50.0] {
+                    let outside = point + dome.normal(point) * away + DVec3::Z * 0.2 * away;
+                    let (distance, _) = dome.closest_point(outside);
+                    let least = dome.least_distance(outside);
+                    assert!(least <= distance * (1.0 + 1e-9), "{least} {distance}");
                 }
-            }
-            if dome.chest == Chest::Flat {
-                let directions = (0..4000).map(|k| {
-                    let z = f64::from(k) / 2000.0 - 1.0;
-                    DVec2::from_angle(2.4 * f64::from(k)).extend(0.0) * (1.0 - z * z).sqrt()
-                        + DVec3::Z * z
-                });
-                let lengths = directions.map(|d| 1.0 / (dome.gauge(dome.origin() + d) + 1.0));
-                let ends = |(least, most): (f64, f64), l: f64| (least.min(l), most.max(l));
-                let (least, most) = lengths.fold((f64::INFINITY, 0.0), ends);
-                assert!((least / dome.least_half_axis() - 1.0).abs() < 1e-2, "{least}");
-                assert!((most / dome.greatest_half_axis() - 1.0).abs() < 1e-2, "{most}");
             }
         }
     }
@@ -489,7 +524,7 @@ pub(super) mod tests {
 
     #[test]
     fn gradient_is_the_slope_of_the_level() {
-        for dome in domes().into_iter().chain(anatomical()) {
+        for dome in domes().into_iter().chain(anatomical()).chain(filled()) {
             let point = dome.origin() + DVec3::new(13.0, -21.0, 34.0);
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 let step = 1e-4;

@@ -2,15 +2,18 @@
 //!
 //! A point (x, y, z) from the centre of the base, z counted from the wall below the point, is the image of
 //! s = (x/a, (y + σz)/b, z/p) in the half-ball: half-axes a and b of the base, projection p, and a shear σ that moves the apex by σp
-//! towards −y. The length |s| is one on the surface; the gauge is |s| − 1. An implant of another shape is another file with these
-//! functions.
+//! towards −y; of another fullness than half of an ellipsoid the last number is mapped further ([`Fullness`]). The length |s| is one on the
+//! surface; the gauge is |s| − 1. An implant of another shape is another file with these functions.
 
+use super::fullness::Fullness;
 use crate::mesh::height_field::{Ground, HeightField};
 use crate::mesh::vec3::{Block, add, dot, sub};
 use crate::number::Real;
 
 /// Lengths below which a point counts as the centre.
 const LEAST_LENGTH: f64 = 1e-6;
+/// Steps of Newton's method along a direction: nodes in contact end within rounding in f32.
+const STEPS_ALONG: usize = 4;
 
 /// A half-ball's image in place, in any unit of length.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +24,8 @@ pub(crate) struct HalfBall<R> {
     per_axis: [R; 3],
     /// Way of the axis towards −y per height; `None` for an upright axis.
     shear: Option<R>,
+    /// The map of heights; `None` for half of an ellipsoid.
+    fullness: Option<Fullness<R>>,
     wall: HeightField<R>,
 }
 
@@ -46,19 +51,24 @@ impl<R: Real> HalfBall<R> {
     ) -> Self {
         let per_axis = half_axes.map(|axis| R::splat(1.0 / axis));
         let shear = (shift != 0.0).then(|| R::splat(shift / half_axes[2]));
-        Self { center: center.map(R::splat), per_axis, shear, wall }
+        Self { center: center.map(R::splat), per_axis, shear, fullness: None, wall }
     }
 
-    /// The source of a vector in the half-ball.
+    /// The shape with an exponent m of its heights.
+    pub(crate) fn with_exponent(self, exponent: f64) -> Self {
+        Self { fullness: Some(Fullness::new(exponent)), ..self }
+    }
+
+    /// The linear part of the source of a vector: all of it for half of an ellipsoid.
     #[inline(always)]
-    pub(super) fn source(&self, [x, mut y, z]: [R; 3]) -> [R; 3] {
+    pub(super) fn linear(&self, [x, mut y, z]: [R; 3]) -> [R; 3] {
         if let Some(shear) = self.shear {
             y += shear * z;
         }
         [x * self.per_axis[0], y * self.per_axis[1], z * self.per_axis[2]]
     }
 
-    /// The transposed map of [`Self::source`]: the gradient of a function of the source.
+    /// The transposed map of [`Self::linear`]: the gradient of a function of that part.
     #[inline(always)]
     fn gradient(&self, of: [R; 3]) -> [R; 3] {
         let [x, y, mut z] = [0, 1, 2].map(|axis| of[axis] * self.per_axis[axis]);
@@ -81,7 +91,10 @@ impl<R: Real> HalfBall<R> {
     /// Gauge plus one, squared: the gauge without a root.
     #[inline(always)]
     pub(crate) fn length_squared(&self, point: [R; 3]) -> R {
-        let s = self.source(self.position(point).0);
+        let mut s = self.linear(self.position(point).0);
+        if let Some(fullness) = &self.fullness {
+            s[2] = fullness.source(s[2]).0;
+        }
         dot(s, s)
     }
 
@@ -89,10 +102,15 @@ impl<R: Real> HalfBall<R> {
     #[inline(always)]
     pub(crate) fn near(&self, point: [R; 3]) -> Near<R> {
         let (position, ground) = self.position(point);
-        let s = self.source(position);
+        let mut s = self.linear(position);
+        // Half of the gradient of |s|² by the linear part.
+        let mut pull = s;
+        if let Some(fullness) = &self.fullness {
+            (s[2], pull[2]) = fullness.source(s[2]);
+        }
         let length = dot(s, s).sqrt();
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
-        let mut gradient = self.gradient(s.map(|s| s * per));
+        let mut gradient = self.gradient(pull.map(|pull| pull * per));
         if !self.wall.is_flat() {
             let [x, y] = ground.slope.map(|slope| slope * gradient[2]);
             gradient = [gradient[0] - x, gradient[1] - y, gradient[2]];
@@ -100,12 +118,15 @@ impl<R: Real> HalfBall<R> {
         Near { position, length, gradient, ground }
     }
 
-    /// Second derivative of the gauge.
+    /// Second derivative of the gauge; of another fullness no nearer to the base than a least height \[projection\].
     #[inline(always)]
-    pub(crate) fn curvature(&self, near: &Near<R>) -> Block<R> {
+    pub(super) fn curvature(&self, near: &Near<R>, least: f64) -> Block<R> {
         let Near { position, length, gradient: g, ground } = near;
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
         let [x, y, mut z] = self.per_axis.map(|axis| axis * axis);
+        if let Some(fullness) = &self.fullness {
+            z = z * fullness.bend(position[2] * self.per_axis[2], least);
+        }
         let mut sum = [
             (x - g[0] * g[0]) * per,
             -g[0] * g[1] * per,
@@ -154,7 +175,7 @@ impl<R: Real> HalfBall<R> {
     }
 
     /// The multiple of a direction, near the gradient, that leads from a position to a length: a root of a quadratic
-    /// equation; over a curved wall to first order of the way.
+    /// equation, with a map of heights by Newton's method; over a curved wall to first order of the way.
     #[inline(always)]
     pub(crate) fn distance_along(
         &self,
@@ -167,7 +188,10 @@ impl<R: Real> HalfBall<R> {
             let [x, y] = near.ground.slope;
             direction[2] = direction[2] - (x * direction[0] + y * direction[1]);
         }
-        let (s, g) = (self.source(position), self.source(direction));
+        let (s, g) = (self.linear(position), self.linear(direction));
+        if let Some(fullness) = &self.fullness {
+            return distance_to(fullness, s, g, length);
+        }
         let (a, b, c) = (dot(g, g), dot(s, g), dot(s, s) - length * length);
         let root = (b * b - a * c).max(R::splat(0.0)).sqrt();
         -c / (b + root).max(R::splat(1e-20))
@@ -178,9 +202,12 @@ impl<R: Real> HalfBall<R> {
     #[inline(always)]
     pub(crate) fn way_to(&self, near: &Near<R>, to: R) -> [R; 3] {
         let Near { position: p, length, ground, .. } = near;
+        if let Some(fullness) = &self.fullness {
+            return self.way_of_fullness(near, fullness, to);
+        }
         let zero = R::splat(0.0);
         let ray = (to - *length) / length.max(R::splat(LEAST_LENGTH));
-        let s = self.source(*p);
+        let s = self.linear(*p);
         let height = to * to - s[0] * s[0] - s[1] * s[1];
         let upright = (height.max(zero).sqrt() - s[2]) / self.per_axis[2];
         let most = R::select(height.is_above(zero), ray * ray * dot(*p, *p), zero);
@@ -197,6 +224,55 @@ impl<R: Real> HalfBall<R> {
         }
         way
     }
+
+    /// [`Self::way_to`] with a map of heights: along the image of the half-ball's ray, or along the axis.
+    #[inline(never)]
+    fn way_of_fullness(&self, near: &Near<R>, fullness: &Fullness<R>, to: R) -> [R; 3] {
+        let Near { position: p, length, ground, .. } = near;
+        let zero = R::splat(0.0);
+        let [x, y, z] = self.linear(*p);
+        let factor = to / length.max(R::splat(LEAST_LENGTH));
+        let left = to * to - x * x - y * y;
+        // Sources and heights of both ends.
+        let rise = |height: R| (height - z) / self.per_axis[2];
+        let upright = rise(fullness.image(left.max(zero).sqrt()));
+        let along = rise(fullness.image(factor * fullness.source(z).0));
+        let lean = self.shear.unwrap_or_default();
+        let aside = -(lean * upright);
+        let [across, down] =
+            [x / self.per_axis[0], y / self.per_axis[1]].map(|way| way * (factor - R::splat(1.0)));
+        let ray = [across, down - lean * along, along];
+        let most = R::select(left.is_above(zero), dot(ray, ray), zero);
+        let is_upright = most.is_above(upright * upright + aside * aside);
+        let mut way = [
+            R::select(is_upright, zero, ray[0]),
+            R::select(is_upright, aside, ray[1]),
+            R::select(is_upright, upright, ray[2]),
+        ];
+        if !self.wall.is_flat() {
+            let place = [p[0] + way[0] + self.center[0], p[1] + way[1] + self.center[1]];
+            way[2] += self.wall.at(place).height - ground.height;
+        }
+        way
+    }
+}
+
+/// The multiple of a direction that leads from a point to a length, both in the linear part of the source: |s|² is convex along the
+/// direction, so that steps of Newton's method stay beyond the root after the first.
+#[inline(never)]
+fn distance_to<R: Real>(fullness: &Fullness<R>, from: [R; 3], direction: [R; 3], length: R) -> R {
+    let half = R::splat(0.5);
+    let most = R::splat(1.0) / dot(direction, direction).sqrt().max(R::splat(1e-20));
+    let mut factor = R::splat(0.0);
+    for _ in 0..STEPS_ALONG {
+        let at = [0, 1, 2].map(|axis| from[axis] + direction[axis] * factor);
+        let (s, pull) = fullness.source(at[2]);
+        let over = half * (at[0] * at[0] + at[1] * at[1] + s * s - length * length);
+        let slope = at[0] * direction[0] + at[1] * direction[1] + pull * direction[2];
+        let step = over / slope.max(R::splat(1e-20));
+        factor = factor - step.max(-most).min(most);
+    }
+    factor
 }
 
 #[cfg(test)]
@@ -208,7 +284,7 @@ mod tests {
 
     const CENTER: [f64; 3] = [3.0, -2.0, -4.0];
 
-    /// Round and anatomical implants on the plane, over two radii and over a grid of heights.
+    /// Round and anatomical implants, as half of an ellipsoid, leaner and fuller, on the plane, over two radii and over a grid of heights.
     fn shapes<R: Real>() -> Vec<HalfBall<R>> {
         let heights = (0..17 * 17).map(|k| {
             let [x, y] = [k % 17, k / 17].map(|i| 6.0 * (f64::from(i) - 8.0));
@@ -219,8 +295,11 @@ mod tests {
         [([24.0, 24.0, 17.0], 0.0), ([24.0, 28.0, 17.0], 11.0)]
             .into_iter()
             .flat_map(|(half_axes, shift)| {
-                [&Chest::Flat, &radii, &grid]
-                    .map(|wall| HalfBall::new(CENTER, half_axes, shift, wall.heights()))
+                [&Chest::Flat, &radii, &grid].into_iter().flat_map(move |wall| {
+                    let plain = || HalfBall::new(CENTER, half_axes, shift, wall.heights());
+                    let of = [11.0 / 9.0, 1.5, 3.0, 4.0].map(|m| plain().with_exponent(m));
+                    [plain()].into_iter().chain(of)
+                })
             })
             .collect()
     }
@@ -263,7 +342,7 @@ mod tests {
         for shape in shapes::<f64>() {
             for point in points() {
                 let near = shape.near(point);
-                let block = shape.curvature(&near);
+                let block = shape.curvature(&near, 0.0);
                 for axis in 0..3 {
                     let mut along = [0.0; 3];
                     along[axis] = 1.0;

@@ -1,7 +1,7 @@
 //! Obstacles of the tissue, the implant's dome and the chest wall, and contact with both.
 //!
-//! `half_ball` (the implant's shape: gauge, gradient, curvature, projection, in f64 and for four f32 at a time) | `dome` (the implant in
-//! place and its sizes), `distance` (of a point from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
+//! `half_ball` (the implant's shape: gauge, gradient, curvature, projection, in f64 and for four f32 at a time), `fullness` (its map of heights) | `dome` (the implant in
+//! place and its sizes), `lines` (on its surface), `distance` (of a point from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
 //! conditions of Newton's method) | `contact_edge` (contact edge between two nodes).
 //!
 //! Uses `mesh`. Used by `model`, `solve` and all to their right.
@@ -10,8 +10,10 @@ pub(crate) mod active_set;
 pub(crate) mod contact_edge;
 mod distance;
 mod dome;
+mod fullness;
 mod half_ball;
 pub(crate) mod lanes;
+mod lines;
 mod obstacle;
 mod wall;
 

@@ -38,7 +38,7 @@ impl Obstacle {
     /// Second derivative of the constraints under a node, times their reactions \[kPa·mm\]: the part of the Hessian
     /// that curved surfaces take away.
     pub(crate) fn curvature(&self, point: DVec3, reaction: &Reaction) -> DMat3 {
-        self.dome.gauge_curvature(point) * reaction.per_gradient
+        self.dome.contact_curvature(point) * reaction.per_gradient
             + self.wall.curvature(point) * reaction.by_wall
     }
 

@@ -248,7 +248,7 @@ pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
     })
 }
 
-/// Part of the gauge's distance that a draped dome's is at least \[-\]: the shear of a wall as steep as a scene's may be under its
+/// Part of its distance over the plane that a draped dome's is at least \[-\]: the shear of a wall as steep as a scene's may be under its
 /// implant, 65°, shortens lengths to 0.39.
 const LEAST_OF_DRAPED: f64 = 0.38;
 
@@ -262,11 +262,11 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
     }
     let height = height?;
     let is_even = solution.problem().rest.is_even();
-    let per_gauge = dome.least_half_axis() * if is_even { 1.0 } else { LEAST_OF_DRAPED };
+    let of_draped = if is_even { 1.0 } else { LEAST_OF_DRAPED };
     let mut least = (f64::INFINITY, [apex.x, apex.y]);
     for (_, point) in outer {
         // A bound without roots keeps far nodes out of the search.
-        if dome.gauge(*point) * per_gauge > least.0 {
+        if dome.least_distance(*point) * of_draped > least.0 {
             continue;
         }
         let distance = dome.closest_point(*point).0;
