@@ -13,6 +13,6 @@ pub mod platform;
 
 pub use implant_preview_core::{
     clinical, contact, curve, export, measure, mesh, scene, session, simulate, solve, springs,
-    study, table,
+    study, table, tensile,
 };
 pub use implant_preview_view as view;

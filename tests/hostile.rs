@@ -223,10 +223,49 @@ fn practice_tables_of_any_text_are_valid_or_rejected() {
 }
 
 #[test]
+fn tensile_tests_of_any_table_are_read_or_rejected() {
+    let accepted = std::cell::Cell::new(0);
+    let head =
+        "|(True )?(Strain|Stretch|ε)( \\[(%|-|mm)\\])?[,;](Stress|σ)( \\((kPa|MPa|Pa|N)\\))?\n";
+    let cell = "-?[0-9]{1,4}([.,][0-9]{1,3})?(e[0-9]{1,3})?( %| kPa)?";
+    let row = format!("({cell}|x?)[,;\t ]({cell})([,;]{cell})?\r?\n");
+    let rows = vec(0..900_u16, 1..80).prop_map(|steps| {
+        let total = |k: usize| steps[..k].iter().map(|step| f64::from(*step)).sum::<f64>();
+        let row =
+            |k: usize| format!("{};{}\n", total(k) / 9e4, total(k) * f64::from(steps[k]) / 1e4);
+        (0..steps.len()).map(row).collect::<String>()
+    });
+    check(
+        3000,
+        &(head, prop_oneof![vec(row.as_str(), 0..30).prop_map(|rows| rows.concat()), rows]),
+        |(head, rows)| {
+            let text = head + &rows;
+            let is_accepted = hostile::check_tensile(text.as_bytes());
+            accepted.set(accepted.get() + i32::from(is_accepted));
+        },
+    );
+    assert!(accepted.get() > 1000, "{accepted:?} are too few to say much");
+}
+
+#[test]
+fn a_long_tensile_test_is_read_soon() {
+    let text: String = (0..400_000)
+        .map(|k| {
+            format!("{},{}\n", f64::from(k) / 1e6, i64::from(k) * 7919 % 100_003 + i64::from(k))
+        })
+        .collect();
+    let start = Instant::now();
+    hostile::check_tensile(text.as_bytes());
+    let time = start.elapsed();
+    assert!(time < 8 * SOON, "{time:?}");
+}
+
+#[test]
 fn any_bytes_are_rejected() {
     check(10_000, &vec(any::<u8>(), 0..100), |bytes| {
         hostile::check_lines(&bytes);
         hostile::check_curve_file(&bytes);
+        hostile::check_tensile(&bytes);
     });
 }
 

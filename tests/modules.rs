@@ -8,10 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from left to right, as in ARCHITECTURE.md; of charts, lab and view the crate.
-const ORDER: [&str; 20] = [
-    "number", "table", "curve", "clinical", "springs", "mesh", "contact", "model", "solve",
-    "measure", "export", "scene", "simulate", "study", "session", "charts", "lab", "view", "app",
-    "platform",
+const ORDER: [&str; 21] = [
+    "number", "table", "curve", "tensile", "clinical", "springs", "mesh", "contact", "model",
+    "solve", "measure", "export", "scene", "simulate", "study", "session", "charts", "lab", "view",
+    "app", "platform",
 ];
 
 /// The sources of the crates, from left to right.

@@ -8,7 +8,7 @@
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
 pub use implant_preview_solver::{
-    clinical, contact, curve, export, measure, mesh, solve, springs, table,
+    clinical, contact, curve, export, measure, mesh, solve, springs, table, tensile,
 };
 #[doc(hidden)]
 pub use implant_preview_solver::{model, number};

@@ -110,6 +110,7 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     outcome.implant_reference.clone_from(&scene.implant_reference);
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
+    outcome.warnings.extend(scene.curve_warnings());
     let wall = &fields.solution().problem().obstacle.wall.0;
     outcome.warnings.extend(scene.chest_warning(wall));
     outcome.warnings.extend(scene.pocket_warning(wall));
@@ -122,10 +123,11 @@ pub(crate) fn relabel(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
         outcome.tissue.clone_from(&layer.tissue);
     }
     outcome.implant_reference.clone_from(&scene.implant_reference);
-    let old = before.patient_warnings();
+    let old = [before.patient_warnings(), before.curve_warnings()].concat();
     outcome.warnings.retain(|warning| !old.contains(warning));
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
+    outcome.warnings.extend(scene.curve_warnings());
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //!
 //! Module order; imports point left only (`tests/modules.rs`):
 //!
-//! `number` → `table` → `curve` → `clinical` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `export`
+//! `number` → `table` → `curve` → `tensile` → `clinical` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `export`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
@@ -20,3 +20,4 @@ pub mod number;
 pub mod solve;
 pub mod springs;
 pub mod table;
+pub mod tensile;

@@ -92,7 +92,12 @@ impl App {
         }
         toolbar::help(&ctx, &mut self.windows.show_help);
         self.windows.palette.show(&ctx, &self.shared, &mut self.actions);
-        if self.windows.curve_window.as_mut().is_some_and(|window| !window.show(&ctx, &mut scene)) {
+        if self
+            .windows
+            .curve_window
+            .as_mut()
+            .is_some_and(|window| !window.show(&ctx, &mut scene, &mut self.actions))
+        {
             self.windows.curve_window = None;
         }
         self.focus.boundary(ui, Boundary::Last);
@@ -301,7 +306,10 @@ impl App {
         while let Some(event) = self.files.next() {
             self.notice = Some(match event {
                 FileEvent::Opened { name, text } if is_table(&name) => {
-                    self.panels.range.read_shelf(&name, &text)
+                    match &mut self.windows.curve_window {
+                        Some(window) => window.read_file(&name, text),
+                        None => self.panels.range.read_shelf(&name, &text),
+                    }
                 }
                 FileEvent::Opened { name, text } => {
                     let opened = self.open(text).map_err(|error| error.to_string());

@@ -7,6 +7,7 @@ use implant_preview::scene::{Scene, SceneError, read};
 use implant_preview::simulate;
 use implant_preview::solve::{Progress, Solution, Solver, Verdict};
 use implant_preview::table::{self, Decimals, Rows, Table};
+use implant_preview::tensile::{self, Given, StrainUnit, StressUnit};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::io::BufReader;
@@ -125,6 +126,24 @@ pub(crate) fn check_curve_file(bytes: &[u8]) {
         Ok(curve) => check_curve(&curve),
         Err(error) => check_message(&error),
     }
+}
+
+/// A raw tensile test in a file: a curve of at most 40 points or one per sample, with short sentences, or one line.
+/// Returns whether it is a curve without asked units.
+pub(crate) fn check_tensile(bytes: &[u8]) -> bool {
+    let asked = Given { strain: Some(StrainUnit::Percent), stress: Some(StressUnit::Mpa) };
+    for given in [Given::default(), asked] {
+        match tensile::read(bytes, given) {
+            Ok(found) => {
+                assert!((2..=40).contains(&found.points.len()), "{:?}", found.points);
+                check_curve(&Curve::new(&found.spec()).expect("a curve"));
+                assert!(found.rms_kpa.is_finite());
+                found.notes.iter().chain([&found.summary()]).for_each(check_message);
+            }
+            Err(error) => check_message(&error),
+        }
+    }
+    tensile::read(bytes, Given::default()).is_ok()
 }
 
 /// Builds a curve from its parts; `true` if the curve is accepted.

@@ -25,7 +25,7 @@ pub enum SceneError {
         allowed: String,
     },
     /// A layer's curve is invalid.
-    #[error("layers[{layer}].curve: {source}")]
+    #[error("layers[{layer}].curve: {source}{}", way(source))]
     Curve {
         /// The layer, counted from the skin, from 0.
         layer: usize,
@@ -49,7 +49,7 @@ pub enum SceneError {
         source: Box<SceneError>,
     },
     /// A curve in a file of its own is invalid.
-    #[error("{0}")]
+    #[error("{}{}", .0, way(.0))]
     CurveFile(CurveError),
     /// A scene in a file of several scenes is invalid.
     #[error("line {line}: {source}")]
@@ -59,6 +59,16 @@ pub enum SceneError {
         /// The error of the scene in that line.
         source: Box<SceneError>,
     },
+}
+
+/// What to do with points that are no curve yet.
+fn way(error: &CurveError) -> &'static str {
+    match error {
+        CurveError::Entry { field: "points", .. } => {
+            "; a raw tensile test becomes a curve by `implant-preview curve FILE`"
+        }
+        _ => "",
+    }
 }
 
 /// Checks a name or words of a user.

@@ -1,7 +1,8 @@
 //! One layer of tissue, and its format in a file.
 
-use super::Version;
-use crate::curve::{CurveSpec, Fat, GivenCurve, ScaledCurve};
+use super::{Scene, Version};
+use crate::curve::{Curve, CurveSpec, Fat, GivenCurve, ScaledCurve};
+use crate::tensile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -133,6 +134,12 @@ impl Layer {
             && *curve == other.curve
     }
 
+    /// A sentence on a curve of points whose unit may be another one.
+    fn curve_warning(&self) -> Option<String> {
+        let CurveSpec::Points { .. } = self.curve.spec else { return None };
+        tensile::unlikely(&Curve::scaled(&self.curve).ok()?, &self.tissue)
+    }
+
     /// The first scale of the curve that differs from 1, as a path in the layer.
     pub(super) fn scale(&self) -> Option<&'static str> {
         let curve = &self.curve;
@@ -144,6 +151,13 @@ impl Layer {
             .into_iter()
             .find(|(_, scale)| scale.to_bits() != 1.0_f64.to_bits())
             .map(|(path, _)| path)
+    }
+}
+
+impl Scene {
+    /// Sentences on curves of points whose unit may be another one.
+    pub(crate) fn curve_warnings(&self) -> Vec<String> {
+        self.layers.iter().filter_map(Layer::curve_warning).collect()
     }
 }
 

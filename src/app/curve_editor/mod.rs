@@ -1,8 +1,8 @@
 //! Editor of a layer's stress–strain curve: its kind and its parameters here, the `plot` of a preset, its measured points in a
-//! `window`.
+//! `window`, with the `import` of a tensile test.
 
+mod import;
 mod plot;
-mod table;
 mod window;
 
 pub(super) use window::CurveWindow;

@@ -2,15 +2,14 @@
 //! takes the points on request only, so a table may be incomplete meanwhile. The points are those that the plan uses: a scale
 //! of the layer's curve is multiplied in, and the layer takes them with scale 1.
 
-use super::table;
-use crate::app::clipboard::Clipboard;
+use super::import::Import;
+use crate::app::action::Action;
+use crate::app::messages::Notice;
 use crate::app::plots::fixed_plot;
 use crate::app::range::marks;
 use crate::app::texts::{self, tr};
 use crate::app::theme::{self, SPACE};
-use crate::app::widgets::{
-    Kind, NumberField, button_if, quantity, rejection_label, remark, set_accessible_name,
-};
+use crate::app::widgets::{Kind, NumberField, button_if, quantity, rejection_label};
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use crate::scene::{Layer, Scene};
 use eframe::egui::{self, Key, RichText, Ui, vec2};
@@ -23,10 +22,8 @@ const WIDTH: f32 = 270.0;
 const ROW: f32 = 24.0;
 /// Number of intervals of the plotted curve.
 const SAMPLES: i32 = 160;
-/// Greatest number of reasons of lines that are left out.
-const MAX_REASONS: usize = 5;
-/// Greatest number of points drawn as dots.
-const MAX_DOTS: usize = 200;
+/// Greatest number of points, and of samples of a test, drawn as dots.
+const MAX_DOTS: usize = 400;
 
 /// The window with its draft of a curve.
 pub(in crate::app) struct CurveWindow {
@@ -36,17 +33,9 @@ pub(in crate::app) struct CurveWindow {
     interpolation: Interpolation,
     /// The curve of the layer.
     taken: CurveSpec,
-    /// Are strains shown and pasted in percent?
+    /// Are strains shown in percent?
     is_percent: bool,
-    /// Text of the table to read.
-    text: String,
-    /// Reasons why the text is no table, or why lines of it are left out.
-    rejections: Vec<String>,
-    /// Were points of the text taken?
-    is_read: bool,
-    clipboard: Clipboard,
-    /// Has the clipboard no text for the page?
-    is_refused: bool,
+    import: Import,
 }
 
 impl CurveWindow {
@@ -64,16 +53,17 @@ impl CurveWindow {
             points,
             interpolation: *interpolation,
             is_percent: false,
-            text: String::new(),
-            rejections: Vec::new(),
-            is_read: false,
-            clipboard: Clipboard::default(),
-            is_refused: false,
+            import: Import::default(),
         })
     }
 
     /// Shows the window; returns whether the window stays open.
-    pub(in crate::app) fn show(&mut self, ctx: &egui::Context, scene: &mut Scene) -> bool {
+    pub(in crate::app) fn show(
+        &mut self,
+        ctx: &egui::Context,
+        scene: &mut Scene,
+        actions: &mut Vec<Action>,
+    ) -> bool {
         let Some(layer) = scene.layers.get_mut(self.layer) else { return false };
         // Escape ends the edit of a number too: a draft is not lost by Escape.
         let is_escape = ctx.input(|input| input.key_pressed(Key::Escape));
@@ -93,11 +83,11 @@ impl CurveWindow {
         .show(ctx, |ui| {
             if is_wide {
                 ui.horizontal_top(|ui| {
-                    ui.vertical(|ui| self.table(ui));
+                    ui.vertical(|ui| self.table(ui, actions));
                     ui.vertical(|ui| self.curve(ui));
                 });
             } else {
-                self.table(ui);
+                self.table(ui, actions);
                 self.curve(ui);
             }
             ui.separator();
@@ -107,7 +97,7 @@ impl CurveWindow {
     }
 
     /// The points as numbers, and as text to paste.
-    fn table(&mut self, ui: &mut Ui) {
+    fn table(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.set_width(WIDTH);
         ui.horizontal(|ui| {
             ui.label(tr("Strain as"));
@@ -127,84 +117,24 @@ impl CurveWindow {
             self.points.push([e1 + 0.1, s1 + 0.1 * (s1 - s0) / (e1 - e0)]);
         }
         ui.add_space(SPACE);
-        self.text_to_read(ui);
-    }
-
-    /// The table as text: from the clipboard by a button, or pasted into a field.
-    fn text_to_read(&mut self, ui: &mut Ui) {
-        let tip = tr("Reads the table of the clipboard: a strain and a stress (kPa) per line");
-        let is_wanted = button_if(ui, true, tr("Paste table"), tr("Paste table"), tip);
-        let hint = tr("Paste a table: a strain and a stress (kPa) per line");
-        let field = egui::TextEdit::multiline(&mut self.text).hint_text(hint).desired_rows(3);
-        let field = ui.add(field.desired_width(WIDTH - SPACE));
-        set_accessible_name(&field, egui::Role::MultilineTextInput, tr("Table to read"));
-        if field.changed() {
-            (self.rejections, self.is_refused) = (Vec::new(), false);
-        }
-        if is_wanted {
-            self.clipboard.request(ui.ctx());
-        }
-        match self.clipboard.poll(ui.ctx()) {
-            Some(Some(text)) => {
-                (self.text, self.is_refused) = (text, false);
-                self.read();
-            }
-            Some(None) => {
-                self.is_refused = true;
-                field.request_focus();
-            }
-            None => {}
-        }
-        let tip = tr(
-            "Replace the points by those of the pasted table; tabs, semicolons, spaces, decimal commas and \
-                   units are read",
-        );
-        let (is_able, name) = (!self.text.trim().is_empty(), tr("Use the table"));
-        if button_if(ui, is_able, name, name, tip) {
-            self.read();
-        }
-        if self.is_refused {
-            remark(ui, tr("The clipboard gave no text: paste the table into this field (Ctrl+V)."));
-        }
-        self.rejected_lines(ui);
-    }
-
-    /// Takes the points of the text; a text with lines that are left out stays, to be corrected.
-    fn read(&mut self) {
-        match table::read(&self.text, self.is_percent) {
-            Ok(table) => {
-                (self.points, self.is_read) = (table.points, true);
-                self.rejections = table.left_out;
-                if self.rejections.is_empty() {
-                    self.text.clear();
-                }
-            }
-            Err(reason) => (self.rejections, self.is_read) = (vec![reason], false),
+        if let Some(found) = self.import.show(ui, WIDTH, actions) {
+            (self.points, self.interpolation) = (found.points.clone(), Interpolation::Spline);
         }
     }
 
-    /// The lines that were left out, with what became of the others.
-    fn rejected_lines(&self, ui: &mut Ui) {
-        let Some(first) = self.rejections.first() else { return };
-        if !self.is_read {
-            return rejection_label(
-                ui,
-                &tr!("{reason}. The points are unchanged.", reason = first),
-            );
+    /// Reads a tensile test in the text of a file. Returns the notice.
+    pub(in crate::app) fn read_file(&mut self, name: &str, text: String) -> Notice {
+        match self.import.read_file(text) {
+            Ok(found) => {
+                (self.points, self.interpolation) = (found.points.clone(), Interpolation::Spline);
+                Notice::info(tr!("{name} was read; the layer takes its curve by Apply.", name))
+            }
+            Err(error) => Notice::error(tr!(
+                "{name} was not read; the points are unchanged. {error}.",
+                name,
+                error
+            )),
         }
-        for reason in self.rejections.iter().take(MAX_REASONS) {
-            rejection_label(ui, reason);
-        }
-        let more = self.rejections.len().saturating_sub(MAX_REASONS);
-        if more > 0 {
-            remark(ui, tr!("{more} further lines are left out.", more));
-        }
-        remark(
-            ui,
-            tr(
-                "The other lines are the points above: apply them, or correct the lines and use the table again.",
-            ),
-        );
     }
 
     /// Shows a row per point, and the reasons of rejected numbers. Returns the point to remove.
@@ -284,6 +214,7 @@ impl CurveWindow {
             ui.radio_value(&mut self.interpolation, Interpolation::Spline, tr("smooth"));
         });
         let color = theme::palette(ui.visuals()).curves[self.layer % 4];
+        let faint = ui.visuals().weak_text_color();
         let curve = Curve::new(&self.spec()).ok();
         let end = self.points.last().map_or(1.0, |point| point[0]);
         let ticks: Vec<GridMark> = marks((0.0, end), 3)
@@ -295,6 +226,12 @@ impl CurveWindow {
             .x_axis_label(tr("strain"))
             .y_axis_label(tr("stress (kPa)"))
             .show(ui, |plot| {
+                if let Some(found) = self.import.tensile() {
+                    let step = found.samples.len() / MAX_DOTS + 1;
+                    let samples: PlotPoints<'_> =
+                        found.samples.iter().step_by(step).copied().collect();
+                    plot.points(Points::new("samples", samples).color(faint).radius(1.5));
+                }
                 if let Some(curve) = curve {
                     let strains = (0..=SAMPLES).map(|i| end * f64::from(i) / f64::from(SAMPLES));
                     let line: PlotPoints<'_> = strains.map(|e| [e, curve.stress(e)]).collect();

@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `map`, `bands`, `schema`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
+//! The command line: `simulate`, `map`, `bands`, `schema`, `curve`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
 //! Native only.
 //!
 //! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
@@ -11,6 +11,7 @@
 mod bench;
 mod cell;
 mod charts;
+mod curve;
 mod input;
 mod output;
 mod parquet;
@@ -55,6 +56,8 @@ enum Command {
     Bands(studies::BandsArguments),
     /// Write the JSON Schema of a format.
     Schema(schema::Arguments),
+    /// Read a raw tensile test and write its curve; standard error has what was recognised, left out and converted.
+    Curve(curve::Arguments),
     /// Simulate the paper's tension test on a square sample and write a table.
     Tension(tension::Arguments),
     /// Draw the paper's charts 1 to 4 for both spring laws.
@@ -119,6 +122,7 @@ pub fn run() -> Next {
         Command::Map(arguments) => studies::map(&arguments),
         Command::Bands(arguments) => studies::bands(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
+        Command::Curve(arguments) => curve::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),
         Command::Charts(folder) => charts::run(&folder),
         Command::Stability(folder) => stability::run(&folder),
