@@ -37,8 +37,12 @@ mod hands;
 mod no_answer;
 #[path = "screens/notices.rs"]
 mod notices;
+#[path = "screens/pictures.rs"]
+mod pictures;
 #[path = "screens/side.rs"]
 mod side;
+#[path = "screens/sizes.rs"]
+mod sizes;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
 #[path = "screens/visit.rs"]

@@ -7,7 +7,7 @@
 import { inLanguage } from "./language.js";
 
 const KEY = "implant-preview/kept-scene/1";
-// The app's key of the plan from one start to the next.
+// The app's key of the plan from one start to the next, in the storage of the tab and in that of the origin.
 const PLAN = "implant-preview/plan/1";
 
 const element = (id) => document.getElementById(id);
@@ -39,6 +39,7 @@ function keep(scene) {
 /** Removes the kept plan, which may be the cause: only the scene of this tab is opened again. */
 function forgetPlan() {
   try {
+    sessionStorage.removeItem(PLAN);
     localStorage.removeItem(PLAN);
   } catch {
     // Without a storage there is no plan.
@@ -62,7 +63,8 @@ globalThis.implantPreviewKept = () => reopened;
 globalThis.implantPreviewOpens = () => {
   if (reopened !== null || location.hash !== "") return false;
   try {
-    return localStorage.getItem(PLAN) === null;
+    // A tab that has started once has a plan of its own; an empty text is the opening plan.
+    return !(sessionStorage.getItem(PLAN) ?? localStorage.getItem(PLAN));
   } catch {
     return true;
   }

@@ -26,15 +26,22 @@ const CONVENTION: &str = "Your choice: no measurement fixes these numbers. In on
 const WHOLE_TABLE: f32 = 300.0;
 const FOLLOWING: [usize; 2] = [1, 2];
 
-const HEADS: [&str; 7] = [
+/// Heads of the columns; a number has its word in a column of its own.
+const HEADS: [&str; 9] = [
     "Week",
     "Visit",
     "Added (ml)",
     "Filled (ml)",
     "Pressure (mmHg)",
+    "Pressure, in a word",
     "Skin stretch (%)",
+    "Skin stretch, in a word",
     "Skin gained (cm²)",
 ];
+/// The word of the lowest bands, which the table on the screen leaves out.
+const LOWEST: &str = "usual";
+/// The columns of words.
+const WORDS: [usize; 2] = [5, 7];
 
 /// What a user does with the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,25 +70,24 @@ impl FillSteps {
         let mut before = 0.0;
         for (visit, fill) in self.fills(full_ml).into_iter().enumerate() {
             let value = |quantity: Quantity| curve.between(quantity, fill, 0.0);
-            let pressure = value(Quantity::GreatestPressureMmhg)
-                .map(|most| (most, bands::PRESSURE.verdict(most)))
-                .map(|(most, (band, word))| {
-                    with_word(most, (band, word_of(&bands::PRESSURE, word)))
-                });
-            let stretch = value(Quantity::GreatestStrain).map(|strain| {
-                let reserve = value(Quantity::SkinReserveUsed);
-                let (band, word) = bands::stretch(strain, reserve);
-                with_word(100.0 * strain, (band, tr(word)))
+            let whole = |value: f64| format!("{value:.0}");
+            let pressure = value(Quantity::GreatestPressureMmhg);
+            let pressure_word = pressure
+                .map(|most| word_of(&bands::PRESSURE, bands::PRESSURE.verdict(most).1).to_owned());
+            let stretch = value(Quantity::GreatestStrain);
+            let stretch_word = stretch.map(|strain| {
+                tr(bands::stretch(strain, value(Quantity::SkinReserveUsed)).1).to_owned()
             });
-            let gain = value(Quantity::SkinAreaGainCm2).map(|gain| format!("{gain:.0}"));
             rows.push(vec![
                 format_at_most(visit as f64 * self.0.weeks, 0, 1),
                 if visit == 0 { "op.".to_owned() } else { visit.to_string() },
                 format!("{:.0}", fill - before),
                 format!("{fill:.0}"),
-                pressure.unwrap_or_else(none),
-                stretch.unwrap_or_else(none),
-                gain.unwrap_or_else(none),
+                pressure.map_or_else(none, whole),
+                pressure_word.unwrap_or_else(none),
+                stretch.map_or_else(none, |strain| whole(100.0 * strain)),
+                stretch_word.unwrap_or_else(none),
+                value(Quantity::SkinAreaGainCm2).map_or_else(none, whole),
             ]);
             before = fill;
         }
@@ -186,26 +192,24 @@ impl FillSteps {
 fn table(ui: &mut Ui, rows: &[Vec<String>], is_narrow: bool) {
     for (k, row) in rows.iter().enumerate() {
         for (column, cell) in row.iter().enumerate() {
-            if is_narrow && FOLLOWING.contains(&column) {
+            if is_narrow && FOLLOWING.contains(&column) || WORDS.contains(&column) {
                 continue;
             }
-            // A head has a word a line; a word of a value stands below the value.
-            let lines = match k {
-                0 => cell.replace(' ', "\n"),
-                _ if is_narrow => cell.replace(", ", ",\n"),
-                _ => cell.clone(),
+            // The word of a value stands beside or below the value, unless it is that of the lowest band.
+            let word = (k > 0 && WORDS.contains(&(column + 1))).then(|| &row[column + 1]);
+            let word = word.filter(|word| !["–", tr(LOWEST)].contains(&word.as_str()));
+            // A head has a word a line.
+            let lines = match word {
+                None if k == 0 => cell.replace(' ', "\n"),
+                None => cell.clone(),
+                Some(word) if is_narrow => format!("{cell},\n{word}"),
+                Some(word) => format!("{cell}, {word}"),
             };
             let text = RichText::new(lines).small();
-            let is_strong = k == 0 || cell.contains(',');
-            ui.label(if is_strong { text.strong() } else { text });
+            ui.label(if k == 0 || word.is_some() { text.strong() } else { text });
         }
         ui.end_row();
     }
-}
-
-/// A value with the word of its band, as "66, high"; without the word while it is usual.
-fn with_word(value: f64, (band, word): (usize, &str)) -> String {
-    if band == 0 { format!("{value:.0}") } else { format!("{value:.0}, {word}") }
 }
 
 #[cfg(test)]
@@ -237,24 +241,37 @@ mod tests {
         }
         let rows = steps(50.0, 150.0).rows(&curve, 600.0);
         assert_eq!(rows[0], HEADS);
-        assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–"]);
+        assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–", "–", "–"]);
         assert_eq!(rows[2][..4], ["2", "1", "150", "200"]);
         assert_eq!(rows.last().unwrap()[..4], ["8", "4", "100", "600"]);
         assert_eq!(rows.len(), 6);
         for (row, i) in [(&rows[2], 1), (&rows[5], 5)] {
             let value = |quantity| curve.value(quantity, i, 0).unwrap();
             let pressure = value(Quantity::GreatestPressureMmhg);
-            let expected = with_word(pressure, bands::PRESSURE.verdict(pressure));
-            assert_eq!(row[4], expected);
-            let stretch = bands::stretch(value(Quantity::GreatestStrain), None);
-            assert_eq!(row[5], with_word(100.0 * value(Quantity::GreatestStrain), stretch));
-            assert_eq!(row[6], format!("{:.0}", value(Quantity::SkinAreaGainCm2)));
+            let stretch = value(Quantity::GreatestStrain);
+            let number = |value: f64| format!("{value:.0}");
+            assert_eq!(
+                row[4..7],
+                [
+                    number(pressure),
+                    bands::PRESSURE.verdict(pressure).1.to_owned(),
+                    number(100.0 * stretch)
+                ]
+            );
+            assert_eq!(row[7], bands::stretch(stretch, None).1);
+            assert_eq!(row[8], number(value(Quantity::SkinAreaGainCm2)));
         }
-        // The greatest fill is above usual.
-        assert!(rows[5][5].contains(", "), "{rows:?}");
+        // A column has either numbers or words; the greatest fill is above usual.
+        for row in &rows[2..] {
+            for (column, cell) in row.iter().enumerate() {
+                let is_word = WORDS.contains(&column);
+                assert_eq!(cell.parse::<f64>().is_err(), is_word, "{column}: {cell}");
+            }
+        }
+        assert_ne!(rows[5][7], LOWEST);
         // Between two points on a line.
         let [a, b] = [2, 3].map(|i| curve.value(Quantity::SkinAreaGainCm2, i, 0).unwrap());
-        assert_eq!(rows[3][6], format!("{:.0}", 0.5 * (a + b)));
+        assert_eq!(rows[3][8], format!("{:.0}", 0.5 * (a + b)));
         assert!(steps(50.0, 150.0).missing(&curve, 600.0).contains("below 100 ml"));
         assert_eq!(steps(100.0, 100.0).missing(&curve, 600.0), "");
         assert!(steps(100.0, 5.0).missing(&curve, 600.0).starts_with("Only 30 visits"));

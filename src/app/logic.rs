@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::session::{Command, CommandError};
 use crate::solve::Progress;
 use crate::view::camera::View;
-use eframe::egui::{self, Key, Modifiers, Ui};
+use eframe::egui::{self, Key, Modifiers, Rect, Ui};
 use web_time::{Duration, Instant};
 
 /// Time limit of a slice of solving; the running step is finished.
@@ -84,6 +84,10 @@ impl App {
         (self.edits.is_scene_replaced, self.edits.has_solved) = (false, false);
         self.advance_playback(&ctx, &mut scene);
         self.poll_studies(&ctx);
+        // A smaller window shows the upper left part: no control has room in less.
+        let room = ui.available_rect_before_wrap();
+        let room = Rect::from_min_size(room.min, room.size().max(theme::LEAST_WINDOW));
+        let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(room));
         self.focus.boundary(ui, Boundary::First);
         if ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW {
             self.narrow(ui, &mut scene);

@@ -89,7 +89,8 @@ impl Palette {
         // The keys of the frame that opens the list are those before the key of the list: another control's.
         let keys = if self.is_new { Keys::default() } else { Keys::take(ctx) };
         let mut picked = None;
-        let width = SIZE.x.min(ctx.content_rect().width() - 6.0 * theme::SPACE);
+        let screen = ctx.content_rect().width().max(theme::LEAST_WINDOW.x);
+        let width = SIZE.x.min(screen - 6.0 * theme::SPACE);
         let mut is_open = !keys.is_escaped;
         egui::Window::new(tr(TITLE))
             .open(&mut is_open)

@@ -93,6 +93,7 @@ impl App {
             Task::Undo => self.execute(Command::Undo),
             Task::Redo => self.execute(Command::Redo),
             Task::Pin => self.execute(Command::Pin),
+            Task::Look(View::Front) if options.torso => viewport.look_at_torso(session, true),
             Task::Look(view) => viewport.fit(session, view),
             Task::Cut(section, half) => (options.section, options.half) = (section, half),
             Task::Colour(k) => {

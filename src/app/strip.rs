@@ -34,8 +34,33 @@ const HEIGHT: f32 = 138.0;
 const LEAST_WINDOW: f32 = 760.0;
 /// Width of legend and scale bar at the left \[points\].
 const LEGEND: f32 = 96.0;
-/// Step of the height that the strip shows \[mm\]: its scale changes seldom.
+/// Least height that the strip shows, that of most implants under their cover, and the step in which the height grows \[mm\].
+const LEAST_MM: f32 = 80.0;
 const STEP_MM: f32 = 20.0;
+
+/// The scale of the strip: one for all plans of a session, so that two plans are seen in their sizes. A plan that does not fit
+/// makes it smaller for good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    /// The height shown \[mm\].
+    height_mm: f32,
+    /// Half of the width shown \[mm\].
+    reach_mm: f32,
+}
+
+impl Default for Scale {
+    fn default() -> Self {
+        Self { height_mm: LEAST_MM, reach_mm: 0.0 }
+    }
+}
+
+impl Scale {
+    /// Makes room for a plan of a height and half a width \[mm\].
+    fn fit(&mut self, height_mm: f32, reach_mm: f32) {
+        self.height_mm = self.height_mm.max(STEP_MM * (height_mm / STEP_MM).ceil());
+        self.reach_mm = self.reach_mm.max(reach_mm);
+    }
+}
 
 /// Is there room for the strip? `is_wide`: not on a phone.
 pub(super) fn has_room(ctx: &egui::Context, is_wide: bool) -> bool {
@@ -48,11 +73,16 @@ pub(super) fn area(picture: Rect) -> Rect {
 }
 
 /// Shows the strip, after its picture; returns a clicked point of the tissue, whose values stay.
-pub(super) fn show(ui: &Ui, area: Rect, shared: &Shared) -> Option<tissue::Place> {
+pub(super) fn show(
+    ui: &Ui,
+    area: Rect,
+    shared: &Shared,
+    scale: &mut Scale,
+) -> Option<tissue::Place> {
     let last = LastAnswer::of(&shared.session);
     let kept = match &last {
-        Some(answer) => strip_of(ui, area, shared, answer),
-        None => strip_of(ui, area, shared, &shared.session),
+        Some(answer) => strip_of(ui, area, shared, answer, scale),
+        None => strip_of(ui, area, shared, &shared.session, scale),
     };
     if last.is_some() || shared.is_provisional() {
         veil(ui, area);
@@ -61,7 +91,13 @@ pub(super) fn show(ui: &Ui, area: Rect, shared: &Shared) -> Option<tissue::Place
 }
 
 /// Draws the strip; returns a clicked point of the tissue.
-fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Option<tissue::Place> {
+fn strip_of(
+    ui: &Ui,
+    area: Rect,
+    shared: &Shared,
+    subject: &impl Subject,
+    scale: &mut Scale,
+) -> Option<tissue::Place> {
     // Without focus: the keys act on the picture.
     let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
     set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
@@ -70,7 +106,7 @@ fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Opt
     let pins =
         plots::drawn_silhouettes(&shared.session, &shared.compare, theme::palette(ui.visuals()));
     let pins = first_and_last(pins);
-    let place = Place::new(area, (subject.scene(), problem), &section, &pins);
+    let place = Place::new(area, (subject.scene(), problem), &section, &pins, scale);
     let painter = ui.painter_at(area);
     paint_ground(ui, &painter, area);
     paint_wall(ui, &painter, &place, problem);
@@ -129,17 +165,19 @@ impl Place {
         (scene, problem): (&Scene, &Problem),
         section: &CrossSection,
         pins: &[Silhouette],
+        scale: &mut Scale,
     ) -> Self {
         let radius = problem.sheet().radius_mm() as f32;
         let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
         let highest = highest.fold(section.height(), f32::max);
         let wall = plots::wall_line(problem).into_iter().map(|[_, z]| z as f32);
         let lowest = wall.fold(section.depth(), f32::min);
-        let height = STEP_MM * ((highest - lowest) / STEP_MM).ceil().max(2.0);
+        scale.fit(highest - lowest, radius);
         let room = area.shrink2(vec2(2.0 * theme::SPACE, theme::SPACE));
         let room = room.with_min_x(room.left() + LEGEND);
         let below = 14.0;
-        let points_per_mm = ((room.height() - below) / height).min(0.5 * room.width() / radius);
+        let points_per_mm =
+            ((room.height() - below) / scale.height_mm).min(0.5 * room.width() / scale.reach_mm);
         Self {
             origin: pos2(room.center().x, room.bottom() - below + lowest * points_per_mm),
             points_per_mm,

@@ -2,7 +2,7 @@
 
 use eframe::egui::{
     Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Stroke,
-    Style, TextStyle, Theme, Visuals, vec2,
+    Style, TextStyle, Theme, Vec2, Visuals, vec2,
 };
 use std::sync::Arc;
 
@@ -18,6 +18,8 @@ pub(super) const FIGURE: f32 = 22.0;
 pub(super) const TOUCH: f32 = 48.0;
 /// Width of the window below which the panels become a bottom sheet \[points\].
 pub(super) const NARROW: f32 = 760.0;
+/// Least size of what a window shows, whole or in part \[points\].
+pub(super) const LEAST_WINDOW: Vec2 = vec2(240.0, 200.0);
 /// Height of the window below which the screen is that of a turned phone \[points\].
 pub(super) const LOW: f32 = 500.0;
 

@@ -206,6 +206,9 @@ fn theme_menu(ui: &mut Ui) {
     });
 }
 
+/// Least size of a word in a narrow row, of its usual size \[-\].
+const LEAST_SIZE: f32 = 0.5;
+
 /// Space and text of the seven buttons of a row of 320 points. Long words are smaller.
 fn fit_in_row(ui: &mut Ui) {
     const BUTTONS: [&str; 7] = ["File", "Undo", "Redo", "Start over", "ES", "Theme", "Help"];
@@ -218,7 +221,8 @@ fn fit_in_row(ui: &mut Ui) {
     let text: f32 = BUTTONS.map(width).iter().sum();
     let room = |padding: f32| ui.available_width() - 14.0 * padding - 6.0 * space;
     let is_tight = text > room(space + 2.0);
-    let size = font.size * (room(space) / text).min(1.0);
+    // A row without room for words is cut.
+    let size = font.size * (room(space) / text).clamp(LEAST_SIZE, 1.0);
     let spacing = ui.spacing_mut();
     spacing.item_spacing.x = space;
     spacing.button_padding.x = if is_tight { space } else { space + 2.0 };

@@ -34,12 +34,13 @@ pub(super) struct Screen {
     panel_widths: PanelWidths,
     /// Height of the controls on the picture in the previous frame \[points\].
     view_bar_height: f32,
+    strip: strip::Scale,
 }
 
 impl Default for Screen {
     fn default() -> Self {
-        let (narrow_tab, panel_widths) = Default::default();
-        Self { narrow_tab, panel_widths, view_bar_height: 40.0 }
+        let (narrow_tab, panel_widths, strip) = Default::default();
+        Self { narrow_tab, panel_widths, view_bar_height: 40.0, strip }
     }
 }
 
@@ -107,7 +108,7 @@ impl App {
         let toolbar = egui::Panel::top("toolbar").resizable(false);
         toolbar.show(ui, |ui| toolbar::show(ui, Layout::Narrow, &self.shared, &mut self.actions));
         // The picture keeps half of the screen.
-        let screen = ui.ctx().content_rect();
+        let screen = ui.available_rect_before_wrap().with_min_y(ui.max_rect().top());
         let sheet = if screen.width() > screen.height() {
             egui::Panel::right("sheet beside").exact_size(0.5 * screen.width())
         } else {
@@ -409,7 +410,7 @@ impl App {
             }
         }
         if let Some(strip) = strip {
-            let kept = strip::show(ui, strip, &self.shared);
+            let kept = strip::show(ui, strip, &self.shared, &mut self.screen.strip);
             self.actions.extend(kept.map(Action::KeepValues));
         }
         self.show_notice(ui, area);

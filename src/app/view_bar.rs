@@ -69,8 +69,15 @@ fn cut_box(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Actio
         return;
     }
     // Always present, so that nothing moves; without a cut the direction waits for one.
+    ui.add_enabled_ui(options.section, |ui| {
+        cut_direction(ui, options.section_azimuth_deg, actions)
+    });
+}
+
+/// The field of the cut's direction \[°\].
+fn cut_direction(ui: &mut Ui, degrees: f32, actions: &mut Vec<Action>) {
     ui.label(tr("at"));
-    let mut angle = f64::from(options.section_azimuth_deg);
+    let mut angle = f64::from(degrees);
     let field = NumberField {
         name: tr("Direction of the cut"),
         kind: Kind::Angle,

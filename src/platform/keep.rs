@@ -52,3 +52,89 @@ pub(super) fn keep<S: Store>(app: &mut App, store: &S, is_closing: bool) {
         }
     }
 }
+
+/// Texts by name in one place.
+#[cfg(any(target_arch = "wasm32", test))]
+pub(super) trait Texts {
+    /// Why the place failed.
+    type Error;
+
+    /// The text of a name; `None` without one.
+    fn get(&self, name: &str) -> Result<Option<String>, Self::Error>;
+
+    /// Sets the text of a name.
+    fn set(&self, name: &str, text: &str) -> Result<(), Self::Error>;
+}
+
+/// Reads a text of a tab: its own one, or at the first start of the tab the shared one, which becomes its own. Two tabs are two
+/// plans: neither reads what the other one has written since.
+#[cfg(any(target_arch = "wasm32", test))]
+pub(super) fn read_of_tab<T: Texts>(
+    tab: &T,
+    shared: &T,
+    name: &str,
+) -> Result<Option<String>, T::Error> {
+    let own = tab.get(name)?;
+    let text = match &own {
+        Some(text) => text.clone(),
+        // An empty text is the own one of a tab that starts without a shared one.
+        None => shared.get(name)?.unwrap_or_default(),
+    };
+    if own.is_none() {
+        // A place that keeps nothing is reported with the first change.
+        let _ = tab.set(name, &text);
+    }
+    Ok((!text.is_empty()).then_some(text))
+}
+
+/// Keeps a text of a tab, for its next start and for that of a new tab.
+#[cfg(any(target_arch = "wasm32", test))]
+pub(super) fn write_of_tab<T: Texts>(
+    tab: &T,
+    shared: &T,
+    name: &str,
+    text: &str,
+) -> Result<(), T::Error> {
+    tab.set(name, text)?;
+    shared.set(name, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+    use std::collections::HashMap;
+
+    #[derive(Default)]
+    struct Memory(RefCell<HashMap<String, String>>);
+
+    impl Texts for Memory {
+        type Error = ();
+
+        fn get(&self, name: &str) -> Result<Option<String>, ()> {
+            Ok(self.0.borrow().get(name).cloned())
+        }
+
+        fn set(&self, name: &str, text: &str) -> Result<(), ()> {
+            self.0.borrow_mut().insert(name.to_owned(), text.to_owned());
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_tab_keeps_its_own_text_and_a_new_one_starts_with_the_last_written() {
+        let [first, second, third, shared] = std::array::from_fn(|_| Memory::default());
+        let read = |tab: &Memory| read_of_tab(tab, &shared, "plan").unwrap();
+        assert_eq!(read(&first), None);
+        write_of_tab(&second, &shared, "plan", "pinch 3").unwrap();
+        // A reload of the tab without an edit: still the opening plan.
+        assert_eq!(read(&first), None);
+        write_of_tab(&first, &shared, "plan", "333 ml").unwrap();
+        write_of_tab(&second, &shared, "plan", "pinch 4").unwrap();
+        assert_eq!(read(&first).as_deref(), Some("333 ml"));
+        assert_eq!(read(&second).as_deref(), Some("pinch 4"));
+        assert_eq!(read(&third).as_deref(), Some("pinch 4"));
+        write_of_tab(&first, &shared, "plan", "350 ml").unwrap();
+        assert_eq!(read(&third).as_deref(), Some("pinch 4"));
+    }
+}

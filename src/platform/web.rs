@@ -1,12 +1,13 @@
 //! The page: runs the app on the canvas, restores it after the loss of the WebGL context, suspends it
 //! while the tab is hidden, and exports it to JavaScript as `window.implantPreview`.
 //!
-//! The plan and the pins are kept in the browser's storage of the page's origin.
+//! Plan and pins are kept in the browser's storage of the tab and in that of the page's origin, with which a new tab starts; shelf and
+//! language are those of the origin.
 //!
 //! After a crash of the app only JavaScript remains: `web/crash.js`, which gets every new scene and
 //! every panic message.
 
-use super::keep::{self, Store};
+use super::keep::{self, Store, Texts};
 use super::page_handle::{Handle, Host};
 use super::workers::Workers;
 use crate::app::App;
@@ -93,17 +94,44 @@ impl Store for Origin {
 
     /// A missing storage is reported with the first change.
     fn read(&self, name: &str) -> Result<Option<String>, JsValue> {
-        Ok(storage().and_then(|storage| storage.get_item(name)).ok().flatten())
+        let text = storages().and_then(|[tab, shared]| match is_of_tab(name) {
+            true => keep::read_of_tab(&tab, &shared, name),
+            false => shared.get(name),
+        });
+        Ok(text.ok().flatten())
     }
 
     fn write(&self, name: &str, text: &str) -> Result<(), JsValue> {
-        storage()?.set_item(name, text)
+        let [tab, shared] = storages()?;
+        if is_of_tab(name) {
+            return keep::write_of_tab(&tab, &shared, name, text);
+        }
+        shared.set(name, text)
     }
 }
 
-fn storage() -> Result<web_sys::Storage, JsValue> {
+impl Texts for web_sys::Storage {
+    type Error = JsValue;
+
+    fn get(&self, name: &str) -> Result<Option<String>, JsValue> {
+        self.get_item(name)
+    }
+
+    fn set(&self, name: &str, text: &str) -> Result<(), JsValue> {
+        self.set_item(name, text)
+    }
+}
+
+/// Does a text belong to the tab rather than to all tabs of the origin?
+fn is_of_tab(name: &str) -> bool {
+    [Origin::PLAN, Origin::PINS].contains(&name)
+}
+
+/// The storages of the tab and of the origin.
+fn storages() -> Result<[web_sys::Storage; 2], JsValue> {
     let window = web_sys::window().ok_or("the page has no window")?;
-    Ok(window.local_storage()?.ok_or("the browser has no storage")?)
+    let none = "the browser has no storage";
+    Ok([window.session_storage()?.ok_or(none)?, window.local_storage()?.ok_or(none)?])
 }
 
 /// Opens the plan of a link, if the page's address has one, and drops it from the address: a reload opens the kept plan.

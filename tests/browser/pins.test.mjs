@@ -134,11 +134,46 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     // Stored, so that the reload stores nothing.
     await harness.settled(page);
     // A text of another program is ignored with a line; the next change replaces it.
-    await page.evaluate(() => localStorage.setItem("implant-preview/plan/1", "{"));
+    await page.evaluate(() => sessionStorage.setItem("implant-preview/plan/1", "{"));
     await page.reload();
     await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
     assert.equal(await volume(), opening);
     await click(page, "Close message");
+    await finish();
+  });
+
+  test("and the plan of two tabs stay apart; a new tab starts with the last written ones", async () => {
+    const { page, finish } = await openApp();
+    const volume = (page) =>
+      page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume_ml").text);
+    const set = async (page, volume) => {
+      await page.evaluate((volume) => implantPreview.setPlan("volume_ml", volume), volume);
+      await page.waitForFunction(() => implantPreview.stats().converged);
+      await page.waitForTimeout(800);
+    };
+    const open = async () => {
+      const other = await page.context().newPage();
+      await other.goto(page.url());
+      await other.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+      return other;
+    };
+    await set(page, "333");
+    await click(page, "Pin as A");
+    await harness.settled(page);
+    const second = await open();
+    assert.equal(await volume(second), "333");
+    await set(second, "250");
+    await click(second, "Remove A");
+    await harness.settled(second);
+    await page.reload();
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.equal(await volume(page), "333");
+    await pinned(page, "Pinned: A.");
+    await second.reload();
+    await second.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    assert.equal(await volume(second), "250");
+    const third = await open();
+    assert.equal(await volume(third), "250");
     await finish();
   });
 

@@ -17,6 +17,10 @@ const TARGET_MM: Vec3 = Vec3::splat(400.0);
 /// because of the buttons above; along the wall the dome is.
 const OBLIQUE_HEIGHT: f32 = 0.03;
 const LEVEL_HEIGHT: f32 = 0.22;
+/// Range of the aspect ratio in which the distance of a standard view follows the ratio \[-\].
+const ASPECT: (f32, f32) = (0.2, 1.15);
+/// Room around a body seen from the front, for its nearer parts and the controls above \[-\].
+const FRONT_MARGIN: f32 = 1.08;
 /// Duration of [`Camera::fit`] \[s\].
 const EASE_SECONDS: f32 = 0.35;
 
@@ -219,7 +223,10 @@ impl Camera {
         let target = Vec3::new(0.0, 0.0, LEVEL_HEIGHT * ball.radius_mm + ball.middle_mm);
         let level = Pose { target, elevation: 0.0, ..fitted };
         let to = match view {
-            View::Front => Pose { azimuth: -quarter, elevation: ELEVATION.1, ..fitted },
+            View::Front => {
+                let distance = fitted.distance * front_room(aspect);
+                Pose { azimuth: -quarter, elevation: ELEVATION.1, distance, ..fitted }
+            }
             View::Side => Pose { azimuth: 0.0, ..level },
             View::Top => Pose { azimuth: quarter, ..level },
             View::All => fitted,
@@ -312,13 +319,18 @@ impl Camera {
 }
 
 fn fitted(Ball { radius_mm, middle_mm }: Ball, aspect: f32) -> Pose {
-    let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(0.2, 1.15);
+    let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(ASPECT.0, ASPECT.1);
     Pose {
         target: Vec3::new(0.0, 0.0, OBLIQUE_HEIGHT * radius_mm + middle_mm),
         azimuth: -1.05,
         elevation: 0.5,
         distance: (1.14 * radius_mm / half_angle).clamp(DISTANCE_MM.0, DISTANCE_MM.1),
     }
+}
+
+/// Distance of a view from the front over that of the three-quarter view, which sees the body foreshortened in height.
+fn front_room(aspect: f32) -> f32 {
+    ASPECT.1.min(aspect.max(1.0)) * FRONT_MARGIN
 }
 
 fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Mat4 {
@@ -413,6 +425,21 @@ mod tests {
         assert!(steps > 3 && !camera.is_easing());
         assert_eq!(camera.pose(), Camera::new(80.0, 1.5).pose());
         assert!(!camera.fit(80.0, 1.5, View::All));
+    }
+
+    #[test]
+    fn the_front_view_has_the_whole_body_with_room_above_and_below() {
+        let radius = 110.0;
+        for aspect in [0.4, 0.7, 1.1, 1.6, 2.5] {
+            let mut camera = Camera::new(radius, aspect);
+            camera.fit(radius, aspect, View::Front);
+            while camera.ease(0.1) {}
+            for k in 0..72 {
+                let rim = Vec2::from_angle(5.0_f32.to_radians() * k as f32) * radius;
+                let at = camera.project(rim.extend(0.0), aspect).expect("in front of the eye");
+                assert!(at.x.abs() < 0.97 && at.y.abs() < 0.9, "{at} at {aspect}");
+            }
+        }
     }
 
     #[test]

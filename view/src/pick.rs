@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::camera::Ray;
-use crate::section::{CapTriangle, Section};
+use crate::section::{CapTriangle, Opening, Section};
 use glam::Vec3;
 use implant_preview_core::contact::Obstacle;
 
@@ -41,7 +41,11 @@ impl Target {
     }
 }
 
-/// The first intersection of a ray.
+/// Step of the search for the wall along a ray \[mm\], and the depth below the wall's surface that is within it \[mm\].
+const WALL_STEP_MM: f32 = 2.0;
+const WITHIN_WALL_MM: f64 = 1.0;
+
+/// The first intersection of a ray; `None` where the underside of the drawn tissue or of the wall is in front.
 #[must_use]
 pub fn pick(
     ray: &Ray,
@@ -50,38 +54,59 @@ pub fn pick(
     caps: &[CapTriangle],
     obstacle: &Obstacle,
 ) -> Option<Hit> {
-    let mut nearest: Option<(f32, Target)> = None;
-    let mut offer = |distance: f32, target: Target| {
+    // `None` is a face seen from within the tissue.
+    let mut nearest: Option<(f32, Option<Target>)> = None;
+    let mut offer = |distance: f32, target: Option<Target>| {
         if nearest.is_none_or(|(d, _)| distance < d) {
             nearest = Some((distance, target));
         }
     };
     let (Some(outer), Some(inner)) = (body.levels.first(), body.levels.last()) else { return None };
-    for points in [outer, inner] {
+    let is_open = section.opening != Opening::Closed;
+    for (points, is_outer) in [(outer, true), (inner, false)] {
         for triangle in &body.triangles {
             let corners = triangle.map(|c| points[c as usize]);
             if let Some((distance, weights)) = ray_triangle(ray, corners)
                 && !section.removes(ray.origin + ray.direction * distance)
             {
+                let [a, b, c] = corners;
+                let is_from_outside = (b - a).cross(c - a).dot(ray.direction) < 0.0;
+                let is_seen = is_from_outside == is_outer && (is_outer || is_open);
                 let on_sheet = triangle.iter().all(|&c| (c as usize) < body.node_columns);
                 let target = if on_sheet {
                     Target::Sheet(std::array::from_fn(|k| (triangle[k] as usize, weights[k])))
                 } else {
                     Target::Ring
                 };
-                offer(distance, target);
+                offer(distance, is_seen.then_some(target));
             }
         }
     }
     for cap in caps {
         if let Some((distance, _)) = ray_triangle(ray, cap.corners.map(|corner| corner.position)) {
-            offer(distance, Target::Cut(cap.layer));
+            offer(distance, Some(Target::Cut(cap.layer)));
         }
     }
     if let Some(distance) = ray_dome(ray, obstacle) {
-        offer(distance, Target::Implant);
+        offer(distance, Some(Target::Implant));
     }
-    nearest.map(|(d, target)| Hit { point: ray.origin + ray.direction * d, target })
+    let (distance, target) = nearest?;
+    let target = target.filter(|_| !is_behind_wall(ray, distance, body, obstacle))?;
+    Some(Hit { point: ray.origin + ray.direction * distance, target })
+}
+
+/// Does the wall stand between the eye and a distance along the ray, as below the edge of a curved chest?
+fn is_behind_wall(ray: &Ray, distance: f32, body: &Body, obstacle: &Obstacle) -> bool {
+    // From above no ray passes through the wall before the tissue.
+    if ray.direction.z <= 0.0 {
+        return false;
+    }
+    let steps = (2.0 * body.block_radius / WALL_STEP_MM) as usize;
+    let points = (1..=steps).map(|k| distance - k as f32 * WALL_STEP_MM).take_while(|d| *d > 0.0);
+    points.map(|d| ray.origin + ray.direction * d).any(|point| {
+        let is_over = point.truncate().length() < body.block_radius;
+        is_over && obstacle.wall.gap(point.as_dvec3()) < -WITHIN_WALL_MM
+    })
 }
 
 /// Distance along the ray and barycentric weights (T. Möller and B. Trumbore, 1997).
@@ -118,7 +143,6 @@ fn ray_dome(ray: &Ray, Obstacle { dome, wall }: &Obstacle) -> Option<f32> {
 mod tests {
     use super::*;
     use crate::body::tests::both;
-    use crate::section::Opening;
     use glam::Vec2;
 
     #[test]
@@ -138,6 +162,32 @@ mod tests {
             let hit = pick(&down, &body, &section, &caps, obstacle).expect("the implant is there");
             assert_eq!(hit.target, Target::Implant);
             assert!((hit.point.z - (55f32 * 55.0 - 409.0).sqrt()).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn from_below_nothing_is_picked() {
+        for (session, body) in both() {
+            let obstacle = &session.problem().obstacle;
+            for opening in [Opening::Closed, Opening::Wedge, Opening::Half] {
+                let section = Section { opening, angle: 0.0, axis: Vec2::ZERO };
+                let caps = section.caps(&body);
+                let ring = session.problem().sheet().radius_mm() as f32 + 5.0;
+                for x in [-ring, -40.0, -10.0, 10.0, 40.0, ring] {
+                    let up = Ray { origin: Vec3::new(x, 4.0, -200.0), direction: Vec3::Z };
+                    assert_eq!(
+                        pick(&up, &body, &section, &caps, obstacle),
+                        None,
+                        "{x} {opening:?}"
+                    );
+                    let down = Ray { origin: Vec3::new(x, 4.0, 200.0), direction: -Vec3::Z };
+                    let hit = pick(&down, &body, &section, &caps, obstacle);
+                    assert!(
+                        hit.is_some() || section.removes(Vec3::new(x, 4.0, 0.0)),
+                        "{x} {opening:?}"
+                    );
+                }
+            }
         }
     }
 

@@ -125,7 +125,7 @@ struct Entry {
 struct Line {
     name: String,
     cells: Vec<Cell>,
-    /// Is the row in sight without the further ones?
+    /// Is the row in sight without unfolding?
     is_first: bool,
 }
 
@@ -161,20 +161,24 @@ fn lines<'a>(
         let name = format!("{}, {}", tr(row.name), row.unit);
         Line { name, cells, is_first: FIRST.contains(&row.name) }
     };
-    let given = differing::rows(session).into_iter().map(|(name, values)| {
-        let mut cells = Vec::new();
-        for (k, text) in values.into_iter().enumerate() {
-            cells.push(Cell { text, ..Cell::default() });
-            if has_differences && k > 0 {
-                cells.push(Cell::default());
-            }
-        }
-        Line { name, cells, is_first: true }
-    });
-    given.chain(ROWS.iter().map(line)).collect()
+    ROWS.iter().map(line).collect()
 }
 
-/// Shows the table with the bands of the `sampled` scenes: what differs and the figures of the answer, the further rows in a fold.
+/// What differs beside the numbers, as lines: "Skin: this plan lax; A tight".
+fn words(session: &Session) -> impl Iterator<Item = String> {
+    let heads: Vec<String> = [tr("this plan").to_owned()]
+        .into_iter()
+        .chain(session.pins().iter().map(|pin| pin.letter().to_string()))
+        .collect();
+    differing::rows(session).into_iter().map(move |(name, values)| {
+        let values: Vec<String> =
+            heads.iter().zip(values).map(|(head, value)| format!("{head} {value}")).collect();
+        format!("{name}: {}", values.join("; "))
+    })
+}
+
+/// Shows what differs in words, and the table with the bands of the `sampled` scenes: the figures of the answer, the further rows in
+/// a fold.
 pub(super) fn show<'a>(
     ui: &mut Ui,
     session: &Session,
@@ -190,10 +194,13 @@ pub(super) fn show<'a>(
             heads.push((format!("− {letter}"), tip));
         }
     }
+    for line in words(session) {
+        ui.add(egui::Label::new(RichText::new(line).small()).wrap());
+    }
     let lines = lines(session, has_differences, sampled);
     let columns = Columns::fitting(ui, &heads, &lines);
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
-        ui.spacing_mut().item_spacing = vec2(Columns::SPACE, 3.0);
+        ui.spacing_mut().item_spacing = vec2(columns.space, 3.0);
         columns.row(ui, "", heads.iter(), |ui, (head, tip)| {
             let head = ui.add(egui::Label::new(RichText::new(head).strong()).extend());
             if !tip.is_empty() {
@@ -217,13 +224,16 @@ pub(super) fn show<'a>(
 
 /// Widths of the columns \[points\]: those of the widest text. A grid would keep the widths of its previous frame.
 struct Columns {
+    /// Width of the names; 0: the names stand in lines of their own above the numbers.
     name: f32,
     cells: Vec<f32>,
+    /// Space between two columns.
+    space: f32,
 }
 
 impl Columns {
-    /// Space between two columns \[points\].
-    const SPACE: f32 = 12.0;
+    /// Greatest and least space between two columns \[points\].
+    const SPACE: (f32, f32) = (12.0, 6.0);
 
     fn fitting(ui: &Ui, heads: &[(String, String)], lines: &[Line]) -> Self {
         let width = |style: TextStyle, text: &str| {
@@ -239,10 +249,15 @@ impl Columns {
             let cells = lines.iter().filter_map(|line| line.cells.get(k)).map(cell);
             cells.fold(width(TextStyle::Body, &head.0), f32::max)
         };
-        Self {
-            name: lines.iter().map(name).fold(0.0, f32::max),
-            cells: heads.iter().enumerate().map(column).collect(),
-        }
+        let cells: Vec<f32> = heads.iter().enumerate().map(column).collect();
+        let name = lines.iter().map(name).fold(0.0, f32::max);
+        let room = |name: f32| {
+            let gaps = cells.len() as f32 - if name > 0.0 { 0.0 } else { 1.0 };
+            (ui.available_width() - name - cells.iter().sum::<f32>()) / gaps.max(1.0)
+        };
+        let (least, most) = (Self::SPACE.1, Self::SPACE.0);
+        let name = if room(name) < least { 0.0 } else { name };
+        Self { name, space: room(name).min(most).max(least), cells }
     }
 
     /// Shows a row: the name on the line of the numbers, the cells aligned to the right.
@@ -254,14 +269,22 @@ impl Columns {
         show: impl Fn(&mut Ui, T),
     ) {
         let height = ui.text_style_height(&TextStyle::Monospace);
+        let label = |ui: &mut Ui| {
+            if !name.is_empty() {
+                ui.add(egui::Label::new(RichText::new(name).small()).extend());
+            }
+        };
+        if self.name <= 0.0 {
+            label(ui);
+        }
         ui.horizontal_top(|ui| {
-            let left = egui::Layout::left_to_right(egui::Align::Center);
-            ui.allocate_ui_with_layout(vec2(self.name, height), left, |ui| {
-                ui.set_min_size(vec2(self.name, height));
-                if !name.is_empty() {
-                    ui.add(egui::Label::new(RichText::new(name).small()).extend());
-                }
-            });
+            if self.name > 0.0 {
+                let left = egui::Layout::left_to_right(egui::Align::Center);
+                ui.allocate_ui_with_layout(vec2(self.name, height), left, |ui| {
+                    ui.set_min_size(vec2(self.name, height));
+                    label(ui);
+                });
+            }
             for (width, of) in self.cells.iter().zip(cells) {
                 let right = egui::Layout::top_down(egui::Align::Max);
                 ui.allocate_ui_with_layout(vec2(*width, height), right, |ui| {
@@ -319,7 +342,13 @@ pub(in crate::app) fn rows<'a>(
         let cells = line.cells.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
         [line.name].into_iter().chain(cells.map(|(of, _)| cell(of))).collect()
     };
-    [head].into_iter().chain(lines(session, false, sampled).into_iter().map(row)).collect()
+    let given = differing::rows(session).into_iter().map(|(name, values)| {
+        let values = values.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
+        [name].into_iter().chain(values.map(|(value, _)| value)).collect::<Vec<_>>()
+    });
+    let given: Vec<Vec<String>> = given.collect();
+    let numbers = lines(session, false, sampled).into_iter().map(row);
+    [head].into_iter().chain(given).chain(numbers).collect()
 }
 
 /// A band, as "4.5–6.1".

@@ -38,6 +38,14 @@ impl Range {
         if map.place(session.scene()).is_none() || !map.move_to(session.scene()) {
             return Err(tr(HOW));
         }
+        if let Some((scene, _)) =
+            self.started.as_mut().filter(|(scene, _)| scene != session.scene())
+        {
+            // The page moves the map back to another plan when it is opened.
+            scene.clone_from(session.scene());
+            self.revision += 1;
+            self.starts += 1;
+        }
         self.pins.update(map, self.starts, session);
         self.sizes.update(map, self.starts);
         let map = self.map.study().ok_or(tr(HOW))?;
@@ -67,6 +75,7 @@ impl ReportChart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::range::AxisChoice;
     use crate::app::studies::Studies;
     use crate::app::theme;
     use crate::scene::Scene;
@@ -170,6 +179,29 @@ mod tests {
         range.advance(&ctx, session.scene(), &mut studies);
         assert!(!range.is_open && !range.check.is_running());
         assert!(range.for_report(&session).is_ok());
+    }
+
+    #[test]
+    fn a_chart_moved_for_a_report_is_moved_back_to_the_plan_of_the_page() {
+        let (mut range, mut session) = solved();
+        let before = session.scene().clone();
+        let axes = range.map.study().map(|map| map.axes().to_vec()).unwrap();
+        // The page as it was left: axes as typed, the map that of the plan.
+        range.across.ends = Some((axes[0].from, axes[0].to));
+        range.up = range.up.map(|up| AxisChoice { ends: Some((axes[1].from, axes[1].to)), ..up });
+        range.fineness = axes[0].count;
+        assert_eq!(range.axes(&before), axes);
+        range.started = Some((before.clone(), axes));
+        let place = |range: &Range| range.map.study().and_then(Map::present);
+        let own = place(&range);
+        edit(&mut session, Parameter::BaseWidth, 100.0);
+        assert!(range.for_report(&session).is_ok());
+        assert_ne!(place(&range), own);
+        // The former plan again, on the opened page.
+        range.is_open = true;
+        let mut studies = Studies::new(&egui::Context::default(), |_| Box::new(Never(0)));
+        range.advance(&egui::Context::default(), &before, &mut studies);
+        assert_eq!(place(&range), own);
     }
 
     #[test]

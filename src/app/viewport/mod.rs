@@ -2,6 +2,7 @@
 //!
 //! Without GL (in tests, without WebGL 2) only the picture itself is missing.
 
+mod directions;
 mod envelope;
 mod marks;
 mod options;
@@ -34,7 +35,7 @@ use eframe::egui::{
 };
 use eframe::{egui_glow, glow};
 use egui::layers::ShapeIdx;
-use glam::{DVec2, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
@@ -261,7 +262,8 @@ impl Viewport {
         let scale = scale.filter(|_| !self.picture.body.is_empty());
         let legend = scale.map_or(Rect::NOTHING, |s| overlay::legend(ui, &painter, free, s));
         let taken = [legend, scale_bar(ui, &painter, area, self.points_per_mm(area))];
-        overlay::directions(ui, &painter, free, self.directions(session, area), &taken);
+        let (right, up) = self.camera.right_and_up();
+        overlay::directions(ui, &painter, free, &directions::words(right, up), &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section };
         let click = self.show_marks(ui, &response, &marked);
@@ -425,24 +427,6 @@ impl Viewport {
         let (right, _) = self.camera.right_and_up();
         let project = |p| self.camera.project(p, self.aspect).unwrap_or_default();
         0.5 * area.width() * (project(target + right) - project(target)).length()
-    }
-
-    /// Places of the words for the directions of the patient, on the rim of the wall.
-    fn directions(&self, session: &impl Subject, area: Rect) -> [(Option<Pos2>, &'static str); 4] {
-        let problem = session.problem();
-        let patch = problem.sheet().radius_mm();
-        let radius = 1.04 * f64::from(self.picture.body.block_radius).max(patch);
-        let at = |x: f64, y: f64| {
-            let place = radius * DVec2::new(x, y);
-            self.point(wall::at(&problem.obstacle.wall.0, patch, place).0, area)
-        };
-        let words = [
-            (0.0, 1.0, tr("head")),
-            (0.0, -1.0, tr("feet")),
-            (-1.0, 0.0, tr("midline")),
-            (1.0, 0.0, tr("side")),
-        ];
-        words.map(|(x, y, word)| (at(x, y), word))
     }
 
     /// The place of a point \[mm\] in the area; `None` behind the eye.

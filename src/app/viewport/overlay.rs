@@ -1,7 +1,9 @@
 //! Overlays of the picture: legend, directions, scale bar, box at the pointer.
 
 use super::Outline;
+use super::directions::Edge;
 use crate::app::texts::{self, tr};
+use crate::app::theme::SPACE;
 use crate::view::color::{Rgb, Scale};
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
@@ -150,8 +152,9 @@ pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Re
     let mut free = f32::NEG_INFINITY;
     for (value, label) in &scale.ticks {
         let galley = painter.layout_no_wrap(texts::localized(tr(label)), font.clone(), text);
-        let start =
-            (at(*value) - 0.5 * galley.size().x).clamp(bar.left(), bar.right() - galley.size().x);
+        // A bar narrower than the number has the number at its left end.
+        let start = (at(*value) - 0.5 * galley.size().x).min(bar.right() - galley.size().x);
+        let start = start.max(bar.left());
         if start > free {
             free = start + galley.size().x + 4.0;
             painter.galley(pos2(start, bar.bottom() + 1.0), galley, text);
@@ -165,19 +168,25 @@ pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Re
     place
 }
 
-/// Draws the words for the directions of the patient inside of an area, beside what has `taken` a place.
+/// Draws the words for the directions of the patient at the middles of an area's edges, beside what has `taken` a place.
 pub(crate) fn directions(
     ui: &Ui,
     painter: &Painter,
     area: Rect,
-    words: [(Option<Pos2>, &'static str); 4],
+    words: &[(Edge, &'static str)],
     taken: &[Rect],
 ) {
     let mut taken = taken.to_vec();
-    for (at, word) in words {
-        let Some(at) = at else { continue };
+    let inner = area.shrink(SPACE);
+    for &(edge, word) in words {
         let galley = painter.layout_no_wrap(word.to_owned(), font(ui), ui.visuals().text_color());
-        let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size()).expand2(vec2(4.0, 0.0));
+        let (anchor, at) = match edge {
+            Edge::Top => (Align2::CENTER_TOP, inner.center_top()),
+            Edge::Bottom => (Align2::CENTER_BOTTOM, inner.center_bottom()),
+            Edge::Left => (Align2::LEFT_CENTER, inner.left_center() + vec2(4.0, 0.0)),
+            Edge::Right => (Align2::RIGHT_CENTER, inner.right_center() - vec2(4.0, 0.0)),
+        };
+        let rect = anchor.anchor_size(at, galley.size()).expand2(vec2(4.0, 0.0));
         let Some(rect) = moved_beside(rect, area, &taken) else { continue };
         taken.push(rect);
         let fill = ui.visuals().panel_fill.gamma_multiply(0.75);
