@@ -70,7 +70,7 @@ fn cut_box(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Actio
     }
     // Always present, so that nothing moves; without a cut the direction waits for one.
     ui.add_enabled_ui(options.section, |ui| {
-        cut_direction(ui, options.section_azimuth_deg, actions)
+        cut_direction(ui, options.section_azimuth_deg, actions);
     });
 }
 

@@ -94,9 +94,8 @@ impl Store for Origin {
 
     /// A missing storage is reported with the first change.
     fn read(&self, name: &str) -> Result<Option<String>, JsValue> {
-        let text = storages().and_then(|[tab, shared]| match is_of_tab(name) {
-            true => keep::read_of_tab(&tab, &shared, name),
-            false => shared.get(name),
+        let text = storages().and_then(|[tab, shared]| {
+            if is_of_tab(name) { keep::read_of_tab(&tab, &shared, name) } else { shared.get(name) }
         });
         Ok(text.ok().flatten())
     }
