@@ -108,11 +108,11 @@ impl App {
         let toolbar = egui::Panel::top("toolbar").resizable(false);
         toolbar.show(ui, |ui| toolbar::show(ui, Layout::Narrow, &self.shared, &mut self.actions));
         // The picture keeps half of the screen.
-        let screen = ui.available_rect_before_wrap().with_min_y(ui.max_rect().top());
-        let sheet = if screen.width() > screen.height() {
-            egui::Panel::right("sheet beside").exact_size(0.5 * screen.width())
+        let screen = ui.ctx().content_rect().size().max(theme::LEAST_WINDOW);
+        let sheet = if screen.x > screen.y {
+            egui::Panel::right("sheet beside").exact_size(0.5 * screen.x)
         } else {
-            egui::Panel::bottom("sheet").exact_size(0.46 * screen.height())
+            egui::Panel::bottom("sheet").exact_size(0.46 * screen.y)
         };
         sheet.resizable(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = theme::SPACE_SMALL;
