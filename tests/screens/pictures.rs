@@ -1,6 +1,7 @@
 //! What stands on the pictures: words of the directions, the scale of the cross-section.
 
 use super::*;
+use implant_preview::scene::Side;
 
 /// The places of the words of the directions on the picture, of those that are drawn.
 fn directions(harness: &Harness<'static, App>) -> Vec<(String, egui::Pos2)> {
@@ -22,8 +23,11 @@ fn directions(harness: &Harness<'static, App>) -> Vec<(String, egui::Pos2)> {
 #[test]
 fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan() {
     for size in [DESKTOP, egui::vec2(1024.0, 768.0), PHONE] {
-        for shape in ["round", "anatomical"] {
-            let mut harness = app(size, |scene| *scene = flat_plan());
+        for (shape, is_right) in [("round", false), ("anatomical", false), ("round", true)] {
+            let mut harness = app(size, |scene| {
+                *scene = flat_plan();
+                scene.side = is_right.then_some(Side::Right);
+            });
             if size == PHONE {
                 press(&mut harness, "Implant");
             }
@@ -34,7 +38,8 @@ fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan()
             let words = directions(&harness);
             let at = |word: &str| words.iter().find(|(text, _)| text == word).map(|(_, at)| *at);
             let [head, feet] = ["head", "feet"].map(|word| at(word).unwrap());
-            let [midline, side] = ["midline", "side"].map(|word| at(word).unwrap());
+            let [left, right] = ["midline", "side"].map(|word| at(word).unwrap());
+            let [midline, side] = if is_right { [right, left] } else { [left, right] };
             let third = view.size() / 3.0;
             assert!(head.y < view.top() + third.y, "{size} {shape}: {words:?} in {view:?}");
             assert!(feet.y > view.bottom() - third.y, "{size} {shape}: {words:?} in {view:?}");
