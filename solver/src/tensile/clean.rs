@@ -115,7 +115,7 @@ pub(super) fn until_rupture(mut rows: Vec<Row>, notes: &mut Notes) -> Vec<Row> {
         return rows;
     };
     let least = smooth[peak..].iter().copied().fold(f64::INFINITY, f64::min);
-    if least < (1.0 - RUPTURE) * smooth[peak] {
+    if peak > 0 && least < (1.0 - RUPTURE) * smooth[peak] {
         let (count, at) = (rows.len() - peak - 1, percent(rows[peak][0]));
         notes.say(format!("The stress falls from {at} % strain on; rows left out there: {count}."));
         rows.truncate(peak + 1);
@@ -141,7 +141,10 @@ pub(super) fn zeroed(mut rows: Vec<Row>, notes: &mut Notes) -> Vec<Row> {
         rows.retain(|row| row[0] >= 0.0);
         notes.say(format!("Rows of compression, left out: {}.", all - rows.len()));
     }
-    let Some(start) = Start::of(&rows) else { return rows };
+    let Some(start) = Start::of(&rows) else {
+        rows.retain(|row| row[0] > 0.0);
+        return rows;
+    };
     let is_stress = start.stress.abs() > (1e-4 * most).max(3.0 * start.error);
     let is_strain = start.strain.abs() > 0.005 * range;
     let continues = start.stress > 0.0 && start.stress <= 1.5 * start.slope * start.strain;

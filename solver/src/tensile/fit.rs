@@ -72,7 +72,8 @@ fn rises(values: &[f64], rising: &[f64]) -> bool {
     let (explained, all) = (spread(rising), spread(values));
     // Pools have the mean of their values.
     let of_noise = (3.0 * (count.ln() + 1.0) / count).min(0.5);
-    explained > 0.0 && (values.len() < FEW || explained > of_noise * all)
+    // A sample alone rises from the origin.
+    values.len() == 1 || explained > 0.0 && (values.len() < FEW || explained > of_noise * all)
 }
 
 /// Curves that rise everywhere.

@@ -212,3 +212,30 @@ fn a_finished_sentence_is_recognised_with_its_values() {
         "Pueden verse pliegues de la piel sobre el bolsillo: cerca del 20 % de la piel"
     ));
 }
+
+#[test]
+fn what_is_said_about_a_tensile_test_is_spanish() {
+    let read = |text: &[u8]| crate::tensile::read(text, crate::tensile::Given::default());
+    let mut said = Vec::new();
+    for text in [
+        &include_bytes!("../../../tests/fixtures/tensile/percent-mpa-unload.csv")[..],
+        include_bytes!("../../../tests/fixtures/tensile/true-cycles-rupture.txt"),
+        include_bytes!("../../../tests/fixtures/tensile/toe.json"),
+        include_bytes!("../../../tests/fixtures/tensile/offset.json"),
+        include_bytes!("../../../tests/fixtures/tensile/dup.json"),
+        b"Stretch [-];Stress\n0,9;-8\n1;0\n1,1;x\n1,2;9\n1,3;9\n1,4;30000",
+        b"0.1,0\n0.2,2",
+    ] {
+        let found = read(text).unwrap();
+        said.push(found.summary());
+        said.extend(found.notes);
+    }
+    for text in ["0,1", "0.1,2\n0.2,1", "1,2,3\n2,3,4", "Strain [mm];Stress [N]\n1;2"] {
+        said.push(read(text.as_bytes()).unwrap_err().to_string());
+    }
+    assert!(said.len() > 30, "{said:#?}");
+    for english in said {
+        let spanish = sentence(&english);
+        assert!(spanish != english && !spanish.contains(" strain"), "{spanish}");
+    }
+}
