@@ -263,8 +263,6 @@ impl Viewport {
         let legend = scale.map_or(Rect::NOTHING, |s| overlay::legend(ui, &painter, free, s));
         let taken = [legend, scale_bar(ui, &painter, area, self.points_per_mm(area))];
         let (right, up) = self.camera.right_and_up();
-        // Of a mirror image.
-        let right = if session.scene().is_right() { -right } else { right };
         overlay::directions(ui, &painter, free, &directions::words(right, up), &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section };
